@@ -30,8 +30,8 @@ def main(effects: list[dict[str, object]]) -> None:
     # Where ducc0 is installed it transforms in place; without it every installation allocates the same.
     sys.modules["ducc0"] = None  # type: ignore[assignment]
     from fem_contact.complementarity import fourier
+    from validation.execution.press import solves_of
     from validation.scenes.scene import Scene
-    from validation.solves.press import solves_of
 
     (solve,) = solves_of(Scene.model_validate(SCENE | {"effects": effects}))
     solve.do()

@@ -23,7 +23,7 @@ EFFECT_MODULES = {
     "persson.diffusion",
     "persson.graded",
     "persson.hardness",
-    "validation.solves.calibration",
+    "validation.execution.calibration",
 }
 
 #: The probe's plain scene on commit d5147c4, before any effect was wired to a scene: transforms of all grids,

@@ -44,3 +44,19 @@ def test_an_unknown_name_is_an_attribute_error(package):
 def test_the_old_name_of_pressing_a_solid_that_yields_says_the_new_one():
     with pytest.raises(AttributeError, match=r"fem_contact\.press_yielding"):
         _ = fem_contact.press
+
+
+@pytest.mark.parametrize(
+    ("line", "new"),
+    [
+        ("import validation.methods.tamaas", "validation.solvers"),
+        ("from validation.solves.bench import Bench", "validation.execution"),
+        ("from validation.measures import common", "validation.measurements"),
+        ("from validation.scenes.realised import realise", "validation.scenes.problem"),
+        ("from validation.effects.base import Slots", "called ContactModel"),
+        ("from validation.effects.base import Told", "called TheoryInputs"),
+    ],
+)
+def test_an_import_by_an_old_name_says_the_new_one(line, new):
+    with pytest.raises(ImportError, match=new):
+        exec(line)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fem_contact._environment import settle
+from validation import _renamed
 
 if TYPE_CHECKING:
     from validation.notebook import Contact, Surface, measured, press, self_affine, study, table, theory
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 __all__ = ["Contact", "Surface", "measured", "press", "self_affine", "study", "table", "theory"]
 
 settle()
+_renamed.install()
 
 
 def __getattr__(name: str) -> object:

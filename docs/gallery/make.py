@@ -20,10 +20,10 @@ from typing import Any
 from PIL import Image
 
 from validation import reference
+from validation.execution.bench import Bench
+from validation.execution.running import Execution
 from validation.files import prepare_folder
 from validation.report.figure import save_figure
-from validation.solves.bench import Bench
-from validation.solves.running import Execution
 from validation.studies import find_study
 from validation.studies._outputs import StudyOutputs, report_study, run_study
 
@@ -94,7 +94,7 @@ def _scorecard(folder: Path) -> None:
     """Score our solvers beside those of others that are installed, and write their page."""
     from validation.cases._result import write_scorecards
     from validation.cases.scorecard import Subject, score
-    from validation.methods import find_solver
+    from validation.solvers import find_solver
 
     solvers = {name: find_solver(name) for name in SCORED}
     subjects = [

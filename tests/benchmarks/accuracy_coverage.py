@@ -25,18 +25,18 @@ import numpy as np
 
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from fem_contact.extrapolation import Limit
-from validation.comparison.accuracy import Reached, reach
+from validation.comparison.accuracy import AccuracyResult, reach
 from validation.effects.base import Effect
 from validation.effects.coating import Coating
 from validation.effects.graded import Graded
 from validation.effects.hardness import Hardness
 from validation.effects.thickness import Thickness
-from validation.measures.measurement import grid_for, limit_over
-from validation.methods.bem import BemOptions
-from validation.scenes.realised import realise
+from validation.execution.bench import Bench
+from validation.execution.press import solves_of
+from validation.measurements.measurement import grid_for, limit_over
+from validation.scenes.problem import realise
 from validation.scenes.scene import FileSurface, Load, Methods, Scene, SelfAffineSurface, SolidSpec
-from validation.solves.bench import Bench
-from validation.solves.press import solves_of
+from validation.solvers.bem import BemOptions
 
 _TRUTH = {True: (16, 24, 32), False: (24, 32, 48)}
 _WAVES = 8
@@ -102,10 +102,10 @@ class Case:
 
     def truth(self) -> Limit:
         """Return the limit over fine grids."""
-        realised = realise(self.scene)
-        grids = tuple(grid_for(realised, level) for level in _TRUTH[not self.scene.effects])
+        problem = realise(self.scene)
+        grids = tuple(grid_for(problem, level) for level in _TRUTH[not self.scene.effects])
         fine = BemOptions(grids=grids, tolerance=1e-7)
-        solves = solves_of(self.scene.model_copy(update={"methods": Methods(bem=fine)}), realised)
+        solves = solves_of(self.scene.model_copy(update={"methods": Methods(bem=fine)}), problem)
         results = [solve.do(threads=1).contact for solve in solves]
         told = {"edge_constant": EDGE_CONSTANTS["bem"], "subcell": not self.scene.effects}
         return limit_over([contact_areas(result, **told) for result in results])
@@ -121,7 +121,7 @@ def _mapped(seed: int, kind: str, folder: Path, *, points: int) -> FileSurface:
     return FileSurface(kind="file", path=path, length=(_LENGTH, _LENGTH), unit=1.0, edges=edges, tilt="plane")
 
 
-def judged(case: Case) -> tuple[Reached, float, bool]:
+def judged(case: Case) -> tuple[AccuracyResult, float, bool]:
     """Return what was reached, its error in claimed half-widths, and whether the interval holds the truth."""
     with tempfile.TemporaryDirectory() as folder:
         reached = reach(case.scene, Bench.at(folder), target=case.target)

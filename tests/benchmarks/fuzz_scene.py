@@ -32,7 +32,7 @@ def main() -> None:
         from validation.cli import commands as cli
         from validation.errors import SceneError, UsageError
         from validation.scenes.checks import check_scene
-        from validation.scenes.realised import realise
+        from validation.scenes.problem import realise
         from validation.scenes.scene import load_scene
 
     # The corpus and what libFuzzer writes are named relative to where the run was started.

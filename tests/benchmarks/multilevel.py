@@ -12,8 +12,8 @@ import sys
 
 import numpy as np
 
-from validation.measures.common import base_case, base_surface
-from validation.measures.measurement import grid_for, grid_tolerance, press_on_grids
+from validation.measurements.common import base_case, base_surface
+from validation.measurements.measurement import grid_for, grid_tolerance, press_on_grids
 
 POINTS_PER_WAVE = (4.0, 8.0, 16.0)
 #: Between the first surfaces of neighbouring levels, so that no surface serves two of them.
@@ -28,7 +28,7 @@ def measured(surfaces: int) -> list[list]:
     return [
         [
             press_on_grids(
-                realised=first.further(k + APART * level),
+                problem=first.further(k + APART * level),
                 grids=tuple(grids[max(level - 1, 0) : level + 1]),
                 shifts=1,
                 tolerance=grid_tolerance(first, grids),

@@ -8,8 +8,8 @@ import pytest
 from small_scene import small_scene
 
 from validation.comparison.run import Outputs, run_scene
+from validation.execution.bench import Bench
 from validation.scenes.scene import load_scene
-from validation.solves.bench import Bench
 
 _HEAD = 'name = "small"\ntitle = "A small scene"\n' + small_scene(
     "shifts = 2\n\n[methods.theory]\n", grids="[12, 24, 48]"

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from fem_contact import area_error
-from validation.measures.distributions import PATCH_EDGES, STRESS_EDGES
+from validation.measurements.distributions import PATCH_EDGES, STRESS_EDGES
 
 #: Student's factor of 95 % intervals, by number of samples (printed tables).
 STUDENT = {2: 12.7062047364, 3: 4.30265272991, 4: 3.18244630528}
@@ -50,7 +50,7 @@ def measurement(solve, area: Callable[[float], float], **planted: Callable) -> x
     such areas are on average: every limit is `area`.
     """
     points = np.array([n for n, _ in solve["grids"]])
-    loads = solve["reduced_pressures"] or solve["realised"].load.values
+    loads = solve["reduced_pressures"] or solve["problem"].load.values
     shape = (points.size, solve["shifts"] ** 2, len(loads))
     dims = ("grid", "shift", "load")
 
@@ -88,7 +88,7 @@ def measurement(solve, area: Callable[[float], float], **planted: Callable) -> x
         ("patch_number", sizes),
     ):
         data[f"{name}_profile"] = (("grid", "load", f"{name}_bin"), values)
-    waves = solve["realised"].lengths[0] / solve["realised"].shortest
+    waves = solve["problem"].lengths[0] / solve["problem"].shortest
     return xr.Dataset(
         data,
         coords={
@@ -109,7 +109,7 @@ def measurement(solve, area: Callable[[float], float], **planted: Callable) -> x
 
 def realisation(solve) -> int:
     """Number of the surface of a solve; +h and -h of a pair follow each other."""
-    own = solve["realised"]
+    own = solve["problem"]
     return 2 * own.realisation + own.inverted
 
 

@@ -15,9 +15,9 @@ import numpy as np
 import psutil
 import xarray as xr
 
-from validation.bounded import ONE_THREAD
-from validation.solves.running import Silent
-from validation.solves.solve import NumbersSolve, Prediction
+from validation.execution.running import Silent
+from validation.execution.solve import NumbersSolve, Prediction
+from validation.sandbox import ONE_THREAD
 from validation.studies import area
 
 

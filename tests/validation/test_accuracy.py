@@ -14,20 +14,20 @@ from validation.comparison import accuracy_search
 from validation.comparison.accuracy import parse_accuracy, reach
 from validation.comparison.accuracy_search import Search
 from validation.errors import RunFailed, SceneError, UsageError
-from validation.measures.common import base_surface
-from validation.measures.ensemble import mean_area
-from validation.measures.measurement import area_limits, grid_for, limit_over, press_on_grids
-from validation.measures.pairs import Areas, area_pairs
-from validation.measures.statistics import pair_means
-from validation.methods.bem import BemOptions
+from validation.execution.bench import Bench
+from validation.execution.press import solves_of
+from validation.execution.running import Execution, solve_all
+from validation.execution.store import Store
+from validation.measurements.common import base_surface
+from validation.measurements.ensemble import mean_area
+from validation.measurements.measurement import area_limits, grid_for, limit_over, press_on_grids
+from validation.measurements.pairs import Areas, area_pairs
+from validation.measurements.statistics import pair_means
 from validation.report.estimates import mean_of
-from validation.scenes.realised import Realised, realise
+from validation.scenes.problem import ContactProblem, realise
 from validation.scenes.scene import Load, Methods, Scene, SolidSpec, load_scene
 from validation.scenes.sweep import load_asked
-from validation.solves.bench import Bench
-from validation.solves.press import solves_of
-from validation.solves.running import Execution, solve_all
-from validation.solves.store import Store
+from validation.solvers.bem import BemOptions
 
 MIB = 2**20
 
@@ -106,13 +106,13 @@ def test_the_mean_over_surfaces_is_as_accurate_as_asked(ensemble, bench):
 )
 def test_the_controlled_mean_is_that_of_plain_surfaces_whatever_amplitudes_and_load(amplitudes, load, bench):
     surface = base_surface(hurst=0.7, periods=2.0, bandwidth=4.0, seed=4711)
-    base = Realised(
+    base = ContactProblem(
         surface=surface.model_copy(update={"amplitudes": amplitudes}),
         solid=SolidSpec(young=0.91e9, poisson=0.3),
         load=Load(reduced_pressure=0.1) if load == "reduced_pressure" else Load(pressure=0.01e9),
     )
     found = mean_area(base, half_width=0.01, bench=bench, tolerance=1e-5)
-    plain = area_pairs(realised=base, grids=found.grids[1:], first=77_000_000, count=400, tolerance=1e-5)
+    plain = area_pairs(problem=base, grids=found.grids[1:], first=77_000_000, count=400, tolerance=1e-5)
     areas = [limit.value for limit in Areas.joined(plain, [plain.measure()]).limits(1)]
     middle, half = mean_of(xr.DataArray(areas, dims="surface"), pairs=True)
     assert abs(found.estimate.value - float(middle)) < 1.5 * math.hypot(found.half_width, float(half))
@@ -198,8 +198,10 @@ def test_a_grid_is_found_with_cells_that_are_nearly_square(length, bench):
     surface = base_surface(hurst=0.7, periods=1.0, bandwidth=4.0, seed=3)
     short = min(length) / 4
     surface = surface.model_copy(update={"length": length, "lambda_long": min(length), "lambda_short": short})
-    base = Realised(surface=surface, solid=SolidSpec(young=1e9, poisson=0.3), load=Load(reduced_pressure=0.1))
-    search = Search(scene=SimpleNamespace(surface=surface), realised=base, target=0.1, bench=None)
+    base = ContactProblem(
+        surface=surface, solid=SolidSpec(young=1e9, poisson=0.3), load=Load(reduced_pressure=0.1)
+    )
+    search = Search(scene=SimpleNamespace(surface=surface), problem=base, target=0.1, bench=None)
     for level in (3, 4, 12):
         nx, ny = search._grid(level)
         assert base.points_per_wave((nx, ny)) >= level * (1 - 1e-9)
@@ -229,7 +231,7 @@ def test_claims_hold_as_often_as_they_say_on_surfaces_and_loads_of_many_kinds(ta
         )
         reached = reach(scene, bench, target=target)
         pressed = realise(scene)
-        fine = press_on_grids(realised=pressed, grids=tuple(grid_for(pressed, n) for n in (16, 24, 32)))
+        fine = press_on_grids(problem=pressed, grids=tuple(grid_for(pressed, n) for n in (16, 24, 32)))
         (truth,), (uncertainty,) = area_limits(bench.solve([fine])[fine])
         assert reached.error <= target
         held += abs(reached.area / truth - 1) <= math.hypot(reached.error, 2 * uncertainty / truth)

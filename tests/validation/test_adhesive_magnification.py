@@ -8,8 +8,8 @@ from persson.adhesion import Interface, solve_adhesion
 from persson.elastic import pressure_distribution
 from persson.scale import Scale
 from validation.effects.base import full_contact_energy
-from validation.measures.adhesive import STRESS_EDGES, readings, sticky_contact
-from validation.measures.distributions import largest_difference
+from validation.measurements.adhesive import STRESS_EDGES, readings, sticky_contact
+from validation.measurements.distributions import largest_difference
 from validation.studies import adhesive_magnification as study
 
 OPTIONS = study.Options(magnifications=(1.5, 3.0), periods=1.0, surfaces=2, seed=31, work=0.5)
@@ -27,15 +27,15 @@ def whole():
 
 def sticky(whole, *, work, reach):
     shells = tuple(2 * np.pi / 1e-5 * np.array([1.5, 3.0]))
-    return sticky_contact(realised=whole[0], grid=(48, 48), work=work, reach=reach, shells=shells).measure()
+    return sticky_contact(problem=whole[0], grid=(48, 48), work=work, reach=reach, shells=shells).measure()
 
 
 def test_without_attraction_all_is_that_of_the_plain_contact(whole):
     """A work of 1e-9 of the energy, over a range that 48 points resolve, adds 1e-6 at most."""
-    realised, work = whole
+    problem, work = whole
     found = sticky(whole, work=2e-9 * work, reach=(2e-9 * work / 1e7 * 1e-5 / 10) ** 0.5)
     plain = bem.solve(
-        realised.heights((48, 48)), HalfSpace(solid=realised.elastic), mean_pressure=realised.pressure
+        problem.heights((48, 48)), HalfSpace(solid=problem.elastic), mean_pressure=problem.pressure
     )
     assert float(found.area) == float(found.plain) == plain.in_contact.mean()
     assert float(found.force) == pytest.approx(1, abs=1e-4)
@@ -46,10 +46,10 @@ def test_without_attraction_all_is_that_of_the_plain_contact(whole):
 
 
 def test_the_energy_of_the_waves_adds_up_to_half_of_p_u_and_to_that_of_full_contact(whole):
-    realised, work = whole
+    problem, work = whole
     found = sticky(whole, work=work, reach=(work / 1e7 * 1e-5 / 10) ** 0.5)
     assert float(found.stored.sum()) == pytest.approx(float(found.stored_by_pressure), rel=1e-9)
-    full = full_contact_energy(realised.field, modulus=realised.contact_modulus)
+    full = full_contact_energy(problem.field, modulus=problem.contact_modulus)
     assert float(found.full.sum()) == pytest.approx(full, rel=1e-9)
     assert float(found.full[-1]) < 1e-12 * full
     assert float(found.stress.sum()) == pytest.approx(float(found.area), rel=1e-12)
@@ -67,9 +67,9 @@ def test_the_law_is_as_strong_as_the_theory_s_detachment_stress_at_the_last_wave
     """sigma_a^2 = (9/8) w E* q, Eq. 36, and w / range is the strength."""
     cut = study._cut(OPTIONS, 0, 3.0)
     case = cut.solve(16.0 * 3.0, shells=())
-    q = 2 * np.pi / cut.realised.shortest
+    q = 2 * np.pi / cut.problem.shortest
     assert (case["work"] / case["reach"]) ** 2 == pytest.approx(
-        1.125 * case["work"] * cut.realised.contact_modulus * q
+        1.125 * case["work"] * cut.problem.contact_modulus * q
     )
     assert (case["work"], case["grid"]) == (whole[1], (48, 48))
 
@@ -80,12 +80,12 @@ def test_the_whole_surface_is_told_the_same_work_both_ways(data):
     assert data.area_improved_each.values[1, :, 1] == pytest.approx(
         data.area_improved_each.values[0, :, 1], rel=1e-4
     )
-    realised, work = study._whole(OPTIONS, 1)
-    along = readings(realised, work=work, area="projected")["improved"]
+    problem, work = study._whole(OPTIONS, 1)
+    along = readings(problem, work=work, area="projected")["improved"]
     assert data.force_inside_improved_each.values[0, 1, 1] == pytest.approx(
-        along.contact_force[-1] / realised.pressure, rel=1e-9
+        along.contact_force[-1] / problem.pressure, rel=1e-9
     )
-    full = full_contact_energy(realised.field, modulus=realised.contact_modulus)
+    full = full_contact_energy(problem.field, modulus=problem.contact_modulus)
     assert data.energy_ratio_improved_each.values[0, 1, 1] * full == pytest.approx(
         float(along.elastic_energy[0]), rel=1e-9
     )
@@ -109,7 +109,7 @@ def test_stresses_of_the_theory_fill_their_bins_with_its_area(data):
         assert shares.sum("stress_bin").values == pytest.approx(area.values, rel=2e-3)
     cut = study._cut(OPTIONS, 0, 3.0)
     case = cut.solve(16.0 * 3.0, shells=())
-    lowest = -case["work"] / case["reach"] / cut.realised.pressure_scale
+    lowest = -case["work"] / case["reach"] / cut.problem.pressure_scale
     below = STRESS_EDGES[1:] < lowest
     assert own.stress_share_improved_each.values[0, 1, below].sum() == 0
     assert own.stress_share_each.values[0, 1, STRESS_EDGES[1:] < lowest - 0.03].sum() == 0
@@ -141,11 +141,11 @@ def test_the_findings_hold_the_numbers_and_what_gamma_eff_does_not_hold(data):
 
 @pytest.mark.parametrize("energy", ["improved", "old"])
 def test_theory_with_vanishing_adhesion_is_the_plain_one_in_stress_force_and_energy(energy, whole):
-    realised = whole[0]
-    scale = Scale(realised.spectrum_shape, contact_modulus=realised.contact_modulus)
+    problem = whole[0]
+    scale = Scale(problem.spectrum_shape, contact_modulus=problem.contact_modulus)
     interface = Interface(work_of_adhesion=1e-9 * whole[1], energy=energy)
-    found = solve_adhesion(scale, pressure=realised.pressure, interface=interface).checked()
-    stress = np.linspace(0.02, 3, 200) * realised.pressure_scale
-    plain = pressure_distribution(stress, pressure=realised.pressure, stress_variance=found.variance[-1])
+    found = solve_adhesion(scale, pressure=problem.pressure, interface=interface).checked()
+    stress = np.linspace(0.02, 3, 200) * problem.pressure_scale
+    plain = pressure_distribution(stress, pressure=problem.pressure, stress_variance=found.variance[-1])
     assert found.distribution(-1, stress) == pytest.approx(plain, abs=1e-3 * plain.max())
-    assert found.contact_force == pytest.approx(np.full(found.area.size, realised.pressure), rel=1e-5)
+    assert found.contact_force == pytest.approx(np.full(found.area.size, problem.pressure), rel=1e-5)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from validation.errors import UsageError
-from validation.measures.hierarchy import bumps, press_bumps, radii_of
+from validation.measurements.hierarchy import bumps, press_bumps, radii_of
 from validation.report.estimates import total_error
 from validation.studies import archard, find_study
 

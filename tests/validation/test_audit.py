@@ -17,9 +17,9 @@ from validation.cli.commands import app
 from validation.comparison.accuracy import run_accurate
 from validation.comparison.run import run_scene
 from validation.comparison.sweep import run_sweep
+from validation.execution.results import read_results, write_results
 from validation.scenes.scene import load_scene
 from validation.scenes.sweep import load_asked
-from validation.solves.results import read_results, write_results
 
 
 @pytest.fixture

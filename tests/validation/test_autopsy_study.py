@@ -10,8 +10,9 @@ from scipy.special import ndtr
 
 from persson import elastic
 from persson.diffusion import solve_diffusion
-from validation.measures import diffusion, rings
-from validation.measures.budgets import (
+from validation.execution.measurement import Call
+from validation.measurements import diffusion, rings
+from validation.measurements.budgets import (
     Memory,
     Pressed,
     composed_inflow,
@@ -20,9 +21,8 @@ from validation.measures.budgets import (
     mean_of,
     profile,
 )
-from validation.measures.common import base_case, base_surface
-from validation.measures.rings import ring_ends
-from validation.solves.measurement import Call
+from validation.measurements.common import base_case, base_surface
+from validation.measurements.rings import ring_ends
 from validation.studies import autopsy, find_study
 
 SMALL = {"periods": 2, "bandwidth": 4.0, "surfaces": 2, "probe_surfaces": 2, "probes": (2.0,)}
@@ -31,7 +31,7 @@ SMALL = {"periods": 2, "bandwidth": 4.0, "surfaces": 2, "probe_surfaces": 2, "pr
 def chain(*, load: float, **changes: object) -> Call:
     surface = base_surface(hurst=0.8, periods=2.0, bandwidth=4.0, seed=71)
     settings = {
-        "realised": base_case(surface, reduced_pressure=load),
+        "problem": base_case(surface, reduced_pressure=load),
         "points": 48,
         "ends": (1.0, 2**0.5, 2.0, 2**1.5, 4.0),
         "restarts": (1.0, 2.0),
@@ -92,8 +92,8 @@ def test_no_point_is_missing_from_the_budgets_of_area_load_and_square(partial):
 
 def test_the_chain_ends_at_the_whole_surface(partial):
     case = chain(load=0.1)
-    whole, ends = case["realised"].heights((48, 48)).heights, case["ends"]
-    own = rings.Rings(case["realised"], 48, 1e-7)
+    whole, ends = case["problem"].heights((48, 48)).heights, case["ends"]
+    own = rings.Rings(case["problem"], 48, 1e-7)
     np.testing.assert_allclose(own.heights(0.0, 4.0), whole, atol=1e-12 * np.abs(whole).max())
     total = sum(own.heights(*pair) for pair in zip((0.0, *ends), ends, strict=False))
     np.testing.assert_allclose(total, whole, atol=1e-12 * np.abs(whole).max())
@@ -187,7 +187,7 @@ def test_without_memory_two_rings_compose():
 def test_a_ring_is_as_high_as_its_step_asks_for_and_the_load_is_of_the_waves_there():
     surface = base_surface(hurst=0.3, periods=2.0, bandwidth=4.0, seed=71)
     probe = rings.probe(
-        realised=base_case(surface, reduced_pressure=4.0), points=40, magnification=2.0, steps=(0.01, 0.16)
+        problem=base_case(surface, reduced_pressure=4.0), points=40, magnification=2.0, steps=(0.01, 0.16)
     )
     data = probe.measure()
     assert float(data.nominal) == pytest.approx(8.0, rel=1e-12)

@@ -25,13 +25,13 @@ from solving import Killing, Notes, dask_cluster, still_running
 
 from validation.audit import audit
 from validation.errors import RunFailed, UsageError
+from validation.execution import pool
+from validation.execution.attempt import Silent
+from validation.execution.bench import Bench, PlannedOnly
+from validation.execution.cost import available_memory
+from validation.execution.running import Execution, solve_all
+from validation.execution.store import Store
 from validation.files import prepare_folder
-from validation.solves import pool
-from validation.solves.attempt import Silent
-from validation.solves.bench import Bench, PlannedOnly
-from validation.solves.cost import available_memory
-from validation.solves.running import Execution, solve_all
-from validation.solves.store import Store
 from validation.studies import Study, area, find_study, studies
 from validation.studies._outputs import run_study
 
@@ -75,7 +75,7 @@ def serial(tmp_path_factory):
 
 
 def workers_of(parent):
-    return [one for one in psutil.Process(parent).children() if "validation.bounded" in one.cmdline()]
+    return [one for one in psutil.Process(parent).children() if "validation.sandbox" in one.cmdline()]
 
 
 def test_two_workers_give_the_same_bits_although_one_is_killed(serial, tmp_path):
@@ -108,7 +108,7 @@ def test_a_dask_cluster_gives_the_same_bits_although_a_worker_is_killed(serial, 
 
 def test_without_an_answering_scheduler_nothing_is_computed(tmp_path, monkeypatch):
     pytest.importorskip("distributed")
-    from validation.solves import cluster
+    from validation.execution import cluster
 
     monkeypatch.setattr(cluster, "_CONNECTS_WITHIN", 3.0)
     with pytest.raises(UsageError, match=r"--scheduler = 'tcp://127.0.0.1:9': no scheduler answers"):
@@ -209,7 +209,7 @@ def test_a_disk_without_inodes_is_a_clear_error_and_leaves_finished_cases_intact
 
 def test_a_case_that_fails_does_not_keep_the_others_from_being_done(tmp_path, monkeypatch):
     from fem_contact.errors import NotConverged
-    from validation.solves.press import Press
+    from validation.execution.press import Press
 
     solves = solves_of(**FEW)
 
@@ -274,7 +274,7 @@ def test_every_study_has_a_question_and_options_with_defaults():
 
 def test_an_inverted_solve_presses_the_other_side_and_has_a_name_of_its_own():
     solve = solves_of(**FEW)[0]
-    other = dataclasses.replace(solve, realised=dataclasses.replace(solve.realised, inverted=True))
+    other = dataclasses.replace(solve, problem=dataclasses.replace(solve.problem, inverted=True))
     np.testing.assert_array_equal(other.height_field().heights, -solve.height_field().heights)
     assert other.key != solve.key
     assert "inverted" not in str(solve.recipe)

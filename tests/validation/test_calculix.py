@@ -9,9 +9,9 @@ import pytest
 from fem_contact.errors import NotConverged
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
-from validation.effects.base import Slots
-from validation.methods import find_solver
-from validation.methods.base import Job, example_field
+from validation.effects.base import ContactModel
+from validation.solvers import find_solver
+from validation.solvers.base import Job, example_field
 
 CALCULIX, FEM = find_solver("calculix"), find_solver("fem")
 present = pytest.mark.skipif(CALCULIX.available() is not None, reason=str(CALCULIX.available()))
@@ -19,7 +19,9 @@ present = pytest.mark.skipif(CALCULIX.available() is not None, reason=str(CALCUL
 
 def pressed(solver, field: HeightField, load: float, solid: Solid, **settings):
     load = {"mean_pressure": load * solid.young}
-    return solver.solve(Job(field=field, load=load, slots=Slots(solid=solid), settings=settings)).contact
+    return solver.solve(
+        Job(field=field, load=load, model=ContactModel(solid=solid), settings=settings)
+    ).contact
 
 
 @present

@@ -5,9 +5,9 @@ import json
 import pytest
 
 from validation.comparison.explain import explain
+from validation.execution import calibration
+from validation.execution.press import solves_of
 from validation.scenes.scene import load_scene
-from validation.solves import calibration
-from validation.solves.press import solves_of
 
 EFFECT = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n[solid]'
 

@@ -16,9 +16,9 @@ from fem_contact.bem import parallel
 from validation.cli.commands import app
 from validation.cli.parallel import run_parallel
 from validation.errors import UsageError
-from validation.scenes.realised import realise
+from validation.execution.press import solves_of
+from validation.scenes.problem import realise
 from validation.scenes.scene import load_scene
-from validation.solves.press import solves_of
 
 
 def alone() -> ThreadComm:

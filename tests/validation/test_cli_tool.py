@@ -16,9 +16,9 @@ from validation.cli import commands as cli
 from validation.cli.options import _key_names, _scene_names
 from validation.comparison.accuracy import reach
 from validation.errors import RunFailed, UsageError
+from validation.execution.bench import Bench
+from validation.execution.results import read_results
 from validation.scenes.scene import load_scene
-from validation.solves.bench import Bench
-from validation.solves.results import read_results
 from validation.studies import studies
 
 COMMANDS = ("run", "study", "compare", "validate", "reproduce", "report", "explain", "surface", "scenes")

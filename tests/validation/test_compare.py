@@ -17,9 +17,9 @@ from validation.comparison.compare import compare_folders, side_by_side
 from validation.comparison.run import run_scene
 from validation.comparison.sweep import run_sweep
 from validation.errors import UsageError
+from validation.execution.bench import Bench
+from validation.execution.results import Result, read_results
 from validation.scenes.sweep import load_asked
-from validation.solves.bench import Bench
-from validation.solves.results import Result, read_results
 from validation.studies import find_study
 from validation.studies._outputs import run_study
 

@@ -19,24 +19,24 @@ from fem_contact.surface import HeightField
 from persson import elastic
 from persson.spectrum import SelfAffine
 from validation.comparison.accuracy_search import Ladder, Search
-from validation.comparison.reading import Reading
+from validation.comparison.reductions import Reading
 from validation.effects.adhesion import Adhesion
-from validation.effects.base import Roughness, Slots, Told
+from validation.effects.base import ContactModel, Roughness, TheoryInputs
 from validation.effects.coating import Coating
 from validation.effects.graded import Graded
 from validation.effects.hardness import Hardness
 from validation.effects.thickness import Thickness
-from validation.measures import ensemble
-from validation.measures.pairs import Areas
-from validation.methods.theory import TheoryOptions, _realised_variance, with_effects
+from validation.execution.fields import decode_result, encode_result
+from validation.execution.netcdf import reading
+from validation.execution.press import Press
+from validation.measurements import ensemble
+from validation.measurements.pairs import Areas
 from validation.report.estimates import claim, derive
 from validation.report.findings import finding
 from validation.report.table import budget_table
-from validation.scenes.realised import realise
+from validation.scenes.problem import realise
 from validation.scenes.scene import Scene
-from validation.solves.fields import decode_result, encode_result
-from validation.solves.netcdf import reading
-from validation.solves.press import Press
+from validation.solvers.theory import TheoryOptions, _realised_variance, with_effects
 
 SOLID = Solid(young=2e9, poisson=0.3)
 SPECTRUM = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=2e5, q_short=8e5)
@@ -76,17 +76,21 @@ def test_agreement_is_claimed_within_the_interval_and_no_more(errors, outcome):
 
 
 def test_a_modulus_that_is_the_same_for_every_wave_gives_the_variance_of_the_half_space():
-    realised = realise(scene())
-    told = Told(solid=SOLID, modulus=lambda q: np.full(np.shape(q), 3e9))
-    constant = _realised_variance(realised, told)
-    exact = float(elastic.stress_variance(realised.field.moments[1], contact_modulus=3e9))
+    problem = realise(scene())
+    told = TheoryInputs(solid=SOLID, modulus=lambda q: np.full(np.shape(q), 3e9))
+    constant = _realised_variance(problem, told)
+    exact = float(elastic.stress_variance(problem.field.moments[1], contact_modulus=3e9))
     assert constant == pytest.approx(exact, rel=1e-12)
 
 
 def _theory(*effects, **options):
     variance = float(elastic.stress_variance(SPECTRUM.m2(), contact_modulus=SOLID.contact_modulus))
     return with_effects(
-        Told.by(SOLID, effects), 5e6, variance=variance, spectrum=SPECTRUM, options=TheoryOptions(**options)
+        TheoryInputs.by(SOLID, effects),
+        5e6,
+        variance=variance,
+        spectrum=SPECTRUM,
+        options=TheoryOptions(**options),
     )
 
 
@@ -114,23 +118,23 @@ def test_areas_are_projected_only_where_that_is_asked_for():
 
 
 def test_a_spectrum_is_brought_to_the_gradient_of_the_surface():
-    realised = realise(scene())
-    assert abs(realised.field.rms_gradient / 0.05 - 1) > 0.01
-    assert math.sqrt(realised.own_spectrum.m2()) == pytest.approx(realised.field.rms_gradient, rel=1e-9)
+    problem = realise(scene())
+    assert abs(problem.field.rms_gradient / 0.05 - 1) > 0.01
+    assert math.sqrt(problem.own_spectrum.m2()) == pytest.approx(problem.field.rms_gradient, rel=1e-9)
 
 
 def test_points_per_wave_are_those_of_the_coarser_axis():
-    realised = realise(scene())
-    assert realised.points_per_wave((24, 12)) == pytest.approx(0.5 / (2 / 12), rel=1e-12)
-    assert realised.points_per_wave((12, 24)) == pytest.approx(0.5 / (3 / 12), rel=1e-12)
+    problem = realise(scene())
+    assert problem.points_per_wave((24, 12)) == pytest.approx(0.5 / (2 / 12), rel=1e-12)
+    assert problem.points_per_wave((12, 24)) == pytest.approx(0.5 / (3 / 12), rel=1e-12)
 
 
 def test_the_unit_of_reduced_pressure_is_modulus_times_gradient():
-    realised = realise(scene())
-    exact = 2e9 / (1 - 0.09) * realised.field.rms_gradient
-    assert realised.pressure_scale == pytest.approx(exact, rel=1e-12)
-    assert realised.pressure == pytest.approx(0.2 * exact, rel=1e-12)
-    assert realised.reduced_pressure == pytest.approx(0.2, rel=1e-12)
+    problem = realise(scene())
+    exact = 2e9 / (1 - 0.09) * problem.field.rms_gradient
+    assert problem.pressure_scale == pytest.approx(exact, rel=1e-12)
+    assert problem.pressure == pytest.approx(0.2 * exact, rel=1e-12)
+    assert problem.reduced_pressure == pytest.approx(0.2, rel=1e-12)
 
 
 def test_a_budget_lists_every_source_and_adds_up():
@@ -158,7 +162,7 @@ def _areas(value, spacing):
 
 def _search(monkeypatch, target=0.4):
     """A search that plans nothing."""
-    search = Search(scene=scene(), realised=realise(scene()), target=target, bench=SimpleNamespace())
+    search = Search(scene=scene(), problem=realise(scene()), target=target, bench=SimpleNamespace())
     ladder = Ladder(grids=((64, 64),), shifts=1, error=0.1, seconds=0.0, peak_bytes=0)
     monkeypatch.setattr(Search, "_cheapest", lambda self, ladders, tried, *, share: ladder)
     monkeypatch.setattr(Search, "_grid", lambda self, level: (64, 64))
@@ -201,13 +205,13 @@ def test_the_mean_over_surfaces_claims_their_interval_the_grids_whole_error_and_
 
 
 def test_a_recipe_tells_tolerances_shifts_and_grids_apart():
-    realised = realise(scene())
-    usual = Press(method="bem", grid=(24, 12), realised=realised, settings=(("tolerance", 1e-8),))
+    problem = realise(scene())
+    usual = Press(method="bem", grid=(24, 12), problem=problem, settings=(("tolerance", 1e-8),))
     others = [
         dataclasses.replace(usual, settings=(("tolerance", 1e-6),)),
         dataclasses.replace(usual, shift=(0.0, 0.5)),
         dataclasses.replace(usual, grid=(12, 24)),
-        dataclasses.replace(usual, realised=realised.further(1)),
+        dataclasses.replace(usual, problem=problem.further(1)),
         dataclasses.replace(usual, effects=(Hardness(hardness=1e9),)),
     ]
     assert len({usual.key, *(other.key for other in others)}) == 1 + len(others)
@@ -241,7 +245,7 @@ def test_stored_fields_carry_checksums(weighted):
 
 
 def test_the_yielded_area_counts_each_point_by_its_weight(weighted):
-    solve = Press(method="bem", grid=(16, 16), realised=realise(scene()))
+    solve = Press(method="bem", grid=(16, 16), problem=realise(scene()))
     found = Reading.of(solve, weighted, bare=False, shown=False)
     assert found.numbers["plastic"] == pytest.approx((1.5 + 0.5 + 1.5) / 256, rel=1e-12)
 
@@ -251,17 +255,17 @@ def _wave(modulus, wavelength):
 
 
 def test_short_waves_feel_the_coating_and_long_waves_the_bulk():
-    told = Told.by(SOLID, [Coating(young=6e9, thickness=1e-6)])
+    told = TheoryInputs.by(SOLID, [Coating(young=6e9, thickness=1e-6)])
     assert _wave(told.modulus, 1e-9) == pytest.approx(6e9 / 0.91, rel=1e-3)
     assert _wave(told.modulus, 1e-2) == pytest.approx(2e9 / 0.91, rel=1e-2)
 
 
 def test_a_graded_profile_falls_to_one_over_e_at_its_depth_for_mesh_and_theory():
     effect = Graded(bulk_young=8e9, depth=3e-6)
-    slots, told = Slots.filled(SOLID, [effect]), Told.by(SOLID, [effect])
+    model, told = ContactModel.filled(SOLID, [effect]), TheoryInputs.by(SOLID, [effect])
     exact = 8e9 + (2e9 - 8e9) / math.e
     zero = np.zeros(1)
-    assert float(slots.body.modulus(zero, zero, np.array([-3e-6]))[0]) * 2e9 == pytest.approx(
+    assert float(model.body.modulus(zero, zero, np.array([-3e-6]))[0]) * 2e9 == pytest.approx(
         exact, rel=1e-12
     )
     assert float(told.modulus.young(3e-6)) == pytest.approx(exact, rel=1e-12)
@@ -270,11 +274,12 @@ def test_a_graded_profile_falls_to_one_over_e_at_its_depth_for_mesh_and_theory()
 
 def test_a_frictionless_base_makes_a_softer_layer():
     layers = [
-        Slots.filled(SOLID, [Thickness(thickness=1e-6, base=base)]) for base in ("bonded", "frictionless")
+        ContactModel.filled(SOLID, [Thickness(thickness=1e-6, base=base)])
+        for base in ("bonded", "frictionless")
     ]
-    assert [type(slots.response) for slots in layers] == [BondedLayer, FrictionlessLayer]
+    assert [type(model.response) for model in layers] == [BondedLayer, FrictionlessLayer]
     q = np.array([[1e6]])
-    bonded, free = (float(slots.response.compliance(q, 0 * q)[0, 0]) for slots in layers)
+    bonded, free = (float(model.response.compliance(q, 0 * q)[0, 0]) for model in layers)
     assert free > 1.01 * bonded
     assert layers[0].body.depth == 1e-6
     assert layers[1].body is None
@@ -292,7 +297,7 @@ def test_a_hardness_matters_below_four_deviations_of_the_stress_at_full_contact(
 
 
 def test_hardness_rises_by_its_power_at_its_wavelength():
-    told = Told.by(SOLID, [Hardness(hardness=1e9, size_wavelength=1e-6, size_exponent=0.5)])
+    told = TheoryInputs.by(SOLID, [Hardness(hardness=1e9, size_wavelength=1e-6, size_exponent=0.5)])
     assert _wave(told.hardness, 1e-6) == pytest.approx(math.sqrt(2) * 1e9, rel=1e-12)
     assert _wave(told.hardness, 1e-6 / 3) == pytest.approx(2e9, rel=1e-12)
 

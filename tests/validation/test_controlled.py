@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from validation.measures.controlled import Known, Level, chained_mean, controlled_mean
+from validation.measurements.controlled import Known, Level, chained_mean, controlled_mean
 from validation.report.estimates import mean_of
 
 

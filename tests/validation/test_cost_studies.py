@@ -1,4 +1,4 @@
-"""What accuracy costs: peers, memory, scaling with the grid, levels of grids."""
+"""What accuracy costs: external_codes, memory, scaling with the grid, levels of grids."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import xarray as xr
 from fem_contact import HalfSpace, bem, contact_areas
 from fem_contact.errors import NotConverged
 from validation.errors import UsageError
-from validation.measures import peers, ways
-from validation.measures.common import base_case, base_surface
-from validation.measures.theory import RANKED
-from validation.methods.own import Own
-from validation.solves.measurement import Call
+from validation.execution.measurement import Call
+from validation.measurements import external_codes, ways
+from validation.measurements.common import base_case, base_surface
+from validation.measurements.theory import RANKED
+from validation.solvers.user_function import Own
 from validation.studies import accuracy_cost, find_study, scaling
 from validation.studies._outputs import study_page
 
@@ -107,33 +107,33 @@ def test_what_is_ranked_and_what_is_compared_is_cited(costs):
 
 def peer(code: str, *, seed: int = 4177) -> Call:
     surface = base_surface(hurst=0.8, seed=seed, periods=2.0, bandwidth=4.0)
-    return peers.by_peer(code=code, realised=base_case(surface, reduced_pressure=0.1), grid=(64, 64))
+    return external_codes.by_peer(code=code, problem=base_case(surface, reduced_pressure=0.1), grid=(64, 64))
 
 
 def test_a_peer_is_solved_no_further_than_its_grid_deserves(monkeypatch):
-    monkeypatch.setattr(peers, "_SOLVER_SHARE", 100.0)
-    loose = peer(peers.OWN).measure()
-    monkeypatch.setattr(peers, "_SOLVER_SHARE", 0.0)
-    exact = peer(peers.OWN).measure()
+    monkeypatch.setattr(external_codes, "_SOLVER_SHARE", 100.0)
+    loose = peer(external_codes.OWN).measure()
+    monkeypatch.setattr(external_codes, "_SOLVER_SHARE", 0.0)
+    exact = peer(external_codes.OWN).measure()
     assert 1e-2 == float(loose.tolerance) > float(exact.tolerance)
     assert float(loose.solver_error) > float(exact.solver_error) == 0.0
 
 
 def test_a_peer_that_fails_is_a_sentence(monkeypatch):
-    monkeypatch.setattr(peers, "known_peers", lambda: {"tamaas": "no_such_module:solve"})
-    monkeypatch.setattr(peers, "chosen_solver", lambda by: (Own(), {"solver": by}))
+    monkeypatch.setattr(external_codes, "known_peers", lambda: {"tamaas": "no_such_module:solve"})
+    monkeypatch.setattr(external_codes, "chosen_solver", lambda by: (Own(), {"solver": by}))
     with pytest.raises(NotConverged, match="no_such_module:solve: raised ModuleNotFoundError"):
         peer("tamaas").measure()
 
 
-@pytest.mark.parametrize("code", [peers.OWN, *peers.known_peers()])
+@pytest.mark.parametrize("code", [external_codes.OWN, *external_codes.known_peers()])
 def test_an_installed_peer_counts_the_area_that_is_counted_here(code):
     pytest.importorskip(code)
     solve = peer(code, seed=4178)
     found = solve.measure()
     assert float(found.solver_error) < 0.1 * 0.103 * float(found.pixel) * 2
     # The same areas are read off its pressures as off ours.
-    own = solve["realised"]
+    own = solve["problem"]
     half_space = HalfSpace(solid=own.elastic)
     exact = contact_areas(
         bem.solve(own.heights((64, 64)), half_space, mean_pressure=own.pressure).checked(), subcell=True

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from validation.measures.common import base_case, base_surface
-from validation.measures.measurement import area_limits, grid_for, press_on_grids
+from validation.measurements.common import base_case, base_surface
+from validation.measurements.measurement import area_limits, grid_for, press_on_grids
 
 
 def measured(
@@ -16,7 +16,7 @@ def measured(
     surface = base_surface(hurst=hurst, periods=2.0, bandwidth=bandwidth, seed=seed)
     pressed = base_case(surface, reduced_pressure=load)
     return press_on_grids(
-        realised=pressed, grids=tuple(grid_for(pressed, n) for n in grids), shifts=2
+        problem=pressed, grids=tuple(grid_for(pressed, n) for n in grids), shifts=2
     ).measure()
 
 

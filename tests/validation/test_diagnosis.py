@@ -12,8 +12,8 @@ from fem_contact.surface import HeightField
 from validation.cases import run_cases
 from validation.cases.scorecard import Subject, rows, score
 from validation.cases.scorecard.diagnosis import diagnose
-from validation.methods.base import Claim
-from validation.methods.bem import Bem
+from validation.solvers.base import Claim
+from validation.solvers.bem import Bem
 
 
 class Spoilt(Bem):
@@ -45,7 +45,7 @@ def responding(compliance):
     """Press a solid of another compliance over that of the half-space, given q, qx, qy, dx."""
 
     def before(job):
-        modulus, dx = job.slots.solid.contact_modulus, job.field.lengths[0] / job.field.shape[0]
+        modulus, dx = job.model.solid.contact_modulus, job.field.lengths[0] / job.field.shape[0]
 
         def function(qx, qy):
             q = np.hypot(qx, qy)
@@ -53,7 +53,7 @@ def responding(compliance):
             return np.where(q > 0, 2 / (modulus * safe) * compliance(safe, qx, qy, dx), 0.0)
 
         response = GivenResponse(contact_modulus=modulus, function=function)
-        return replace(job, slots=replace(job.slots, response=response))
+        return replace(job, model=replace(job.model, response=response))
 
     return before
 
@@ -66,8 +66,8 @@ def lattice(q, qx, qy, dx):
 
 def modulus_times(factor):
     def before(job):
-        solid = replace(job.slots.solid, young=factor * job.slots.solid.young)
-        return replace(job, slots=replace(job.slots, solid=solid))
+        solid = replace(job.model.solid, young=factor * job.model.solid.young)
+        return replace(job, model=replace(job.model, solid=solid))
 
     return before
 
@@ -76,7 +76,7 @@ def linear(p, job):
     """Full contact, whatever the load: nothing keeps the pressure from being negative."""
     field = job.field
     q = [2 * np.pi * np.fft.fftfreq(n, side / n) for n, side in zip(field.shape, field.lengths, strict=True)]
-    stiff = job.slots.solid.contact_modulus / 2 * np.hypot(q[0][:, None], q[1][None, :])
+    stiff = job.model.solid.contact_modulus / 2 * np.hypot(q[0][:, None], q[1][None, :])
     return job.mean_pressure + np.fft.ifft2(stiff * np.fft.fft2(field.heights)).real
 
 

@@ -14,15 +14,15 @@ from validation.comparison.fields import with_distribution
 from validation.comparison.numbers import scene_data
 from validation.comparison.run_views import run_views
 from validation.effects.adhesion import Adhesion
-from validation.effects.base import Told
+from validation.effects.base import TheoryInputs
 from validation.effects.hardness import Hardness
-from validation.methods.theory import Prediction, predict, stress_distribution, with_effects
-from validation.scenes.realised import realise
+from validation.execution.press import solves_of
+from validation.execution.running import solve_all
+from validation.execution.store import Store
+from validation.scenes.problem import realise
 from validation.scenes.scene import load_scene
 from validation.scenes.sweep import load_asked
-from validation.solves.press import solves_of
-from validation.solves.running import solve_all
-from validation.solves.store import Store
+from validation.solvers.theory import Prediction, predict, stress_distribution, with_effects
 
 SPECTRUM = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=2e5, q_short=8e5)
 MODULUS, LOAD = 1e9, 5e6
@@ -39,7 +39,7 @@ def sticky(work):
 
 
 def areas(*effects):
-    told = Told.by(Solid(young=MODULUS, poisson=0.0), effects)
+    told = TheoryInputs.by(Solid(young=MODULUS, poisson=0.0), effects)
     return with_effects(told, LOAD, variance=VARIANCE, spectrum=SPECTRUM)
 
 
@@ -72,27 +72,27 @@ def test_where_the_theory_has_no_answer_the_reason_is_kept():
 def test_a_scene_that_yields_is_set_beside_its_theory(write_scene, tmp_path):
     effect = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n[solid]'
     scene = load_scene(str(write_scene(("[solid]", effect))))
-    realised = realise(scene)
-    results = solve_all(solves_of(scene, realised), Store(folder=tmp_path))
-    found = scene_data(scene, realised, results)
+    problem = realise(scene)
+    results = solve_all(solves_of(scene, problem), Store(folder=tmp_path))
+    found = scene_data(scene, problem, results)
     assert 0 < float(found.area_plastic_persson) <= float(found.area_persson_own)
     assert (found.area_plastic_pixel > 0).sum() == found.area_pixel.notnull().sum()
     assert any("Yielded" in one.text and "by the theory" in one.text for one in run_views(found).findings)
     # P(sigma) is drawn between its walls: it holds the elastic area and ends at the hardness.
-    drawn = with_distribution(found, {s: results[s] for s in results if s.is_own}, scene, realised)
+    drawn = with_distribution(found, {s: results[s] for s in results if s.is_own}, scene, problem)
     stress, density = drawn.stress_wide_exact.values, drawn.density_wide_persson.values
     elastic = float(found.area_persson_own - found.area_plastic_persson)
     assert np.trapezoid(density, stress) == pytest.approx(elastic, rel=2e-2)
-    assert not np.any(density[stress * realised.pressure_scale > 40e3])
+    assert not np.any(density[stress * problem.pressure_scale > 40e3])
 
 
 @pytest.mark.parametrize("name", ["quickstart", "hardness", "adhesion", "soft-layer"])
 def test_the_distribution_of_the_theory_holds_its_area(name):
     scene = load_scene(name)
-    realised, options = realise(scene), scene.methods.options("theory")
-    found = predict(realised, scene.effects, options)
-    stress = np.linspace(-4, 8, 40_001) * realised.pressure_scale
-    density = stress_distribution(realised, scene.effects, options, stress)
+    problem, options = realise(scene), scene.methods.options("theory")
+    found = predict(problem, scene.effects, options)
+    stress = np.linspace(-4, 8, 40_001) * problem.pressure_scale
+    density = stress_distribution(problem, scene.effects, options, stress)
     elastic = found.area - (found.plastic or 0.0)
     # The adhesive walls are told between nodes of the iteration.
     assert np.trapezoid(density, stress) == pytest.approx(elastic, rel=2e-4, abs=2e-7)

@@ -14,16 +14,16 @@ from fem_contact.response import BondedLayer, HalfSpace
 from fem_contact.solid import Solid
 from validation.comparison.explain import explain
 from validation.effects import effect_kinds
-from validation.effects.base import Roughness, Slots, Told, full_contact_energy
+from validation.effects.base import ContactModel, Roughness, TheoryInputs, full_contact_energy
 from validation.errors import SceneError, UsageError
-from validation.methods.bem import Bem
-from validation.methods.theory import predict
+from validation.execution.attempt import warm_up
+from validation.execution.press import solves_of
 from validation.scenes.checks import check_scene
-from validation.scenes.realised import realise
+from validation.scenes.problem import realise
 from validation.scenes.scene import EffectSpec, load_scene
 from validation.scenes.surfaces import height_field
-from validation.solves.attempt import warm_up
-from validation.solves.press import solves_of
+from validation.solvers.bem import Bem
+from validation.solvers.theory import predict
 
 HARD = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n'
 STICKY = '[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "40 nm"\n'
@@ -167,20 +167,20 @@ def test_a_wrong_effect_is_one_line_naming_the_key(with_effects, effect, message
 
 
 def test_theory_of_a_graded_solid_uses_the_modulus_each_wave_feels(with_effects):
-    realised = realise(with_effects())
-    plain = predict(realised, ()).stress_variance
-    assert plain == pytest.approx(realised.contact_modulus**2 / 4 * realised.field.rms_gradient**2, rel=1e-12)
+    problem = realise(with_effects())
+    plain = predict(problem, ()).stress_variance
+    assert plain == pytest.approx(problem.contact_modulus**2 / 4 * problem.field.rms_gradient**2, rel=1e-12)
     # The bulk is three times as stiff.
-    assert plain < predict(realised, with_effects(GRADED).effects).stress_variance < 9 * plain
-    assert Told.by(realised.elastic, ()).modulus is None
-    assert isinstance(Slots.filled(realised.elastic, ()).felt_response, HalfSpace)
+    assert plain < predict(problem, with_effects(GRADED).effects).stress_variance < 9 * plain
+    assert TheoryInputs.by(problem.elastic, ()).modulus is None
+    assert isinstance(ContactModel.filled(problem.elastic, ()).felt_response, HalfSpace)
 
 
 def test_a_graded_solid_of_one_modulus_is_the_plain_one_for_the_theory(with_effects):
-    realised = realise(with_effects())
+    problem = realise(with_effects())
     same = with_effects(GRADED.replace("6 MPa", "2 MPa")).effects
-    assert predict(realised, same).stress_variance == pytest.approx(
-        predict(realised, ()).stress_variance, rel=1e-12
+    assert predict(problem, same).stress_variance == pytest.approx(
+        predict(problem, ()).stress_variance, rel=1e-12
     )
 
 

@@ -9,9 +9,9 @@ from fem_contact.stress import elastic_energy
 from persson import separation
 from persson.scale import Scale
 from persson.spectrum import SelfAffine
-from validation.measures.load_path import second_order_limit
-from validation.measures.measurement import grid_for
-from validation.measures.theory import Waves
+from validation.measurements.load_path import second_order_limit
+from validation.measurements.measurement import grid_for
+from validation.measurements.theory import Waves
 from validation.report.estimates import NORMAL, error_of, total_error
 from validation.studies import energy, find_study, pressure
 from validation.theories import Rough

@@ -15,8 +15,8 @@ sys.path.insert(0, str(Path(__file__).parent))
 from solving import Numbers
 
 from fem_contact import _environment as environment
-from validation.solves.running import solve_all
-from validation.solves.store import Store
+from validation.execution.running import solve_all
+from validation.execution.store import Store
 
 ROOT = Path(__file__).parents[2]
 

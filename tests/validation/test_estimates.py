@@ -11,15 +11,15 @@ import xarray as xr
 from validation.audit import dataset, values
 from validation.audit.ledger import Ledger
 from validation.errors import UsageError
-from validation.measures.common import base_case, base_surface
-from validation.measures.limits import limits_of, solved
-from validation.measures.measurement import press_on_grids
+from validation.execution.bench import Bench
+from validation.measurements.common import base_case, base_surface
+from validation.measurements.limits import limits_of, solved
+from validation.measurements.measurement import press_on_grids
 from validation.report.estimates import change, claim, derive, error_of, gather, mean, power_law
 from validation.report.findings import finding
 from validation.report.marks import Figure, Line, Panel, draw
 from validation.report.table import Table
 from validation.scenes.scene import SolidSpec
-from validation.solves.bench import Bench
 from validation.studies import Study, StudyOptions
 
 NUS = (0.0, 0.45)
@@ -77,7 +77,7 @@ def pressed(tmp_path_factory):
     for nu in NUS:
         first = base_case(surface, pressure=1e7, solid=SolidSpec(young=1e9, poisson=nu))
         for k in range(2):
-            cases[nu, k] = press_on_grids(realised=first.further(k), grids=((8, 8), (16, 16)))
+            cases[nu, k] = press_on_grids(problem=first.further(k), grids=((8, 8), (16, 16)))
     parts = {place: limits_of(one) for place, one in solved(bench, cases).items()}
     return gather(parts, poisson=NUS, surface=range(2)), bench
 

@@ -8,10 +8,10 @@ import pytest
 from validation.comparison.numbers import scene_data
 from validation.comparison.run import run_scene
 from validation.comparison.run_views import run_views
+from validation.execution.press import solves_of
 from validation.report.estimates import claim, derive
-from validation.scenes.realised import realise
+from validation.scenes.problem import realise
 from validation.scenes.scene import load_scene
-from validation.solves.press import solves_of
 
 
 def _found(data, words):

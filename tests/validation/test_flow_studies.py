@@ -6,9 +6,9 @@ import xarray as xr
 from planted import STUDENT, THREE, PlantedBench, measurement
 
 from fem_contact import HalfSpace, bem, contact_areas, flow_conductance, frozen_contact, open_gap
-from validation.measures.common import base_case, persson_area
-from validation.measures.flow import GAP_EDGES
-from validation.measures.measurement import grid_for
+from validation.measurements.common import base_case, persson_area
+from validation.measurements.flow import GAP_EDGES
+from validation.measurements.measurement import grid_for
 from validation.report.estimates import total_error
 from validation.studies import conductance, leak
 
@@ -42,7 +42,7 @@ def test_a_planted_power_and_a_planted_theory_are_found_again():
     """K h_rms / p0 = 2 p*^-0.25 by surface, .3 more per points on coarser grids; a power of .75."""
 
     def answer(solve):
-        own = THREE[solve["realised"].realisation]
+        own = THREE[solve["problem"].realisation]
         found = measurement(
             solve,
             lambda p: p,
@@ -156,7 +156,7 @@ def reduced(gap_density, thresholds=(0.3, 0.4, 0.5)):
     """What the study makes of surfaces of planted distributions of gaps and thresholds of the gap."""
 
     def answer(solve):
-        mine = thresholds[solve["realised"].realisation]
+        mine = thresholds[solve["problem"].realisation]
         shape = (len(solve["areas"]), 2)
         flow = {name: (("area", "axis"), np.full(shape, 0.5)) for name in FLOW}
         density = np.full((len(solve["areas"]), GAP_EDGES.size - 1), gap_density)

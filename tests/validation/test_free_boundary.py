@@ -8,10 +8,10 @@ from fem_contact.surface import Patch
 from validation.comparison.run import run_scene
 from validation.effects.free_boundary import FreeBoundary
 from validation.errors import UsageError
+from validation.execution.press import solves_of
 from validation.scenes.checks import check_scene
-from validation.scenes.realised import realise
+from validation.scenes.problem import realise
 from validation.scenes.scene import Scene, load_scene
-from validation.solves.press import solves_of
 from validation.studies import find_study, studies
 
 BALL = {
@@ -125,6 +125,6 @@ def test_every_study_of_a_scene_refuses_it_by_name():
 
 def test_the_slot_is_that_of_a_half_space_without_images():
     (solve,) = solves_of(scene())
-    from validation.effects.base import Slots
+    from validation.effects.base import ContactModel
 
-    assert isinstance(Slots.filled(solve.realised.elastic, solve.effects).response, FreeHalfSpace)
+    assert isinstance(ContactModel.filled(solve.problem.elastic, solve.effects).response, FreeHalfSpace)

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from validation.cli import commands as cli
 from validation.errors import SceneError, UsageError
 from validation.scenes.checks import check_scene
-from validation.scenes.realised import realise
+from validation.scenes.problem import realise
 from validation.scenes.scene import Scene, load_scene, scene_problems, scene_text
 from validation.studies import find_study
 

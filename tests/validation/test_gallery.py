@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from matplotlib.image import imread
 
-from validation.solves.bench import Bench
+from validation.execution.bench import Bench
 from validation.studies import find_study, studies
 from validation.studies._outputs import run_study
 

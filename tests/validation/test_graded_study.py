@@ -5,8 +5,8 @@ import pytest
 
 from validation.comparison.explain import explain
 from validation.errors import UsageError
+from validation.execution.press import solves_of
 from validation.scenes.scene import load_scene
-from validation.solves.press import solves_of
 from validation.studies import find_study, graded
 
 

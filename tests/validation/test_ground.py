@@ -6,7 +6,7 @@ import pytest
 from fem_contact.surface import measured_lay
 from persson import SelfAffine, Stretched
 from validation.errors import SceneError
-from validation.scenes.realised import realise
+from validation.scenes.problem import realise
 from validation.scenes.scene import Scene, load_scene
 from validation.scenes.surfaces import spectrum_of
 from validation.scenes.sweep import load_asked
@@ -21,13 +21,13 @@ def test_the_spectrum_of_a_ground_surface_has_the_slope_asked_for():
 
 
 def test_its_surface_has_the_lay_along_x_on_every_grid():
-    realised = realise(load_scene("ground"))
-    lays = [measured_lay(realised.heights((n, n))) for n in (64, 96)]
+    problem = realise(load_scene("ground"))
+    lays = [measured_lay(problem.heights((n, n))) for n in (64, 96)]
     assert lays[0].ratio == pytest.approx(lays[1].ratio, rel=1e-9)
     # Four waves of the longest along y, and one along x: sums are no integrals.
     assert lays[0].ratio == pytest.approx(4, rel=0.15)
     assert lays[0].direction == pytest.approx(0, abs=1e-9)
-    assert realised.longest == pytest.approx(100e-6)
+    assert problem.longest == pytest.approx(100e-6)
 
 
 def test_a_scene_without_a_stretch_has_the_recipe_that_it_had():

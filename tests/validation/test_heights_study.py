@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from fem_contact import HalfSpace, bem, contact_areas
-from validation.measures.measurement import grid_for
+from validation.measurements.measurement import grid_for
 from validation.report.estimates import derive, mean, total_error
 from validation.scenes.surfaces import spectrum_of
 from validation.studies import find_study, heights

@@ -7,9 +7,9 @@ import xarray as xr
 from fem_contact import block
 from validation.comparison.finite_slopes import finite_slopes
 from validation.effects.base import Roughness
-from validation.measures.common import base_case, base_surface
-from validation.measures.measurement import grid_for
-from validation.measures.slopes import CHANGES, with_differences
+from validation.measurements.common import base_case, base_surface
+from validation.measurements.measurement import grid_for
+from validation.measurements.slopes import CHANGES, with_differences
 from validation.studies import find_study, large_slope
 
 

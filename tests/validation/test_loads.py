@@ -13,11 +13,11 @@ from validation.audit import audit
 from validation.comparison.run import run_scene
 from validation.comparison.sweep import run_sweep
 from validation.errors import SceneError, UsageError
+from validation.execution.press import solves_of
 from validation.scenes.checks import check_scene
-from validation.scenes.realised import realise
+from validation.scenes.problem import realise
 from validation.scenes.scene import load_scene
 from validation.scenes.sweep import load_asked
-from validation.solves.press import solves_of
 
 SOLID = Solid(young=2e6, poisson=0.3)
 YIELDS = '\n[[effects]]\nkind = "hardness"\nhardness = "60 kPa"\n'
@@ -147,7 +147,7 @@ def test_two_elastic_bodies_are_the_half_space_of_their_composite_modulus(scene)
     ],
 )
 def test_a_load_that_cannot_be_is_refused_by_name(scene, monkeypatch, load, more, words):
-    monkeypatch.setattr("validation.methods.tamaas.Tamaas.available", lambda self: None)
+    monkeypatch.setattr("validation.solvers.tamaas.Tamaas.available", lambda self: None)
 
     def asked():
         own = scene(load, more=more)

@@ -8,15 +8,15 @@ import pkgutil
 import re
 import sys
 
-import validation.measures
+import validation.measurements
 import validation.studies
 from fem_contact.area import EDGE_MAPS
-from validation.solves.measurement import Measurement
-from validation.solves.solve import LOCATED_EDGES
+from validation.execution.measurement import Measurement
+from validation.execution.solve import LOCATED_EDGES
 
 
 def test_every_solve_that_keeps_a_located_area_says_how_edges_are_located():
-    for place in (validation.measures, validation.studies):
+    for place in (validation.measurements, validation.studies):
         for module in pkgutil.walk_packages(place.__path__, place.__name__ + "."):
             importlib.import_module(module.name)
     modules = [module for name, module in sys.modules.items() if name.startswith("validation.")]

@@ -6,8 +6,8 @@ import xarray as xr
 
 from fem_contact import HalfSpace, bem, contact_areas
 from fem_contact.leak import percolates
-from validation.measures.magnified import at_magnification, sharpest_bend
-from validation.measures.measurement import grid_for, without_waves_beyond
+from validation.measurements.magnified import at_magnification, sharpest_bend
+from validation.measurements.measurement import grid_for, without_waves_beyond
 from validation.report.estimates import derive, mean, total_error
 from validation.studies import find_study, macroasperities
 

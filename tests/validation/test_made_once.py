@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from validation.comparison.run import run_scene
+from validation.execution.store import Store
 from validation.scenes import surfaces
 from validation.scenes.scene import load_scene
-from validation.solves.store import Store
 
 
 @pytest.fixture

@@ -5,17 +5,17 @@ from dataclasses import replace
 
 import pytest
 
-from validation.measures.adhesive import sticky_contact
-from validation.measures.block import block_beside_bem
-from validation.measures.common import base_case, base_surface
-from validation.measures.edge import edge_of_contact
-from validation.measures.flow import leaks
-from validation.solves.bench import Bench, PlannedOnly
-from validation.solves.solve import LOCATED_EDGES
+from validation.execution.bench import Bench, PlannedOnly
+from validation.execution.solve import LOCATED_EDGES
+from validation.measurements.adhesive import sticky_contact
+from validation.measurements.block import block_beside_bem
+from validation.measurements.common import base_case, base_surface
+from validation.measurements.edge import edge_of_contact
+from validation.measurements.flow import leaks
 from validation.studies import find_study
 
 PRESSED = base_case(base_surface(hurst=0.8, periods=2.0, bandwidth=4.0, seed=23), reduced_pressure=0.05)
-STICKY = sticky_contact(realised=PRESSED, grid=(24, 24), work=1e-3, reach=2e-6, shells=(1e4, 2e4))
+STICKY = sticky_contact(problem=PRESSED, grid=(24, 24), work=1e-3, reach=2e-6, shells=(1e4, 2e4))
 
 
 @pytest.mark.parametrize(
@@ -25,7 +25,7 @@ STICKY = sticky_contact(realised=PRESSED, grid=(24, 24), work=1e-3, reach=2e-6, 
         {"reach": 3e-6},
         {"shells": (1e4,)},
         {"grid": (24, 36)},
-        {"realised": PRESSED.further(1)},
+        {"problem": PRESSED.further(1)},
     ],
     ids=lambda other: next(iter(other)),
 )
@@ -36,14 +36,14 @@ def test_another_value_of_any_field_is_another_solve(other):
 def test_a_recipe_holds_the_fields_as_json_has_them_and_what_is_read_off():
     assert STICKY.recipe.items() >= {"work": 1e-3, "reach": 2e-6, "shells": [1e4, 2e4], "version": 1}.items()
     assert "edges" not in STICKY.recipe
-    assert leaks(realised=PRESSED, grid=(24, 24), areas=(0.1,)).recipe["edges"] == LOCATED_EDGES
+    assert leaks(problem=PRESSED, grid=(24, 24), areas=(0.1,)).recipe["edges"] == LOCATED_EDGES
 
 
 def test_what_is_left_to_the_solver_is_not_in_the_recipe():
-    block = block_beside_bem(realised=PRESSED, grid=(8, 8))
+    block = block_beside_bem(problem=PRESSED, grid=(8, 8))
     assert "tolerance" not in block.recipe
     assert block.but(tolerance=1e-10).recipe["tolerance"] == 1e-10
-    edge = edge_of_contact(realised=PRESSED, grid=(24, 24))
+    edge = edge_of_contact(problem=PRESSED, grid=(24, 24))
     assert {"method", "settings"}.isdisjoint(edge.recipe)
     assert edge.but(settings=(("tolerance", 1e-9),)).recipe["settings"] == {"tolerance": 1e-9}
 
@@ -51,7 +51,7 @@ def test_what_is_left_to_the_solver_is_not_in_the_recipe():
 def test_names_and_costs_follow_from_the_kind_of_solve():
     assert STICKY.prefix == "sticky-24"
     assert STICKY.describe() == "adhesion 24x24, H = 0.8, nu = 0.3, surface 1"
-    few, many = (leaks(realised=PRESSED, grid=(24, 24), areas=areas) for areas in ((0.1,), (0.1, 0.2)))
+    few, many = (leaks(problem=PRESSED, grid=(24, 24), areas=areas) for areas in ((0.1,), (0.1, 0.2)))
     assert many.predict().seconds == pytest.approx(6 / 5 * few.predict().seconds)
     assert many.predict().unknowns == 24**2
 

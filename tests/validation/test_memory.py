@@ -16,8 +16,8 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 from solving import Numbers, fields
 
-from validation.solves.attempt import attempt
-from validation.solves.store import Store, check_store
+from validation.execution.attempt import attempt
+from validation.execution.store import Store, check_store
 
 ROOT = Path(__file__).parents[2]
 

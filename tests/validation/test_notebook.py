@@ -49,7 +49,7 @@ def test_each_of_ten_things_takes_three_lines_at_most_and_gives_its_numbers(caps
     assert abs(limit.value - 0.12389) < 2 * limit.error < 0.01
     assert hursts.kappa_limit_error.sel(hurst=0.8).item() == pytest.approx(limit.error / 0.05, rel=1e-12)
     assert (tmp_path / "block.vtu").stat().st_size > 10_000
-    assert space["own"].realised.pressure == 5e6
+    assert space["own"].problem.pressure == 5e6
     assert "10 patches" in capsys.readouterr().out
 
 

@@ -23,12 +23,12 @@ from validation.cli.results import page_table, print_page, sentence_lines
 from validation.comparison.pages import result_page
 from validation.comparison.run import report_scene, run_scene
 from validation.errors import UsageError
+from validation.execution.bench import Bench
 from validation.report.figure import new_figure, save_figure
 from validation.report.page import Answer, Page, render, write_page
 from validation.report.table import ResultTable, WordTable, shown
 from validation.report.words import mathematics
 from validation.scenes.scene import load_scene
-from validation.solves.bench import Bench
 from validation.studies import find_study
 from validation.studies._outputs import is_study, report_study, run_study
 
@@ -303,7 +303,7 @@ def test_the_card_says_what_is_known_of_the_interval(small_run):
 
 
 def test_a_flipped_bit_in_the_numbers_of_a_study_is_noticed(tmp_path):
-    from validation.solves.bench import Bench
+    from validation.execution.bench import Bench
     from validation.studies import area
     from validation.studies._outputs import report_study, run_study
 

@@ -7,13 +7,13 @@ import pytest
 
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from validation.effects.hardness import Hardness
-from validation.measures.common import base_surface
-from validation.measures.measurement import limit_over
-from validation.measures.pairs import Areas, area_pairs
-from validation.measures.without_solve import unsolved_pairs
-from validation.scenes.realised import Realised
+from validation.execution.press import Press
+from validation.measurements.common import base_surface
+from validation.measurements.control_variates import unsolved_pairs
+from validation.measurements.measurement import limit_over
+from validation.measurements.pairs import Areas, area_pairs
+from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Load, SolidSpec
-from validation.solves.press import Press
 
 GRIDS = ((24, 24), (36, 36))
 
@@ -21,13 +21,13 @@ GRIDS = ((24, 24), (36, 36))
 def base(load):
     surface = base_surface(hurst=0.6, periods=2.0, bandwidth=3.0, seed=515)
     surface = surface.model_copy(update={"amplitudes": "gaussian"})
-    return Realised(surface=surface, solid=SolidSpec(young=2e9, poisson=0.3), load=load)
+    return ContactProblem(surface=surface, solid=SolidSpec(young=2e9, poisson=0.3), load=load)
 
 
 @pytest.mark.parametrize("load", [Load(reduced_pressure=0.2), Load(pressure=4e7), Load(force=40.0)])
 @pytest.mark.parametrize("effects", [(), (Hardness(hardness=1.5e8),)])
 def test_a_block_reads_the_areas_of_each_surface_and_its_mirror_image(load, effects):
-    case = area_pairs(realised=base(load), grids=GRIDS, first=7, count=2, tolerance=1e-7, effects=effects)
+    case = area_pairs(problem=base(load), grids=GRIDS, first=7, count=2, tolerance=1e-7, effects=effects)
     areas = Areas.joined(case, [case.measure()])
     limits = areas.limits(1)
     for k, inverted in ((0, False), (1, True), (2, False), (3, True)):
@@ -35,7 +35,7 @@ def test_a_block_reads_the_areas_of_each_surface_and_its_mirror_image(load, effe
         own = []
         for i, grid in enumerate(GRIDS):
             settings = (("tolerance", 1e-7),)
-            press = Press(method="bem", grid=grid, realised=surface, settings=settings, effects=effects)
+            press = Press(method="bem", grid=grid, problem=surface, settings=settings, effects=effects)
             told = {"edge_constant": EDGE_CONSTANTS["bem"], "subcell": not effects}
             own.append(contact_areas(press.do(threads=1).contact, **told))
             expected = own[-1].perimeter if effects else own[-1].subcell
@@ -47,7 +47,7 @@ def test_a_block_reads_the_areas_of_each_surface_and_its_mirror_image(load, effe
 
 
 def test_the_statistics_of_a_block_are_those_of_the_same_surfaces_that_are_not_solved():
-    told = {"realised": base(Load(reduced_pressure=0.2)), "first": 3, "count": 3}
+    told = {"problem": base(Load(reduced_pressure=0.2)), "first": 3, "count": 3}
     solved = area_pairs(grids=GRIDS[:1], **told).measure().value.values
     looked = unsolved_pairs(grid=GRIDS[0], **told).measure()
     np.testing.assert_allclose(solved, looked.value.values, rtol=1e-12)
@@ -58,9 +58,9 @@ def test_the_statistics_of_a_block_are_those_of_the_same_surfaces_that_are_not_s
 
 
 def test_the_name_of_a_block_tells_loads_effects_and_surfaces_apart():
-    usual = area_pairs(realised=base(Load(reduced_pressure=0.2)), grids=GRIDS, first=0, count=2)
+    usual = area_pairs(problem=base(Load(reduced_pressure=0.2)), grids=GRIDS, first=0, count=2)
     others = [
-        usual.but(realised=base(Load(pressure=4e7))),
+        usual.but(problem=base(Load(pressure=4e7))),
         usual.but(first=2),
         usual.but(count=4),
         usual.but(grids=GRIDS[:1]),

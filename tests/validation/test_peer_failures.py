@@ -6,10 +6,10 @@ import pytest
 
 from validation.cases import run_cases
 from validation.cases.scorecard import Subject, rows
-from validation.methods import chosen_solver
+from validation.solvers import chosen_solver
 
-BY_GAPS = "peers_called_otherwise:tamaas_by_gaps"
-BY_DEFAULT = "peers_called_otherwise:contact_mechanics_by_default"
+BY_GAPS = "external_codes_called_otherwise:tamaas_by_gaps"
+BY_DEFAULT = "external_codes_called_otherwise:contact_mechanics_by_default"
 
 
 @pytest.fixture(autouse=True)

@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 from planted import SMALL, STUDENT, THREE, PlantedBench, block, column, measurement, realisation
 
-from validation.measures import references
-from validation.measures.common import persson_area
+from validation.measurements import references
+from validation.measurements.common import persson_area
 from validation.report.estimates import claim, total_error
 from validation.studies import (
     find_study,
@@ -26,7 +26,7 @@ PAIR = np.array([0.03, -0.03, 0.05, -0.01])  # +h and -h of two pairs: means 0 a
 
 def _kappa_of(solve):
     """kappa = 2 + H/10 on spectra of bandwidth 2; along the ladders 1.8 + 0.4 step^order more."""
-    surface, own = solve["realised"].surface, realisation(solve)
+    surface, own = solve["problem"].surface, realisation(solve)
     band = surface.lambda_long / surface.lambda_short
     waves = surface.length[0] / surface.lambda_long
     kappa = 2 + surface.hurst / 10
@@ -150,7 +150,7 @@ def _refined(solve):
     if kind == "GridRoughness":
         slopes = {"kappa": ("slope", np.array([3.0, 2.5, 1.9]))}
         return xr.Dataset(slopes, coords={"slope": ["spectral", "forward", "central"]})
-    own = 0.1 * THREE[solve["realised"].realisation]
+    own = 0.1 * THREE[solve["problem"].realisation]
     if kind == "BlockMeasurement":
         # Its edges are 4 / n, and counting adds .198 of them to an area 1 % larger.
         true, edges = 1.01 * own, 4 / solve["grid"][0]
@@ -261,7 +261,7 @@ def scored():
     """A fifth more area than the theory, on three surfaces of a per cent of standard error."""
 
     def answer(solve):
-        own = THREE[solve["realised"].realisation]
+        own = THREE[solve["problem"].realisation]
         return measurement(solve, lambda p: 1.2 * float(persson_area(p)) * own)
 
     options = theory_verdict.Options(

@@ -24,12 +24,12 @@ from planted import (
 
 from fem_contact.area import ContactAreas
 from fem_contact.surface import HeightField
-from validation.measures import adhesive, limits, ways
-from validation.measures.common import persson_area
-from validation.measures.edge import start_of_pressure
-from validation.measures.load_path import SHARES
-from validation.measures.measurement import area_limits, truncated_heights
-from validation.measures.theory import WITH_ENERGY, Waves
+from validation.measurements import adhesive, limits, ways
+from validation.measurements.common import persson_area
+from validation.measurements.edge import start_of_pressure
+from validation.measurements.load_path import SHARES
+from validation.measurements.measurement import area_limits, truncated_heights
+from validation.measurements.theory import WITH_ENERGY, Waves
 from validation.report.estimates import NORMAL, total_error
 from validation.studies import (
     accuracy_cost,
@@ -53,9 +53,9 @@ def grown():
     """A/A0 = 2 p* on average over three surfaces, on all grids alike."""
 
     def answer(solve):
-        (load,) = solve.realised.load.values
+        (load,) = solve.problem.load.values
         n = solve.grid[0]
-        value = 2 * load * THREE[solve.realised.realisation]
+        value = 2 * load * THREE[solve.problem.realisation]
         return ContactAreas(
             pixel=value + 0.2 / n,
             perimeter=value,
@@ -105,7 +105,7 @@ GAMMA, KAPPA = 0.4, 1.7
 
 def _falling(solve):
     """A/A0 = 1.7 p*, gap = (3 - 0.4 ln p*) h_rms, energy a quarter of p* times that of full contact."""
-    own = THREE[solve["realised"].realisation]
+    own = THREE[solve["problem"].realisation]
     return measurement(
         solve,
         lambda p: KAPPA * p * own,
@@ -206,9 +206,9 @@ def test_the_theory_of_pressure_stores_half_of_p_u_of_a_flattened_wave():
 def test_magnification_prints_the_planted_ratio_to_the_theory_of_the_waves_that_are_there():
     def answer(solve):
         rough = truncated_heights(
-            solve["realised"], solve["grids"][0], truncation=solve["truncation"]
+            solve["problem"], solve["grids"][0], truncation=solve["truncation"]
         ).rms_gradient
-        own = THREE[solve["realised"].realisation]
+        own = THREE[solve["problem"].realisation]
         return measurement(solve, lambda p: 1.1 * float(persson_area(p * 0.1 / rough)) * own)
 
     options = magnification.Options(
@@ -234,8 +234,8 @@ def yielded_lines(monkeypatch):
     monkeypatch.setattr(hardness, "yielded", lambda result: result.parts)
 
     def answer(solve):
-        realised, n = solve.realised, solve.grid[0]
-        load = realised.pressure / realised.pressure_scale * THREE[realised.surface.seed - 61]
+        problem, n = solve.problem, solve.grid[0]
+        load = problem.pressure / problem.pressure_scale * THREE[problem.surface.seed - 61]
         own = {"plastic_area": load * (1 + 3 / n), "elastic_area": load / 2 * (1 - 2 / n)}
         return contact(parts=SimpleNamespace(**own))
 
@@ -294,8 +294,8 @@ def test_hardness_says_the_planted_areas_and_what_smoothing_leaves(yielded_lines
 
 def _full_wave(solve):
     """A cosine in full contact: p - p0 = E* q h / 2, u = h, no gap."""
-    realised, n = solve.realised, solve.grid[0]
-    modulus, length = realised.contact_modulus, realised.lengths[0]
+    problem, n = solve.problem, solve.grid[0]
+    modulus, length = problem.contact_modulus, problem.lengths[0]
     q = 2 * np.pi / length
     h = 1e-9 * np.cos(q * np.arange(n) * length / n)[:, None] * np.ones(n)
     return contact(
@@ -357,7 +357,7 @@ def test_adhesion_adds_the_scatter_of_its_surfaces_to_the_step_of_their_grids(si
 
 def _counted(solve):
     """Counted areas .5 + .3 dx, or .4 + .3 dx without adhesion, by surface; half of it at the bound."""
-    n, own = solve.grid[0], THREE[solve.realised.surface.seed - 61]
+    n, own = solve.grid[0], THREE[solve.problem.surface.seed - 61]
     sticky = any(effect.kind == "adhesion" for effect in solve.effects)
     area = own * (0.5 if sticky else 0.4) + 0.3 / n
     return contact(in_contact=np.array([area]), at_bound=np.array([area / 2]))
@@ -424,7 +424,7 @@ def test_depth_tells_the_bottom_from_the_mesh():
 
 def test_scaling_has_the_planted_exponents_and_what_they_allow(monkeypatch):
     """Time 2e-6 N^1.1, memory 64 N: in 16 GiB 2^28 points, in an hour fewer."""
-    monkeypatch.setattr("validation.solves.cost.available_memory", lambda: 2**34)
+    monkeypatch.setattr("validation.execution.cost.available_memory", lambda: 2**34)
 
     def answer(solve):
         number = solve["grid"][0] ** 2.0

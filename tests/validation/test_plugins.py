@@ -11,7 +11,7 @@ import pytest
 from small_scene import small_scene
 
 from validation.errors import UsageError
-from validation.solves.results import read_results
+from validation.execution.results import read_results
 from validation.studies import find_study
 
 ROOT = Path(__file__).parents[2]
@@ -39,9 +39,9 @@ class Skin(Effect):
     meshed: ClassVar = False
     papers: ClassVar = ("Skin: A. Nobody, J. Toys 1, 1 (2026).",)
 
-    def fill(self, slots):
-        skin = Solid(young=self.young, poisson=slots.solid.poisson)
-        slots.response = LayeredSolid(layers=[skin], thicknesses=[self.thickness], base=slots.solid)
+    def fill(self, model):
+        skin = Solid(young=self.young, poisson=model.solid.poisson)
+        model.response = LayeredSolid(layers=[skin], thicknesses=[self.thickness], base=model.solid)
 
     def judge(self, rough):
         return self.said(f"skin over wave {self.thickness / rough.shortest:.3g}", matters=True)
@@ -62,7 +62,7 @@ import time
 import numpy as np
 
 from fem_contact.contact import ContactResult, Cost, Status, measure_residuals
-from validation.methods.base import Cost as Predicted, Gridded, Solved, Solver
+from validation.solvers.base import Cost as Predicted, Gridded, Solved, Solver
 
 
 class Descent(Solver):
@@ -79,12 +79,12 @@ class Descent(Solver):
 
     def solve(self, job):
         began = time.perf_counter()
-        field, mean_pressure, slots = job.field, job.mean_pressure, job.slots
+        field, mean_pressure, model = job.field, job.mean_pressure, job.model
         nx, ny = field.shape
         qx = 2 * np.pi * np.fft.fftfreq(nx, field.lengths[0] / nx)
         qy = 2 * np.pi * np.fft.rfftfreq(ny, field.lengths[1] / ny)
         q = np.hypot(qx[:, None], qy[None, :])
-        stiff = slots.solid.contact_modulus * q / 2
+        stiff = model.solid.contact_modulus * q / 2
         compliance = np.divide(1, stiff, out=np.zeros_like(stiff), where=stiff > 0)
 
         def displaced(p):
@@ -104,12 +104,12 @@ class Descent(Solver):
         seconds = time.perf_counter() - began
         residuals = measure_residuals(
             pressure=p, gap=gap, heights=field.heights, lengths=field.lengths,
-            contact_modulus=slots.solid.contact_modulus, rms_gradient=field.rms_gradient,
+            contact_modulus=model.solid.contact_modulus, rms_gradient=field.rms_gradient,
             target_pressure=mean_pressure,
         )
         return Solved(contact=ContactResult(
             pressure=p, gap=gap, displacement=u, in_contact=p > 0, at_bound=np.zeros(p.shape, bool),
-            heights=field.heights, lengths=field.lengths, contact_modulus=slots.solid.contact_modulus,
+            heights=field.heights, lengths=field.lengths, contact_modulus=model.solid.contact_modulus,
             offset=float(offset), mean_pressure=float(p.mean()), status=Status.CONVERGED, residuals=residuals,
             cost=Cost(wall_seconds=seconds, cpu_seconds=seconds, iterations=4000, unknowns=p.size,
                       peak_bytes=10 * p.nbytes),
@@ -123,9 +123,9 @@ STUDY = '''
 """Is one surface as good as another?"""
 from pydantic import Field
 
-from validation.measures.common import base_case, base_surface
-from validation.measures.limits import limits_of, solved
-from validation.measures.measurement import press_on_grids
+from validation.measurements.common import base_case, base_surface
+from validation.measurements.limits import limits_of, solved
+from validation.measurements.measurement import press_on_grids
 from validation.report.estimates import gather, mean
 from validation.report.findings import finding
 from validation.report.table import Table
@@ -142,7 +142,7 @@ class Options(StudyOptions):
 def run(options, *, bench):
     first = base_case(base_surface(hurst=0.8, periods=1, bandwidth=2, seed=5), pressure=1e7)
     cases = {
-        k: press_on_grids(realised=first.further(k), grids=((8, 8), (16, 16)))
+        k: press_on_grids(problem=first.further(k), grids=((8, 8), (16, 16)))
         for k in range(options.surfaces)
     }
     parts = {k: limits_of(one) for k, one in solved(bench, cases).items()}
@@ -254,7 +254,7 @@ def test_an_entry_point_that_cannot_be_loaded_is_named(command, toys, tmp_path):
 
 STUDIES = """
 import json
-from validation.solves.bench import Bench
+from validation.execution.bench import Bench
 from validation.studies import run, stability
 
 bench = Bench.at("solves")

@@ -10,10 +10,10 @@ import sys
 
 import pytest
 
-from validation.bounded import ONE_THREAD
-from validation.scenes.realised import Realised
+from validation.execution.press import Press
+from validation.sandbox import ONE_THREAD
+from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
-from validation.solves.press import Press
 
 #: method, points along a side, p*, settings
 LIST = [
@@ -44,7 +44,7 @@ def job_of(number: int, *, small: bool = False) -> Press:
     return Press(
         method=method,
         grid=(side, side),
-        realised=Realised(
+        problem=ContactProblem(
             surface=surface,
             solid=SolidSpec(young=1e9, poisson=0.3),
             load=Load(reduced_pressure=pressure),
@@ -58,9 +58,9 @@ import importlib.util, json, pathlib, resource, sys, tempfile, time
 spec = importlib.util.spec_from_file_location("listed", sys.argv[1])
 listed = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(listed)
-from validation.solves.cost import transform_seconds
-from validation.solves.attempt import attempt
-from validation.solves.store import Store
+from validation.execution.cost import transform_seconds
+from validation.execution.attempt import attempt
+from validation.execution.store import Store
 number = int(sys.argv[2])
 with tempfile.TemporaryDirectory() as folder:
     store = Store(folder=pathlib.Path(folder))

@@ -15,12 +15,12 @@ from solving import Numbers
 
 from validation import files
 from validation.errors import RunFailed, UsageError
+from validation.execution import store as store_module
+from validation.execution.attempt import attempt
+from validation.execution.bench import Bench
+from validation.execution.results import read_results, write_results
+from validation.execution.store import Store, read_numbers, write_numbers
 from validation.files import prepare_folder, read_record, write_record
-from validation.solves import store as store_module
-from validation.solves.attempt import attempt
-from validation.solves.bench import Bench
-from validation.solves.results import read_results, write_results
-from validation.solves.store import Store, read_numbers, write_numbers
 from validation.studies import area, find_study
 from validation.studies._outputs import report_study, run_study
 

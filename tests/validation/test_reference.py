@@ -14,16 +14,16 @@ from typer.testing import CliRunner
 from validation import reference
 from validation.cli import app
 from validation.errors import UsageError
-from validation.measures.common import base_case, base_surface
-from validation.measures.controlled import Known, Level, chained_mean
-from validation.measures.ensemble import QUANTITIES, _Drawn, mean_area
-from validation.measures.table_samples import at_loads, joined, with_size
-from validation.measures.without_solve import unsolved_statistics
+from validation.execution.bench import Bench
+from validation.measurements.common import base_case, base_surface
+from validation.measurements.control_variates import unsolved_statistics
+from validation.measurements.controlled import Known, Level, chained_mean
+from validation.measurements.ensemble import QUANTITIES, _Drawn, mean_area
+from validation.measurements.table_samples import at_loads, joined, with_size
 from validation.reference.alpha import at_equal_alpha
 from validation.reference.fit import FIT, fitted, fitted_area, nayak
 from validation.reference.interpolation import interpolated
 from validation.report.estimates import claim, total_error
-from validation.solves.bench import Bench
 from validation.studies import find_study
 from validation.studies import reference as study
 
@@ -284,7 +284,7 @@ def test_a_cell_of_the_table_is_the_chained_mean_of_its_pairs(small):
         return np.mean(np.reshape(each, (-1, 2)), axis=1)
 
     def told(ks):
-        fields = [cases[0, 0, False]["realised"].further(k).heights((24, 24)) for k in ks]
+        fields = [cases[0, 0, False]["problem"].further(k).heights((24, 24)) for k in ks]
         return np.array([list(unsolved_statistics(field).values()) for field in fields])
 
     coarse = Level(values=gaps(0, 0), controls=told(range(12)))

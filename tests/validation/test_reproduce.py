@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from validation.execution.results import Result, read_results
 from validation.paper import reproduce
 from validation.paper.claims import Application, Convention, Stated, claim, judge
 from validation.paper.figures import FIGURES
@@ -16,7 +17,6 @@ from validation.paper.rim import RIM
 from validation.paper.steel import STEEL
 from validation.paper.table import APPLICATIONS, UNJUDGED
 from validation.report.page import write_page
-from validation.solves.results import Result, read_results
 
 #: The conventions under which the claims of each system agree best: a slow test sees that they do.
 JOINT = {

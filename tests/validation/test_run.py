@@ -24,13 +24,13 @@ from fem_contact.errors import NotConverged
 from fem_contact.patches import find_patches
 from validation.comparison.run import report_scene, run_scene
 from validation.errors import RunFailed, UsageError
+from validation.execution.press import Press, solves_of
+from validation.execution.running import solve_all
+from validation.execution.store import Store
 from validation.files import prepare_folder
 from validation.report.words import mathematics
 from validation.scenes.scene import Load, load_scene
 from validation.scenes.surfaces import height_field
-from validation.solves.press import Press, solves_of
-from validation.solves.running import solve_all
-from validation.solves.store import Store
 
 
 def _scene(run):
@@ -105,7 +105,7 @@ def test_contact_in_numbers_follows_from_the_fields(small_run):
     listed = {row[0]: row for row in small_run.page.records["numbers"].rows}
     assert listed["area of real contact"][-1] == "um^2"
     # The stiffness of the contact set: load over approach of a slightly larger load.
-    more = replace(own[-1], realised=replace(own[-1].realised, load=Load(reduced_pressure=(0.1002,))))
+    more = replace(own[-1], problem=replace(own[-1].problem, load=Load(reduced_pressure=(0.1002,))))
     pressed = more.do().contact
     slope = (pressed.mean_pressure - finest.mean_pressure) / (finest.offset - pressed.offset)
     assert float(data.stiffness) == pytest.approx(

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from validation import units
 from validation.errors import SceneError, UsageError
 from validation.scenes.checks import check_scene
-from validation.scenes.realised import realise
+from validation.scenes.problem import realise
 from validation.scenes.scene import builtin_scenes, load_scene
 
 WRONG = [

@@ -13,10 +13,10 @@ from validation.cases import Verdict, below, run_cases
 from validation.cases._result import claims_dataset, claims_views
 from validation.cases.scorecard import Scorecard, Subject, rows, score
 from validation.cli import app
-from validation.methods import chosen_solver
-from validation.methods.base import Claim, Cost
-from validation.methods.bem import Bem
-from validation.solves.results import read_results
+from validation.execution.results import read_results
+from validation.solvers import chosen_solver
+from validation.solvers.base import Claim, Cost
+from validation.solvers.bem import Bem
 
 
 class Toy(Bem):
@@ -26,8 +26,8 @@ class Toy(Bem):
     stiffness = 1.0
 
     def claim(self, job) -> Claim:
-        solid = replace(job.slots.solid, young=self.stiffness * job.slots.solid.young)
-        found = super().claim(replace(job, slots=replace(job.slots, solid=solid)))
+        solid = replace(job.model.solid, young=self.stiffness * job.model.solid.young)
+        found = super().claim(replace(job, model=replace(job.model, solid=solid)))
         return replace(found, cpu_seconds=1e-3)
 
 
@@ -127,9 +127,9 @@ class Deaf(Bem):
 
     def claim(self, job) -> Claim:
         if self.ignored == "layer":
-            job = replace(job, slots=replace(job.slots, response=None))
+            job = replace(job, model=replace(job.model, response=None))
         if self.ignored == "hardness":
-            job = replace(job, slots=replace(job.slots, pressure_bound=None))
+            job = replace(job, model=replace(job.model, pressure_bound=None))
         if self.ignored == "offset" and "offset" in job.load:
             job = replace(job, load={"offset": job.load["offset"] + 0.01 * job.field.rms_height})
         found = super().claim(job)

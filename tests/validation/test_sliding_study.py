@@ -5,9 +5,9 @@ import pytest
 
 from fem_contact import PronySolid, slide
 from validation.errors import UsageError
-from validation.measures import sliding as measure
-from validation.measures.common import base_case
-from validation.measures.measurement import grid_for
+from validation.measurements import sliding as measure
+from validation.measurements.common import base_case
+from validation.measurements.measurement import grid_for
 from validation.scenes.scene import SolidSpec
 from validation.studies import find_study, sliding
 

@@ -10,9 +10,9 @@ import pytest
 from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput
 from validation.errors import UsageError
-from validation.measures.hard_cases.cases import HardCase, Measured
-from validation.solves.bench import Bench
-from validation.solves.store import Store
+from validation.execution.bench import Bench
+from validation.execution.store import Store
+from validation.measurements.hard_cases.cases import HardCase, Measured
 from validation.studies import find_study, stability
 
 #: Cases of a second or less; the others run with the slow tests.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from validation.measures.statistics import order_of_convergence, pair_means
+from validation.measurements.statistics import order_of_convergence, pair_means
 from validation.report.estimates import mean_of
 from validation.report.values import combined
 

@@ -26,12 +26,12 @@ from solving import Numbers, fields
 
 from validation import files
 from validation.errors import RunFailed
+from validation.execution.attempt import Outcome, Silent, attempt
+from validation.execution.checksum import Damaged, seal, unseal
+from validation.execution.provenance import Made, made_words
+from validation.execution.running import solve_all
+from validation.execution.store import Store, check_store, read_result
 from validation.files import NotWritten, atomic_path
-from validation.solves.attempt import Outcome, Silent, attempt
-from validation.solves.provenance import Made, made_words
-from validation.solves.running import solve_all
-from validation.solves.seal import Damaged, seal, unseal
-from validation.solves.store import Store, check_store, read_result
 
 MADE = Made.now(threads=1, seconds=0.5)
 
@@ -186,7 +186,7 @@ def test_a_good_file_is_never_set_aside_for_want_of_memory(stored, monkeypatch, 
     monkeypatch.setattr(type(solve), "decode", fails)
     with pytest.raises(RunFailed, match="intact, but memory does not suffice"):
         store.read(solve)
-    monkeypatch.setattr("validation.solves.store.read_whole", lambda path, *, most: fails(None, path))
+    monkeypatch.setattr("validation.execution.store.read_whole", lambda path, *, most: fails(None, path))
     with pytest.raises(RunFailed, match="memory does not suffice"):
         store.read(solve)
     assert before == sorted(path.name for path in store.folder.iterdir())
@@ -340,7 +340,7 @@ def test_bytes_are_on_the_disk_before_the_name_is(stored, monkeypatch):
 
 def test_a_run_syncs_the_names_of_what_it_stored(tmp_path, monkeypatch):
     synced = []
-    monkeypatch.setattr("validation.solves.running.sync_folder", synced.append)
+    monkeypatch.setattr("validation.execution.running.sync_folder", synced.append)
     solve_all([Numbers(1)], Store(folder=tmp_path))
     assert synced == [tmp_path]
 
@@ -382,7 +382,7 @@ def test_limits_of_the_shell_end_in_one_line(tmp_path, limit):
     code = (
         "import sys; sys.path.insert(0, 'tests/validation')\n"
         "from pathlib import Path; from validation.errors import RunFailed, UsageError\n"
-        "from validation.solves.store import Store; from validation.solves.running import attempt\n"
+        "from validation.execution.store import Store; from validation.execution.running import attempt\n"
         "from solving import fields\n"
         "import os\n"
         "solve = fields(points=48)\n"

@@ -13,9 +13,9 @@ sys.path.insert(0, str(Path(__file__).parent))
 from solving import Numbers
 
 from validation import files
+from validation.execution.running import Execution, solve_all
+from validation.execution.store import Store, check_store
 from validation.files import atomic_path, prepare_folder, remove_drafts
-from validation.solves.running import Execution, solve_all
-from validation.solves.store import Store, check_store
 
 
 def test_drafts_of_the_dead_are_cleared_and_those_of_the_living_are_not(tmp_path):

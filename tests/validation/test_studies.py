@@ -8,27 +8,27 @@ import numpy as np
 import pytest
 
 from validation.errors import UsageError
-from validation.measures.common import base_case, base_surface
-from validation.measures.edge import edge_limits
-from validation.measures.grid_roughness import grid_roughness
-from validation.measures.measurement import area_limits, grid_for, press_on_grids, truncated_heights
+from validation.execution.measurement import Call
+from validation.measurements.common import base_case, base_surface
+from validation.measurements.edge import edge_limits
+from validation.measurements.grid_roughness import grid_roughness
+from validation.measurements.measurement import area_limits, grid_for, press_on_grids, truncated_heights
 from validation.scenes import surfaces
-from validation.scenes.realised import Realised
+from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import SolidSpec, load_scene
-from validation.solves.measurement import Call
 from validation.studies import cross, find_study, refinement, stress_near_zero, studies
 
 SOLID = SolidSpec(young=3e8, poisson=0.25)
 SMALL = {"periods": 2.0, "bandwidth": 2.0}
 
 
-def pressed(*, seed: int = 61, solid: SolidSpec = SOLID) -> Realised:
+def pressed(*, seed: int = 61, solid: SolidSpec = SOLID) -> ContactProblem:
     return base_case(base_surface(hurst=0.6, seed=seed, **SMALL), reduced_pressure=0.05, solid=solid)
 
 
 def measurement(**changes: object) -> Call:
     settings = {
-        "realised": pressed(),
+        "problem": pressed(),
         "reduced_pressures": (0.05, 0.2),
         "grids": ((16, 16), (24, 24), (32, 32)),
         "shifts": 2,
@@ -49,7 +49,7 @@ def test_area_grows_with_load_and_falls_with_refinement(measured):
 
 
 def test_numbers_do_not_depend_on_the_modulus(measured):
-    other = measurement(realised=pressed(solid=SolidSpec(young=7e10, poisson=0.4))).measure()
+    other = measurement(problem=pressed(solid=SolidSpec(young=7e10, poisson=0.4))).measure()
     np.testing.assert_allclose(other.pixel.values, measured.pixel.values, rtol=1e-12)
     np.testing.assert_allclose(other.mean_gap.values, measured.mean_gap.values, rtol=1e-6)
 
@@ -62,7 +62,7 @@ def test_energy_tends_to_that_of_full_contact():
 
 
 def test_the_inverted_surface_has_the_same_gradient_and_another_area(measured):
-    inverted = measurement(realised=replace(pressed(), inverted=True))
+    inverted = measurement(problem=replace(pressed(), inverted=True))
     assert inverted.key != measurement().key
     found = inverted.measure()
     assert found.attrs["rms_gradient"] == measured.attrs["rms_gradient"]
@@ -90,15 +90,15 @@ def test_limits_lie_below_the_counted_areas(measured):
 def test_a_recipe_holds_everything_and_nothing_else():
     base = measurement()
     assert base.key == measurement().key
-    assert len({base.key, measurement(shifts=1).key, measurement(realised=pressed().further(1)).key}) == 3
+    assert len({base.key, measurement(shifts=1).key, measurement(problem=pressed().further(1)).key}) == 3
     # Realisation 1 of seed 61 is realisation 0 of seed 62.
-    moved = measurement(realised=pressed(seed=62))
-    assert moved.key == measurement(realised=pressed().further(1)).key
+    moved = measurement(problem=pressed(seed=62))
+    assert moved.key == measurement(problem=pressed().further(1)).key
 
 
 def test_the_grid_scale_protocol_depends_on_the_slope_in_the_known_order():
     found = grid_roughness(
-        realised=base_case(base_surface(hurst=0.8, seed=61, **SMALL), reduced_pressure=0.1), grid=(32, 32)
+        problem=base_case(base_surface(hurst=0.8, seed=61, **SMALL), reduced_pressure=0.1), grid=(32, 32)
     ).measure()
     spectral, forward, central = found.kappa.values
     assert spectral > forward > central

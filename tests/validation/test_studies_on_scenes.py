@@ -14,11 +14,11 @@ from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 from validation.errors import UsageError
-from validation.measures.measurement import truncated_heights
-from validation.methods.theory import predict
-from validation.scenes.realised import realise
+from validation.execution.press import solves_of
+from validation.measurements.measurement import truncated_heights
+from validation.scenes.problem import realise
 from validation.scenes.scene import load_scene
-from validation.solves.press import solves_of
+from validation.solvers.theory import predict
 from validation.studies import area, cross, find_study, magnification, pressure, refinement, theory_verdict
 from validation.studies._outputs import report_study, run_study
 
@@ -135,7 +135,7 @@ def test_a_measured_map_without_its_short_waves_is_a_lower_magnification(scene, 
     (case,) = magnification.design(
         magnification.Options(scene=scene(MAP), magnifications=(3.0,), shifts=1)
     ).values()
-    partial = truncated_heights(case["realised"], GRIDS[0], truncation=case["truncation"])
+    partial = truncated_heights(case["problem"], GRIDS[0], truncation=case["truncation"])
     waves = np.abs(np.fft.fft2(partial.heights))
     nx, ny = GRIDS[0]
     qx, qy = np.fft.fftfreq(nx, 12e-6 / nx), np.fft.fftfreq(ny, 9e-6 / ny)
@@ -224,7 +224,7 @@ def test_finite_elements_of_a_scene_stand_beside_boundary_elements_with_its_effe
         own["fem"].height_field(),
         HalfSpace(solid=Solid(young=2e6, poisson=0.3)),
         hardness=Hardness(pressure=3e4),
-        mean_pressure=own["fem"].realised.pressure,
+        mean_pressure=own["fem"].problem.pressure,
     )
     apart = np.linalg.norm(found.pressure - ours.pressure) / np.linalg.norm(ours.pressure)
     assert float(data.pressure_difference.squeeze()) == pytest.approx(apart, rel=1e-6)

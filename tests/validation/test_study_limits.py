@@ -17,13 +17,13 @@ from fem_contact.surface import HeightField
 from persson.elastic import contact_area, stress_variance
 from persson.scale import Scale
 from persson.separation import mean_separation
-from validation.measures.common import base_case, base_surface
-from validation.measures.distributions import distance_to_reference
-from validation.measures.edge import inverse_square_coefficient, window_slope
-from validation.measures.ladders import bandwidth_order, fitted_line, line
-from validation.measures.limits import grid_drift
-from validation.measures.measurement import grid_for, press_on_grids
-from validation.measures.theory import WITH_ENERGY, Waves, ensemble_area, modes_finding
+from validation.measurements.common import base_case, base_surface
+from validation.measurements.convergence import bandwidth_order, fitted_line, line
+from validation.measurements.distributions import distance_to_reference
+from validation.measurements.edge import inverse_square_coefficient, window_slope
+from validation.measurements.limits import grid_drift
+from validation.measurements.measurement import grid_for, press_on_grids
+from validation.measurements.theory import WITH_ENERGY, Waves, ensemble_area, modes_finding
 from validation.report.estimates import claim, mean
 from validation.scenes.scene import SolidSpec
 from validation.scenes.surfaces import height_field, spectrum_of
@@ -39,7 +39,7 @@ def measured():
     grids = ((16, 16), (24, 24), (32, 32))
     case = base_case(surface, reduced_pressure=0.05, solid=SOLID)
     return press_on_grids(
-        realised=case, reduced_pressures=(0.05, 0.2), grids=grids, shifts=2, keep=("distributions",)
+        problem=case, reduced_pressures=(0.05, 0.2), grids=grids, shifts=2, keep=("distributions",)
     ).measure()
 
 
@@ -277,8 +277,8 @@ def test_kappa_is_that_of_another_code_on_other_surfaces_of_the_same_spectrum(ex
     values = []
     for pair in range(8):
         for inverted in (False, True):
-            realised = replace(base.further(pair), inverted=inverted)
-            case = press_on_grids(realised=realised, grids=(grid_for(base, 4.0),), shifts=2)
+            problem = replace(base.further(pair), inverted=inverted)
+            case = press_on_grids(problem=problem, grids=(grid_for(base, 4.0),), shifts=2)
             found = case.measure().mean("shift").isel(grid=0, load=0)
             values.append(float(found.pixel - 0.118 * found.edge_fraction) / 0.05)
     # Surfaces scatter by 1.7 %: .5 % for sixteen, .6 % for the other's eight; thrice that.

@@ -18,17 +18,17 @@ from fem_contact.surface import HeightField
 from persson.hardness import constant_hardness
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import full_contact_energy
-from validation.measures.adhesive import interface_energy
-from validation.measures.common import base_case, base_surface, persson_area
-from validation.measures.distributions import histograms_of, largest_difference, weighted_percentile
-from validation.measures.edge import edge_limits, start_of_pressure, window_slope
-from validation.measures.grid_roughness import rms_slopes
-from validation.measures.grids import observed_order
-from validation.measures.ladders import fitted_line, spectral_errors
-from validation.measures.measurement import press_on_grids, pressed_path, truncated_heights
-from validation.measures.statistics import order_of_convergence
-from validation.measures.theory import Waves, ensemble_stress_variance
-from validation.measures.yielding import kept_by_theory
+from validation.measurements.adhesive import interface_energy
+from validation.measurements.common import base_case, base_surface, persson_area
+from validation.measurements.convergence import fitted_line, spectral_errors
+from validation.measurements.distributions import histograms_of, largest_difference, weighted_percentile
+from validation.measurements.edge import edge_limits, start_of_pressure, window_slope
+from validation.measurements.grid_roughness import rms_slopes
+from validation.measurements.grids import observed_order
+from validation.measurements.measurement import press_on_grids, pressed_path, truncated_heights
+from validation.measurements.statistics import order_of_convergence
+from validation.measurements.theory import Waves, ensemble_stress_variance
+from validation.measurements.yielding import kept_by_theory
 from validation.report.estimates import claim, total_error
 from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
@@ -63,16 +63,16 @@ def test_adhesion_gains_the_work_of_the_interface_less_half_of_pressure_times_di
 
 def test_smoothing_in_the_theory_is_what_has_not_yielded_over_what_will():
     surface = base_surface(hurst=0.7, periods=2.0, bandwidth=8.0, seed=83)
-    realised = base_case(surface, reduced_pressure=0.2)
-    limit = 0.8 * realised.pressure_scale
+    problem = base_case(surface, reduced_pressure=0.2)
+    limit = 0.8 * problem.pressure_scale
     q = spectrum_of(surface).q_long * np.array([1.5, 3.0, 6.0])
-    spectrum = realised.spectrum_shape
-    factor = realised.field.moments[1] / float(spectrum.m2())
-    variance = realised.contact_modulus**2 / 4 * factor * np.asarray(spectrum.m2(q))
-    plastic = constant_hardness(realised.pressure, stress_variance=variance, yield_stress=limit).plastic
+    spectrum = problem.spectrum_shape
+    factor = problem.field.moments[1] / float(spectrum.m2())
+    variance = problem.contact_modulus**2 / 4 * factor * np.asarray(spectrum.m2(q))
+    plastic = constant_hardness(problem.pressure, stress_variance=variance, yield_stress=limit).plastic
     # Of the whole area p0 / H yields in the end. The table is joined by power laws over 400 points.
-    exact = 1 - plastic * limit / realised.pressure
-    np.testing.assert_allclose(kept_by_theory(realised, limit, q), exact, atol=2e-3)
+    exact = 1 - plastic * limit / problem.pressure
+    np.testing.assert_allclose(kept_by_theory(problem, limit, q), exact, atol=2e-3)
     assert exact[-1] < 0.9
 
 
@@ -127,14 +127,14 @@ def test_waves_left_out_raise_the_reduced_pressure_of_the_rest():
     )  # fmt: skip
     cases = magnification.design(options)
     part, whole = (
-        truncated_heights(one["realised"], one["grids"][0], truncation=one["truncation"]).rms_gradient
+        truncated_heights(one["problem"], one["grids"][0], truncation=one["truncation"]).rms_gradient
         for one in (cases[0, 2.0], cases[0, 4.0])
     )
     assert part < 0.9 * whole
 
     def planted(solve):
         return measurement(solve, lambda p: 0.2).assign_attrs(
-            rms_gradient=solve["realised"].field.rms_gradient
+            rms_gradient=solve["problem"].field.rms_gradient
         )
 
     data = magnification.run(options, bench=PlantedBench(planted))
@@ -193,7 +193,7 @@ def flattened():
     """A surface in full contact, measured along two loads."""
     case = base_case(base_surface(hurst=0.8, periods=2.0, bandwidth=2.0, seed=89), reduced_pressure=6.0)
     return case, press_on_grids(
-        realised=case, reduced_pressures=(5.0, 6.0), grids=((16, 16), (24, 24)), shifts=1
+        problem=case, reduced_pressures=(5.0, 6.0), grids=((16, 16), (24, 24)), shifts=1
     )
 
 

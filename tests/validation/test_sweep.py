@@ -14,14 +14,14 @@ from typer.testing import CliRunner
 from fem_contact.errors import NotConverged
 from validation.cli.commands import app
 from validation.comparison.run import report_scene, run_scene
-from validation.comparison.sweep import explain_sweep, realised_cases, run_sweep, solves_of_sweep
+from validation.comparison.sweep import explain_sweep, problems_of, run_sweep, solves_of_sweep
 from validation.comparison.sweep_views import sweep_views
 from validation.errors import RunFailed, SceneError, UsageError
+from validation.execution.press import Press
+from validation.execution.results import read_results
 from validation.report.words import with_error
 from validation.scenes.scene import load_scene, scene_text
 from validation.scenes.sweep import Sweep, load_asked
-from validation.solves.press import Press
-from validation.solves.results import read_results
 
 _HARD = "sweep.effects.hardness.hardness=['200 kPa', 60e3]"
 
@@ -172,11 +172,11 @@ def test_solves_that_cases_share_are_done_once(small_scene):
     sweep = load_asked(small_scene, ["sweep.methods.bem.grids=[[12, 24], [12, 24, 48]]"])
     explained = explain_sweep(sweep)
     assert (explained.solves, explained.asked) == (12, 20)
-    assert len(solves_of_sweep(sweep, realised_cases(sweep))) == 12
+    assert len(solves_of_sweep(sweep, problems_of(sweep))) == 12
 
 
 def test_a_surface_that_cases_share_is_made_once(load_sweep):
-    first, *others = realised_cases(load_sweep)
+    first, *others = problems_of(load_sweep)
     assert all(other.field is first.field for other in others)
     assert others[-1].pressure == 1e4
 
@@ -304,7 +304,7 @@ def test_a_measured_surface_is_swept_with_the_size_of_its_file(write_scene, tmp_
     )
     sweep = load_asked(str(path))
     assert all(scene.surface.path.is_absolute() for scene in sweep.scenes)
-    first, second = realised_cases(sweep)
+    first, second = problems_of(sweep)
     assert second.measured is first.measured
     assert second.pressure == pytest.approx(4 * first.pressure, rel=1e-12)
 
@@ -316,14 +316,14 @@ def test_the_sweep_in_the_docs_can_be_run(tmp_path):
     path.write_text(scene_text("hardness")[0] + "\n" + block.partition("```")[0])
     sweep = load_asked(str(path))
     assert sweep.shape == (5, 2)
-    realised_cases(sweep)
+    problems_of(sweep)
 
 
 def test_a_case_whose_solves_fail_is_a_row_and_the_command_says_so(small_scene, tmp_path, monkeypatch):
     do = Press.do
 
     def failing(solve, threads=None):
-        if solve.realised.load.values == (0.1,):
+        if solve.problem.load.values == (0.1,):
             raise NotConverged("stopped at the iteration limit; allow more")
         return do(solve, threads=threads)
 

@@ -11,9 +11,9 @@ import pytest
 from persson.elastic import KAPPA_BGT, contact_area, stress_variance
 from validation import theories as registry
 from validation.errors import UsageError
-from validation.measures.common import base_case, base_surface
+from validation.execution.bench import Bench
+from validation.measurements.common import base_case, base_surface
 from validation.registry import found_in
-from validation.solves.bench import Bench
 from validation.studies import find_study, theory_verdict
 from validation.theories import Rough, Theory, find_theory, theories
 

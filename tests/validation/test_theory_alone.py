@@ -20,12 +20,12 @@ from validation.comparison.explain import explain, roughness_of
 from validation.comparison.run import report_scene, run_scene
 from validation.effects.base import Roughness
 from validation.errors import SceneError, UsageError
-from validation.methods.theory import TheoryOptions, against_magnification, predict
+from validation.execution.press import solves_of
 from validation.scenes.checks import check_scene
-from validation.scenes.realised import Realised, realise
+from validation.scenes.problem import ContactProblem, realise
 from validation.scenes.scene import load_scene
 from validation.scenes.surfaces import spectrum_of
-from validation.solves.press import solves_of
+from validation.solvers.theory import TheoryOptions, against_magnification, predict
 
 APPLICATIONS = ("pmma-silane", "polished-steel", "pyrex", "pyrex-squeezed", "tire-rim")
 
@@ -82,9 +82,9 @@ def scene(tmp_path):
 
 
 def answers(scene):
-    realised = realise(scene)
-    check_scene(scene, realised)
-    return against_magnification(realised, scene.effects, scene.methods.theory)
+    problem = realise(scene)
+    check_scene(scene, problem)
+    return against_magnification(problem, scene.effects, scene.methods.theory)
 
 
 def with_effect(text, effect):
@@ -164,9 +164,9 @@ def test_the_hardness_of_a_wave_counts_from_its_length(scene):
     (hardness,) = scene(with_effect(RIM, effect)).effects
     (told,) = [hardness]
     from fem_contact.solid import Solid
-    from validation.effects.base import Told
+    from validation.effects.base import TheoryInputs
 
-    rising = Told.by(Solid(young=1e7, poisson=0.5), [told]).hardness
+    rising = TheoryInputs.by(Solid(young=1e7, poisson=0.5), [told]).hardness
     # H (1 + l/lambda)^n at lambda = l and far above.
     assert float(rising(2 * math.pi / 0.6e-6)) == pytest.approx(5e6 * 2**0.5, rel=1e-14)
     assert float(rising(0.0)) == 5e6
@@ -219,8 +219,8 @@ def test_what_is_not_listed_is_not_imported(tmp_path):
     code = (
         "import sys\n"
         "from validation.scenes.scene import load_scene\n"
-        "from validation.scenes.realised import realise\n"
-        "from validation.methods.theory import against_magnification\n"
+        "from validation.scenes.problem import realise\n"
+        "from validation.solvers.theory import against_magnification\n"
         f"scene = load_scene({str(path)!r})\n"
         "against_magnification(realise(scene), scene.effects, scene.methods.theory)\n"
         "unwanted = {'numba', 'matplotlib', 'persson.adhesion', 'persson.hardness', 'persson.graded'}\n"
@@ -335,7 +335,7 @@ def test_an_unknown_scene_is_named_with_those_there_are():
 
 def test_a_solver_presses_frozen_capillary_waves(scene):
     loaded = scene(WAVES)
-    realised = realise(loaded)
+    problem = realise(loaded)
     exact = CapillaryWaves(
         temperature=370,
         surface_tension=0.04,
@@ -343,15 +343,15 @@ def test_a_solver_presses_frozen_capillary_waves(scene):
         q_min=2 * math.pi / 50e-9,
         q_short=2 * math.pi / 12.5e-9,
     )
-    assert realised.spectrum == exact
+    assert problem.spectrum == exact
     # Waves of a period: their sum over C(q) is that of `random_waves` for any C(q).
     q = 2 * np.pi * np.fft.fftfreq(96, 100e-9 / 96)
     waves = np.hypot(q[:, None], q[None, :])
     power = (2 * np.pi / 100e-9) ** 2 * np.sum(exact(waves) * waves**2)
-    assert realised.field.rms_gradient == pytest.approx(math.sqrt(power), rel=1e-12)
+    assert problem.field.rms_gradient == pytest.approx(math.sqrt(power), rel=1e-12)
     contact = next(iter(solves_of(loaded))).do(threads=1).contact.checked()
     assert 0 < contact.in_contact.mean() < 1
-    assert predict(realised, ()).ensemble_area == pytest.approx(predict(realised, ()).area, rel=0.5)
+    assert predict(problem, ()).ensemble_area == pytest.approx(predict(problem, ()).area, rel=0.5)
 
 
 def test_two_equal_surfaces_add_up_wave_by_wave(scene):
@@ -363,9 +363,9 @@ def test_two_equal_surfaces_add_up_wave_by_wave(scene):
 
 def test_readings_of_the_theory_are_used_beside_a_solver_too(scene):
     loaded = scene(with_effect(WAVES, 'kind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "1 nm"'))
-    realised = realise(loaded)
+    problem = realise(loaded)
     plain, old = (
-        predict(realised, loaded.effects, TheoryOptions(energy=energy)) for energy in ("improved", "old")
+        predict(problem, loaded.effects, TheoryOptions(energy=energy)) for energy in ("improved", "old")
     )
     assert plain.other == pytest.approx(old.area, rel=1e-14)
     assert old.other == pytest.approx(plain.area, rel=1e-14)
@@ -376,7 +376,7 @@ def test_readings_of_the_theory_are_used_beside_a_solver_too(scene):
 def test_judgements_from_the_spectrum_are_those_of_a_surface_with_many_waves(scene):
     loaded = scene(WAVES, ('length = "100 nm"', 'length = "800 nm"'), ("[24, 48]", "[144]"))
     drawn = realise(loaded)
-    alone = Realised(surface=drawn.surface, solid=drawn.solid, load=drawn.load, drawn=False)
+    alone = ContactProblem(surface=drawn.surface, solid=drawn.solid, load=drawn.load, drawn=False)
     exact, expected = roughness_of(drawn), roughness_of(alone)
     # Sums over the waves of a period against integrals: the long waves are few, L = 16 lambda_long.
     for name in Roughness.__dataclass_fields__:

@@ -7,9 +7,9 @@ import pytest
 from planted import edge_data
 
 from validation.errors import UsageError
-from validation.measures.common import base_case, base_surface, persson_area
-from validation.measures.load_path import moved_shares
-from validation.solves.results import write_results
+from validation.execution.results import write_results
+from validation.measurements.common import base_case, base_surface, persson_area
+from validation.measurements.load_path import moved_shares
 from validation.studies import find_study, hurst, magnification, pressure, theory_verdict
 from validation.studies._outputs import report_study
 from validation.theories import Rough

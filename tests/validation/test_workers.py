@@ -22,11 +22,11 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 from solving import Deadly, DiesAtStart, Held, Killing, Notes, Numbers, Slow, dask_cluster, still_running
 
-from validation.bounded import Child
 from validation.errors import RunFailed, UsageError
+from validation.execution.running import Execution, solve_all
+from validation.execution.store import Store
 from validation.files import prepare_folder
-from validation.solves.running import Execution, solve_all
-from validation.solves.store import Store
+from validation.sandbox import Child
 
 ROOT = Path(__file__).parents[2]
 
@@ -141,7 +141,7 @@ def cluster(tmp_path):
 
 
 def test_a_look_longer_than_the_patience_is_told_and_followed_by_another(tmp_path, monkeypatch):
-    from validation.solves import cluster as module
+    from validation.execution import cluster as module
 
     minutes, progress, looks = itertools.count(0, 60), Notes(), []
     clock = types.SimpleNamespace(monotonic=lambda: next(minutes), sleep=lambda _: None)
@@ -156,7 +156,7 @@ def test_a_look_longer_than_the_patience_is_told_and_followed_by_another(tmp_pat
 @pytest.mark.filterwarnings("default")  # of dask's own threads and sockets when a worker is killed
 @pytest.mark.nightly
 def test_without_workers_a_cluster_is_waited_for_within_bounds_and_told(tmp_path, cluster, monkeypatch):
-    from validation.solves import cluster as module
+    from validation.execution import cluster as module
 
     monkeypatch.setattr(module, "_TOLD_AFTER", 0.5)
     (address, team, _), store, gate = cluster, Store(folder=tmp_path / "s"), tmp_path / "gate"
@@ -174,7 +174,7 @@ def test_without_workers_a_cluster_is_waited_for_within_bounds_and_told(tmp_path
 @pytest.mark.filterwarnings("default")
 @pytest.mark.nightly
 def test_a_lost_scheduler_is_one_line_and_what_is_stored_stays(tmp_path, cluster, monkeypatch):
-    from validation.solves import cluster as module
+    from validation.execution import cluster as module
 
     monkeypatch.setattr(module, "_LOST_AFTER", 3.0)
     (address, _, scheduler), store = cluster, Store(folder=tmp_path / "s")
@@ -252,7 +252,7 @@ def test_a_cluster_with_tls_works_for_who_holds_a_certificate_of_its_authority(t
     pytest.importorskip("distributed", reason="LOUD: no Dask installed, TLS is not tested")
     if shutil.which("openssl") is None:
         pytest.skip("LOUD: no openssl to make certificates with, TLS is not tested")
-    from validation.solves import cluster as module
+    from validation.execution import cluster as module
 
     monkeypatch.setattr(module, "_CONNECTS_WITHIN", 15.0)
     own, stranger = certified(tmp_path, "own"), certified(tmp_path, "stranger")
@@ -291,7 +291,7 @@ def test_where_encryption_is_asked_for_an_address_without_it_is_refused(tmp_path
 @pytest.mark.parametrize("says", [b"", b"HTTP/1.1 400 Bad Request\r\n\r\n", bytes(64)])
 def test_what_is_no_scheduler_is_given_up_in_time_and_in_one_line(tmp_path, monkeypatch, says):
     pytest.importorskip("distributed")
-    from validation.solves import cluster as module
+    from validation.execution import cluster as module
 
     monkeypatch.setattr(module, "_CONNECTS_WITHIN", 2.0)
     with socket.create_server(("127.0.0.1", 0)) as server:
@@ -314,7 +314,7 @@ def test_what_is_no_scheduler_is_given_up_in_time_and_in_one_line(tmp_path, monk
 
 
 def test_dask_workers_are_warm_before_a_solve_is_timed(tmp_path, monkeypatch):
-    from validation.solves import attempt, cluster
+    from validation.execution import attempt, cluster
 
     order, store = [], Store(folder=tmp_path)
     monkeypatch.setattr(DiesAtStart, "warm_up", lambda self: order.append("warm"))

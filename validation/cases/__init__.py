@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from validation.errors import UsageError
-from validation.measures.statistics import order_of_convergence
-from validation.solves.attempt import one_blas_thread
+from validation.execution.attempt import one_blas_thread
+from validation.measurements.statistics import order_of_convergence
 
 __all__ = [
     "Case",

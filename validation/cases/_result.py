@@ -14,6 +14,7 @@ import numpy as np
 
 from validation.arrays import Array
 from validation.cases import TOLERANCES, Check, Verdict
+from validation.execution.results import DATA, Result, read_results, write_results
 from validation.report.estimates import derive, power_law
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Line, Panel
@@ -23,7 +24,6 @@ from validation.report.table import Column, Table
 from validation.report.values import with_places
 from validation.report.views import Card, Views
 from validation.report.words import json_ready
-from validation.solves.results import DATA, Result, read_results, write_results
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -16,14 +16,14 @@ from persson.adhesion import Interface, solve_adhesion
 from persson.scale import Scale
 from validation.cases import Check, below, case, holds, order, relative, within
 from validation.effects.adhesion import Adhesion
-from validation.effects.base import Roughness, Slots, Told, full_contact_energy
+from validation.effects.base import ContactModel, Roughness, TheoryInputs, full_contact_energy
 from validation.effects.coating import Coating
 from validation.effects.graded import Graded
 from validation.effects.hardness import Hardness
 from validation.effects.thickness import Thickness
-from validation.methods.theory import TheoryOptions, predict
-from validation.scenes.realised import realise
+from validation.scenes.problem import realise
 from validation.scenes.scene import Scene
+from validation.solvers.theory import TheoryOptions, predict
 
 
 def _felt(response: Response, q: float) -> float:
@@ -160,13 +160,13 @@ def _effects() -> Iterator[Check]:
     solid = Solid(young=2e9, poisson=0.3)
     graded, coating = Graded(bulk_young=8e9, depth=3e-6), Coating(young=6e9, thickness=1e-6)
     hard = Hardness(hardness=1e9, size_wavelength=1e-6, size_exponent=0.5)
-    slots, told = Slots.filled(solid, [graded]), Told.by(solid, [graded])
-    coated, rising = Told.by(solid, [coating]), Told.by(solid, [hard])
-    assert slots.body is not None
+    model, told = ContactModel.filled(solid, [graded]), TheoryInputs.by(solid, [graded])
+    coated, rising = TheoryInputs.by(solid, [coating]), TheoryInputs.by(solid, [hard])
+    assert model.body is not None
     at_depth = 8e9 - 6e9 / math.e
-    mesh = float(slots.body.modulus(np.zeros(1), np.zeros(1), np.array([-3e-6]))[0]) * 2e9  # type: ignore[misc]
+    mesh = float(model.body.modulus(np.zeros(1), np.zeros(1), np.array([-3e-6]))[0]) * 2e9  # type: ignore[misc]
     layers = {
-        base: Slots.filled(solid, [Thickness(thickness=1e-6, base=base)]).felt_response
+        base: ContactModel.filled(solid, [Thickness(thickness=1e-6, base=base)]).felt_response
         for base in ("bonded", "frictionless")
     }
 
@@ -177,7 +177,7 @@ def _effects() -> Iterator[Check]:
     yield relative("graded, theory: E~* at q d = 1 [Pa]", wave(told.modulus, 1 / 3e-6), 5e9 / 0.91, 1e-12)
     yield relative(
         "graded, solver: 2 / (q C) of a long wave [Pa]",
-        2 / (10 * _felt(slots.felt_response, 10.0)),
+        2 / (10 * _felt(model.felt_response, 10.0)),
         8e9 / 0.91,
         1e-3,
     )
@@ -220,7 +220,7 @@ def _judged_adhesion() -> Iterator[Check]:
 )
 def _told() -> Iterator[Check]:
     """Ask the theory of a scene about effects, and about their limits."""
-    realised = realise(
+    problem = realise(
         Scene.model_validate(
             {
                 "name": "case",
@@ -239,18 +239,18 @@ def _told() -> Iterator[Check]:
             }
         )
     )
-    modulus, pressure = realised.contact_modulus, realised.pressure
+    modulus, pressure = problem.contact_modulus, problem.pressure
     plain = math.erf(math.sqrt(2) * 0.1)
-    same = predict(realised, [Graded(bulk_young=2e6, depth=1e-6)])
-    stiff = predict(realised, [Coating(young=8e6, thickness=1.0)])
-    hard = predict(realised, [Hardness(hardness=1e3 * modulus)])
-    soft = predict(realised, [Hardness(hardness=1.1 * pressure)])
-    sticky = Adhesion(work=0.1 * full_contact_energy(realised.field, modulus=modulus), reach=1e-8)
-    scale = Scale(realised.own_spectrum, contact_modulus=modulus)
+    same = predict(problem, [Graded(bulk_young=2e6, depth=1e-6)])
+    stiff = predict(problem, [Coating(young=8e6, thickness=1.0)])
+    hard = predict(problem, [Hardness(hardness=1e3 * modulus)])
+    soft = predict(problem, [Hardness(hardness=1.1 * pressure)])
+    sticky = Adhesion(work=0.1 * full_contact_energy(problem.field, modulus=modulus), reach=1e-8)
+    scale = Scale(problem.own_spectrum, contact_modulus=modulus)
     found = {
-        energy: predict(realised, [sticky], TheoryOptions(energy=energy)) for energy in ("improved", "old")
+        energy: predict(problem, [sticky], TheoryOptions(energy=energy)) for energy in ("improved", "old")
     }
-    flat = predict(realised, [sticky], TheoryOptions(area="projected"))
+    flat = predict(problem, [sticky], TheoryOptions(area="projected"))
     yield relative("A/A0, graded without contrast", same.area, plain, 1e-9)
     yield relative("A/A0, coating deeper than all waves", stiff.area, math.erf(math.sqrt(2) * 0.1 / 4), 1e-9)
     yield relative("A/A0 of a hard solid", hard.area, plain, 1e-9)

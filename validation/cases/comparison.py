@@ -16,12 +16,12 @@ from validation.audit import audit
 from validation.cases import Check, below, case, near, relative, within
 from validation.cases._closed_forms import westergaard_mean_pressure, westergaard_pressure
 from validation.comparison.run import run_scene
-from validation.measures.ladders import fitted_line
-from validation.measures.statistics import order_of_convergence
+from validation.execution.results import read_results
+from validation.measurements.convergence import fitted_line
+from validation.measurements.statistics import order_of_convergence
 from validation.report import estimates, values
 from validation.report.table import budget_table
 from validation.scenes.scene import Scene
-from validation.solves.results import read_results
 
 _YOUNG, _POISSON = 1e6, 0.3
 _MODULUS = _YOUNG / (1 - _POISSON**2)

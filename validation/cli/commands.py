@@ -47,9 +47,9 @@ from validation.cli.validate import reproduce, validate
 from validation.errors import RunFailed, UsageError
 
 if TYPE_CHECKING:
+    from validation.execution.solve import Solve
     from validation.scenes.scene import Scene
     from validation.scenes.sweep import Sweep
-    from validation.solves.solve import Solve
     from validation.studies import Study
 
 __all__ = ["app", "main"]
@@ -112,8 +112,8 @@ def run(
     """
     from validation.cli.progress import Bar
     from validation.cli.results import print_page
+    from validation.execution.store import Store
     from validation.scenes.sweep import Sweep, load_asked
-    from validation.solves.store import Store
 
     loaded = load_asked(scene, settings or (), grids_chosen=accuracy is not None)
     said = loaded.run
@@ -160,21 +160,21 @@ def _prepared(
     """Check what is asked, and return what lists its solves and what does them."""
     from validation.comparison.accuracy import run_accurate
     from validation.comparison.run import run_scene
-    from validation.comparison.sweep import realised_cases, run_sweep, solves_of_sweep
+    from validation.comparison.sweep import problems_of, run_sweep, solves_of_sweep
+    from validation.execution.press import solves_of
     from validation.scenes.checks import check_scene
-    from validation.scenes.realised import realise
+    from validation.scenes.problem import realise
     from validation.scenes.sweep import Sweep
-    from validation.solves.press import solves_of
 
     if isinstance(loaded, Sweep):
-        cases = realised_cases(loaded)
+        cases = problems_of(loaded)
         return partial(solves_of_sweep, loaded, cases), partial(run_sweep, loaded, folder, cases=cases)
-    realised = realise(loaded)
-    check_scene(loaded, realised)
-    run_one: Callable[..., Any] = partial(run_scene, realised=realised)
+    problem = realise(loaded)
+    check_scene(loaded, problem)
+    run_one: Callable[..., Any] = partial(run_scene, problem=problem)
     if chosen is not None:
         run_one = partial(run_accurate, **chosen)
-    return partial(solves_of, loaded, realised), partial(run_one, loaded, folder, pictures=pictures)
+    return partial(solves_of, loaded, problem), partial(run_one, loaded, folder, pictures=pictures)
 
 
 def _folders(
@@ -239,10 +239,10 @@ def study(
     """
     from validation.cli.progress import Bar
     from validation.cli.results import print_page
+    from validation.execution.bench import DEFAULT_STORE, Bench, PlannedOnly
+    from validation.execution.store import Store
     from validation.files import prepare_folder
     from validation.scenes.scene import RunOptions
-    from validation.solves.bench import DEFAULT_STORE, Bench, PlannedOnly
-    from validation.solves.store import Store
     from validation.studies import find_study, studies
     from validation.studies._outputs import run_study
 
@@ -322,8 +322,8 @@ def calibrate(
     as_json: JsonOption = False,
 ) -> None:
     """Measure what each effect costs on this machine; explain and --dry-run then predict from it."""
-    from validation.solves.calibration import cache_file
-    from validation.solves.calibration import calibrate as measure
+    from validation.execution.calibration import cache_file
+    from validation.execution.calibration import calibrate as measure
 
     with stopping_cleanly():
         found = measure(points=points, tell=None if as_json else typer.echo)
@@ -343,7 +343,7 @@ def report(
 ) -> None:
     """Write the report of finished results again, from what is stored alone. Solves nothing."""
     from validation.comparison.run import report_scene
-    from validation.solves.results import check_results, holds_result
+    from validation.execution.results import check_results, holds_result
     from validation.studies._outputs import is_study, report_study
 
     check_results(folder)

@@ -14,10 +14,10 @@ import typer
 from validation.errors import SceneError, UsageError
 
 if TYPE_CHECKING:
+    from validation.execution.running import Execution
+    from validation.execution.solve import Solve
+    from validation.execution.store import Store
     from validation.scenes.scene import RunOptions
-    from validation.solves.running import Execution
-    from validation.solves.solve import Solve
-    from validation.solves.store import Store
 
 __all__ = [
     "WIDE",
@@ -163,7 +163,7 @@ def chosen_execution(
     said: RunOptions, *, workers: int | None, scheduler: str | None, memory: str | None
 ) -> Execution:
     """Return how to run: the command line before the scene."""
-    from validation.solves.running import Execution
+    from validation.execution.running import Execution
     from validation.units import Memory, read_quantity
 
     limit = said.memory if memory is None else read_quantity(Memory, memory, "--memory")
@@ -210,7 +210,7 @@ def print_plan(solves: Sequence[Solve], store: Store, *, as_json: bool) -> None:
     """Print every solve with its predicted cost and whether it is finished."""
     from rich.table import Table
 
-    from validation.solves.cost import transform_seconds
+    from validation.execution.cost import transform_seconds
 
     pair = transform_seconds()
     rows: list[dict[str, Any]] = []

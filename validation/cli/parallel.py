@@ -19,9 +19,9 @@ from validation.errors import RunFailed, UsageError
 
 if TYPE_CHECKING:
     from fem_contact.bem import SlabSurface
+    from validation.execution.press import Press
     from validation.scenes.scene import Scene
     from validation.scenes.sweep import Sweep
-    from validation.solves.press import Press
 
 __all__ = ["run_parallel"]
 
@@ -76,22 +76,22 @@ def _together(comm: Any) -> Iterator[None]:
 def _solves(scene: Scene) -> list[Press]:
     """Return the solves of the scene's own surface by boundary elements, coarse grids first."""
     from validation.effects.base import Effect
+    from validation.execution.press import solves_of
     from validation.scenes.checks import check_scene
-    from validation.scenes.realised import realise
-    from validation.solves.press import solves_of
+    from validation.scenes.problem import realise
 
     # No process has the whole surface: what is checked are the moments of its C(q).
-    realised = replace(realise(scene), drawn=False)
-    check_scene(scene, realised)
-    if realised.load.held:
-        raise UsageError(f"load.{realised.load.key}: --mpi presses with a load; give a pressure or a force")
+    problem = replace(realise(scene), drawn=False)
+    check_scene(scene, problem)
+    if problem.load.held:
+        raise UsageError(f"load.{problem.load.key}: --mpi presses with a load; give a pressure or a force")
     for effect in scene.effects:
         if effect.slot in ("gap law", "boundary") or type(effect).shaped is not Effect.shaped:
             raise UsageError(f"effect {effect.kind!r}: is not solved with --mpi; leave one of them out")
     if "bem" not in scene.methods.solvers:
         raise UsageError("--mpi: solves by boundary elements; list methods.bem")
     grids = scene.methods.options("bem").grids
-    own = [solve for solve in solves_of(scene, realised) if solve.method == "bem" and solve.is_own]
+    own = [solve for solve in solves_of(scene, problem) if solve.method == "bem" and solve.is_own]
     return [solve for solve in own if solve.grid in grids]
 
 
@@ -101,7 +101,7 @@ def _surface(solve: Press, comm: Any) -> SlabSurface:
     from validation.scenes.surfaces import waves_drawn
     from validation.scenes.tables import FileSurface
 
-    surface = solve.realised.surface
+    surface = solve.problem.surface
     if isinstance(surface, FileSurface):
         return SlabSurface.of(solve.height_field(), comm)
     return SlabSurface.random(shape=solve.grid, comm=comm, **waves_drawn(surface))
@@ -110,30 +110,30 @@ def _surface(solve: Press, comm: Any) -> SlabSurface:
 def _solved(solve: Press, folder: Path, comm: Any) -> dict[str, Any]:
     """Solve, or find finished, one grid; what is told of it."""
     from fem_contact import bem
-    from validation.effects.base import Slots
+    from validation.effects.base import ContactModel
 
     path = folder / f"{solve.key}.h5"
     found = comm.bcast(_finished(path, solve) if comm.rank == 0 else None)
     if found is not None:
         return dict(found)
     surface = _surface(solve, comm)
-    slots = Slots.filled(solve.realised.elastic, solve.effects)
-    (load,) = solve.realised.load.values
-    if solve.realised.load.key == "reduced_pressure":
-        load *= slots.solid.contact_modulus * surface.rms_gradient
+    model = ContactModel.filled(solve.problem.elastic, solve.effects)
+    (load,) = solve.problem.load.values
+    if solve.problem.load.key == "reduced_pressure":
+        load *= model.solid.contact_modulus * surface.rms_gradient
     else:
-        load = solve.realised.pressure
+        load = solve.problem.pressure
     options: dict[str, Any] = dict(solve.settings)
     result = bem.solve(
         surface,
-        slots.felt_response,
+        model.felt_response,
         mean_pressure=load,
-        pressure_bound=slots.pressure_bound,
+        pressure_bound=model.pressure_bound,
         comm=comm,
         **options,
     ).checked()
     dx, dy = surface.spacing
-    areas = result.areas(subcell=slots.pressure_bound is None and abs(dx / dy - 1) <= 0.05)
+    areas = result.areas(subcell=model.pressure_bound is None and abs(dx / dy - 1) <= 0.05)
     contact = result.contact
     bytes_ = float(surface.slabs.gathered(contact.cost.peak_bytes).max())
     row = {
@@ -165,7 +165,7 @@ def _print(rows: list[dict[str, Any]], folder: Path, processes: int, *, as_json:
     from rich.table import Table
 
     from validation.cli.options import show
-    from validation.measures.measurement import limit_over
+    from validation.measurements.measurement import limit_over
 
     def area(row: dict[str, Any]) -> ContactAreas:
         return ContactAreas(**row["areas"] | {"spacing": tuple(row["areas"]["spacing"])})

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from validation.errors import harmless
 
 if TYPE_CHECKING:
-    from validation.solves.solve import Solve
+    from validation.execution.solve import Solve
 
 __all__ = ["Bar", "steps_bar"]
 

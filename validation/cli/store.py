@@ -12,7 +12,7 @@ from validation.cli.options import JsonOption, say, show, stopping_cleanly
 from validation.errors import RunFailed, UsageError
 
 if TYPE_CHECKING:
-    from validation.solves.store import Checked
+    from validation.execution.store import Checked
 
 __all__ = ["store_app"]
 
@@ -37,7 +37,7 @@ def check(
 
     Exits with 1 where a file is damaged and not set aside, or cannot be read.
     """
-    from validation.solves.store import check_store
+    from validation.execution.store import check_store
 
     place = _store_in(folder)
     found: list[Checked] = []
@@ -87,8 +87,8 @@ def _summary(one: Checked) -> dict[str, object]:
 
 
 def _sum_up(found: list[Checked], place: Path, *, set_aside: bool) -> None:
-    from validation.solves.cost import memory_words
-    from validation.solves.provenance import made_words
+    from validation.execution.cost import memory_words
+    from validation.execution.provenance import made_words
 
     intact = [one for one in found if one.problem is None]
     size = memory_words(sum(one.size for one in intact))

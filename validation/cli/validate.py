@@ -102,7 +102,7 @@ def _score(
     from validation.cases._result import write_scorecards
     from validation.cases.scorecard import Subject, score
     from validation.files import prepare_folder
-    from validation.methods import chosen_solver
+    from validation.solvers import chosen_solver
 
     chosen = {name: chosen_solver(name) for name in names}
     plain = re.sub(r"[^A-Za-z0-9._-]", "-", names[0])

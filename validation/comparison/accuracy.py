@@ -1,10 +1,10 @@
 """`run --accuracy`: the grids, solver tolerance and number of surfaces that an asked-for error of A/A0 takes.
 
 The claim is a 95 % interval. For a scene of one surface it is of that surface's limit of vanishing spacing;
-with an [ensemble], the mean over surfaces meets it, too (`validation.measures.ensemble`), and the number of
-surfaces is chosen. A coarse solve says how large the contact is and how long its edges; the law of error of
-the area (`fem_contact.extrapolation`) then says what every ladder of grids will claim, and the cheapest that
-is good enough is solved. If what it claims is not enough after all, the next is.
+with an [ensemble], the mean over surfaces meets it, too (`validation.measurements.ensemble`), and the number
+of surfaces is chosen. A coarse solve says how large the contact is and how long its edges; the law of error
+of the area (`fem_contact.extrapolation`) then says what every ladder of grids will claim, and the cheapest
+that is good enough is solved. If what it claims is not enough after all, the next is.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ from validation.comparison.accuracy_search import Beside, Search, grid_words
 from validation.comparison.run import Outputs, run_scene
 from validation.effects.base import effect_key
 from validation.errors import UsageError
+from validation.execution.attempt import Progress, Silent
+from validation.execution.bench import Bench
+from validation.execution.cost import memory_words
+from validation.execution.running import Execution
+from validation.execution.store import Store
 from validation.files import prepare_folder
-from validation.methods.bem import BemOptions
 from validation.report.words import json_ready, percent
 from validation.scenes.checks import check_scene
-from validation.scenes.realised import realise
+from validation.scenes.problem import realise
 from validation.scenes.scene import Scene
-from validation.solves.attempt import Progress, Silent
-from validation.solves.bench import Bench
-from validation.solves.cost import memory_words
-from validation.solves.running import Execution
-from validation.solves.store import Store
+from validation.solvers.bem import BemOptions
 
-__all__ = ["AccurateRun", "Reached", "parse_accuracy", "reach", "run_accurate"]
+__all__ = ["AccuracyResult", "AccurateRun", "parse_accuracy", "reach", "run_accurate"]
 
-#: Slots of effects with which the area corrected at its edge follows its law of error.
+#: ContactModel of effects with which the area corrected at its edge follows its law of error.
 _LAWFUL = frozenset({"pressure bound", "response"})
 
 
@@ -64,7 +64,7 @@ def parse_accuracy(text: str) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Reached:
+class AccuracyResult:
     """An accuracy that was asked for, and what became of it; every error is half of a 95 % interval.
 
     Errors are relative to their areas. `area` is the limit of A/A0 of the scene's surface over `grids`,
@@ -161,7 +161,7 @@ class AccurateRun:
     """What a run to an accuracy left behind."""
 
     outputs: Outputs
-    reached: Reached
+    reached: AccuracyResult
 
 
 def run_accurate(
@@ -197,7 +197,7 @@ def run_accurate(
     return AccurateRun(outputs=outputs, reached=reached)
 
 
-def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None = None) -> Reached:
+def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None = None) -> AccuracyResult:
     """Solve a scene to an accuracy: grids, tolerance and number of surfaces are chosen.
 
     Parameters
@@ -220,8 +220,8 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
     RunFailed
         When that is seen only later, or a solve fails; everything finished is stored.
     """
-    realised = realise(scene)
-    check_scene(scene, realised)
+    problem = realise(scene)
+    check_scene(scene, problem)
     _check_law(scene)
     metered = Metered(
         store=bench.store,
@@ -230,7 +230,7 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
         wanted=f"--accuracy = {100 * target:g} %",
         time_limit=time_limit,
     )
-    search = Search(scene=scene, realised=realised, target=target, bench=metered)
+    search = Search(scene=scene, problem=problem, target=target, bench=metered)
     search.reserve()
     single = search.own_surface()
     beside = search.beside()
@@ -249,7 +249,7 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
             "unsolved": mean.unsolved,
         }
     account = metered.account
-    return Reached(
+    return AccuracyResult(
         target=target,
         area=single.area,
         error=single.error,

@@ -8,11 +8,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from validation.errors import RunFailed
-from validation.solves.attempt import warm_up
-from validation.solves.bench import Bench
-from validation.solves.cost import available_memory, memory_words, transform_seconds
-from validation.solves.running import Solves
-from validation.solves.solve import Solve
+from validation.execution.attempt import warm_up
+from validation.execution.bench import Bench
+from validation.execution.cost import available_memory, memory_words, transform_seconds
+from validation.execution.running import Solves
+from validation.execution.solve import Solve
 
 __all__ = ["Account", "Metered"]
 

@@ -15,17 +15,17 @@ from fem_contact.extrapolation import PlannedGrid, predicted_uncertainty, too_sm
 from validation.arrays import Grid
 from validation.comparison.accuracy_bench import Metered
 from validation.errors import NoLimit, RunFailed, UsageError
-from validation.measures.ensemble import MeanArea, mean_area
-from validation.measures.measurement import TOLERANCES_LEFT, has_square_cells, limit_over
-from validation.measures.pairs import area_pairs
-from validation.methods.bem import BemOptions
+from validation.execution.cost import memory_words
+from validation.execution.measurement import Call
+from validation.execution.press import Press, solves_of
+from validation.execution.solve import Prediction
+from validation.measurements.ensemble import MeanArea, mean_area
+from validation.measurements.measurement import TOLERANCES_LEFT, has_square_cells, limit_over
+from validation.measurements.pairs import area_pairs
 from validation.report.words import percent
-from validation.scenes.realised import Realised
+from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Methods, Scene
-from validation.solves.cost import memory_words
-from validation.solves.measurement import Call
-from validation.solves.press import Press, solves_of
-from validation.solves.solve import Prediction
+from validation.solvers.bem import BemOptions
 
 __all__ = ["Beside", "Ladder", "Search", "Single", "grid_words"]
 
@@ -107,7 +107,7 @@ class Search:
     """A search for the cheapest grids; what it has learnt of the surface and of the machine."""
 
     scene: Scene
-    realised: Realised
+    problem: ContactProblem
     target: float
     bench: Metered
     areas: dict[Press, ContactAreas] = field(default_factory=dict)
@@ -131,7 +131,7 @@ class Search:
         names = [name for name in self.scene.methods.solvers if name != "bem"]
         tables = {name: Methods(**{name: self.scene.methods.options(name)}) for name in names}
         return {
-            name: solves_of(self.scene.model_copy(update={"methods": table, "ensemble": None}), self.realised)
+            name: solves_of(self.scene.model_copy(update={"methods": table, "ensemble": None}), self.problem)
             for name, table in tables.items()
         }
 
@@ -142,7 +142,7 @@ class Search:
         return tuple(
             grid
             for grid in sorted(grids)
-            if self.realised.points_per_wave(grid) >= _LEAST_LEVEL and has_square_cells(self.realised, grid)
+            if self.problem.points_per_wave(grid) >= _LEAST_LEVEL and has_square_cells(self.problem, grid)
         )
 
     def own_surface(self) -> Single:
@@ -158,7 +158,7 @@ class Search:
             limit = limit_over(areas)
             error = 2 * limit.uncertainty / limit.value + self.left if limit.determinable else np.inf
             known = min(areas, key=lambda area: area.spacing)
-            resolved = self.realised.points_per_wave(ladder.grids[-1]) >= _RESOLVED
+            resolved = self.problem.points_per_wave(ladder.grids[-1]) >= _RESOLVED
             if limit.doubt and resolved and not too_small(areas):
                 raise RunFailed(f"{self.bench.wanted}: {limit.doubt}; all solves are stored")
             # Where grids disagree by more than the law allows, they will again.
@@ -171,13 +171,13 @@ class Search:
         tried: set[tuple[Grid, ...]] = set()
         while True:
             chains = list(self._chains(single.finest))
-            usual = [one for one in chains if self.realised.points_per_wave(one.grids[-1]) >= _USUAL_LEVEL]
+            usual = [one for one in chains if self.problem.points_per_wave(one.grids[-1]) >= _USUAL_LEVEL]
             possible = any(self.bench.affordable(one.seconds, one.peak_bytes) for one in usual)
             ladder = self._cheapest(usual if possible else chains, tried, share=_GRID_SHARE)
             tried.add(ladder.grids)
             try:
                 found = mean_area(
-                    self.realised,
+                    self.problem,
                     half_width=self.target,
                     bench=self.bench,
                     grids=ladder.grids,
@@ -218,7 +218,7 @@ class Search:
             self.bench.account.reserved += seconds / self.bench.execution.workers
 
     def _beside(self, name: str, solves: Sequence[Press]) -> Beside:
-        resolved = [solve for solve in solves if self.realised.resolved_by(solve.grid)]
+        resolved = [solve for solve in solves if self.problem.resolved_by(solve.grid)]
         limit, doubt, nan = None, "no grid resolves the surface", float("nan")
         try:
             self._solve(solves)
@@ -253,7 +253,7 @@ class Search:
 
     def _grid(self, per_wave: float) -> Grid:
         """Return an even grid of fast transforms and nearly square cells of at least that resolution."""
-        wave, (long, wide) = self.realised.shortest, self.scene.surface.length
+        wave, (long, wide) = self.problem.shortest, self.scene.surface.length
         least = (
             int(np.ceil(per_wave * long / wave / 2 - 1e-9)),
             int(np.ceil(per_wave * wide / wave / 2 - 1e-9)),
@@ -338,7 +338,7 @@ class Search:
     def _jobs(self, grids: Sequence[Grid], shifts: int) -> tuple[Press, ...]:
         method = BemOptions(grids=tuple(grids), shifts=shifts, tolerance=self.tolerance)
         chosen = self.scene.model_copy(update={"methods": Methods(bem=method), "ensemble": None})
-        return solves_of(chosen, self.realised)
+        return solves_of(chosen, self.problem)
 
     def _solved(self, ladder: Ladder) -> list[ContactAreas]:
         """Solve a ladder of the scene's own surface, and read the areas."""
@@ -354,9 +354,7 @@ class Search:
             result, solver = results[solve], solve.solver
             self.peak_bytes = max(self.peak_bytes, result.cost.peak_bytes)
             located = (
-                solver.locates_edges
-                and not self.scene.effects
-                and has_square_cells(self.realised, solve.grid)
+                solver.locates_edges and not self.scene.effects and has_square_cells(self.problem, solve.grid)
             )
             self.areas[solve] = contact_areas(
                 result, edge_constant=solver.edge_constant(result), subcell=located

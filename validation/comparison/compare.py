@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from validation.errors import UsageError
+from validation.execution.results import Result, read_results, write_results
 from validation.files import prepare_folder
 from validation.report.estimates import derive, each
 from validation.report.findings import Finding, finding, note
@@ -21,7 +22,6 @@ from validation.report.quantities import labelled, place_words, quantity_of
 from validation.report.table import INTERVAL, ResultTable, WordTable, shown
 from validation.report.values import value_of
 from validation.report.views import Card, Views
-from validation.solves.results import Result, read_results, write_results
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -13,18 +13,18 @@ from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
 from validation.comparison.finite_slopes import finite_slopes
 from validation.effects import effect_kinds
-from validation.effects.base import Judgement, Roughness, Told
+from validation.effects.base import Judgement, Roughness, TheoryInputs
 from validation.errors import UsageError
-from validation.methods import Solver, methods
-from validation.methods.theory import theory_words
+from validation.execution.calibration import effect_costs
+from validation.execution.cost import transform_seconds
+from validation.execution.press import Press, solves_of
+from validation.execution.solve import Prediction
 from validation.scenes.checks import check_scene
-from validation.scenes.realised import Realised, realise
+from validation.scenes.problem import ContactProblem, realise
 from validation.scenes.scene import Scene
 from validation.scenes.surfaces import Expected
-from validation.solves.calibration import effect_costs
-from validation.solves.cost import transform_seconds
-from validation.solves.press import Press, solves_of
-from validation.solves.solve import Prediction
+from validation.solvers import Solver, methods
+from validation.solvers.theory import theory_words
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -114,7 +114,7 @@ class Explanation:
         )
 
 
-def explain(scene: Scene, realised: Realised | None = None) -> Explanation:
+def explain(scene: Scene, problem: ContactProblem | None = None) -> Explanation:
     """Say what a scene will run and at what cost, without solving anything.
 
     Raises
@@ -122,20 +122,20 @@ def explain(scene: Scene, realised: Realised | None = None) -> Explanation:
     UsageError
         For an effect that a method of the scene lacks, and for numbers that no method can compute with.
     """
-    realised = realised or realise(scene, surveyed=True)
+    problem = problem or realise(scene, surveyed=True)
     try:
-        check_scene(scene, realised)
-        return _explained(scene, realised)
+        check_scene(scene, problem)
+        return _explained(scene, problem)
     except (fem_errors.InvalidInput, persson_errors.InvalidInput) as error:
         raise UsageError(str(error)) from None
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         raise UsageError(f"its numbers lie too far apart to compute with ({error})") from None
 
 
-def _explained(scene: Scene, realised: Realised) -> Explanation:
+def _explained(scene: Scene, problem: ContactProblem) -> Explanation:
     pair = transform_seconds()
     groups: dict[tuple[str, tuple[int, int]], list[Press]] = {}
-    for solve in solves_of(scene, realised):
+    for solve in solves_of(scene, problem):
         groups.setdefault((solve.method, solve.grid), []).append(solve)
     grids = []
     for (method, grid), solves in groups.items():
@@ -144,17 +144,17 @@ def _explained(scene: Scene, realised: Realised) -> Explanation:
             PlannedGrid(
                 method=method,
                 grid=grid,
-                points_per_wave=realised.points_per_wave(grid),
+                points_per_wave=problem.points_per_wave(grid),
                 solves=len(solves),
                 unknowns=cost.unknowns,
                 seconds=cost.seconds * len(solves),
                 peak_bytes=cost.peak_bytes,
             )
         )
-    effects, left_out = judgements(scene, realised)
+    effects, left_out = judgements(scene, problem)
     return Explanation(
         name=scene.name,
-        facts=_facts(scene, realised),
+        facts=_facts(scene, problem),
         grids=tuple(sorted(grids, key=lambda g: (g.method, g.grid))),
         effects=effects,
         left_out=left_out,
@@ -162,27 +162,27 @@ def _explained(scene: Scene, realised: Realised) -> Explanation:
     )
 
 
-def judgements(scene: Scene, realised: Realised) -> tuple[tuple[Judgement, ...], tuple[Judgement, ...]]:
+def judgements(scene: Scene, problem: ContactProblem) -> tuple[tuple[Judgement, ...], tuple[Judgement, ...]]:
     """Return the effects that a scene lists and those it leaves out, each with the number that decides."""
-    rough = roughness_of(realised)
+    rough = roughness_of(problem)
     judged = (effect.judged(rough) for effect in scene.effects)
     listed = tuple(_priced(judgement) if scene.methods.solvers else judgement for judgement in judged)
-    return listed, _left_out(scene, realised, rough)
+    return listed, _left_out(scene, problem, rough)
 
 
-def roughness_of(realised: Realised) -> Roughness:
+def roughness_of(problem: ContactProblem) -> Roughness:
     """Return what judgements need to know of a surface; of C(q) where none is made."""
-    field: HeightField | Expected = realised.field
-    waves = {"longest": realised.longest, "shortest": realised.shortest}
+    field: HeightField | Expected = problem.field
+    waves = {"longest": problem.longest, "shortest": problem.shortest}
     if isinstance(field, Expected):
         return Roughness(
-            modulus=realised.contact_modulus,
+            modulus=problem.contact_modulus,
             gradient=field.rms_gradient,
             curvature=math.sqrt(3 * field.moments[2] / 8),
-            full_energy=0.25 * realised.contact_modulus * field.first_moment,
+            full_energy=0.25 * problem.contact_modulus * field.first_moment,
             **waves,
         )
-    return Roughness.of(field, modulus=realised.contact_modulus, **waves)
+    return Roughness.of(field, modulus=problem.contact_modulus, **waves)
 
 
 def _priced(judgement: Judgement) -> Judgement:
@@ -203,34 +203,34 @@ def _cost_words(scene: Scene) -> str:
     return f"{factors} times ({costs.source})"
 
 
-def _facts(scene: Scene, realised: Realised) -> tuple[tuple[str, str], ...]:
+def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]:
     """Return the numbers a reader checks first: realised and continuum roughness, load, bandwidth."""
-    field: HeightField | Expected = realised.field
-    words = _realised_words(realised, solved=bool(scene.methods.solvers))
-    facts = [("E*", f"{realised.contact_modulus:.6g} Pa"), ("realised surface", words)]
-    facts += _surface_facts(realised)
+    field: HeightField | Expected = problem.field
+    words = _problem_words(problem, solved=bool(scene.methods.solvers))
+    facts = [("E*", f"{problem.contact_modulus:.6g} Pa"), ("realised surface", words)]
+    facts += _surface_facts(problem)
     if field.rms_gradient > 0:
         source = "of C(q)" if isinstance(field, Expected) else "realised"
         facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} ({source})"))
-        facts.append(("load", _load_words(realised)))
+        facts.append(("load", _load_words(problem)))
     for name, method in scene.methods.asked.items():
-        facts += method.facts(scene.methods.options(name), realised)
+        facts += method.facts(scene.methods.options(name), problem)
     if scene.methods.options("theory") is not None:
-        facts.append(("theory", _theory_words(scene, realised)))
+        facts.append(("theory", _theory_words(scene, problem)))
     return tuple(facts)
 
 
-def _load_words(realised: Realised) -> str:
+def _load_words(problem: ContactProblem) -> str:
     """Write p0 and p* of all loads, or the distance that is held."""
-    for key, value in realised.load.held.items():
+    for key, value in problem.load.held.items():
         return f"{key.replace('_', ' ')} = {value:.6g} m is held; the load that takes follows from the solve"
-    each = ", ".join(f"{pressure:.6g}" for pressure in realised.pressures)
-    reduced = ", ".join(f"{pressure / realised.pressure_scale:.4g}" for pressure in realised.pressures)
+    each = ", ".join(f"{pressure:.6g}" for pressure in problem.pressures)
+    reduced = ", ".join(f"{pressure / problem.pressure_scale:.4g}" for pressure in problem.pressures)
     return f"p0 = {each} Pa, p* = {reduced}"
 
 
-def _realised_words(realised: Realised, *, solved: bool) -> str:
-    field: HeightField | Expected = realised.field
+def _problem_words(problem: ContactProblem, *, solved: bool) -> str:
+    field: HeightField | Expected = problem.field
     if isinstance(field, Expected):
         points = f"not made here, for it takes {field.shape[0]} x {field.shape[1]} points"
         why = points if solved else "none is drawn, for no solver runs"
@@ -241,33 +241,33 @@ def _realised_words(realised: Realised, *, solved: bool) -> str:
     return f"h_rms = {field.rms_height:.6g} m, h'_rms = {field.rms_gradient:.6g} ({how})"
 
 
-def _surface_facts(realised: Realised) -> list[tuple[str, str]]:
+def _surface_facts(problem: ContactProblem) -> list[tuple[str, str]]:
     """Return the integrals over C(q) and the bandwidth, or what was done to a measured surface."""
-    if realised.topography is not None:
-        return [("measured", words) for words in realised.topography.history]
-    assert realised.spectrum is not None
-    moments = realised.spectrum.moments()
+    if problem.topography is not None:
+        return [("measured", words) for words in problem.topography.history]
+    assert problem.spectrum is not None
+    moments = problem.spectrum.moments()
     sizes = (
-        f"L/lambda_long = {min(realised.lengths) / realised.longest:.3g}, "
-        f"lambda_long/lambda_short = {realised.longest / realised.shortest:.3g}"
+        f"L/lambda_long = {min(problem.lengths) / problem.longest:.3g}, "
+        f"lambda_long/lambda_short = {problem.longest / problem.shortest:.3g}"
     )
     integrals = f"h_rms = {moments.rms_height:.6g} m, h'_rms = {moments.rms_gradient:.6g}"
     return [("integrals over C(q)", integrals), ("bandwidth", sizes)]
 
 
-def _theory_words(scene: Scene, realised: Realised) -> str:
+def _theory_words(scene: Scene, problem: ContactProblem) -> str:
     if not scene.effects:
         return "Persson 2006, elastic, without adhesion: A/A0, P(sigma), kappa; milliseconds"
-    return theory_words(Told.by(realised.elastic, scene.effects), scene.methods.options("theory"))
+    return theory_words(TheoryInputs.by(problem.elastic, scene.effects), scene.methods.options("theory"))
 
 
-def _left_out(scene: Scene, realised: Realised, rough: Roughness) -> tuple[Judgement, ...]:
+def _left_out(scene: Scene, problem: ContactProblem, rough: Roughness) -> tuple[Judgement, ...]:
     """Return the effects that are not listed, each with the number that decides whether it may be."""
     slots = {effect.slot for effect in scene.effects}
     # Where one effect fills a slot, its rivals are not missing.
     rivals = (kind for kind in effect_kinds().values() if kind.slot not in slots)
     items = [judged for kind in rivals if (judged := kind.unlisted(rough)) is not None]
-    items.append(finite_slopes(rough, poisson=realised.elastic.poisson))
+    items.append(finite_slopes(rough, poisson=problem.elastic.poisson))
     if not scene.methods.solvers:
         first = next(name for name, method in methods().items() if isinstance(method, Solver))
         items.append(

@@ -12,13 +12,13 @@ from fem_contact.contact import ContactResult
 from fem_contact.stress import pressure_distribution
 from fem_contact.surface import HeightField, radial_spectrum
 from validation.arrays import Array
-from validation.comparison.below import planes
-from validation.comparison.reading import grid_name, own_solves
-from validation.methods.theory import stress_distribution
+from validation.comparison.reductions import grid_name, own_solves
+from validation.comparison.subsurface_stress import planes
+from validation.execution.press import Press
 from validation.report.quantities import labelled
-from validation.scenes.realised import Realised
+from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Load, Scene
-from validation.solves.press import Press
+from validation.solvers.theory import stress_distribution
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,15 +33,15 @@ _CURVE = 401
 
 
 def with_fields(
-    data: xr.Dataset, scene: Scene, realised: Realised, results: Mapping[Press, ContactResult]
+    data: xr.Dataset, scene: Scene, problem: ContactProblem, results: Mapping[Press, ContactResult]
 ) -> xr.Dataset:
     """Add to the numbers of a run what its figures show of the fields."""
-    if realised.load.held:
-        realised = realised.under(Load(pressure=float(data.pressure)))
+    if problem.load.held:
+        problem = problem.under(Load(pressure=float(data.pressure)))
     shown = {solve: results[solve] for solve in own_solves(scene, results)}
     data = with_maps(data, {s: r for s, r in shown.items() if s.is_own})
-    data = _with_spectrum(data, realised)
-    data = with_distribution(data, shown, scene, realised)
+    data = _with_spectrum(data, problem)
+    data = with_distribution(data, shown, scene, problem)
     return labelled(planes(data, scene, results))
 
 
@@ -69,22 +69,22 @@ def with_maps(data: xr.Dataset, own: Mapping[Press, ContactResult]) -> xr.Datase
     return data.assign_attrs(map_grid=grid_name(finest))
 
 
-def _with_spectrum(data: xr.Dataset, realised: Realised) -> xr.Dataset:
+def _with_spectrum(data: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
     """Add C(q) of the surface, ring by ring, and that of the scene."""
-    if not isinstance(realised.field, HeightField) or not realised.field.rms_gradient > 0:
+    if not isinstance(problem.field, HeightField) or not problem.field.rms_gradient > 0:
         return data
-    radial = radial_spectrum(realised.field)
+    radial = radial_spectrum(problem.field)
     kept = radial.power > 1e-12 * radial.power.max()
     data = data.assign_coords(wavevector=("wavevector", radial.q[kept]))
     data["power_spectrum"] = ("wavevector", radial.power[kept])
-    if realised.spectrum is not None:
-        told = np.asarray(realised.spectrum(radial.q[kept]), dtype=float)
+    if problem.spectrum is not None:
+        told = np.asarray(problem.spectrum(radial.q[kept]), dtype=float)
         data["power_spectrum_told"] = ("wavevector", np.where(told > 0, told, np.nan))
     return data
 
 
 def with_distribution(
-    data: xr.Dataset, shown: Mapping[Press, ContactResult], scene: Scene, realised: Realised
+    data: xr.Dataset, shown: Mapping[Press, ContactResult], scene: Scene, problem: ContactProblem
 ) -> xr.Dataset:
     """Add P(sigma) on every grid near zero, on the finest to its end, and that of the theory.
 
@@ -109,7 +109,7 @@ def with_distribution(
         ends.append(float(data.reduced_pressure) + 3 * spread)
     for name, top, keys in (("near", NEAR_ZERO, groups), ("wide", 1.02 * max(ends), finest.values())):
         data = _binned(data, name, {key: groups[key] for key in keys}, (lowest, top), unit)
-        theory = _by_theory(scene, realised, np.linspace(lowest, top, _CURVE), unit)
+        theory = _by_theory(scene, problem, np.linspace(lowest, top, _CURVE), unit)
         if theory is not None:
             data = data.assign_coords(
                 {f"stress_{name}_exact": (f"{name}_exact", np.linspace(lowest, top, _CURVE))}
@@ -139,10 +139,10 @@ def _binned(
     return data.assign({f"density_{name}": (("solver", "grid", name), over)})
 
 
-def _by_theory(scene: Scene, realised: Realised, stress: Array, unit: float) -> Array | None:
+def _by_theory(scene: Scene, problem: ContactProblem, stress: Array, unit: float) -> Array | None:
     """P(sigma) by the theory with the effects of the scene; None where it is not asked or has no answer."""
     options = scene.methods.options("theory")
     if options is None:
         return None
-    found = stress_distribution(realised, scene.effects, options, stress * unit)
+    found = stress_distribution(problem, scene.effects, options, stress * unit)
     return None if found is None else found * unit

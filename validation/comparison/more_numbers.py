@@ -11,13 +11,13 @@ import numpy as np
 from fem_contact.contact import ContactResult
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from validation.arrays import Array
-from validation.comparison.reading import Reading, grid_name, is_adhesive
-from validation.effects.base import Slots
-from validation.measures.statistics import order_of_convergence
-from validation.methods import find_method
+from validation.comparison.reductions import Reading, grid_name, is_adhesive
+from validation.effects.base import ContactModel
+from validation.execution.press import Press
+from validation.measurements.statistics import order_of_convergence
 from validation.report.estimates import derive, error_of, gather
-from validation.scenes.realised import Realised
-from validation.solves.press import Press
+from validation.scenes.problem import ContactProblem
+from validation.solvers import find_method
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -117,15 +117,15 @@ def finest(data: xr.Dataset) -> xr.Dataset:
 
 
 def in_numbers(
-    data: xr.Dataset, own: Sequence[Reading], results: Mapping[Press, ContactResult], realised: Realised
+    data: xr.Dataset, own: Sequence[Reading], results: Mapping[Press, ContactResult], problem: ContactProblem
 ) -> xr.Dataset:
     """Add what one asks of a contact, on the finest resolved grid of the first method."""
     from fem_contact.patches import find_patches
 
     first = [o.solve for o in own if o.solve.method == own[0].solve.method and o.solve.is_own]
     solves = sorted(
-        [s for s in first if realised.resolved_by(s.grid)] or first,
-        key=lambda s: realised.points_per_wave(s.grid),
+        [s for s in first if problem.resolved_by(s.grid)] or first,
+        key=lambda s: problem.points_per_wave(s.grid),
     )
     rows = []
     for solve in solves[-2:]:
@@ -141,7 +141,7 @@ def in_numbers(
     if _answers_linearly(solves[-1], results[solves[-1]]):
         for row, solve in zip(rows, solves[-2:], strict=True):
             row["stiffness"] = (
-                _stiffness(results[solve], solve) * realised.field.rms_height / results[solve].mean_pressure
+                _stiffness(results[solve], solve) * problem.field.rms_height / results[solve].mean_pressure
             )
     import xarray as xr
 
@@ -149,7 +149,7 @@ def in_numbers(
         data[name] = xr.DataArray(value)
         change = abs(value - rows[0][name]) if len(rows) > 1 else math.nan
         data[f"{name}_error"] = error_of(data[name], grid=change, **_SIMULATED)
-    if realised.field.rms_height > 0:
+    if problem.field.rms_height > 0:
         data["rms_height"] = float(data.rms_height)
         data = derive(data, gap="mean_gap / rms_height")
     return derive(data, contact_area="area_own * nominal_area")
@@ -165,5 +165,5 @@ def _stiffness(result: ContactResult, solve: Press) -> float:
     """K [Pa/m] of the contact set as it is, which is exact: its area changes in the second order only."""
     from fem_contact.conductance import frozen_contact
 
-    response = Slots.filled(solve.realised.elastic, solve.effects).felt_response
+    response = ContactModel.filled(solve.problem.elastic, solve.effects).felt_response
     return frozen_contact(result, response, tolerance=1e-6).stiffness

@@ -18,19 +18,19 @@ from fem_contact.area import ContactAreas
 from fem_contact.contact import ContactResult
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS, Limit
 from validation.arrays import Grid
-from validation.comparison.below import below
 from validation.comparison.more_numbers import beside_each_other, cost_and_orders, finest, in_numbers
-from validation.comparison.passing import passing
-from validation.comparison.reading import Reading, grid_name, is_adhesive, own_solves
+from validation.comparison.reductions import Reading, grid_name, is_adhesive, own_solves
+from validation.comparison.subsurface_stress import below
+from validation.comparison.transport import passing
 from validation.errors import RunFailed
-from validation.measures.measurement import TOLERANCES_LEFT, limit_over
-from validation.methods import find_method
-from validation.methods.theory import predict
+from validation.execution.press import Press
+from validation.measurements.measurement import TOLERANCES_LEFT, limit_over
 from validation.report.estimates import NORMAL, derive, error_of, gather, mean
 from validation.report.quantities import labelled
-from validation.scenes.realised import Realised
+from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Load, Scene
-from validation.solves.press import Press
+from validation.solvers import find_method
+from validation.solvers.theory import predict
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,7 +45,7 @@ _HALF_SPACE = {"depth": "boundary elements press a half-space"}
 
 def scene_data(
     scene: Scene,
-    realised: Realised,
+    problem: ContactProblem,
     results: Mapping[Press, ContactResult],
     *,
     failures: Mapping[Press, str] | None = None,
@@ -56,7 +56,7 @@ def scene_data(
     Parameters
     ----------
     scene : Scene
-    realised : Realised
+    problem : ContactProblem
         What the scene asks for.
     results : mapping
         Result of each of its solves, which is read once.
@@ -79,23 +79,23 @@ def scene_data(
     failures = failures or {}
     own, bare = set(own_solves(scene, results)), not scene.effects
     readings = [Reading.of(solve, results[solve], bare=bare, shown=solve in own) for solve in results]
-    case = _Case(scene=scene, realised=realised, readings=readings, failures=failures)
+    case = _Case(scene=scene, problem=problem, readings=readings, failures=failures)
     if not case.own:
         raise RunFailed(case.failed)
-    if realised.load.held:
-        case = replace(case, realised=realised.under(Load(pressure=_carried(case.own))))
+    if problem.load.held:
+        case = replace(case, problem=problem.under(Load(pressure=_carried(case.own))))
     data = _on_grids(case)
     data = _own_area(data, case)
     data = _beside_theory(data, case)
     data = _over_surfaces(data, case, accurate)
     data = beside_each_other(data, case.own)
     data = finest(cost_and_orders(data))
-    data = in_numbers(data, case.own, results, case.realised)
-    data = passing(data, scene, case.realised, results)
+    data = in_numbers(data, case.own, results, case.problem)
+    data = passing(data, scene, case.problem, results)
     data = below(data, scene, results)
     if failures:
         data = data.assign(failures=case.failed)
-    treatment = () if realised.topography is None else realised.topography.history
+    treatment = () if problem.topography is None else problem.topography.history
     return labelled(data).assign_attrs(
         title=scene.title or scene.name,
         methods=" ".join(scene.methods.asked),
@@ -110,7 +110,7 @@ class _Case:
     """A scene, what was read off its solves, and why others failed."""
 
     scene: Scene
-    realised: Realised
+    problem: ContactProblem
     readings: Sequence[Reading]
     failures: Mapping[Press, str]
 
@@ -142,8 +142,8 @@ class _Case:
 def _carried(own: Sequence[Reading]) -> float:
     """Load [Pa] at the distance that is held, on the finest grid of the first method."""
     first = [one for one in own if one.solve.method == own[0].solve.method]
-    found = max(first, key=lambda one: one.solve.realised.points_per_wave(one.solve.grid))
-    load = found.solve.realised.load
+    found = max(first, key=lambda one: one.solve.problem.points_per_wave(one.solve.grid))
+    load = found.solve.problem.load
     if not found.mean_pressure > 0:
         raise RunFailed(
             f"load.{load.key} = {load.values[0]:.6g} m: nothing touches so far apart; come closer"
@@ -153,7 +153,7 @@ def _carried(own: Sequence[Reading]) -> float:
 
 def _on_grids(case: _Case) -> xr.Dataset:
     """Lay the solves of the scene's own surface out over method, grid and shift; means over the shifts."""
-    scene, realised, grids = case.scene, case.realised, case.grids
+    scene, problem, grids = case.scene, case.problem, case.grids
     parts: dict[tuple[str, str, int], xr.Dataset] = {}
     for one in case.own:
         place = one.solve.method, grid_name(one.solve.grid)
@@ -161,13 +161,13 @@ def _on_grids(case: _Case) -> xr.Dataset:
     shifts = range(1 + max(shift for *_, shift in parts))
     each = gather(parts, solver=case.methods, grid=[grid_name(grid) for grid in grids], shift=shifts)
     each = each.drop_vars("shift")
-    waves = np.array([realised.points_per_wave(grid) for grid in grids])
+    waves = np.array([problem.points_per_wave(grid) for grid in grids])
     data = each[["solve", "area_pixel_shift", "area_perimeter_shift", "area_located_shift"]].assign(
         points_per_wave=("grid", waves),
         spacing=("grid", 1 / waves),
-        resolved=("grid", [float(realised.resolved_by(grid)) for grid in grids]),
+        resolved=("grid", [float(problem.resolved_by(grid)) for grid in grids]),
     )
-    data = data.assign(_of_the_scene(realised, case.modulus))
+    data = data.assign(_of_the_scene(problem, case.modulus))
     for name in ("area_pixel", "area_perimeter", "area_located"):
         values = data[f"{name}_shift"]
         made = {"reduction": "shift mean", "of": f"{name}_shift"}
@@ -188,7 +188,7 @@ def _on_grids(case: _Case) -> xr.Dataset:
     data["unknowns"] = each["unknowns"].isel(shift=0)
     if any(effect.slot == "pressure bound" for effect in scene.effects):
         data["area_plastic_pixel"] = each["plastic"].mean("shift")
-    load = each["mean_pressure"].mean("shift") if scene.load.held else realised.pressure
+    load = each["mean_pressure"].mean("shift") if scene.load.held else problem.pressure
     return data.assign(kappa_perimeter=data.area_perimeter / (load / float(data.pressure_scale)))
 
 
@@ -200,25 +200,25 @@ def _scatter_half(values: xr.DataArray) -> xr.DataArray:
     return half.where(count > 1)
 
 
-def _of_the_scene(realised: Realised, modulus: float) -> dict[str, float]:
+def _of_the_scene(problem: ContactProblem, modulus: float) -> dict[str, float]:
     """Return what is known of surface, solid and load before anything is solved."""
-    field = realised.field
-    (lx, ly), scale = realised.lengths, modulus * field.rms_gradient
+    field = problem.field
+    (lx, ly), scale = problem.lengths, modulus * field.rms_gradient
     found = {
-        "pressure": realised.pressure,
-        "reduced_pressure": realised.pressure / scale,
+        "pressure": problem.pressure,
+        "reduced_pressure": problem.pressure / scale,
         "pressure_scale": scale,
         "contact_modulus": modulus,
-        "contact_modulus_below": realised.contact_modulus,
+        "contact_modulus_below": problem.contact_modulus,
         "rms_gradient": field.rms_gradient,
         "rms_height": field.rms_height,
         "nayak": field.nayak if field.rms_gradient > 0 else math.nan,
-        "wave_short": realised.shortest,
-        "wave_long": realised.longest,
+        "wave_short": problem.shortest,
+        "wave_long": problem.longest,
         "nominal_area": lx * ly,
     }
-    if realised.spectrum is not None:
-        moments = realised.spectrum.moments()
+    if problem.spectrum is not None:
+        moments = problem.spectrum.moments()
         found |= {"rms_height_spectrum": moments.rms_height, "rms_gradient_spectrum": moments.rms_gradient}
     return found
 
@@ -258,7 +258,7 @@ def _own_area(data: xr.Dataset, case: _Case) -> xr.Dataset:
     found = {}
     for method in case.methods:
         own = [one for one in case.own if one.solve.method == method]
-        good = [one.areas for one in own if case.realised.resolved_by(one.solve.grid)]
+        good = [one.areas for one in own if case.problem.resolved_by(one.solve.grid)]
         tolerance = float(case.scene.methods.options(method).tolerance)
         found[method] = _value_of(good or [one.areas for one in own], tolerance)
     succeeded = [name for name in case.methods if any(one.solve.method == name for one in case.own)]
@@ -281,7 +281,7 @@ def _beside_theory(data: xr.Dataset, case: _Case) -> xr.Dataset:
     options = case.scene.methods.options("theory")
     if options is None:
         return data
-    told, gradient = predict(case.realised, case.scene.effects, options), float(data.rms_gradient)
+    told, gradient = predict(case.problem, case.scene.effects, options), float(data.rms_gradient)
     found = {
         "area_persson_own": told.area,
         "area_ensemble": told.ensemble_area,
@@ -385,7 +385,7 @@ def _surface(case: _Case, k: int, on: Mapping[Grid, Reading], grids: Sequence[Gr
     import xarray as xr
 
     own = [on[grid] for grid in grids if grid in on]
-    here = own[0].solve.realised if own else case.realised.further(k)
+    here = own[0].solve.problem if own else case.problem.further(k)
     limit = limit_of([one.areas for one in own])
     if limit is None or not limit.determinable:
         limit = _NO_LIMIT

@@ -13,12 +13,12 @@ from validation.comparison.run_views import run_views
 from validation.comparison.sweep_views import sweep_views
 from validation.comparison.theory_alone import theory_views
 from validation.errors import UsageError
+from validation.execution.results import DATA, Result
 from validation.report.page import Note, Page, Picture, page_of, write_page
 from validation.report.papers import PAPERS
 from validation.report.quantities import in_prefixed_unit
-from validation.scenes.realised import Realised
+from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
-from validation.solves.results import DATA, Result
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,9 +28,9 @@ __all__ = ["effects_words", "result_page", "write_result_page"]
 _VIEWS = {"run": run_views, "theory": theory_views, "sweep": sweep_views}
 
 
-def effects_words(scene: Scene, realised: Realised) -> str:
+def effects_words(scene: Scene, problem: ContactProblem) -> str:
     """Say in lines which effects ran and which were left out, with the number that decides."""
-    run, left_out = judgements(scene, realised)
+    run, left_out = judgements(scene, problem)
     lines = [f"Runs: {item.effect}: {item.number} - {item.verdict}" for item in run]
     lines = lines or ["None beyond linear elasticity runs."]
     return "\n".join(

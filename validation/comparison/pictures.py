@@ -42,7 +42,7 @@ def render_stored(solve: Path, *, label: str) -> tuple[Picture | None, str]:
 
 def _main() -> None:
     from fem_contact.export import render_surface
-    from validation.solves.store import read_result
+    from validation.execution.store import read_result
 
     # The renderer chooses the format by the suffix.
     render_surface(Path(sys.argv[2]), read_result(Path(sys.argv[1])))

@@ -9,23 +9,23 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from validation.comparison.below import write_below
 from validation.comparison.fields import with_fields
 from validation.comparison.numbers import scene_data
 from validation.comparison.pages import effects_words, write_result_page
+from validation.comparison.subsurface_stress import write_below
 from validation.comparison.theory_alone import theory_data
 from validation.errors import RunFailed
+from validation.execution.attempt import Progress
+from validation.execution.press import Press, solves_of
+from validation.execution.provenance import SOLVES_MADE, made_words
+from validation.execution.results import Result, asked_of, clear_results, read_results, write_results
+from validation.execution.running import Execution, Solves, solve_all
+from validation.execution.store import Store
 from validation.files import atomic_path, prepare_folder
 from validation.report.page import Page, clear_page
 from validation.scenes.checks import check_scene
-from validation.scenes.realised import Realised, realise
+from validation.scenes.problem import ContactProblem, realise
 from validation.scenes.scene import Scene
-from validation.solves.attempt import Progress
-from validation.solves.press import Press, solves_of
-from validation.solves.provenance import SOLVES_MADE, made_words
-from validation.solves.results import Result, asked_of, clear_results, read_results, write_results
-from validation.solves.running import Execution, Solves, solve_all
-from validation.solves.store import Store
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -65,7 +65,7 @@ def run_scene(
     scene: Scene,
     folder: Path,
     *,
-    realised: Realised | None = None,
+    problem: ContactProblem | None = None,
     progress: Progress | None = None,
     execution: Execution | None = None,
     store_folder: Path | None = None,
@@ -77,7 +77,7 @@ def run_scene(
 
     Parameters
     ----------
-    realised : Realised, optional
+    problem : ContactProblem, optional
         What the scene asks for, where it has been made already.
     execution : Execution, optional
         Where the solves run; in this process if not given.
@@ -97,8 +97,8 @@ def run_scene(
     RunFailed
         When no solve succeeds; of others the report tells.
     """
-    realised = realised or realise(scene)
-    check_scene(scene, realised)
+    problem = problem or realise(scene)
+    check_scene(scene, problem)
     prepare_folder(folder)
     store = Store(folder=store_folder or folder / "solves")
     asked: dict[str, Any] = {"scene": scene.model_dump(mode="json", exclude_none=True)}
@@ -109,18 +109,18 @@ def run_scene(
     written: tuple[Path, ...] = ()
     if scene.methods.solvers:
         results = solve_all(
-            solves_of(scene, realised),
+            solves_of(scene, problem),
             store,
             progress=progress,
             execution=execution,
             despite_failures=True,
         )
-        data = scene_data(scene, realised, results, failures=results.failures, accurate=accurate)
-        data = with_fields(data, scene, realised, results)
+        data = scene_data(scene, problem, results, failures=results.failures, accurate=accurate)
+        data = with_fields(data, scene, problem, results)
         written = (*_link_blocks(results, folder / "fields"), *write_below(scene, results, folder / "fields"))
     else:
-        data = theory_data(scene, realised)
-    data.attrs["effects_words"] = effects_words(scene, realised)
+        data = theory_data(scene, problem)
+    data.attrs["effects_words"] = effects_words(scene, problem)
     return leave(
         folder,
         data,

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.methods import find_method
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Image, Level, Line, Panel
 from validation.report.table import Listing, Table
 from validation.report.values import value_of
 from validation.report.views import Card, Views
+from validation.solvers import find_method
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -18,29 +18,29 @@ from validation.comparison.numbers import scene_data
 from validation.comparison.run import Outputs, begin, leave
 from validation.comparison.theory_alone import theory_data
 from validation.errors import RunFailed, UsageError
+from validation.execution.attempt import Progress
+from validation.execution.cost import transform_seconds
+from validation.execution.press import Press, solves_of
+from validation.execution.running import Execution, Solves, solve_all
+from validation.execution.store import Store
 from validation.files import prepare_folder
 from validation.report.estimates import gather
 from validation.report.quantities import labelled
 from validation.scenes.checks import check_scene
-from validation.scenes.realised import Realised, realise
+from validation.scenes.problem import ContactProblem, realise
 from validation.scenes.scene import Scene
 from validation.scenes.sweep import Sweep, SweptKey
-from validation.solves.attempt import Progress
-from validation.solves.cost import transform_seconds
-from validation.solves.press import Press, solves_of
-from validation.solves.running import Execution, Solves, solve_all
-from validation.solves.store import Store
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["SweepExplanation", "explain_sweep", "realised_cases", "run_sweep", "solves_of_sweep"]
+__all__ = ["SweepExplanation", "explain_sweep", "problems_of", "run_sweep", "solves_of_sweep"]
 
 #: What checks of a scene, and making its surface, refuse.
 _UNFIT = (UsageError, fem_errors.InvalidInput, persson_errors.InvalidInput)
 
 
-def realised_cases(sweep: Sweep, *, surveyed: bool = False) -> tuple[Realised, ...]:
+def problems_of(sweep: Sweep, *, surveyed: bool = False) -> tuple[ContactProblem, ...]:
     """Return what each scene asks for, each surface made once, and refuse what cannot be run.
 
     Raises
@@ -48,23 +48,23 @@ def realised_cases(sweep: Sweep, *, surveyed: bool = False) -> tuple[Realised, .
     UsageError
         Naming the values at which it cannot.
     """
-    made: list[Realised] = []
-    surfaces: dict[Any, Realised] = {}
+    made: list[ContactProblem] = []
+    surfaces: dict[Any, ContactProblem] = {}
     for k, scene in enumerate(sweep.scenes):
-        realised = realise(scene, like=surfaces.get(scene.surface), surveyed=surveyed)
+        problem = realise(scene, like=surfaces.get(scene.surface), surveyed=surveyed)
         try:
             if len(scene.load.values) > 1:
                 key = f"load.{scene.load.key}"
                 raise UsageError(f"{key}: lists several loads; move the list to [sweep], as sweep.{key}")
-            check_scene(scene, realised)
+            check_scene(scene, problem)
         except _UNFIT as error:
             raise UsageError(f"{error} ([sweep] at {sweep.words(k)})") from None
-        surfaces.setdefault(scene.surface, realised)
-        made.append(realised)
+        surfaces.setdefault(scene.surface, problem)
+        made.append(problem)
     return tuple(made)
 
 
-def solves_of_sweep(sweep: Sweep, cases: Sequence[Realised]) -> tuple[Press, ...]:
+def solves_of_sweep(sweep: Sweep, cases: Sequence[ContactProblem]) -> tuple[Press, ...]:
     """List the solves of all scenes; what several of them ask for is listed once."""
     each = zip(sweep.scenes, cases, strict=True)
     return tuple({solve.key: solve for scene, case in each for solve in solves_of(scene, case)}.values())
@@ -74,14 +74,14 @@ def run_sweep(
     sweep: Sweep,
     folder: Path,
     *,
-    cases: Sequence[Realised] | None = None,
+    cases: Sequence[ContactProblem] | None = None,
     progress: Progress | None = None,
     execution: Execution | None = None,
     store_folder: Path | None = None,
     report: bool = True,
 ) -> Outputs:
     """Run every scene of a sweep into one folder, as `run_scene` does one."""
-    cases = cases or realised_cases(sweep)
+    cases = cases or problems_of(sweep)
     prepare_folder(folder)
     store = Store(folder=store_folder or folder / "solves")
     asked = {
@@ -106,7 +106,7 @@ def run_sweep(
     )
 
 
-def sweep_data(sweep: Sweep, cases: Sequence[Realised], results: Solves) -> xr.Dataset:
+def sweep_data(sweep: Sweep, cases: Sequence[ContactProblem], results: Solves) -> xr.Dataset:
     """Gather the numbers of all cases over the swept keys, or over `case` where these run side by side."""
     parts = _alike([_case(*pair, results) for pair in zip(sweep.scenes, cases, strict=True)])
     if "contact_modulus" not in parts[0]:
@@ -133,19 +133,19 @@ def sweep_data(sweep: Sweep, cases: Sequence[Realised], results: Solves) -> xr.D
     return labelled(data).assign_attrs(kept, mode=sweep.mode, cases=len(parts), keys=" ".join(names))
 
 
-def _case(scene: Scene, realised: Realised, results: Solves) -> xr.Dataset:
+def _case(scene: Scene, problem: ContactProblem, results: Solves) -> xr.Dataset:
     """Return the numbers of one case, as its own run has them, or why it has none."""
     import xarray as xr
 
     if scene.methods.solvers:
-        solves = solves_of(scene, realised)
+        solves = solves_of(scene, problem)
         failed = {solve: results.failures[solve] for solve in solves if solve in results.failures}
         done = {solve: results[solve] for solve in solves if solve not in failed}
         try:
-            return scene_data(scene, realised, done, failures=failed)
+            return scene_data(scene, problem, done, failures=failed)
         except RunFailed as error:
             return xr.Dataset({"failures": str(error)})
-    alone = theory_data(scene, realised)
+    alone = theory_data(scene, problem)
     curves = [name for name in alone.data_vars if "wave" in alone[name].dims]
     return alone.drop_vars(curves).isel(load=0).reset_coords(drop=False)
 
@@ -211,7 +211,7 @@ def explain_sweep(sweep: Sweep) -> SweepExplanation:
     UsageError
         For a scene that cannot be run, naming the values at which it cannot.
     """
-    cases = realised_cases(sweep, surveyed=True)
+    cases = problems_of(sweep, surveyed=True)
     solves = solves_of_sweep(sweep, cases)
     pair = transform_seconds()
     costs = [solve.predict(pair_seconds=pair) for solve in solves]

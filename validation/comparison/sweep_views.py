@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.methods import find_method
 from validation.report.estimates import derive, mean, power_law
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Band, Figure, Line, Panel
 from validation.report.quantities import place_words, quantity_of
 from validation.report.table import Column, Table
 from validation.report.views import Card, Views
+from validation.solvers import find_method
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.effects.base import Told
-from validation.methods.theory import Answer, against_magnification, theory_words
+from validation.effects.base import TheoryInputs
 from validation.report.estimates import claim
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Level, Line, Panel
 from validation.report.quantities import labelled
 from validation.report.table import Listing, Table
 from validation.report.views import Card, Views
-from validation.scenes.realised import Realised
+from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
+from validation.solvers.theory import Answer, against_magnification, theory_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["theory_data", "theory_views"]
 
 
-def theory_data(scene: Scene, realised: Realised) -> xr.Dataset:
+def theory_data(scene: Scene, problem: ContactProblem) -> xr.Dataset:
     """Evaluate the theory at every load of a scene without a solver.
 
     Returns
@@ -36,16 +36,16 @@ def theory_data(scene: Scene, realised: Realised) -> xr.Dataset:
     """
     import xarray as xr
 
-    told = Told.by(realised.elastic, scene.effects)
-    answers = against_magnification(realised, scene.effects, scene.methods.options("theory"))
-    moments = realised.own_spectrum.moments()
-    points = max(math.floor(2 * length / realised.shortest) + 1 for length in realised.lengths)
+    told = TheoryInputs.by(problem.elastic, scene.effects)
+    answers = against_magnification(problem, scene.effects, scene.methods.options("theory"))
+    moments = problem.own_spectrum.moments()
+    points = max(math.floor(2 * length / problem.shortest) + 1 for length in problem.lengths)
     # Each load has its own magnifications.
-    parts = [_at_load(answer, told, realised) for answer in answers]
+    parts = [_at_load(answer, told, problem) for answer in answers]
     data = xr.concat(parts, "load", join="outer").drop_vars("wave").set_coords("pressure")
     data = data.assign(
-        contact_modulus=realised.contact_modulus,
-        rms_gradient=realised.field.rms_gradient,
+        contact_modulus=problem.contact_modulus,
+        rms_gradient=problem.field.rms_gradient,
         rms_height=moments.rms_height,
         rms_gradient_spectrum=moments.rms_gradient,
         nayak=moments.nayak,
@@ -72,22 +72,22 @@ def theory_data(scene: Scene, realised: Realised) -> xr.Dataset:
         methods="theory",
         effects=" ".join(effect.kind for effect in scene.effects),
         theory=theory_words(told, scene.methods.options("theory")),
-        drawn=int(realised.has_heights),
+        drawn=int(problem.has_heights),
     )
 
 
-def _at_load(answer: Answer, told: Told, realised: Realised) -> xr.Dataset:
+def _at_load(answer: Answer, told: TheoryInputs, problem: ContactProblem) -> xr.Dataset:
     """Return what the theory says at one load, and along the waves up to each magnification."""
     import xarray as xr
 
-    lowest, nothing = 2 * math.pi / max(realised.lengths), np.full(answer.area.shape, math.nan)
+    lowest, nothing = 2 * math.pi / max(problem.lengths), np.full(answer.area.shape, math.nan)
     curves = {"magnification": answer.wavevectors / lowest, "magnified_area": answer.area}
     single: dict[str, float | str] = {
         "area_ensemble": _last(answer.area),
         "error_estimate": answer.error_estimate,
         "theory_note": answer.note,
         "pressure": answer.pressure,
-        "reduced_pressure": answer.pressure / realised.pressure_scale,
+        "reduced_pressure": answer.pressure / problem.pressure_scale,
     }
     if told.hardness is not None:
         curves["magnified_area_plastic"] = answer.area_plastic

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field
 
-from validation.effects.base import Effect, Grid, Judgement, Roughness, SlotName, Slots, Told
+from validation.effects.base import ContactModel, Effect, Grid, Judgement, Roughness, SlotName, TheoryInputs
 from validation.errors import UsageError
 from validation.units import Length, Work
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from fem_contact.adhesion import GapLaw
-    from validation.scenes.realised import Realised
+    from validation.scenes.problem import ContactProblem
 
 __all__ = ["Adhesion"]
 
@@ -58,9 +58,9 @@ class Adhesion(Effect):
             raise UsageError("adhesion: reach is missing; a solver needs the range of the attraction")
         return self.reach
 
-    def fill(self, slots: Slots) -> None:
+    def fill(self, model: ContactModel) -> None:
         """Give the law of the gap."""
-        slots.gap_law = self.gap_law()
+        model.gap_law = self.gap_law()
 
     def check_solver(self, name: str, *, key: str) -> None:
         """Refuse attraction without a range."""
@@ -69,17 +69,17 @@ class Adhesion(Effect):
                 f'{key} reach: missing; method {name!r} needs the range of the attraction, e.g. "2 nm"'
             )
 
-    def theory(self, told: Told) -> None:
+    def theory(self, inputs: TheoryInputs) -> None:
         """Persson 2006, Sec. 8; the theory knows no range."""
-        told.work = self.work
+        inputs.work = self.work
 
-    def check(self, realised: Realised, grids: Sequence[Grid], *, slots: Slots, key: str) -> None:
+    def check(self, problem: ContactProblem, grids: Sequence[Grid], *, model: ContactModel, key: str) -> None:
         """Refuse grids that are too coarse for the range of the attraction."""
         from fem_contact.adhesion import CELLS_NEEDED, cells_in_process_zone
 
-        modulus = slots.felt_response.contact_modulus
+        modulus = model.felt_response.contact_modulus
         for grid in grids:
-            spacing = max(length / n for length, n in zip(realised.lengths, grid, strict=True))
+            spacing = max(length / n for length, n in zip(problem.lengths, grid, strict=True))
             cells = cells_in_process_zone(self.gap_law(), spacing=spacing, contact_modulus=modulus)
             if cells < CELLS_NEEDED:
                 needed = [int(np.ceil(n * CELLS_NEEDED / cells)) for n in grid]

@@ -15,17 +15,17 @@ from validation.units import Table
 
 if TYPE_CHECKING:
     from fem_contact.adhesion import GapLaw
-    from validation.scenes.realised import Realised
+    from validation.scenes.problem import ContactProblem
 
 __all__ = [
     "Body",
+    "ContactModel",
     "Effect",
     "Grid",
     "Judgement",
     "Roughness",
     "SlotName",
-    "Slots",
-    "Told",
+    "TheoryInputs",
     "clash",
     "effect_key",
 ]
@@ -46,7 +46,7 @@ class Body:
 
 
 @dataclass(kw_only=True)
-class Slots:
+class ContactModel:
     """What solvers ask for and effects fill in; a slot that no effect fills is None.
 
     `response` gives displacement from pressure, that of the half-space of the solid if None, and `body` the
@@ -60,12 +60,12 @@ class Slots:
     gap_law: GapLaw | None = None
 
     @classmethod
-    def filled(cls, solid: Solid, effects: Sequence[Effect]) -> Slots:
-        """Return the slots as the effects of a scene fill them."""
-        slots = cls(solid=solid)
+    def filled(cls, solid: Solid, effects: Sequence[Effect]) -> ContactModel:
+        """Return the model as the effects of a scene fill them."""
+        model = cls(solid=solid)
         for effect in effects:
-            effect.fill(slots)
-        return slots
+            effect.fill(model)
+        return model
 
     @property
     def felt_response(self) -> Response:
@@ -78,7 +78,7 @@ class Slots:
 
 
 @dataclass(kw_only=True)
-class Told:
+class TheoryInputs:
     """What Persson's theory is told beyond an elastic half-space; None where no effect says it.
 
     `modulus` is E* [Pa] that a wave of wavevector q [1/m] feels, `hardness` the largest pressure [Pa], or a
@@ -92,12 +92,12 @@ class Told:
     smoothing: Mapping[str, Any] | None = None
 
     @classmethod
-    def by(cls, solid: Solid, effects: Sequence[Effect]) -> Told:
+    def by(cls, solid: Solid, effects: Sequence[Effect]) -> TheoryInputs:
         """Return what the effects of a scene tell the theory."""
-        told = cls(solid=solid)
+        inputs = cls(solid=solid)
         for effect in effects:
-            effect.theory(told)
-        return told
+            effect.theory(inputs)
+        return inputs
 
     @property
     def felt_modulus(self) -> float | Callable[[Any], Array]:
@@ -192,20 +192,20 @@ class Effect(Table):
     cost: ClassVar[float] = 1.0
     papers: ClassVar[tuple[str, ...]] = ()
 
-    def fill(self, slots: Slots) -> None:
+    def fill(self, model: ContactModel) -> None:
         """Fill the slot that solvers ask for."""
 
     def shaped(self, field: HeightField) -> HeightField:
         """Return the heights that are pressed, of those of the surface."""
         return field
 
-    def theory(self, told: Told) -> None:
+    def theory(self, inputs: TheoryInputs) -> None:
         """Tell Persson's theory; an effect that does not override this has none there."""
 
-    def check(self, realised: Realised, grids: Sequence[Grid], *, slots: Slots, key: str) -> None:
+    def check(self, problem: ContactProblem, grids: Sequence[Grid], *, model: ContactModel, key: str) -> None:
         """Refuse, with a UsageError and before anything is computed, what does not fit the load or the grids.
 
-        The grids are all of methods to which it gives its slot, the slots as all effects fill them; where the
+        The grids are all of methods to which it gives its slot, the model as all effects fill it; where the
         theory stands alone there are none. Messages name the effect by `key`.
         """
 
@@ -275,3 +275,10 @@ def clash(effects: Sequence[Effect]) -> str | None:
             )
         filled[effect.slot] = effect.kind
     return None
+
+
+def __getattr__(name: str) -> object:
+    new = {"Slots": "ContactModel", "Told": "TheoryInputs"}.get(name)
+    if new is not None:
+        raise ImportError(f"validation.effects.base.{name} is called {new}")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 from pydantic import Field
 
-from validation.effects.base import Effect, Judgement, Roughness, SlotName, Slots, Told
+from validation.effects.base import ContactModel, Effect, Judgement, Roughness, SlotName, TheoryInputs
 from validation.errors import UsageError
 from validation.units import Length, Number, Pressure
 
@@ -40,28 +40,28 @@ class Coating(Effect):
 
         return Solid(young=self.young, poisson=solid.poisson if self.poisson is None else self.poisson)
 
-    def fill(self, slots: Slots) -> None:
+    def fill(self, model: ContactModel) -> None:
         """Give the compliance of the coated half-space."""
         from fem_contact.graded import LayeredSolid
 
-        slots.response = LayeredSolid(
-            layers=[self._layer(slots.solid)], thicknesses=[self.thickness], base=slots.solid
+        model.response = LayeredSolid(
+            layers=[self._layer(model.solid)], thicknesses=[self.thickness], base=model.solid
         )
 
-    def theory(self, told: Told) -> None:
+    def theory(self, inputs: TheoryInputs) -> None:
         """Persson 2006, Sec. 5; the theory has one Poisson ratio for layer and solid."""
         from persson.graded import SurfaceLayer
 
-        if self.poisson is not None and self.poisson != told.solid.poisson:
+        if self.poisson is not None and self.poisson != inputs.solid.poisson:
             raise UsageError(
                 f"poisson = {self.poisson!r}: method 'theory' knows one Poisson ratio, that of "
-                f"the solid, {told.solid.poisson!r}"
+                f"the solid, {inputs.solid.poisson!r}"
             )
-        told.modulus = SurfaceLayer(
-            bulk=told.solid.young,
+        inputs.modulus = SurfaceLayer(
+            bulk=inputs.solid.young,
             layer=self.young,
             thickness=self.thickness,
-            poisson=told.solid.poisson,
+            poisson=inputs.solid.poisson,
         )
 
     def judge(self, rough: Roughness) -> Judgement:

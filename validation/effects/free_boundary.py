@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field
 
-from validation.effects.base import Effect, Grid, Judgement, Roughness, SlotName, Slots
+from validation.effects.base import ContactModel, Effect, Grid, Judgement, Roughness, SlotName
 from validation.errors import UsageError
 from validation.units import Length
 
 if TYPE_CHECKING:
     from fem_contact.surface import HeightField
-    from validation.scenes.realised import Realised
+    from validation.scenes.problem import ContactProblem
 
 __all__ = ["FreeBoundary"]
 
@@ -36,11 +36,11 @@ class FreeBoundary(Effect):
         "Cells under constant pressure: A. E. H. Love, Phil. Trans. R. Soc. A 228, 377 (1929).",
     )
 
-    def fill(self, slots: Slots) -> None:
+    def fill(self, model: ContactModel) -> None:
         """Give the half-space without images."""
         from fem_contact.response import FreeHalfSpace
 
-        slots.response = FreeHalfSpace(solid=slots.solid)
+        model.response = FreeHalfSpace(solid=model.solid)
 
     def shaped(self, field: HeightField) -> HeightField:
         """Lay the roughness on a paraboloid whose apex is the middle of the patch."""
@@ -56,31 +56,31 @@ class FreeBoundary(Effect):
         sag = (x[:, None] ** 2 + y[None, :] ** 2) / (2 * self.radius)
         return type(field)(heights=field.heights - sag, lengths=field.lengths)
 
-    def check(self, realised: Realised, grids: Sequence[Grid], *, slots: Slots, key: str) -> None:
+    def check(self, problem: ContactProblem, grids: Sequence[Grid], *, model: ContactModel, key: str) -> None:
         """Refuse attraction, layers, a distance that is held, and a ball that would not fit on the patch."""
         from fem_contact.response import FreeHalfSpace
 
-        if slots.gap_law is not None or not isinstance(slots.response, FreeHalfSpace):
-            other = "adhesion" if slots.gap_law is not None else "a layer or graded solid"
+        if model.gap_law is not None or not isinstance(model.response, FreeHalfSpace):
+            other = "adhesion" if model.gap_law is not None else "a layer or graded solid"
             raise UsageError(f"{key} kind = {self.kind!r}: is not solved together with {other}")
-        if realised.load.held:
+        if problem.load.held:
             raise UsageError(
-                f"load.{realised.load.key}: a patch with free surroundings is pressed by a load; give "
+                f"load.{problem.load.key}: a patch with free surroundings is pressed by a load; give "
                 "pressure, reduced_pressure or force"
             )
         if self.radius is None:
             return
-        force = realised.pressure * realised.lengths[0] * realised.lengths[1]
-        contact = (3 * force * self.radius / (4 * realised.contact_modulus)) ** (1 / 3)
+        force = problem.pressure * problem.lengths[0] * problem.lengths[1]
+        contact = (3 * force * self.radius / (4 * problem.contact_modulus)) ** (1 / 3)
         if contact > self.radius:
             raise UsageError(
                 f"{key} radius = {self.radius:.6g} m: the ball would touch over {contact:.3g} m (Hertz), "
                 "where no paraboloid is a ball; take a larger radius or a smaller load"
             )
-        if contact > 0.5 * min(realised.lengths):
+        if contact > 0.5 * min(problem.lengths):
             raise UsageError(
                 f"{key} radius = {self.radius:.6g} m: the ball would touch over {contact:.3g} m (Hertz), "
-                f"beyond the edge of the patch, {0.5 * min(realised.lengths):.3g} m from its middle; take a "
+                f"beyond the edge of the patch, {0.5 * min(problem.lengths):.3g} m from its middle; take a "
                 "larger patch or a smaller load"
             )
 

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from validation.arrays import Array
-from validation.effects.base import Body, Effect, Judgement, Roughness, SlotName, Slots, Told
+from validation.effects.base import Body, ContactModel, Effect, Judgement, Roughness, SlotName, TheoryInputs
 from validation.units import Length, Pressure
 
 __all__ = ["Graded"]
@@ -42,22 +42,22 @@ class Graded(Effect):
         "Modulus that varies with depth, theory: B. N. J. Persson, Surf. Sci. Rep. 61, 201 (2006), Sec. 5.",
     )
 
-    def fill(self, slots: Slots) -> None:
+    def fill(self, model: ContactModel) -> None:
         """Give the compliance of the graded half-space, and its profile for a mesh."""
         from fem_contact.graded import ExponentialSolid
 
-        slots.response = ExponentialSolid(surface=slots.solid, bulk_young=self.bulk_young, depth=self.depth)
-        slots.body = Body(modulus=_Profile(self.bulk_young / slots.solid.young, self.depth))
+        model.response = ExponentialSolid(surface=model.solid, bulk_young=self.bulk_young, depth=self.depth)
+        model.body = Body(modulus=_Profile(self.bulk_young / model.solid.young, self.depth))
 
-    def theory(self, told: Told) -> None:
+    def theory(self, inputs: TheoryInputs) -> None:
         """Persson 2006, Sec. 5."""
         from persson.graded import ExponentialLayers
 
-        told.modulus = ExponentialLayers(
+        inputs.modulus = ExponentialLayers(
             bulk=self.bulk_young,
-            excess=[told.solid.young - self.bulk_young],
+            excess=[inputs.solid.young - self.bulk_young],
             depths=[self.depth],
-            poisson=told.solid.poisson,
+            poisson=inputs.solid.poisson,
         )
 
     def judge(self, rough: Roughness) -> Judgement:

@@ -9,14 +9,14 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from validation.arrays import Array
-from validation.effects.base import Effect, Grid, Judgement, Roughness, SlotName, Slots, Told
+from validation.effects.base import ContactModel, Effect, Grid, Judgement, Roughness, SlotName, TheoryInputs
 from validation.errors import UsageError
 from validation.units import Length, Number, Pressure, wrong
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from validation.scenes.realised import Realised
+    from validation.scenes.problem import ContactProblem
 
 __all__ = ["Hardness"]
 
@@ -49,13 +49,13 @@ class Hardness(Effect):
             raise wrong("give both 'size_wavelength' and 'size_exponent', or neither")
         return self
 
-    def fill(self, slots: Slots) -> None:
+    def fill(self, model: ContactModel) -> None:
         """Bound the pressure."""
-        slots.pressure_bound = self.hardness
+        model.pressure_bound = self.hardness
 
-    def theory(self, told: Told) -> None:
+    def theory(self, inputs: TheoryInputs) -> None:
         """Persson 2006, Sec. 6; Eqs. 33 and 34 where it rises towards short waves."""
-        told.hardness = self.hardness if self.size_wavelength is None else self._at
+        inputs.hardness = self.hardness if self.size_wavelength is None else self._at
 
     def _at(self, q: Array) -> Array:
         """Hardness [Pa] that waves of wavevector q [1/m] meet."""
@@ -72,12 +72,12 @@ class Hardness(Effect):
                 "hardness for all sizes; handled by: theory"
             )
 
-    def check(self, realised: Realised, grids: Sequence[Grid], *, slots: Slots, key: str) -> None:
+    def check(self, problem: ContactProblem, grids: Sequence[Grid], *, model: ContactModel, key: str) -> None:
         """Refuse a hardness below the nominal pressure."""
-        if not realised.load.held and self.hardness < realised.pressure:
+        if not problem.load.held and self.hardness < problem.pressure:
             raise UsageError(
                 f"{key} hardness = {self.hardness:.6g} Pa: must not be below the nominal pressure "
-                f"{realised.pressure:.6g} Pa, or nothing carries the load"
+                f"{problem.pressure:.6g} Pa, or nothing carries the load"
             )
 
     def judge(self, rough: Roughness) -> Judgement:

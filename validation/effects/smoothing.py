@@ -6,7 +6,7 @@ from typing import ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
-from validation.effects.base import Effect, Judgement, Roughness, SlotName, Told
+from validation.effects.base import Effect, Judgement, Roughness, SlotName, TheoryInputs
 from validation.units import Pressure, wrong
 
 __all__ = ["Smoothing"]
@@ -41,9 +41,9 @@ class Smoothing(Effect):
             )
         return self
 
-    def theory(self, told: Told) -> None:
+    def theory(self, inputs: TheoryInputs) -> None:
         """Persson 2006, Sec. 10.2."""
-        told.smoothing = {"pressure": self.pressure, "hardness": self.hardness, "form": self.form}
+        inputs.smoothing = {"pressure": self.pressure, "hardness": self.hardness, "form": self.form}
 
     def judge(self, rough: Roughness) -> Judgement:
         """Compare the spread of the stress with the hardness."""

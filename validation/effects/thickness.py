@@ -7,7 +7,7 @@ from typing import ClassVar, Literal, Self
 
 from pydantic import Field
 
-from validation.effects.base import Body, Effect, Judgement, Roughness, SlotName, Slots
+from validation.effects.base import Body, ContactModel, Effect, Judgement, Roughness, SlotName
 from validation.units import Length
 
 __all__ = ["Thickness"]
@@ -28,13 +28,13 @@ class Thickness(Effect):
         "Layer on a rigid base: K. L. Johnson, Contact Mechanics (Cambridge, 1985), Sec. 5.8.",
     )
 
-    def fill(self, slots: Slots) -> None:
+    def fill(self, model: ContactModel) -> None:
         """Give the compliance of the layer; a mesh is clamped, so that only a bonded layer is a body."""
         from fem_contact.response import BondedLayer, FrictionlessLayer
 
         kind = BondedLayer if self.base == "bonded" else FrictionlessLayer
-        slots.response = kind(solid=slots.solid, thickness=self.thickness)
-        slots.body = Body(depth=self.thickness) if self.base == "bonded" else None
+        model.response = kind(solid=model.solid, thickness=self.thickness)
+        model.body = Body(depth=self.thickness) if self.base == "bonded" else None
 
     def judge(self, rough: Roughness) -> Judgement:
         """Compare the thickness with the longest wave."""

@@ -11,19 +11,19 @@ from typing import TYPE_CHECKING, Any, Literal
 from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.contact import ContactResult
 from validation.comparison.numbers import scene_data
-from validation.comparison.reading import grid_name
-from validation.effects.base import Slots
+from validation.comparison.reductions import grid_name
+from validation.effects.base import ContactModel
 from validation.errors import NoLimit, UsageError
-from validation.methods.base import Solved
-from validation.methods.theory import Prediction, predict
+from validation.execution.press import Press, solves_of
 from validation.notebook._tables import GridLike, as_html, checked, fast_grid
 from validation.report.quantities import labelled
 from validation.report.values import Value, value_of
 from validation.report.words import significant
 from validation.scenes.checks import check_scene
-from validation.scenes.realised import Realised
+from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
-from validation.solves.press import Press, solves_of
+from validation.solvers.base import Solved
+from validation.solvers.theory import Prediction, predict
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -46,14 +46,14 @@ class Contact:
     ----------
     scene : Scene
         What was asked for.
-    realised : Realised
+    problem : ContactProblem
         Its surface, solid and load.
     solved : mapping
         What each solve gave.
     """
 
     scene: Scene
-    realised: Realised
+    problem: ContactProblem
     solved: Mapping[Press, Solved]
 
     @property
@@ -97,14 +97,14 @@ class Contact:
         if method == self.solve.method:
             raise UsageError(f"against: it was pressed by {method!r}; name another method")
         other = {method: {"grids": [self.solve.grid]}}
-        data = pressed(self._methods(other), self.realised, done=self.solved).data
+        data = pressed(self._methods(other), self.problem, done=self.solved).data
         names = ["pressure_difference", "area_pixel_difference", "area_perimeter_difference"]
         return data[names].sel(solver=method, grid=grid_name(self.solve.grid))
 
     @cached_property
     def data(self) -> xr.Dataset:
         """Every number that a run reports: of each method, grid and shift, and of the theory beside."""
-        return scene_data(self.scene, self.realised, self._results)
+        return scene_data(self.scene, self.problem, self._results)
 
     @property
     def findings(self) -> tuple[str, ...]:
@@ -121,7 +121,7 @@ class Contact:
     def theory(self) -> Prediction | None:
         """What Persson's theory says of this surface; None where it does not know an effect."""
         options = self.scene.methods.options("theory")
-        return None if options is None else predict(self.realised, self.scene.effects, options)
+        return None if options is None else predict(self.problem, self.scene.effects, options)
 
     def patches(self) -> Patches:
         """Return the connected patches of the contact and their areas [m^2]."""
@@ -131,8 +131,8 @@ class Contact:
 
     def to_xarray(self) -> xr.Dataset:
         """Return the fields over x and y with units: pressure, gap, displacement, heights, contact."""
-        from validation.solves.fields import encode_result
-        from validation.solves.netcdf import read_dataset
+        from validation.execution.fields import encode_result
+        from validation.execution.netcdf import read_dataset
 
         return read_dataset(encode_result(self.result, recipe=self.solve.recipe_text))
 
@@ -170,8 +170,8 @@ class Contact:
         return Path(path)
 
     @property
-    def _slots(self) -> Slots:
-        return Slots.filled(self.realised.elastic, self.scene.effects)
+    def _slots(self) -> ContactModel:
+        return ContactModel.filled(self.problem.elastic, self.scene.effects)
 
     def plot(self, what: Literal["pressure", "distribution", "grids"] = "pressure") -> Drawing:
         """Draw the map of pressure, P(sigma) beside the theory, or area against grid spacing.
@@ -186,21 +186,21 @@ class Contact:
             data = fields.with_maps(self.data, own)
             return draw(run_views.maps_figure(data), labelled(data))
         if what == "distribution":
-            data = fields.with_distribution(self.data, own, self.scene, self.realised)
+            data = fields.with_distribution(self.data, own, self.scene, self.problem)
             return draw(run_views.pressure_figure(), labelled(data))
         if what == "grids":
             return draw(run_views.area_figure(), self._on([self._grid(n) for n in _LADDER]).data)
         raise UsageError(f"plot: {what!r} is not drawn; one of: 'pressure', 'distribution', 'grids'")
 
     def _grid(self, points_per_wave: float) -> tuple[int, int]:
-        return fast_grid(self.realised.lengths, self.realised.shortest, points_per_wave)
+        return fast_grid(self.problem.lengths, self.problem.shortest, points_per_wave)
 
     def _on(self, grids: Sequence[GridLike]) -> Contact:
         """Press on other grids; those that are solved are not solved again."""
         name = self.solve.method
         options = self.scene.methods.options(name).model_dump(exclude_unset=True)
         methods = {name: {**options, "grids": list(grids)}}
-        return pressed(self._methods(methods, alone=True), self.realised, done=self.solved)
+        return pressed(self._methods(methods, alone=True), self.problem, done=self.solved)
 
     def _methods(self, methods: Mapping[str, Any], *, alone: bool = False) -> Scene:
         kept = {} if alone else dict(self.scene.methods)
@@ -212,7 +212,7 @@ class Contact:
         areas, theory = self.areas(), self.theory
         facts = {
             "solve": self.solve.label,
-            "p0": f"{self.realised.pressure:.4g} Pa (p* = {self.realised.reduced_pressure:.4g})",
+            "p0": f"{self.problem.pressure:.4g} Pa (p* = {self.problem.reduced_pressure:.4g})",
             "A/A0": f"{significant(areas.perimeter)} (counted {significant(areas.pixel)})",
         }
         if theory is not None:
@@ -226,7 +226,7 @@ class Contact:
         return as_html("contact", self._facts)
 
 
-def pressed(scene: Scene, realised: Realised, *, done: Mapping[Press, Solved]) -> Contact:
+def pressed(scene: Scene, problem: ContactProblem, *, done: Mapping[Press, Solved]) -> Contact:
     """Solve what a scene asks for, in this process; what is done is not done again.
 
     Raises
@@ -236,8 +236,8 @@ def pressed(scene: Scene, realised: Realised, *, done: Mapping[Press, Solved]) -
     FemContactError
         When a solve fails.
     """
-    check_scene(scene, realised)
-    solves = solves_of(scene, realised)
+    check_scene(scene, problem)
+    solves = solves_of(scene, problem)
     return Contact(
-        scene=scene, realised=realised, solved={solve: done.get(solve) or solve.do() for solve in solves}
+        scene=scene, problem=problem, solved={solve: done.get(solve) or solve.do() for solve in solves}
     )

@@ -14,15 +14,15 @@ from fem_contact.surface import HeightField
 from validation.comparison.theory_alone import theory_data
 from validation.effects import effect_kinds
 from validation.errors import NoLimit, UsageError
-from validation.methods import methods
 from validation.notebook._contact import Contact, pressed
 from validation.notebook._surface import Surface
 from validation.notebook._tables import GridLike, Quantity, checked, fast_grid
 from validation.report.values import Value
 from validation.scenes.checks import check_scene
-from validation.scenes.realised import Realised
+from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
 from validation.scenes.tables import RandomSurface
+from validation.solvers import methods
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -94,8 +94,8 @@ def press(
             "effects": listed,
         },
     )
-    realised = Realised(surface=scene.surface, solid=scene.solid, load=scene.load, given=surface.given)
-    return pressed(scene, realised, done={})
+    problem = ContactProblem(surface=scene.surface, solid=scene.solid, load=scene.load, given=surface.given)
+    return pressed(scene, problem, done={})
 
 
 def theory(
@@ -116,11 +116,11 @@ def theory(
     tables, listed = _tables(surface, solid, young=young, poisson=poisson), _effects(effects)
     load = _without_none(pressure=pressure, reduced_pressure=reduced_pressure)
     scene = checked(Scene, "theory", {**tables, "load": load, "methods": {"theory": {}}, "effects": listed})
-    realised = Realised(
+    problem = ContactProblem(
         surface=scene.surface, solid=scene.solid, load=scene.load, given=surface.given, drawn=False
     )
-    check_scene(scene, realised)
-    data = theory_data(scene, realised).set_coords("reduced_pressure")
+    check_scene(scene, problem)
+    data = theory_data(scene, problem).set_coords("reduced_pressure")
     names = {"area_ensemble": "area", "area_plastic_ensemble": "area_plastic"}
     found = data[[*(name for name in names if name in data), "error_estimate"]].drop_attrs(deep=False)
     note = "; ".join(dict.fromkeys(filter(None, data.theory_note.values.tolist())))
@@ -179,7 +179,7 @@ _COLUMNS = {
 
 
 def _numbers(contact: Contact, *, limit: bool) -> xr.Dataset:
-    data, load = contact.data.isel(solver=0, grid=0, drop=True), contact.realised.reduced_pressure
+    data, load = contact.data.isel(solver=0, grid=0, drop=True), contact.problem.reduced_pressure
     kept = {name: column for name, column in _COLUMNS.items() if name in data}
     row = data[list(kept)].rename(kept).reset_coords(drop=True)
     if "persson" in row:
@@ -198,8 +198,8 @@ def _numbers(contact: Contact, *, limit: bool) -> xr.Dataset:
 
 def _said(contact: Contact) -> dict[str, Any]:
     """Return what was asked for, by name."""
-    scene, realised = contact.scene, contact.realised
-    found: dict[str, Any] = {"reduced_pressure": realised.reduced_pressure, "pressure": realised.pressure}
+    scene, problem = contact.scene, contact.problem
+    found: dict[str, Any] = {"reduced_pressure": problem.reduced_pressure, "pressure": problem.pressure}
     found |= {"method": contact.solve.solver.label, "points": contact.solve.grid[0]}
     for listed in (scene.surface, scene.solid, *scene.effects):
         values = listed.model_dump(exclude_none=True, exclude={"kind"}).items()

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from validation.execution.results import Result
 from validation.paper.claims import ClaimRow
 from validation.paper.figures import FIGURES
 from validation.paper.table import UNJUDGED
@@ -16,7 +17,6 @@ from validation.report.quantities import labelled
 from validation.report.table import Table
 from validation.report.values import with_places
 from validation.report.views import Card, Views
-from validation.solves.results import Result
 
 if TYPE_CHECKING:
     import xarray as xr

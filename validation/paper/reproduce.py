@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from validation.execution.results import DATA, read_results, write_results
 from validation.paper.claims import judge
 from validation.paper.figures import FIGURES
 from validation.paper.page import paper_dataset, paper_page
 from validation.paper.table import APPLICATIONS
 from validation.report.page import Page, write_page
-from validation.solves.results import DATA, read_results, write_results
 
 __all__ = ["KIND", "report", "run", "steps"]
 

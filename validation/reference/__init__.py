@@ -25,7 +25,7 @@ def table() -> xr.Dataset:
     dimension source: half widths of 95 % intervals (surfaces, grid, solver, and size of the sample, told for
     exact amplitudes); NaN in cells not made. `area_by_spectrum` is the area at p* by the gradient of C(q).
     """
-    from validation.solves.netcdf import read_dataset
+    from validation.execution.netcdf import read_dataset
 
     content = resources.files(__package__).joinpath("table.nc").read_bytes()
     return read_dataset(memoryview(content))

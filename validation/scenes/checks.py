@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from validation.effects.base import Slots, effect_key
+from validation.effects.base import ContactModel, effect_key
 from validation.errors import UsageError
-from validation.methods import methods
-from validation.methods.base import check_effects_handled
-from validation.scenes.realised import Realised
+from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
 from validation.scenes.tables import Load
+from validation.solvers import methods
+from validation.solvers.base import check_effects_handled
 
 __all__ = ["check_scene"]
 
 
-def check_scene(scene: Scene, realised: Realised) -> None:
+def check_scene(scene: Scene, problem: ContactProblem) -> None:
     """Refuse effects that a listed method lacks, and what does not fit load, grids or each other.
 
     A UsageError names the key, the method, and what is allowed.
     """
-    _ = realised.field  # a surface that cannot be made is refused here, by name
+    _ = problem.field  # a surface that cannot be made is refused here, by name
     asked = scene.methods.asked
     check_effects_handled(asked, scene.effects, methods())
     for name, method in asked.items():
@@ -26,20 +26,20 @@ def check_scene(scene: Scene, realised: Realised) -> None:
         if missing is not None:
             raise UsageError(f"methods.{name}: {missing}")
     _check_control(scene)
-    _check_below(scene, realised)
+    _check_below(scene, problem)
     for k, effect in enumerate(scene.effects):
         for name in scene.methods.solvers:
             effect.check_solver(name, key=effect_key(k, ""))
     if scene.effects:
         filled = scene.effects if scene.methods.solvers else ()
-        slots = Slots.filled(realised.elastic, filled)
+        model = ContactModel.filled(problem.elastic, filled)
         grids = [grid for name in scene.methods.solvers for grid in scene.methods.options(name).grids]
         grids += [] if scene.ensemble is None else scene.ensemble.grids
         for k, effect in enumerate(scene.effects):
-            for case in _each_load(realised):
-                effect.check(case, grids, slots=slots, key=effect_key(k, ""))
+            for case in _each_load(problem):
+                effect.check(case, grids, model=model, key=effect_key(k, ""))
     for name, method in asked.items():
-        method.check(scene.methods.options(name), realised, scene.effects)
+        method.check(scene.methods.options(name), problem, scene.effects)
 
 
 def _check_control(scene: Scene) -> None:
@@ -77,13 +77,13 @@ def _check_control(scene: Scene) -> None:
         )
 
 
-def _check_below(scene: Scene, realised: Realised) -> None:
+def _check_below(scene: Scene, problem: ContactProblem) -> None:
     """Refuse stress below a contact that nobody solves, and depths below the base of a layer."""
     if scene.subsurface is None:
         return
     if all(solver.sinks for solver in scene.methods.solvers.values()):
         raise UsageError("quantities.subsurface: is read off surface pressures; add [methods.bem]")
-    response = Slots.filled(realised.elastic, scene.effects).felt_response
+    response = ContactModel.filled(problem.elastic, scene.effects).felt_response
     base, depths = getattr(response, "thickness", None), scene.subsurface.depths
     if base is not None and depths is not None and depths[-1] > base:
         raise UsageError(
@@ -92,8 +92,8 @@ def _check_below(scene: Scene, realised: Realised) -> None:
         )
 
 
-def _each_load(realised: Realised) -> tuple[Realised, ...]:
+def _each_load(problem: ContactProblem) -> tuple[ContactProblem, ...]:
     """Return the same case once for each load."""
-    if realised.load.held or len(realised.pressures) == 1:
-        return (realised,)
-    return tuple(realised.under(Load(pressure=pressure)) for pressure in realised.pressures)
+    if problem.load.held or len(problem.pressures) == 1:
+        return (problem,)
+    return tuple(problem.under(Load(pressure=pressure)) for pressure in problem.pressures)

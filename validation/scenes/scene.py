@@ -27,7 +27,6 @@ from pydantic.fields import FieldInfo
 from validation.effects import effect_kinds
 from validation.effects.base import Effect, clash, effect_key
 from validation.errors import SceneError, UsageError, harmless
-from validation.methods import Method, Solver, methods
 from validation.scenes.quantities import QUANTITIES, Quantities, Subsurface
 from validation.scenes.run_options import RunOptions
 from validation.scenes.tables import (
@@ -40,6 +39,7 @@ from validation.scenes.tables import (
     SolidSpec,
     Surface,
 )
+from validation.solvers import Method, Solver, methods
 from validation.units import MOST_POINTS, Grids, Table, allowed, brief, unit_registry, wrong
 
 __all__ = [
@@ -80,7 +80,7 @@ _MOST_REALISATIONS = 10_000
 
 
 class MethodTables(Table):
-    """Which methods run: those whose table is present, no others; see `validation.methods`."""
+    """Which methods run: those whose table is present, no others; see `validation.solvers`."""
 
     @model_validator(mode="after")
     def _some_method(self) -> Self:

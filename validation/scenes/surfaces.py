@@ -132,7 +132,7 @@ def height_field(
     realisation: int = 0,
     shift: tuple[float, float] = (0.0, 0.0),
 ) -> HeightField:
-    """Heights of one realisation, moved by parts of a cell; `Realised` makes them for many grids.
+    """Heights of one realisation, moved by parts of a cell; `ContactProblem` makes them for many grids.
 
     Without a grid on the smallest that resolves it, so that its moments are the surface's own.
     """

@@ -28,7 +28,7 @@ from validation.studies._study import Study, StudyOptions
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.solves.bench import Bench
+    from validation.execution.bench import Bench
 
 __all__ = ["Study", "StudyOptions", "find_study", "run", "studies"]
 
@@ -81,7 +81,7 @@ def run(name: str, *, bench: Bench | None = None, **options: Any) -> xr.Dataset:
     options
         Those of ``fem-contact study NAME --help``, with underscores for hyphens.
     """
-    from validation.solves.bench import Bench
+    from validation.execution.bench import Bench
 
     found = find_study(name)
     return found.compute(found.options(**options), bench=bench or Bench.at())

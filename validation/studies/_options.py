@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field, ValidationInfo
 
-from validation.methods import chosen_solver
+from validation.solvers import chosen_solver
 from validation.units import wrong
 
 __all__ = [

@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, Any
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from validation.effects import effect_kinds
 from validation.errors import UsageError
-from validation.methods import methods
+from validation.execution.provenance import SOLVES_MADE, made_words
+from validation.execution.results import DATA, holds_result, read_results, write_results
 from validation.report.page import Page, page_of, write_page
 from validation.report.papers import PAPERS
-from validation.solves.provenance import SOLVES_MADE, made_words
-from validation.solves.results import DATA, holds_result, read_results, write_results
+from validation.solvers import methods
 from validation.studies import Study, StudyOptions, find_study
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.solves.bench import Bench
+    from validation.execution.bench import Bench
 
 __all__ = [
     "StudyOutputs",
@@ -51,7 +51,7 @@ def run_study(
         data,
         kind="study",
         name=study.name,
-        asked=options.said(),
+        asked=options.record(),
         store=bench.store.folder,
         words=list(options.words()),
     )

@@ -11,27 +11,27 @@ from pydantic import Field, model_validator
 
 from validation.arrays import Grid
 from validation.effects.base import SlotName, effect_key
-from validation.measures.common import base_case, base_surface
-from validation.measures.measurement import grid_for
-from validation.methods import chosen_solver, find_solver
-from validation.methods.base import Settings
+from validation.execution.press import Press
+from validation.measurements.common import base_case, base_surface
+from validation.measurements.measurement import grid_for
 from validation.scenes.checks import check_scene
-from validation.scenes.realised import Realised, realise
+from validation.scenes.problem import ContactProblem, realise
 from validation.scenes.scene import EffectSpec, Load, Scene, load_scene
 from validation.scenes.tables import FileSurface
-from validation.solves.press import Press
+from validation.solvers import chosen_solver, find_solver
+from validation.solvers.base import Settings
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
 from validation.studies._study import StudyOptions
 from validation.units import wrong
 
-__all__ = ["Asked", "PressedOptions"]
+__all__ = ["PressedOptions", "SolverRequest"]
 
 #: Loads closer than this, relative, are one.
 _SAME = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
-class Asked:
+class SolverRequest:
     """A solver as it was named: a method, or a function of the user's, of the name of a method."""
 
     name: str
@@ -103,7 +103,7 @@ class PressedOptions(StudyOptions):
                 )
 
     @classmethod
-    def taken(cls, scene: Scene, first: Realised) -> dict[str, Any]:
+    def taken(cls, scene: Scene, first: ContactProblem) -> dict[str, Any]:
         """Return the options that a scene says, with their values."""
         found: dict[str, Any] = dict(cls.off)
         if "reduced_pressure" in cls.model_fields:
@@ -128,7 +128,7 @@ class PressedOptions(StudyOptions):
         return found
 
     @cached_property
-    def first(self) -> Realised:
+    def first(self) -> ContactProblem:
         """The first surface with its solid and load."""
         if self.scene is not None:
             return replace(realise(self.scene), drawn=True)
@@ -148,7 +148,7 @@ class PressedOptions(StudyOptions):
         return {}
 
     @cached_property
-    def pressed(self) -> tuple[Realised, ...]:
+    def pressed(self) -> tuple[ContactProblem, ...]:
         """All surfaces."""
         return tuple(self.first.further(k) for k in range(self.surfaces))
 
@@ -166,7 +166,7 @@ class PressedOptions(StudyOptions):
         return Press(
             method="bem",
             grid=grid,
-            realised=replace(first, load=load).further(surface),
+            problem=replace(first, load=load).further(surface),
             settings=() if scene is None else find_solver("bem").settings(scene.methods.options("bem")),
             effects=self.effects,
         )
@@ -178,7 +178,9 @@ class PressedOptions(StudyOptions):
             return tuple(grid_for(self.first, n) for n in per_wave)
         return tuple(sorted(table.grids, key=self.first.points_per_wave))
 
-    def others(self, per_wave: Sequence[float], *, without: Sequence[str] | None = None) -> tuple[Asked, ...]:
+    def others(
+        self, per_wave: Sequence[float], *, without: Sequence[str] | None = None
+    ) -> tuple[SolverRequest, ...]:
         """Return the solvers that are asked for but some, each with what it is told and its grids.
 
         Parameters
@@ -193,13 +195,13 @@ class PressedOptions(StudyOptions):
             grids = self.grids_for(per_wave)
             chosen = {n: chosen_solver(n) for n in getattr(self, "methods", ()) if n not in left}
             return tuple(
-                Asked(name=name, method=solver.name, settings=tuple(told.items()), grids=grids)
+                SolverRequest(name=name, method=solver.name, settings=tuple(told.items()), grids=grids)
                 for name, (solver, told) in chosen.items()
             )
         left, methods = ("bem",) if without is None else without, self.scene.methods
         tables = {name: methods.options(name) for name in methods.solvers if name not in left}
         return tuple(
-            Asked(
+            SolverRequest(
                 name=getattr(table, "solver", name),
                 method=name,
                 settings=methods.solvers[name].settings(table),
@@ -225,10 +227,10 @@ class PressedOptions(StudyOptions):
         hurst = getattr(own.surface, "hurst", None)
         return said if hurst is None else {"hurst": hurst, **said}
 
-    def said(self) -> dict[str, Any]:
+    def record(self) -> dict[str, Any]:
         """Return what was asked, as JSON-ready data: a scene in full, and no option that it stands in for."""
         if self.scene is None:
-            return super().said()
+            return super().record()
         left = {"scene", *_SPECTRUM}
         made = self.model_dump(mode="json", exclude_none=True, exclude=left)
         seed = getattr(self.scene.surface, "seed", None)
@@ -278,11 +280,11 @@ def _unheard(scene: Scene, options: type[StudyOptions]) -> list[str]:
     return [name for name, unheard in keys.items() if unheard]
 
 
-def _reduced(realised: Realised) -> tuple[float, ...]:
+def _reduced(problem: ContactProblem) -> tuple[float, ...]:
     """p* of each load, as given where it is given so."""
-    if realised.load.reduced_pressure is not None:
-        return realised.load.values
-    return tuple(pressure / realised.pressure_scale for pressure in realised.pressures)
+    if problem.load.reduced_pressure is not None:
+        return problem.load.values
+    return tuple(pressure / problem.pressure_scale for pressure in problem.pressures)
 
 
 def _merged(path: Any, own: Sequence[float]) -> tuple[float, ...]:

@@ -26,10 +26,10 @@ from validation.units import Table, unit_of, wrong
 if TYPE_CHECKING:
     import xarray as xr
 
+    from validation.execution.bench import Bench
     from validation.report.drawing import Drawing
     from validation.report.table import ResultTable
     from validation.report.views import Views
-    from validation.solves.bench import Bench
 
 __all__ = ["Study", "StudyOptions"]
 
@@ -98,7 +98,7 @@ class StudyOptions(Table):
         except ValidationError as error:
             raise UsageError("\n".join(_problems(error))) from None
 
-    def said(self) -> dict[str, Any]:
+    def record(self) -> dict[str, Any]:
         """Return what was asked, as JSON-ready data."""
         return self.model_dump(mode="json", exclude_none=True)
 

@@ -10,24 +10,24 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from validation.measures.block import block_beside_bem
-from validation.measures.common import Ladder, RisingOrNone
-from validation.measures.limits import solved
-from validation.measures.measurement import area_limits, grid_for, press_on_grids
-from validation.measures.peers import OWN, by_peer, code_words, installed_peers, known_peers
-from validation.measures.side_by_side import beside_bem
-from validation.measures.ways import AREAS, chosen_ways, covered, way, ways_of_bem
+from validation.execution.bench import Bench
+from validation.measurements.block import block_beside_bem
+from validation.measurements.by_solver import beside_bem
+from validation.measurements.common import Ladder, RisingOrNone
+from validation.measurements.external_codes import OWN, by_peer, code_words, installed_peers, known_peers
+from validation.measurements.limits import solved
+from validation.measurements.measurement import area_limits, grid_for, press_on_grids
+from validation.measurements.ways import AREAS, chosen_ways, covered, way, ways_of_bem
 from validation.report.estimates import NORMAL, error_of, gather
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Level, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
-from validation.solves.bench import Bench
 from validation.studies._options import Methods, ReducedPressure, Seed, Surfaces
-from validation.studies._scene import Asked, PressedOptions
+from validation.studies._scene import PressedOptions, SolverRequest
 
 if TYPE_CHECKING:
-    from validation.solves.measurement import Call
+    from validation.execution.measurement import Call
 
 __all__ = ["Options", "design", "run", "views"]
 
@@ -88,7 +88,7 @@ def _codes(options: Options) -> tuple[str, ...]:
     return (*options.peers, OWN) if options.peers else ()
 
 
-def _others(options: Options) -> tuple[Asked, ...]:
+def _others(options: Options) -> tuple[SolverRequest, ...]:
     """Return the solvers that are asked for by name."""
     return options.others(options.method_points_per_wave)
 
@@ -109,16 +109,16 @@ def design(options: Options) -> dict[_Case, Call]:
         ("fine", held_out, _FINE_TOLERANCE),
     ):
         for k, own in pressed.items():
-            cases[part, k] = press_on_grids(realised=own, grids=grids, tolerance=tolerance)
+            cases[part, k] = press_on_grids(problem=own, grids=grids, tolerance=tolerance)
     for (element, n), (k, own) in itertools.product(_blocks(options), pressed.items()):
-        cases["FEM", element, n, k] = block_beside_bem(realised=own, grid=grid_for(first, n), element=element)
+        cases["FEM", element, n, k] = block_beside_bem(problem=own, grid=grid_for(first, n), element=element)
     for code, n, k in itertools.product(_codes(options), options.peer_points_per_wave, pressed):
-        cases["peers", code, n, k] = by_peer(realised=pressed[k], grid=grid_for(first, n), code=code)
+        cases["peers", code, n, k] = by_peer(problem=pressed[k], grid=grid_for(first, n), code=code)
     for asked, k in itertools.product(_others(options), pressed):
         told = {"tolerance": _TOLERANCE, **dict(asked.settings)}
         for g, grid in enumerate(asked.grids):
             cases["others", asked.name, g, k] = beside_bem(
-                realised=pressed[k], grid=grid, method=asked.method, settings=tuple(told.items())
+                problem=pressed[k], grid=grid, method=asked.method, settings=tuple(told.items())
             )
     return cases
 

@@ -18,17 +18,17 @@ from pydantic import Field, model_validator
 from fem_contact.adhesion import CELLS_NEEDED
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import full_contact_energy
-from validation.measures.adhesive import Sticking
-from validation.measures.common import truncated_surface
-from validation.measures.limits import ABSENT, straight_limit
+from validation.execution.bench import Bench
+from validation.measurements.adhesive import Sticking
+from validation.measurements.common import truncated_surface
+from validation.measurements.limits import ABSENT, straight_limit
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
 from validation.report.findings import Finding, finding, of_one_surface
 from validation.report.marks import Figure, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
-from validation.scenes.realised import Realised
+from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
-from validation.solves.bench import Bench
 from validation.studies._options import Bandwidth, Hurst, Periods
 from validation.studies._study import StudyOptions
 from validation.units import Positive, wrong
@@ -108,7 +108,8 @@ def design(options: Options) -> dict[tuple[Case, int], Sticking]:
     """Return what is pressed by case and number of the surface."""
     load = Load(reduced_pressure=options.reduced_pressure)
     wholes = [
-        Realised(surface=options.surface(number=k), solid=_SOLID, load=load) for k in range(options.surfaces)
+        ContactProblem(surface=options.surface(number=k), solid=_SOLID, load=load)
+        for k in range(options.surfaces)
     ]
     at: dict[str, Any] = {
         "work_ratio": options.work,
@@ -124,7 +125,7 @@ def design(options: Options) -> dict[tuple[Case, int], Sticking]:
     return {(case, k): _pressed(options, case, k, wholes[k]) for case in cases for k in range(len(wholes))}
 
 
-def _pressed(options: Options, case: Case, k: int, whole: Realised) -> Sticking:
+def _pressed(options: Options, case: Case, k: int, whole: ContactProblem) -> Sticking:
     """Return one surface of a case; load, work and hardness are shares of those of all its waves."""
     unit, modulus = whole.pressure_scale, whole.contact_modulus
     work = case.work_ratio * full_contact_energy(whole.field, modulus=modulus)
@@ -132,7 +133,9 @@ def _pressed(options: Options, case: Case, k: int, whole: Realised) -> Sticking:
     reach = math.sqrt(1.1 * CELLS_NEEDED * _LENGTH / options.grids[0] * work / modulus)
     load = Load(pressure=case.reduced_pressure * unit)
     return Sticking(
-        realised=Realised(surface=options.surface(case.magnification, number=k), solid=_SOLID, load=load),
+        problem=ContactProblem(
+            surface=options.surface(case.magnification, number=k), solid=_SOLID, load=load
+        ),
         adhesion=Adhesion(work=work, reach=reach),
         hardness=None if math.isnan(case.hardness_ratio) else case.hardness_ratio * unit,
         grids=options.grids,

@@ -16,7 +16,8 @@ import numpy as np
 from pydantic import Field
 
 from validation.effects.base import full_contact_energy
-from validation.measures.adhesive import (
+from validation.execution.bench import Bench
+from validation.measurements.adhesive import (
     READINGS,
     Cut,
     Solutions,
@@ -24,16 +25,15 @@ from validation.measures.adhesive import (
     shares_by_shell,
     with_pooled_stress,
 )
-from validation.measures.common import Rising, truncated_surface
-from validation.measures.limits import ABSENT, solved, straight_limit
+from validation.measurements.common import Rising, truncated_surface
+from validation.measurements.limits import ABSENT, solved, straight_limit
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
-from validation.scenes.realised import Realised
+from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
-from validation.solves.bench import Bench
 from validation.studies._options import Hurst, Periods, Seed, Surfaces
 from validation.studies._study import StudyOptions
 from validation.units import Positive
@@ -41,7 +41,7 @@ from validation.units import Positive
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.solves.measurement import Call
+    from validation.execution.measurement import Call
 
 __all__ = ["Options", "run", "views"]
 
@@ -116,7 +116,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     ).assign(area_half_range=half.area, force_inside_half_range=half.force)
     last = [found[(_OWN, k, options.magnifications[-1]), 1] for k in range(options.surfaces)]
     shares = {
-        k: shares_by_shell(last[k], along[k], realised=whole, edges=edges)
+        k: shares_by_shell(last[k], along[k], problem=whole, edges=edges)
         for k, (whole, _) in enumerate(wholes)
     }
     data = data.merge(gather(shares, surface=range(options.surfaces)).rename(solve="solve_whole"))
@@ -132,10 +132,10 @@ def _surface(options: Options, k: int, zeta: float) -> SelfAffineSurface:
     return truncated_surface(zeta, seed=options.seed + k, length=_LENGTH, gradient=_GRADIENT, **told)
 
 
-def _whole(options: Options, k: int) -> tuple[Realised, float]:
+def _whole(options: Options, k: int) -> tuple[ContactProblem, float]:
     """Return the surface with all waves, and the work of adhesion [J/m^2]."""
     load = Load(reduced_pressure=options.reduced_pressure)
-    whole = Realised(surface=_surface(options, k, options.magnifications[-1]), solid=_SOLID, load=load)
+    whole = ContactProblem(surface=_surface(options, k, options.magnifications[-1]), solid=_SOLID, load=load)
     return whole, options.work * full_contact_energy(whole.field, modulus=whole.contact_modulus)
 
 
@@ -143,17 +143,17 @@ def _cut(options: Options, k: int, zeta: float, *, along: Solutions | None = Non
     """Return one surface up to zeta with w, or `along` the theory with gamma_eff(zeta); None where that holds nothing."""
     whole, work = _whole(options, k)
     load = Load(pressure=whole.pressure)
-    realised = Realised(surface=_surface(options, k, zeta), solid=_SOLID, load=load)
+    problem = ContactProblem(surface=_surface(options, k, zeta), solid=_SOLID, load=load)
     if along is None:
-        found: Solutions = readings(realised, work=work, area="projected")
+        found: Solutions = readings(problem, work=work, area="projected")
     else:
         # gamma_eff is that of one reading: so is what it is compared with.
         found, left = {"improved": along["improved"]}, along["improved"]
-        effective = 0.0 if left is None else float(left.work_at(2 * np.pi / realised.shortest))
+        effective = 0.0 if left is None else float(left.work_at(2 * np.pi / problem.shortest))
         if effective < _LEAST * work:
             return None
         work = effective
-    return Cut(realised=realised, work=work, theory=found)
+    return Cut(problem=problem, work=work, theory=found)
 
 
 def _compared(data: xr.Dataset) -> xr.Dataset:

@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from pydantic import Field, model_validator
 
-from validation.measures.common import Rising, RisingGrids
-from validation.measures.hierarchy import archard_of, press_bumps
-from validation.measures.limits import ABSENT, kept_of, solved
+from validation.execution.bench import Bench
+from validation.execution.measurement import Call
+from validation.measurements.common import Rising, RisingGrids
+from validation.measurements.hierarchy import archard_of, press_bumps
+from validation.measurements.limits import ABSENT, kept_of, solved
 from validation.report.estimates import claim, derive, gather, mean, power_law
 from validation.report.findings import finding
 from validation.report.marks import Figure, Level, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
-from validation.solves.bench import Bench
-from validation.solves.measurement import Call
 from validation.studies._options import Seed, Surfaces
 from validation.studies._study import StudyOptions
 from validation.units import Positive, wrong

@@ -14,15 +14,15 @@ from pydantic import Field
 
 from validation.arrays import Grid
 from validation.effects.base import SlotName
-from validation.measures.common import Rising
-from validation.measures.limits import limit_of, resolved_grids
-from validation.methods.theory import predict
+from validation.execution.bench import Bench
+from validation.measurements.common import Rising
+from validation.measurements.limits import limit_of, resolved_grids
 from validation.report.estimates import derive, gather, mean
 from validation.report.findings import finding, note
 from validation.report.marks import Figure, against
 from validation.report.table import Table
 from validation.report.views import Views
-from validation.solves.bench import Bench
+from validation.solvers.theory import predict
 from validation.studies._options import Bandwidth, Periods, Seed, Surfaces
 from validation.studies._scene import PressedOptions
 
@@ -68,7 +68,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     known = all(type(effect).has_theory() for effect in options.effects)
     limits = {
         case: limit_of({solve: solved[solve] for solve in solves}).assign(
-            area_persson_each=predict(solves[0].realised, options.effects).area if known else np.nan
+            area_persson_each=predict(solves[0].problem, options.effects).area if known else np.nan
         )
         for case, solves in cases.items()
     }

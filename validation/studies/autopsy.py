@@ -14,19 +14,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from pydantic import AfterValidator, Field
 
-from validation.measures.budgets import PROFILE_EDGES
-from validation.measures.common import Rising, base_case, base_surface
-from validation.measures.diffusion import budgets_of, of_probe, with_diffusion_terms
-from validation.measures.edge import slopes_of
-from validation.measures.limits import ABSENT
-from validation.measures.rings import RING, chain, even_points, probe, ring_ends
+from validation.execution.bench import Bench
+from validation.measurements.budgets import PROFILE_EDGES
+from validation.measurements.common import Rising, base_case, base_surface
+from validation.measurements.diffusion import budgets_of, of_probe, with_diffusion_terms
+from validation.measurements.edge import slopes_of
+from validation.measurements.limits import ABSENT
+from validation.measurements.rings import RING, chain, even_points, probe, ring_ends
 from validation.report.estimates import claim, derive, gather, nearest
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Line, Panel, panels_along
 from validation.report.table import Table
 from validation.report.views import Views
-from validation.scenes.realised import Realised
-from validation.solves.bench import Bench
+from validation.scenes.problem import ContactProblem
 from validation.studies._options import Hurst, Seed, Surfaces
 from validation.studies._study import StudyOptions
 from validation.units import wrong
@@ -95,7 +95,7 @@ class Options(StudyOptions):
         """Where octaves begin and end, the last one cut where the bandwidth is no power of two."""
         return tuple(e for e in self.ends if abs(np.log2(e) - round(np.log2(e))) < 1e-9)
 
-    def realised(self, hurst: float, load: float, surface: int, *, bandwidth: float) -> Realised:
+    def problem(self, hurst: float, load: float, surface: int, *, bandwidth: float) -> ContactProblem:
         """Return a surface at a load."""
         whole = base_surface(hurst=hurst, periods=self.periods, bandwidth=bandwidth, seed=self.seed)
         return base_case(whole, reduced_pressure=load).further(surface)
@@ -108,7 +108,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     -------
     xarray.Dataset
         Over (hurst, load, surface, grid): the budgets of every ring (step), and of single rings of given Delta V / V
-        (``_probe``), and what `validation.measures.diffusion` makes of them.
+        (``_probe``), and what `validation.measurements.diffusion` makes of them.
     """
     probes = {zeta: _probes(options, bench, zeta) for zeta in options.probes}
     data = _chains(options, bench).merge(gather(probes, probe=options.probes))
@@ -134,7 +134,7 @@ def _chains(options: Options, bench: Bench) -> xr.Dataset:
     surfaces, grids = range(options.surfaces), options.points_per_wave
     cases = {
         (hurst, load, k, n): chain(
-            realised=options.realised(hurst, load, k, bandwidth=options.bandwidth),
+            problem=options.problem(hurst, load, k, bandwidth=options.bandwidth),
             points=even_points(n * options.bandwidth * options.periods),
             ends=options.ends,
             restarts=options.octaves[:-1],
@@ -152,7 +152,7 @@ def _probes(options: Options, bench: Bench, zeta: float) -> xr.Dataset:
     cases = {
         (*place, n): probe(
             # The waves do not depend on where the spectrum is cut, but for their common scale.
-            realised=options.realised(*place, bandwidth=zeta * RING),
+            problem=options.problem(*place, bandwidth=zeta * RING),
             points=even_points(n * zeta * options.periods),
             magnification=zeta,
             steps=options.variance_steps,
@@ -160,7 +160,7 @@ def _probes(options: Options, bench: Bench, zeta: float) -> xr.Dataset:
         for place in places
         for n in grids
     }
-    there = {place: options.realised(*place, bandwidth=zeta) for place in places}
+    there = {place: options.problem(*place, bandwidth=zeta) for place in places}
     slopes = slopes_of(bench, there, points_per_wave=options.slope_points_per_wave)
     slope = gather(slopes, hurst=hursts, load=loads, probe_surface=surfaces)
     data = budgets_of(bench, cases, hurst=hursts, load=loads, surface=surfaces, grid=grids)

@@ -11,19 +11,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pydantic import Field
 
-from validation.measures.common import SHIFTS, Rising, base_case, base_surface
-from validation.measures.flow import stiffness_of
-from validation.measures.limits import ABSENT, solved
-from validation.measures.measurement import grid_for, press_on_grids
-from validation.measures.theory import WITH_ENERGY
+from validation.execution.bench import Bench
+from validation.execution.measurement import Call
+from validation.measurements.common import SHIFTS, Rising, base_case, base_surface
+from validation.measurements.flow import stiffness_of
+from validation.measurements.limits import ABSENT, solved
+from validation.measurements.measurement import grid_for, press_on_grids
+from validation.measurements.theory import WITH_ENERGY
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Level, Line, Panel, against
 from validation.report.table import Table
 from validation.report.views import Views
 from validation.scenes.scene import SelfAffineSurface
-from validation.solves.bench import Bench
-from validation.solves.measurement import Call
 from validation.studies._options import Bandwidth, Hurst, Seed, Shifts, Surfaces
 from validation.studies._study import StudyOptions
 
@@ -73,7 +73,7 @@ def design(options: Options) -> dict[tuple[float, int], Call]:
         grids = tuple(grid_for(base, points) for points in options.points_per_wave)
         for k in range(options.surfaces):
             found[periods, k] = press_on_grids(
-                realised=base.further(k),
+                problem=base.further(k),
                 reduced_pressures=options.reduced_pressures,
                 grids=grids,
                 shifts=options.shifts,
@@ -92,7 +92,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         power of the load with which the stiffness goes (periods, surface, step), and its mean at light load.
     """
     cases = design(options)
-    parts = {case: stiffness_of(one, cases[case]["realised"]) for case, one in solved(bench, cases).items()}
+    parts = {case: stiffness_of(one, cases[case]["problem"]) for case, one in solved(bench, cases).items()}
     data = gather(parts, periods=options.periods, surface=range(options.surfaces))
     loads = np.array(options.reduced_pressures)
     data = data.assign_coords(reduced_pressure_between=("step", np.sqrt(loads[1:] * loads[:-1])))

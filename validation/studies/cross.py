@@ -11,25 +11,25 @@ import xarray as xr
 from pydantic import Field, model_validator
 
 from validation.effects.base import SlotName
-from validation.measures.block import block_beside_bem
-from validation.measures.common import BASE_SOLID, Rising, RisingOrNone
-from validation.measures.limits import read_off, solved
-from validation.measures.measurement import grid_for
-from validation.measures.side_by_side import beside_bem
+from validation.execution.bench import Bench
+from validation.measurements.block import block_beside_bem
+from validation.measurements.by_solver import beside_bem
+from validation.measurements.common import BASE_SOLID, Rising, RisingOrNone
+from validation.measurements.limits import read_off, solved
+from validation.measurements.measurement import grid_for
 from validation.report.estimates import derive, gather, mean, power_law, reduce
 from validation.report.findings import finding
 from validation.report.marks import Figure, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
-from validation.scenes.realised import Realised
+from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene, SolidSpec
-from validation.solves.bench import Bench
 from validation.studies._options import Bandwidth, Element, Methods, Periods, ReducedPressure
 from validation.studies._scene import PressedOptions
 from validation.units import wrong
 
 if TYPE_CHECKING:
-    from validation.solves.measurement import Call
+    from validation.execution.measurement import Call
 
 __all__ = ["Options", "design", "run", "views"]
 
@@ -74,7 +74,7 @@ class Options(PressedOptions):
         return {"solid": SolidSpec(young=BASE_SOLID.young, poisson=self.poisson)}
 
     @classmethod
-    def taken(cls, scene: Scene, first: Realised) -> dict[str, Any]:
+    def taken(cls, scene: Scene, first: ContactProblem) -> dict[str, Any]:
         """Return the options that a scene says, its Poisson ratio among them."""
         return {**super().taken(scene, first), "poisson": scene.solid.poisson}
 
@@ -82,7 +82,7 @@ class Options(PressedOptions):
 def design(options: Options) -> dict[tuple[str, float, int], Call]:
     """Return the solves by leg, points per shortest wave, and surface."""
     return {
-        (leg, per_wave, k): solve(realised=own)
+        (leg, per_wave, k): solve(problem=own)
         for leg, per_wave, solve in (*_blocks(options), *_others(options))
         for k, own in enumerate(options.pressed)
     }

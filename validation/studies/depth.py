@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field
 
-from validation.measures.block import block_beside_bem
-from validation.measures.common import BASE_SOLID, Rising, base_case, base_surface
-from validation.measures.limits import read_off, solved
-from validation.measures.measurement import grid_for
+from validation.execution.bench import Bench
+from validation.execution.measurement import Call
+from validation.measurements.block import block_beside_bem
+from validation.measurements.common import BASE_SOLID, Rising, base_case, base_surface
+from validation.measurements.limits import read_off, solved
+from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, gather
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
 from validation.scenes.scene import SolidSpec
-from validation.solves.bench import Bench
-from validation.solves.measurement import Call
 from validation.studies._options import Element, ReducedPressure, Seed
 from validation.studies._study import StudyOptions
 
@@ -87,7 +87,7 @@ def _solve(block: Block, options: Options) -> Call:
         solid=SolidSpec(young=BASE_SOLID.young, poisson=block.poisson),
     )
     return block_beside_bem(
-        realised=pressed,
+        problem=pressed,
         grid=grid_for(pressed, options.points_per_wave),
         element=block.element,
         depth=block.depth,

@@ -14,16 +14,16 @@ import numpy as np
 from pydantic import Field
 
 from validation.arrays import Array
-from validation.measures.common import Rising
-from validation.measures.limits import solved
-from validation.measures.measurement import TOLERANCE
+from validation.execution.bench import Bench
+from validation.execution.measurement import Call
+from validation.measurements.common import Rising
+from validation.measurements.limits import solved
+from validation.measurements.measurement import TOLERANCE
 from validation.report.estimates import claim, derive
 from validation.report.findings import Finding, finding, note, ranking
 from validation.report.marks import Figure, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
-from validation.solves.bench import Bench
-from validation.solves.measurement import Call
 from validation.studies import pressure
 from validation.studies._options import Shifts, Surfaces
 from validation.studies.pressure import AGREEMENT, design, measured_path

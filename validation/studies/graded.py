@@ -17,12 +17,12 @@ from fem_contact.response import Response
 from fem_contact.solid import Solid
 from persson.graded import ExponentialLayers, SurfaceLayer
 from validation.arrays import Array
+from validation.execution.bench import Bench
 from validation.report.estimates import derive
 from validation.report.findings import finding
 from validation.report.marks import Figure, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
-from validation.solves.bench import Bench
 from validation.studies._study import StudyOptions
 from validation.units import Positive, wrong
 

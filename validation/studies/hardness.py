@@ -14,18 +14,18 @@ from pydantic import Field, model_validator
 
 from fem_contact.hardness import yielded
 from validation.effects.hardness import Hardness
-from validation.measures.common import truncated_surface
-from validation.measures.limits import ABSENT, straight_limit
-from validation.measures.yielding import kept_by_theory, kept_waves, yielded_by_theory
+from validation.execution.bench import Bench
+from validation.execution.press import Press
+from validation.measurements.common import truncated_surface
+from validation.measurements.limits import ABSENT, straight_limit
+from validation.measurements.yielding import kept_by_theory, kept_waves, yielded_by_theory
 from validation.report.estimates import claim, derive, gather, mean
 from validation.report.findings import Finding, finding, of_one_surface
 from validation.report.marks import Figure, Line, Panel
 from validation.report.table import Column, Table
 from validation.report.views import Views
-from validation.scenes.realised import Realised
+from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
-from validation.solves.bench import Bench
-from validation.solves.press import Press
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed
 from validation.studies._study import StudyOptions
 from validation.units import Positive, wrong
@@ -33,7 +33,7 @@ from validation.units import Positive, wrong
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.solves.running import Solves
+    from validation.execution.running import Solves
 
 __all__ = ["Options", "design", "run", "views"]
 
@@ -119,15 +119,15 @@ def design(options: Options) -> dict[tuple[Case, int], tuple[Press, ...]]:
     surfaces = range(options.surfaces)
     effects = (Hardness(hardness=options.limit),)
     wholes = [options.surface(k, until=whole) for k in surfaces]
-    units = [Realised(surface=s, solid=_SOLID, load=Load(pressure=1.0)).pressure_scale for s in wholes]
+    units = [ContactProblem(surface=s, solid=_SOLID, load=Load(pressure=1.0)).pressure_scale for s in wholes]
 
-    def realised(k: int, case: Case) -> Realised:
+    def problem(k: int, case: Case) -> ContactProblem:
         surface, load = options.surface(k, until=case.magnification), case.reduced_pressure * units[k]
-        return Realised(surface=surface, solid=_SOLID, load=Load(pressure=load))
+        return ContactProblem(surface=surface, solid=_SOLID, load=Load(pressure=load))
 
     return {
         (case, k): tuple(
-            Press(method="bem", grid=(n, n), realised=realised(k, case), settings=_SETTINGS, effects=effects)
+            Press(method="bem", grid=(n, n), problem=problem(k, case), settings=_SETTINGS, effects=effects)
             for n in (options.ladder if case.varied else options.ladder[-1:])
         )
         for case in cases
@@ -173,7 +173,7 @@ def _areas(solves: tuple[Press, ...], options: Options, solved: Solves) -> xr.Da
     import xarray as xr
 
     found = [yielded(solved[solve].checked()) for solve in solves]
-    plastic, elastic = yielded_by_theory(solves[0].realised, options.limit)
+    plastic, elastic = yielded_by_theory(solves[0].problem, options.limit)
     return xr.Dataset(
         {
             "area_plastic_pixel_each": ("grid", [one.plastic_area for one in found]),
@@ -190,7 +190,7 @@ def _smoothed(solve: Press, options: Options, solved: Solves) -> xr.Dataset:
     """Return what yielding leaves of one surface, beside Persson's."""
     import xarray as xr
 
-    own = solve.realised
+    own = solve.problem
     q, kept, gradient = kept_waves(solved[solve].checked(), own)
     return xr.Dataset(
         {

@@ -12,19 +12,19 @@ from typing import TYPE_CHECKING, Any
 from pydantic import Field
 
 from persson.heights import height_distribution
-from validation.measures.common import Rising, base_case, base_surface
-from validation.measures.heights import HEIGHT_EDGES, height_statistics
-from validation.measures.limits import ABSENT, kept_of, solved
-from validation.measures.measurement import grid_for
+from validation.execution.bench import Bench
+from validation.execution.measurement import Call
+from validation.measurements.common import Rising, base_case, base_surface
+from validation.measurements.heights import HEIGHT_EDGES, height_statistics
+from validation.measurements.limits import ABSENT, kept_of, solved
+from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, gather, mean
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Level, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
-from validation.scenes.realised import Realised
+from validation.scenes.problem import ContactProblem
 from validation.scenes.surfaces import spectrum_of
-from validation.solves.bench import Bench
-from validation.solves.measurement import Call
 from validation.studies._options import Bandwidth, Hurst, Seed, Surfaces
 from validation.studies._study import StudyOptions
 
@@ -54,13 +54,13 @@ class Options(StudyOptions):
     points_per_wave: float = Field(default=4.0, ge=2, description="grid, as lambda_short/dx")
     seed: Seed = 2006
 
-    def first(self, periods: float) -> Realised:
+    def first(self, periods: float) -> ContactProblem:
         """Return the first surface of one size."""
         sharp = base_surface(hurst=self.hurst, periods=periods, bandwidth=self.bandwidth, seed=self.seed)
         surface = sharp.model_copy(update={"rolloff": "smooth"})
         return base_case(surface, reduced_pressure=self.reduced_pressures[0])
 
-    def second(self) -> Realised:
+    def second(self) -> ContactProblem:
         """Return that of the second spectrum: a longer roll-off, and the same C(q) at the shortest waves."""
         first = self.first(self.periods[-1])
         surface: Any = first.surface
@@ -135,14 +135,14 @@ def _cases(options: Options) -> dict[tuple[str, float | str, int], Call]:
         first = options.first(periods)
         grid = grid_for(first, options.points_per_wave)
         for k in range(options.surfaces):
-            cases["size", periods, k] = height_statistics(realised=first.further(k), grid=grid)
+            cases["size", periods, k] = height_statistics(problem=first.further(k), grid=grid)
     pair = (options.first(options.periods[-1]), options.second())
     grid = grid_for(pair[0], options.points_per_wave)
     for k in range(options.surfaces):
         scale = pair[0].further(k).pressure_scale
         loads = tuple(float(load * scale) for load in options.reduced_pressures)
         for name, spectrum in zip(_SPECTRA, pair, strict=True):
-            case = height_statistics(realised=spectrum.further(k), grid=grid, pressures=loads)
+            case = height_statistics(problem=spectrum.further(k), grid=grid, pressures=loads)
             cases["spectrum", name, k] = case
     return cases
 

@@ -12,18 +12,18 @@ import numpy as np
 from pydantic import Field
 
 from persson.elastic import KAPPA_BGT, KAPPA_PERSSON
-from validation.measures.common import SHIFTS, Ladder, Rising, base_surface
-from validation.measures.ladders import Ladders, bandwidth_of, pressed_pairs, spectral_errors
-from validation.measures.limits import limits_of, solved, solver_error
-from validation.measures.references import ladders_beside_published, papers_of, published
-from validation.measures.theory import RANKED, VARIANTS, with_ensemble, with_variants
+from validation.execution.bench import Bench
+from validation.execution.measurement import Call
+from validation.measurements.common import SHIFTS, Ladder, Rising, base_surface
+from validation.measurements.convergence import Ladders, bandwidth_of, pressed_pairs, spectral_errors
+from validation.measurements.limits import limits_of, solved, solver_error
+from validation.measurements.references import ladders_beside_published, papers_of, published
+from validation.measurements.theory import RANKED, VARIANTS, with_ensemble, with_variants
 from validation.report.estimates import change, claim, derive, gather, mean
 from validation.report.findings import Finding, finding
 from validation.report.marks import Band, Figure, Level, Line, Panel, panels_along
 from validation.report.table import Column, Table
 from validation.report.views import Views
-from validation.solves.bench import Bench
-from validation.solves.measurement import Call
 from validation.studies._options import Bandwidth, Hurst, Pairs, Periods, ReducedPressure, Seed, Shifts
 from validation.studies._study import StudyOptions
 
@@ -153,7 +153,7 @@ def _of_spectra(
     parts, surfaces = {}, range(2 * options.pairs)
     for (family, hurst), bandwidth in options.spectra.items():
         part = gather({k: limits_of(measured[family, hurst, k]) for k in surfaces}, surface=surfaces)
-        spectrum = cases[family, hurst, 0]["realised"].spectrum
+        spectrum = cases[family, hurst, 0]["problem"].spectrum
         parts[family, hurst] = with_ensemble(part.assign(bandwidth=bandwidth), spectrum)
     families, hursts = (list(dict.fromkeys(names)) for names in zip(*parts, strict=True))
     data = with_variants(gather(parts, family=families, hurst=hursts))

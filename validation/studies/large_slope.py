@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field
 
-from validation.measures.common import BASE_SOLID, Rising, base_case, base_surface
-from validation.measures.limits import solved
-from validation.measures.measurement import grid_for
-from validation.measures.slopes import CHANGES, changes_of, steepened, with_differences
+from validation.execution.bench import Bench
+from validation.measurements.common import BASE_SOLID, Rising, base_case, base_surface
+from validation.measurements.limits import solved
+from validation.measurements.measurement import grid_for
+from validation.measurements.slopes import CHANGES, changes_of, steepened, with_differences
 from validation.report.estimates import claim, gather
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
 from validation.scenes.scene import SolidSpec
-from validation.solves.bench import Bench
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
 from validation.studies._study import StudyOptions
 
@@ -84,7 +84,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         base = base_case(surface, reduced_pressure=load, solid=solid)
         for k, points in itertools.product(range(options.surfaces), options.points_per_wave):
             cases[poisson, load, k, points] = steepened(
-                realised=base.further(k),
+                problem=base.further(k),
                 grid=grid_for(base, points),
                 slopes=options.slopes,
                 depth=1 / options.periods,

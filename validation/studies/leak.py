@@ -12,18 +12,18 @@ from typing import TYPE_CHECKING, Annotated
 from pydantic import Field
 
 from persson.percolation import SITE_THRESHOLD
-from validation.measures.common import Rising, base_case, base_surface
-from validation.measures.flow import GAP_THEORIES, NARROW, flow_of, leaks
-from validation.measures.limits import ABSENT, solved
-from validation.measures.measurement import grid_for
+from validation.execution.bench import Bench
+from validation.execution.measurement import Call
+from validation.measurements.common import Rising, base_case, base_surface
+from validation.measurements.flow import GAP_THEORIES, NARROW, flow_of, leaks
+from validation.measurements.limits import ABSENT, solved
+from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Level, Line, Panel, against, panels_along
 from validation.report.table import Table
 from validation.report.views import Views
 from validation.scenes.scene import SelfAffineSurface
-from validation.solves.bench import Bench
-from validation.solves.measurement import Call
 from validation.studies._options import Hurst, Periods, Seed, Surfaces
 from validation.studies._study import StudyOptions
 
@@ -66,7 +66,7 @@ def design(options: Options) -> dict[tuple[float, int], Call]:
         base = base_case(options.surface(bandwidth), reduced_pressure=0.1)
         grid = grid_for(base, options.points_per_wave)
         for k in range(options.surfaces):
-            found[bandwidth, k] = leaks(realised=base.further(k), grid=grid, areas=options.areas)
+            found[bandwidth, k] = leaks(problem=base.further(k), grid=grid, areas=options.areas)
     return found
 
 
@@ -81,7 +81,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         surfaces have common phases, as one sample; P(u), and that of the theory told the load of each surface.
     """
     cases = design(options)
-    parts = {case: flow_of(one, cases[case]["realised"]) for case, one in solved(bench, cases).items()}
+    parts = {case: flow_of(one, cases[case]["problem"]) for case, one in solved(bench, cases).items()}
     data = gather(parts, bandwidth=options.bandwidths, surface=range(options.surfaces))
     pooled = "percolation_area_each.mean('bandwidth', skipna=False)"
     data = derive(data, percolation_area_pooled_each=pooled)

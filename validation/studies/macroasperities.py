@@ -14,17 +14,17 @@ from pydantic import Field
 from persson.errors import OutsideTheory
 from persson.percolation import SITE_THRESHOLD
 from persson.separation import macroasperity_magnification
-from validation.measures.common import Rising, RisingOrNone, base_case, base_surface
-from validation.measures.limits import ABSENT, kept_of, solved
-from validation.measures.magnified import magnified, with_macroasperities
-from validation.measures.measurement import grid_for
+from validation.execution.bench import Bench
+from validation.measurements.common import Rising, RisingOrNone, base_case, base_surface
+from validation.measurements.limits import ABSENT, kept_of, solved
+from validation.measurements.magnified import magnified, with_macroasperities
+from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, gather, mean, nearest
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Level, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
-from validation.scenes.realised import Realised
-from validation.solves.bench import Bench
+from validation.scenes.problem import ContactProblem
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
 from validation.studies._study import StudyOptions
 
@@ -59,7 +59,7 @@ class Options(StudyOptions):
     seed: Seed = 2006
 
     @property
-    def first(self) -> Realised:
+    def first(self) -> ContactProblem:
         """The first surface: one C(q) up to q_0 = 2 pi / lambda_long, self-affine beyond."""
         sharp = base_surface(hurst=self.hurst, periods=self.periods, bandwidth=self.bandwidth, seed=self.seed)
         surface = sharp.model_copy(update={"rolloff": "smooth"})
@@ -79,7 +79,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     first = options.first
     cases = {
         k: magnified(
-            realised=first.further(k),
+            problem=first.further(k),
             grid=grid_for(first, options.points_per_wave),
             reduced_pressures=options.reduced_pressures,
             magnifications=options.magnifications,
@@ -135,7 +135,7 @@ def _with_thresholds(data: xr.Dataset) -> xr.Dataset:
     return derive(data, percolation_area_excess="percolation_area_pooled - percolation_area_paper")
 
 
-def _of_theory(first: Realised, reduced: float) -> float:
+def _of_theory(first: ContactProblem, reduced: float) -> float:
     """zeta_m of the theory; NaN where ln A bends most at an end of the spectrum."""
     try:
         return macroasperity_magnification(

@@ -9,17 +9,17 @@ import numpy as np
 from pydantic import Field
 
 from persson import elastic
-from validation.measures.common import SHIFTS, Ladder, Rising
-from validation.measures.limits import limits_of, solved
-from validation.measures.measurement import TOLERANCE, press_on_grids, truncated_heights
-from validation.measures.theory import modes_finding
+from validation.execution.bench import Bench
+from validation.execution.measurement import Call
+from validation.measurements.common import SHIFTS, Ladder, Rising
+from validation.measurements.limits import limits_of, solved
+from validation.measurements.measurement import TOLERANCE, press_on_grids, truncated_heights
+from validation.measurements.theory import modes_finding
 from validation.report.estimates import derive, gather, mean
 from validation.report.findings import finding
 from validation.report.marks import Figure, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
-from validation.solves.bench import Bench
-from validation.solves.measurement import Call
 from validation.studies._options import Bandwidth, Shifts, Surfaces
 from validation.studies._scene import PressedOptions
 
@@ -54,7 +54,7 @@ def design(options: Options) -> dict[tuple[int, float], Call]:
     q_long = 2 * np.pi / options.first.longest
     return {
         (k, zeta): press_on_grids(
-            realised=own,
+            problem=own,
             truncation=zeta * q_long,
             reduced_pressures=options.reduced_pressures,
             grids=options.grids_for(options.points_per_wave),
@@ -79,7 +79,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     limits = {
         case: limits_of(measured, drift=False).assign(
             truncated_gradient_each=truncated_heights(
-                cases[case]["realised"], cases[case]["grids"][0], truncation=case[1] * q_long
+                cases[case]["problem"], cases[case]["grids"][0], truncation=case[1] * q_long
             ).rms_gradient
         )
         for case, measured in solved(bench, cases).items()

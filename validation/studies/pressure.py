@@ -11,20 +11,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pydantic import Field
 
-from validation.measures.common import SHIFTS, Ladder, Rising
-from validation.measures.distributions import largest_difference
-from validation.measures.limits import solved
-from validation.measures.load_path import SHARES, moved_shares, pooled_shares, reduced_path
-from validation.measures.measurement import TOLERANCE, press_on_grids
-from validation.measures.theory import RANKED, modes_finding
+from validation.execution.bench import Bench
+from validation.execution.measurement import Call
+from validation.measurements.common import SHIFTS, Ladder, Rising
+from validation.measurements.distributions import largest_difference
+from validation.measurements.limits import solved
+from validation.measurements.load_path import SHARES, moved_shares, pooled_shares, reduced_path
+from validation.measurements.measurement import TOLERANCE, press_on_grids
+from validation.measurements.theory import RANKED, modes_finding
 from validation.report.estimates import change, derive, gather, mean
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Level, Line, Panel
 from validation.report.table import Column, Table
 from validation.report.values import value_of
 from validation.report.views import Views
-from validation.solves.bench import Bench
-from validation.solves.measurement import Call
 from validation.studies._options import Shifts
 from validation.studies._scene import PressedOptions
 from validation.theories.persson_variants import persson_variants
@@ -72,7 +72,7 @@ def design(options: Options) -> dict[int, Call]:
     """Return the path of each surface."""
     return {
         k: press_on_grids(
-            realised=own,
+            problem=own,
             reduced_pressures=options.reduced_pressures,
             grids=options.grids_for(options.points_per_wave),
             shifts=options.shifts,

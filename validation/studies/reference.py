@@ -2,7 +2,7 @@
 
 The table that others can check against. Few pairs of surfaces +h, -h are solved on fine grids, more on coarser ones whose
 area follows the fine one from surface to surface, most are only looked at; together they give the mean over all surfaces
-of a spectrum (`validation.measures.controlled`). It is made once, shipped, and read by `fem-contact reference`.
+of a spectrum (`validation.measurements.controlled`). It is made once, shipped, and read by `fem-contact reference`.
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from validation.measures.common import Ladder, Rising, RisingOrNone, base_case, base_surface
-from validation.measures.ensemble import QUANTITIES
-from validation.measures.limits import solved
-from validation.measures.table_samples import SampledSpectrum, joined, with_size
-from validation.measures.theory import VARIANTS, with_variants
+from validation.execution.bench import Bench
+from validation.measurements.common import Ladder, Rising, RisingOrNone, base_case, base_surface
+from validation.measurements.ensemble import QUANTITIES
+from validation.measurements.limits import solved
+from validation.measurements.table_samples import SampledSpectrum, joined, with_size
+from validation.measurements.theory import VARIANTS, with_variants
 from validation.reference.alpha import at_equal_alpha
 from validation.report.estimates import claim, derive, gather, total_error
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Line, Panel, panels_along
 from validation.report.table import Table
 from validation.report.views import Views
-from validation.solves.bench import Bench
 from validation.studies._options import Periods, Seed
 from validation.studies._study import StudyOptions
 from validation.units import wrong

@@ -11,32 +11,32 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from validation.effects.base import SlotName
-from validation.measures.block import block_beside_bem
-from validation.measures.common import SHIFTS, Ladder, RisingOrNone
-from validation.measures.grid_roughness import grid_roughness
-from validation.measures.grids import SMALL, on_grids, protocol, with_blocks, with_distances, with_methods
-from validation.measures.ladders import Ladders, spectral_errors
-from validation.measures.limits import solved, solver_error
-from validation.measures.measurement import TOLERANCE, grid_for, press_on_grids
-from validation.measures.references import beside_published, papers_of
-from validation.measures.side_by_side import beside_bem
-from validation.measures.theory import ensemble_area
-from validation.methods.theory import predict
+from validation.execution.bench import Bench
+from validation.measurements.block import block_beside_bem
+from validation.measurements.by_solver import beside_bem
+from validation.measurements.common import SHIFTS, Ladder, RisingOrNone
+from validation.measurements.convergence import Ladders, spectral_errors
+from validation.measurements.grid_roughness import grid_roughness
+from validation.measurements.grids import SMALL, on_grids, protocol, with_blocks, with_distances, with_methods
+from validation.measurements.limits import solved, solver_error
+from validation.measurements.measurement import TOLERANCE, grid_for, press_on_grids
+from validation.measurements.references import beside_published, papers_of
+from validation.measurements.theory import ensemble_area
 from validation.report.estimates import claim, gather
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Level, Line, Panel, against
 from validation.report.table import Column, Table
 from validation.report.values import value_of
 from validation.report.views import Views
-from validation.solves.bench import Bench
+from validation.solvers.theory import predict
 from validation.studies._options import Element, Methods, ReducedPressure, Surfaces
-from validation.studies._scene import Asked, PressedOptions
+from validation.studies._scene import PressedOptions, SolverRequest
 from validation.units import wrong
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.solves.measurement import Call
+    from validation.execution.measurement import Call
 
 __all__ = ["Options", "design", "run", "views"]
 
@@ -98,7 +98,7 @@ class Options(PressedOptions):
         return self.elements if "fem" in self.methods else ()
 
     @property
-    def beside(self) -> tuple[Asked, ...]:
+    def beside(self) -> tuple[SolverRequest, ...]:
         """Methods beside boundary elements; on a scene the finite elements as its table has them."""
         return self.others(self.method_points_per_wave)
 
@@ -113,7 +113,7 @@ def design(options: Options) -> dict[_Case, Call]:
     """Return the solves: grids, blocks, roughness to the grid scale, other methods, one with a smaller residual, ladders."""
     pressed, grids = options.pressed, options.grids_for(options.points_per_wave)
     usual = press_on_grids(
-        realised=pressed[0],
+        problem=pressed[0],
         grids=grids,
         shifts=options.shifts,
         effects=options.effects,
@@ -121,20 +121,20 @@ def design(options: Options) -> dict[_Case, Call]:
         keep=("distributions",),
     )
     few = max(2, sum(n <= _SOLVER_POINTS for n in options.points_per_wave))
-    cases: dict[_Case, Call] = {("grids", k): usual.but(realised=own) for k, own in enumerate(pressed)}
+    cases: dict[_Case, Call] = {("grids", k): usual.but(problem=own) for k, own in enumerate(pressed)}
     # What the stopping of a solver does shows on coarse grids, too.
     cases["strict",] = usual.but(grids=grids[:few], tolerance=usual["tolerance"] / 100)
     for (k, own), points in itertools.product(enumerate(pressed), options.grid_scale_grids):
-        cases["protocol", k, points] = grid_roughness(realised=own, grid=(points, points))
+        cases["protocol", k, points] = grid_roughness(problem=own, grid=(points, points))
     blocks = {n: grid_for(pressed[0], n) for n in options.fem_points_per_wave}
     for element in options.blocks:
         for (k, own), (n, grid) in itertools.product(enumerate(pressed), blocks.items()):
-            cases["fem", element, k, n] = block_beside_bem(realised=own, grid=grid, element=element)
+            cases["fem", element, k, n] = block_beside_bem(problem=own, grid=grid, element=element)
         cases["strict", element] = cases["fem", element, 0, min(blocks)].but(tolerance=_STRICT)
     for one, (k, own) in itertools.product(options.beside, enumerate(pressed)):
         told: dict[str, Any] = {"settings": one.settings, "effects": options.effects}
         for g, grid in enumerate(one.grids):
-            cases["other", one.name, k, g] = beside_bem(realised=own, grid=grid, method=one.method, **told)
+            cases["other", one.name, k, g] = beside_bem(problem=own, grid=grid, method=one.method, **told)
     return cases | (dict(options.climbed.cases) if options.ladders else {})
 
 

@@ -14,17 +14,17 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from validation.arrays import Grid
-from validation.measures.common import RisingGrids, base_case, base_surface
-from validation.measures.flow import located_area
-from validation.measures.limits import read_off, solved
+from validation.execution.bench import Bench
+from validation.execution.measurement import Call, measurement
+from validation.measurements.common import RisingGrids, base_case, base_surface
+from validation.measurements.flow import located_area
+from validation.measurements.limits import read_off, solved
 from validation.report.estimates import derive, gather, power_law, reduce
 from validation.report.findings import finding
 from validation.report.marks import Figure, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
-from validation.scenes.realised import Realised
-from validation.solves.bench import Bench
-from validation.solves.measurement import Call, measurement
+from validation.scenes.problem import ContactProblem
 from validation.studies._options import Hurst, Periods, ReducedPressure, Seed, Surfaces
 from validation.studies._study import StudyOptions
 from validation.units import wrong
@@ -81,17 +81,15 @@ class Options(StudyOptions):
     seconds=lambda points: 2e-3 + 1.2e-6 * points,
     bytes=120,
 )
-def cold_solve(*, realised: Realised, grid: Grid) -> xr.Dataset:
+def cold_solve(*, problem: ContactProblem, grid: Grid) -> xr.Dataset:
     """Return seconds, pairs of transforms and bytes of one cold solve by boundary elements, and the located area."""
     import xarray as xr
 
     from fem_contact import bem
     from fem_contact.response import HalfSpace
 
-    half_space = HalfSpace(solid=realised.elastic)
-    result = bem.solve(
-        realised.heights(grid), half_space, mean_pressure=realised.pressure, threads=1
-    ).checked()
+    half_space = HalfSpace(solid=problem.elastic)
+    result = bem.solve(problem.heights(grid), half_space, mean_pressure=problem.pressure, threads=1).checked()
     data = {
         "seconds": result.cost.cpu_seconds,
         "fft_pairs": result.cost.fft_pairs,
@@ -109,7 +107,7 @@ def design(options: Options) -> dict[tuple[int, int], Call]:
             hurst=options.hurst, periods=options.periods, bandwidth=n / options.coarsest, seed=options.seed
         )
         pressed = base_case(surface, reduced_pressure=options.reduced_pressure).further(k)
-        cases[n, k] = cold_solve(realised=pressed, grid=(n, n))
+        cases[n, k] = cold_solve(problem=pressed, grid=(n, n))
     return cases
 
 
@@ -122,7 +120,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         Costs and located area (points, surface); the exponent of each cost in N, what one decade more costs, and how
         far the memory that was free and an hour reach.
     """
-    from validation.solves.cost import available_memory
+    from validation.execution.cost import available_memory
 
     parts = solved(bench, design(options))
     taken = {"area_located_each": "area"} | {f"{name}_each": name for name in _COSTS}

@@ -18,12 +18,14 @@ from pydantic import AfterValidator, Field, model_validator
 from fem_contact.errors import InvalidInput
 from fem_contact.viscoelastic import PronySolid, TabulatedSolid
 from validation.errors import UsageError
+from validation.execution.bench import Bench
+from validation.execution.measurement import Call
 from validation.files import read_whole
-from validation.measures.common import Rising, base_case, base_surface, in_rising_order
-from validation.measures.limits import ABSENT, solved
-from validation.measures.measurement import grid_for
-from validation.measures.sliding import SHARES, Rubber, slid_of, slides
-from validation.measures.theory import RANKED, VARIANTS
+from validation.measurements.common import Rising, base_case, base_surface, in_rising_order
+from validation.measurements.limits import ABSENT, solved
+from validation.measurements.measurement import grid_for
+from validation.measurements.sliding import SHARES, Rubber, slid_of, slides
+from validation.measurements.theory import RANKED, VARIANTS
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Line, Panel, against
@@ -31,8 +33,6 @@ from validation.report.table import Table
 from validation.report.values import Value
 from validation.report.views import Views
 from validation.scenes.scene import SelfAffineSurface, SolidSpec
-from validation.solves.bench import Bench
-from validation.solves.measurement import Call
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
 from validation.studies._study import StudyOptions
 from validation.units import Duration, Length, Positive, Pressure, Velocity, wrong
@@ -139,7 +139,7 @@ def design(options: Options) -> dict[int, Call]:
     base = base_case(options.surface(), reduced_pressure=options.reduced_pressure, solid=solid)
     grids = tuple(grid_for(base, points) for points in options.points_per_wave)
     return {
-        k: slides(realised=base.further(k), rubber=rubber, velocities=options.velocities, grids=grids)
+        k: slides(problem=base.further(k), rubber=rubber, velocities=options.velocities, grids=grids)
         for k in range(options.surfaces)
     }
 

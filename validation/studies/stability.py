@@ -18,16 +18,16 @@ from pydantic import Field, ValidationInfo, field_validator
 from fem_contact.contact import Status
 from fem_contact.errors import FemContactError
 from persson.errors import PerssonError
-from validation.measures.hard_cases.blocks import BLOCKS, LARGE_BLOCK, YIELDING_BLOCK
-from validation.measures.hard_cases.cases import HardCase
-from validation.measures.hard_cases.effects import DIFFUSION, EFFECTS, YIELDING_UNDER_ADHESION
-from validation.measures.hard_cases.elastic import ELASTIC, SINGLE_PRECISION, by_method
-from validation.methods import chosen_solver
+from validation.measurements.hard_cases.blocks import BLOCKS, LARGE_BLOCK, YIELDING_BLOCK
+from validation.measurements.hard_cases.cases import HardCase
+from validation.measurements.hard_cases.effects import DIFFUSION, EFFECTS, YIELDING_UNDER_ADHESION
+from validation.measurements.hard_cases.elastic import ELASTIC, SINGLE_PRECISION, by_method
 from validation.report.estimates import gather
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Level, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
+from validation.solvers import chosen_solver
 from validation.studies._options import AnyMethods
 from validation.studies._study import StudyOptions
 from validation.units import wrong
@@ -35,7 +35,7 @@ from validation.units import wrong
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.solves.bench import Bench
+    from validation.execution.bench import Bench
 
 __all__ = ["CASES", "OUTCOMES", "Options", "run", "views"]
 

@@ -11,18 +11,18 @@ from pydantic import Field
 
 from persson import elastic
 from validation.errors import UsageError
-from validation.measures.common import Rising
-from validation.measures.edge import edge_limits, edge_of_contact, start_of_pressure
-from validation.measures.limits import solved
+from validation.execution.bench import Bench
+from validation.execution.measurement import Call
+from validation.measurements.common import Rising
+from validation.measurements.edge import edge_limits, edge_of_contact, start_of_pressure
+from validation.measurements.limits import solved
 from validation.report.estimates import change, derive, gather, mean, power_law
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Level, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
-from validation.solves.bench import Bench
-from validation.solves.measurement import Call
 from validation.studies._options import Bandwidth, Methods, ReducedPressure, Surfaces
-from validation.studies._scene import Asked, PressedOptions
+from validation.studies._scene import PressedOptions, SolverRequest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -56,10 +56,10 @@ class Options(PressedOptions):
     )
 
 
-def design(options: Options, asked: tuple[Asked, ...]) -> dict[tuple[str, int, int], Call]:
+def design(options: Options, asked: tuple[SolverRequest, ...]) -> dict[tuple[str, int, int], Call]:
     """Return the solves by method, surface and grid."""
     return {
-        (one.name, k, g): edge_of_contact(realised=own, grid=grid, method=one.method, settings=one.settings)
+        (one.name, k, g): edge_of_contact(problem=own, grid=grid, method=one.method, settings=one.settings)
         for one in asked
         for (k, own), (g, grid) in itertools.product(enumerate(options.pressed), enumerate(one.grids))
     }

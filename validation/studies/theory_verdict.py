@@ -10,12 +10,13 @@ import numpy as np
 from pydantic import Field
 
 from persson import elastic
-from validation.measures.distributions import largest_difference
-from validation.measures.ladders import Ladders, spectral_errors
-from validation.measures.limits import solved, solver_error
-from validation.measures.load_path import moved_shares
-from validation.measures.measurement import grid_for, press_on_grids
-from validation.measures.theory import RANKED, modes_finding
+from validation.execution.bench import Bench
+from validation.measurements.convergence import Ladders, spectral_errors
+from validation.measurements.distributions import largest_difference
+from validation.measurements.limits import solved, solver_error
+from validation.measurements.load_path import moved_shares
+from validation.measurements.measurement import grid_for, press_on_grids
+from validation.measurements.theory import RANKED, modes_finding
 from validation.report.estimates import claim, derive
 from validation.report.findings import Finding, finding, ranking
 from validation.report.marks import Figure, Panel
@@ -23,7 +24,6 @@ from validation.report.table import Table
 from validation.report.values import value_of
 from validation.report.views import Views
 from validation.scenes.scene import Load
-from validation.solves.bench import Bench
 from validation.studies import pressure, stress_near_zero
 from validation.theories import Rough, Theory, find_theory
 from validation.theories.persson_variants import Persson, persson_variants
@@ -101,7 +101,7 @@ def _stress_distances(data: xr.Dataset, theories: tuple[Theory, ...], options: O
 def _solver_share(options: Options, bench: Bench) -> float:
     """Relative change of the area when the solves of one surface stop at a hundred times smaller residual."""
     usual = press_on_grids(
-        realised=replace(options.first, load=Load(reduced_pressure=0.01)),
+        problem=replace(options.first, load=Load(reduced_pressure=0.01)),
         reduced_pressures=(0.01, 0.1, 1.0),
         grids=tuple(grid_for(options.first, points) for points in (4.0, 6.0, 8.0)),
         shifts=options.shifts,

@@ -12,7 +12,7 @@ from functools import cache
 from validation.errors import UsageError
 from validation.registry import found_in
 from validation.theories.base import Rough, Theory
-from validation.theories.own import OwnTheory
+from validation.theories.user_function import OwnTheory
 
 __all__ = ["Rough", "Theory", "find_theory", "theories"]
 

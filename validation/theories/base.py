@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, ClassVar
 
 from persson.spectrum import Moments, Spectrum
 from validation.arrays import Array
-from validation.measures.theory import Waves
+from validation.measurements.theory import Waves
 
 if TYPE_CHECKING:
-    from validation.scenes.realised import Realised
+    from validation.scenes.problem import ContactProblem
 
 __all__ = ["Rough", "Theory"]
 
@@ -38,14 +38,14 @@ class Rough:
     waves: Waves
 
     @classmethod
-    def of(cls, realised: Realised) -> Rough:
+    def of(cls, problem: ContactProblem) -> Rough:
         """Return what is told of a surface."""
-        m0, m2, m4 = realised.field.moments
+        m0, m2, m4 = problem.field.moments
         return cls(
-            contact_modulus=realised.contact_modulus,
+            contact_modulus=problem.contact_modulus,
             moments=Moments(m0=m0, m2=m2, m4=m4),
-            spectrum=realised.spectrum,
-            waves=Waves.of_field(realised.field),
+            spectrum=problem.spectrum,
+            waves=Waves.of_field(problem.field),
         )
 
 

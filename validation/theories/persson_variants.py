@@ -10,7 +10,7 @@ from scipy.special import erfinv
 from persson import elastic
 from persson.variants import EnergyReading, Variant, corrected_contact_area
 from validation.arrays import Array
-from validation.measures.theory import VARIANTS
+from validation.measurements.theory import VARIANTS
 from validation.report.papers import PAPERS
 from validation.theories.base import Rough, Theory
 

@@ -10,11 +10,11 @@ import numpy as np
 
 from persson.spectrum import Moments
 from validation.arrays import Array
-from validation.measures.distributions import STRESS_EDGES
-from validation.measures.theory import Waves
+from validation.measurements.distributions import STRESS_EDGES
+from validation.measurements.theory import Waves
 from validation.report.estimates import derive
 from validation.report.values import Value, value_of
-from validation.scenes.realised import Realised
+from validation.scenes.problem import ContactProblem
 from validation.theories.base import Rough, Theory
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ _CLOSED, _FULL = 1e-9, 0.99
 
 
 def predictions(
-    theories: Sequence[Theory], pressed: Sequence[Realised], reduced_pressures: Sequence[float]
+    theories: Sequence[Theory], pressed: Sequence[ContactProblem], reduced_pressures: Sequence[float]
 ) -> xr.Dataset:
     """Return what theories say, means over the surfaces; NaN where one says nothing.
 
@@ -109,7 +109,7 @@ def _along(theory: Theory, rough: Rough, loads: Array, *, own: Rough) -> dict[st
     }
 
 
-def beside(data: xr.Dataset, theories: Sequence[Theory], pressed: Sequence[Realised]) -> xr.Dataset:
+def beside(data: xr.Dataset, theories: Sequence[Theory], pressed: Sequence[ContactProblem]) -> xr.Dataset:
     """Add to a path of loads what theories say, and simulated over predicted values ``_over`` (theory, load).
 
     Gap, compliance and energy have none where the contact is full: nothing is left of the first two, and the
@@ -146,11 +146,11 @@ def ranked(data: xr.Dataset, name: str) -> dict[str, Value]:
     return {label: value for label, value in found.items() if np.isfinite(float(value.value))}
 
 
-def stress_shares(theory: Theory, realised: Realised, reduced_pressures: Sequence[float]) -> Array:
+def stress_shares(theory: Theory, problem: ContactProblem, reduced_pressures: Sequence[float]) -> Array:
     """Shares of the nominal area by pressure, (load, bin) over `STRESS_EDGES`; NaN without a P(sigma)."""
     x, weights = np.polynomial.legendre.leggauss(_POINTS)
     stress = STRESS_EDGES[:-1, None] + np.diff(STRESS_EDGES)[:, None] * (1 + x) / 2
-    rough = Rough.of(realised)
+    rough = Rough.of(problem)
     unit = rough.contact_modulus * rough.moments.rms_gradient
     shares = np.full((len(reduced_pressures), STRESS_EDGES.size - 1), np.nan)
     for j, load in enumerate(reduced_pressures):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from gold.asked import COMPARED, SCENES, STUDIES
 from gold.make import compute, write
-from validation.solves.bench import Bench
+from validation.execution.bench import Bench
 
 with tempfile.TemporaryDirectory() as place:
     for name in sys.argv[1:] or (*STUDIES, *SCENES, *COMPARED):

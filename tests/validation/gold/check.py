@@ -13,7 +13,7 @@ import xarray as xr
 from gold.asked import ROUNDING
 from gold.make import Record, compute, machine, numbers_of, read
 from gold.maps import Look, maps_of
-from validation.solves.bench import Bench
+from validation.execution.bench import Bench
 
 __all__ = ["RTOL_ELSEWHERE", "RTOL_HERE", "differences", "disagreements"]
 

@@ -20,8 +20,8 @@ import xarray as xr
 from reading_back import misdrawn
 
 from gold.asked import STUDIES, UNSTEADY
+from validation.execution.bench import Bench
 from validation.scenes.scene import load_scene
-from validation.solves.bench import Bench
 from validation.studies import Study, StudyOptions, find_study
 
 __all__ = ["FOLDER", "compute", "machine", "new_numbers", "numbers_of", "of_dataset", "read", "write"]

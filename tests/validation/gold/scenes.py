@@ -12,9 +12,9 @@ from validation.comparison.accuracy import run_accurate
 from validation.comparison.compare import compare_folders
 from validation.comparison.run import run_scene
 from validation.comparison.sweep import run_sweep
+from validation.execution.bench import Bench
+from validation.execution.results import read_results
 from validation.scenes.sweep import Sweep, load_asked
-from validation.solves.bench import Bench
-from validation.solves.results import read_results
 
 __all__ = ["of_scene"]
 

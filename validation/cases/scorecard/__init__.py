@@ -14,7 +14,7 @@ from validation.cases.scorecard.claims import Row
 from validation.cases.scorecard.diagnosis import diagnose
 from validation.cases.scorecard.ladder import CostRow
 from validation.cases.scorecard.subject import Subject
-from validation.methods import chosen_solver
+from validation.solvers import chosen_solver
 
 __all__ = ["Scorecard", "Subject", "own_cases", "rows", "score"]
 

@@ -19,8 +19,8 @@ from validation.cases.scorecard import Scorecard, ladder, rows, score
 from validation.cases.scorecard.subject import Subject
 from validation.errors import UsageError
 from validation.files import atomic_path, write_json
-from validation.methods.base import Claim, Job
-from validation.methods.bem import Bem
+from validation.solvers.base import Claim, Job
+from validation.solvers.bem import Bem
 
 __all__ = ["export", "score_folder"]
 
@@ -66,7 +66,7 @@ class _Recorder(_Posed):
 
     def claim(self, job: Job) -> Claim:
         """Remember the problem and solve it, since rows read the answers."""
-        problem = _Problem(field=job.field, modulus=job.slots.solid.contact_modulus, load=job.mean_pressure)
+        problem = _Problem(field=job.field, modulus=job.model.solid.contact_modulus, load=job.mean_pressure)
         self.asked.setdefault(_key(problem.field, problem.modulus, problem.load), problem)
         return super().claim(job)
 
@@ -92,7 +92,7 @@ class _Answers(_Posed):
         NotJudged
             Where there is none.
         """
-        number = self.numbers.get(_key(job.field, job.slots.solid.contact_modulus, job.mean_pressure))
+        number = self.numbers.get(_key(job.field, job.model.solid.contact_modulus, job.mean_pressure))
         if number is None:
             raise NotJudged("a problem that was not exported")
         folder = _problem_folder(self.folder, number)

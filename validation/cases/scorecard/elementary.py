@@ -14,7 +14,7 @@ from validation.arrays import Array
 from validation.cases import Check, NotJudged, below, near, relative
 from validation.cases.scorecard.claims import row
 from validation.cases.scorecard.subject import SOFT, Pressed, Subject, rough
-from validation.effects.base import Slots
+from validation.effects.base import ContactModel
 
 __all__ = [
     "LOADS",
@@ -80,12 +80,12 @@ class Transfer:
 
 
 def full_contact_transfer(
-    subject: Subject, *, slots: Slots | None = None, waves: Sequence[Wave] = WAVES
+    subject: Subject, *, model: ContactModel | None = None, waves: Sequence[Wave] = WAVES
 ) -> Transfer:
-    """Press all of some waves flat on the half-space, or on the solid of the slots."""
+    """Press all of some waves flat on the half-space, or on the solid of the model."""
     n = 2 * subject.points
     x = np.arange(n) / n
-    response = (slots or Slots(solid=SOFT)).felt_response
+    response = (model or ContactModel(solid=SOFT)).felt_response
     heights, linear, sizes = np.zeros((n, n)), np.zeros((n, n)), []
     for kx, ky, amplitude, phase in waves:
         wave = 1e-3 * amplitude * np.cos(2 * np.pi * (kx * x[:, None] + ky * x[None, :]) + phase)
@@ -93,7 +93,7 @@ def full_contact_transfer(
         heights, linear = heights + wave, linear + wave / soft
         sizes.append(2 * np.pi * float(np.hypot(kx, ky)))
     surface, load = HeightField(heights=heights, lengths=(1.0, 1.0)), -_FLATTENING * float(linear.min())
-    pressed = subject.press(surface, load, slots=slots)
+    pressed = subject.press(surface, load, model=model)
     over = np.fft.fft2(pressed.claim.pressure), np.fft.fft2(linear)
     ratio = np.array([over[0][kx, ky] / over[1][kx, ky] for kx, ky, *_ in waves])
     allowed = (np.array(sizes) / n) ** 2 / 4

@@ -18,10 +18,10 @@ from validation.cases._closed_forms import HertzInPeriod, westergaard_mean_press
 from validation.cases.scorecard.claims import row
 from validation.cases.scorecard.elementary import full_contact_transfer, wave_errors
 from validation.cases.scorecard.subject import SOFT, Pressed, Subject, rough
-from validation.effects.base import Slots
+from validation.effects.base import ContactModel
 from validation.effects.hardness import Hardness
 from validation.effects.thickness import Thickness
-from validation.methods.bem import Bem
+from validation.solvers.bem import Bem
 
 __all__ = ["mean_inside", "strip"]
 
@@ -181,8 +181,8 @@ def westergaard(subject: Subject) -> Iterator[Check]:
 @row("layer", "On a bonded layer each wave is pressed flat by h / C(q).", source=_LAYER, tolerance="grid")
 def layer(subject: Subject) -> Iterable[Check]:
     subject.needs(effect=Thickness)
-    slots = Slots.filled(SOFT, [Thickness(thickness=_THICKNESS)])
-    return wave_errors(full_contact_transfer(subject, slots=slots))
+    model = ContactModel.filled(SOFT, [Thickness(thickness=_THICKNESS)])
+    return wave_errors(full_contact_transfer(subject, model=model))
 
 
 @row(
@@ -201,7 +201,9 @@ def yielding(subject: Subject) -> Iterator[Check]:
     missing = westergaard_pressure(x, half_width=_HALF_WIDTH, mean_pressure=short)
     # Twice what the troughs lack: they stay pressed.
     peak, hardness = float(missing.max()), 2 * float(missing.max())
-    found = subject.press(surface, hardness - short, slots=Slots.filled(SOFT, [Hardness(hardness=hardness)]))
+    found = subject.press(
+        surface, hardness - short, model=ContactModel.filled(SOFT, [Hardness(hardness=hardness)])
+    )
     pressure = found.claim.pressure
     off = (np.abs(hardness - pressure[:, 1] - missing) / peak)[_within(n, 0.9)]
     above = max(float(pressure.max()) / hardness - 1, 0.0)
@@ -240,8 +242,8 @@ def units(subject: Subject) -> Iterator[Check]:
     plain = subject.press(surface, 0.05)
     for length, stress in ((1e-9, 2e11), (1e6, 1e-9), (2.0**20, 2.0**-30)):
         scaled = HeightField(heights=surface.heights * length, lengths=(length, length))
-        slots = Slots(solid=Solid(young=stress, poisson=SOFT.poisson))
-        found = subject.press(scaled, 0.05 * stress, slots=slots)
+        model = ContactModel(solid=Solid(young=stress, poisson=SOFT.poisson))
+        found = subject.press(scaled, 0.05 * stress, model=model)
         words = f"change of the pressure, L = {length:g} m, E* = {stress:g} Pa"
         exact = subject.own and length == 2.0**20
         apart = _apart(found.claim.pressure / stress, plain.claim.pressure)

@@ -17,10 +17,10 @@ from fem_contact.errors import NotConverged
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 from validation.cases import NotJudged
-from validation.effects.base import Effect, Slots
-from validation.methods import Solver
-from validation.methods.base import Claim, Job, Size
-from validation.methods.foreign import judged
+from validation.effects.base import ContactModel, Effect
+from validation.solvers import Solver
+from validation.solvers.base import Claim, Job, Size
+from validation.solvers.external import judged
 
 __all__ = ["SOFT", "Pressed", "Subject", "rough"]
 
@@ -133,7 +133,7 @@ class Subject:
         field: HeightField,
         load: float | None,
         *,
-        slots: Slots | None = None,
+        model: ContactModel | None = None,
         more: Mapping[str, float] | None = None,
         again: bool = False,
     ) -> Pressed:
@@ -144,7 +144,7 @@ class Subject:
         field : HeightField
         load : float or None
             None where `more` has an offset.
-        slots : Slots, optional
+        model : ContactModel, optional
             The solid and its effects; that of E* = 1 if not given.
         more : mapping, optional
             Of what the solver is told: its controls, its tolerance.
@@ -158,14 +158,14 @@ class Subject:
         NotJudged
             Where the time that is left does not allow it.
         """
-        slots = slots or Slots(solid=SOFT)
+        model = model or ContactModel(solid=SOFT)
         extra = tuple(sorted((more or {}).items()))
         where = (field.heights.tobytes(), field.shape, field.lengths)
-        key = (where, load, slots.solid, slots.response, slots.pressure_bound, extra, again)
+        key = (where, load, model.solid, model.response, model.pressure_bound, extra, again)
         if key not in self._asked:
             began = time.monotonic()
             try:
-                self._asked[key] = self._pressed(field, load, slots=slots, told=self.told(more, field.shape))
+                self._asked[key] = self._pressed(field, load, model=model, told=self.told(more, field.shape))
             except NotConverged as failure:
                 self._lost.append(time.monotonic() - began)
                 self._asked[key] = failure
@@ -175,7 +175,7 @@ class Subject:
         return found
 
     def _pressed(
-        self, field: HeightField, load: float | None, *, slots: Slots, told: Mapping[str, Any]
+        self, field: HeightField, load: float | None, *, model: ContactModel, told: Mapping[str, Any]
     ) -> Pressed:
         seconds, left = self._predicted(field.shape, field.lengths, told), self.left
         if seconds > left or not left:
@@ -186,7 +186,7 @@ class Subject:
             )
         settings = {name: value for name, value in told.items() if name != "offset"}
         asked = {"offset": told["offset"]} if load is None else {"mean_pressure": load}
-        job = Job(field=field, load=asked, slots=slots, settings=settings, threads=1)
+        job = Job(field=field, load=asked, model=model, settings=settings, threads=1)
         claim = self.solver.claim(job)
         if claim.pressure.shape != field.shape:
             raise NotConverged(

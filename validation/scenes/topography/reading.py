@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from validation import bounded
+from validation import sandbox
 from validation.arrays import Array
 from validation.errors import UsageError
 from validation.scenes.topography.formats import one_line, read_plain
@@ -81,14 +81,14 @@ def _read(name: str, size: int = 0, content: tuple[int, ...] = ()) -> FileSays:
     """Read a file of a size; what tells its content tells whether it is read again."""
     del content
     try:
-        found = bounded.call(
+        found = sandbox.call(
             read_plain,
             name,
             seconds=_SECONDS + size / _BYTES_PER_SECOND,
             memory=_MEMORY + _COPIES * size,
             most_bytes=8 * MOST_POINTS,
         )
-    except bounded.OutOfBounds as error:
+    except sandbox.OutOfBounds as error:
         raise UsageError(f"cannot be read: its reader {error}") from None
     return FileSays(**{**found, "notes": (*found["notes"], *_spikes(found["heights"]))})
 

@@ -1,0 +1,204 @@
+"""Whatever is handed to a public function: an answer, or one of the package's own exceptions in one line."""
+
+import importlib.util
+import math
+import signal
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+from doors import block_doors, solver_doors
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from public_api_of_theory import theory_doors
+
+from fem_contact.errors import FemContactError
+from persson.errors import PerssonError
+
+#: Modules whose public names are all doors, or results, constants and types that need none.
+FEM = solver_doors() | block_doors()
+THEORY = theory_doors()
+
+#: Processor seconds: more than the slowest sensible call takes, less than a hang.
+PATIENCE = 60
+
+GRID = (12, 12)
+OTHERS = [
+    None,
+    "x",
+    "1.0",
+    b"",
+    True,
+    False,
+    1j,
+    {},
+    object(),
+    10**400,
+    2**63,
+    2**31,
+    int(1e30),
+    1e30,
+    5e-324,
+    1e-320,
+    1e300,
+    -1e300,
+    math.nan,
+    math.inf,
+    -math.inf,
+    0,
+    0.0,
+    -1.0,
+    [],
+    (),
+    [object()],
+    [[1.0, 2.0], [3.0]],
+    (1.0, "a"),
+    (1e30, 1e-30),
+    (2, 2**40),
+    (10**5, 10**5),
+    np.array([]),
+    np.array(["a"]),
+    np.array([None]),
+    np.array(0.5),
+    np.float32(0.5),
+    np.datetime64("2020-01-01"),
+    np.zeros((2, 2, 2)),
+    np.zeros(GRID),
+    np.ones(GRID),
+    -np.ones(GRID),
+    np.full(GRID, np.nan),
+    np.full(GRID, 1e300),
+    np.full(GRID, 5e-324),
+    np.ones(GRID, dtype=complex),
+    np.ones(GRID, dtype=bool),
+    np.ones(GRID, dtype=object),
+    np.ma.masked_array(np.ones(GRID), mask=np.eye(12)),
+    lambda *_: None,
+    lambda *_: "x",
+    lambda *a: a[0] * math.nan,
+    lambda *a: -np.abs(a[0]),
+    lambda *a: a[0] * 1e300,
+]
+
+#: Numbers of every size, small whole ones among them, sequences, and the zoo above.
+HOSTILE = st.one_of(
+    st.sampled_from(OTHERS),
+    st.floats(),
+    st.floats(1e-12, 1e12),
+    st.integers(-3, 40),
+    st.integers(),
+    st.text(max_size=5),
+    st.lists(st.floats(), max_size=4),
+    st.lists(st.floats(1e-6, 1e6), min_size=1, max_size=4),
+    st.tuples(st.floats(), st.floats()),
+)
+
+
+#: By name: what fails is printed with its arguments, and all doors would be too long.
+DOORS = {"fem_contact": FEM, "persson": THEORY}
+
+
+class Hangs(BaseException):
+    """Not an Exception: no code under test swallows it."""
+
+
+@contextmanager
+def bounded_time():
+    def stop(*_):
+        raise Hangs
+
+    before = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, PATIENCE)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, before)
+
+
+def knock(door, changes):
+    """Call with some arguments replaced: any answer is welcome, and no exception but the packages' own."""
+    function, valid = door
+    try:
+        with bounded_time():
+            return function(**(valid | changes))
+    except (FemContactError, PerssonError) as error:
+        refusal = str(error)
+    assert refusal
+    assert "\n" not in refusal
+    return None
+
+
+@pytest.mark.parametrize("name", [*FEM, *(f"persson.{name}" for name in THEORY)])
+def test_every_door_opens_to_sensible_arguments(name):
+    function, valid = (FEM | {f"persson.{key}": door for key, door in THEORY.items()})[name]
+    function(**valid)
+
+
+@pytest.mark.parametrize("package", DOORS)
+@settings(max_examples=400, deadline=None, suppress_health_check=list(HealthCheck))
+@given(data=st.data())
+def test_whatever_is_handed_in_nothing_but_the_packages_own_exceptions_comes_out(package, data):
+    doors = DOORS[package]
+    door = doors[data.draw(st.sampled_from(sorted(doors)), label="door")]
+    names = data.draw(st.lists(st.sampled_from(sorted(door[1])), min_size=1, max_size=3, unique=True))
+    knock(door, {name: data.draw(HOSTILE, label=name) for name in names})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [*FEM, *(f"persson.{name}" for name in THEORY)])
+def test_every_argument_of_every_door_meets_every_hostile_value(name):
+    door = (FEM | {f"persson.{key}": door for key, door in THEORY.items()})[name]
+    for argument in door[1]:
+        for value in OTHERS:
+            knock(door, {argument: value})
+
+
+@pytest.mark.parametrize("package", ["fem_contact", "fem_contact.block", "persson"])
+def test_every_public_function_is_among_the_doors(package):
+    module = importlib.import_module(package)
+    called = [getattr(door[0], "__func__", door[0]) for door in (*FEM.values(), *THEORY.values())]
+    known = {id(function) for function in called} | {
+        id(getattr(door[0], "__self__", None)) for door in THEORY.values()
+    }
+    results = {
+        "Residuals",
+        "Cost",
+        "ContactResult",
+        "ContactAreas",
+        "Limit",
+        "Patches",
+        "RadialSpectrum",
+        "YieldedContact",
+        "Moments",
+        "SpectrumMoments",
+        "Diffusion",
+        "SineExpansion",
+        "BlockSolution",
+        "CellStress",
+        "Equilibrium",
+        "FiniteStrain",
+        "FrozenContact",
+        "GapFlow",
+        "AtDepth",
+        "Lay",
+        "Strongest",
+        "Subsurface",
+        "SlidingContact",
+        "SlidingFriction",
+        "Estimate",
+        "WaveError",
+    }
+    parts = {"BlockMesh", "Element", "MeshOptions"}  # made by the block's own functions
+    drawn = {"render_section", "render_surface", "write_block", "write_subsurface"}  # tests of their own
+    for name in module.__all__:
+        value = getattr(module, name)
+        protocol = getattr(value, "_is_protocol", False)
+        if (
+            not callable(value)
+            or protocol
+            or name in results | drawn | parts
+            or (isinstance(value, type) and (issubclass(value, Exception) or hasattr(value, "__members__")))
+        ):
+            continue
+        assert id(value) in known, f"{package}.{name} is behind no door of tests/doors*.py"

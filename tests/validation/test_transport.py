@@ -1,0 +1,153 @@
+"""What passes through contact and gap where a scene asks for it: with units, and nothing unless asked."""
+
+import json
+
+import numpy as np
+import pytest
+from small_scene import OBLONG
+
+from fem_contact import HalfSpace, flow_conductance, frozen_contact, open_gap
+from fem_contact.solid import Solid
+from validation.comparison.numbers import scene_data
+from validation.comparison.run import report_scene, run_scene
+from validation.comparison.sweep import run_sweep
+from validation.errors import SceneError
+from validation.execution.press import solves_of
+from validation.scenes.problem import realise
+from validation.scenes.scene import load_scene
+from validation.scenes.sweep import load_asked
+
+ELECTRICAL = '[quantities.electrical]\nresistivity = ["17 nohm m", "0.4 uohm m"]\n'
+THERMAL = '[quantities.thermal]\nconductivity = "4 W/(cm K)"\n'
+LEAK = '[quantities.leak]\nviscosity = "2 mPa s"\npressure_drop = "3 kPa"\n'
+ENSEMBLE = "[ensemble]\nrealisations = 3\ngrids = [[24, 12], [32, 16]]\n"
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(more="", *, pressure="10 kPa"):
+        text = OBLONG.replace("10 kPa", pressure) + more
+        (tmp_path / "mine.toml").write_text(text)
+        return str(tmp_path / "mine.toml")
+
+    return write
+
+
+def read_off(scene):
+    """Solve a scene, and return its dataset, and its solves with their results."""
+    results = {solve: solve.do().contact for solve in solves_of(scene)}
+    return scene_data(scene, realise(scene), results), results
+
+
+def test_conductances_are_those_of_the_frozen_contact_in_the_units_of_the_scene(written):
+    found, results = read_off(load_scene(written(ELECTRICAL + THERMAL)))
+    solid = HalfSpace(solid=Solid(young=2e6, poisson=0.3))
+    coarse, fine = (frozen_contact(result, solid).stiffness for result in list(results.values())[1:])
+    per = 2 / solid.contact_modulus
+    electrical, thermal = found["electrical_conductance"], found["thermal_conductance"]
+    assert float(electrical) == pytest.approx(per * fine / (17e-9 + 0.4e-6), rel=1e-9)
+    change = found["electrical_conductance_error"].sel(source="grid")
+    assert float(change) == pytest.approx(per * abs(fine - coarse) / 0.417e-6, rel=1e-6)
+    assert electrical.attrs["units"] == "1/(ohm m^2)"
+    assert float(thermal) == pytest.approx(per * fine / (2 / 400), rel=1e-9)  # 1/400 m K/W on each side
+
+
+def test_the_leak_is_a_volume_per_time_through_one_period_along_either_axis(written):
+    found, results = read_off(load_scene(written(LEAK)))
+    finest = list(results.values())[-1]
+    gap = open_gap(finest)
+    for axis, along, across in (("x", 10e-6, 5e-6), ("y", 5e-6, 10e-6)):
+        conductance = flow_conductance(gap, finest.lengths, axis=axis).conductance
+        expected = conductance / 2e-3 * (3e3 / along) * across
+        assert float(found[f"leak_rate_{axis}"]) == pytest.approx(expected, rel=1e-12, abs=0)
+
+
+def test_the_mean_is_that_of_the_surfaces_of_the_ensemble_on_its_finest_grid(written):
+    scene = load_scene(written(THERMAL + ENSEMBLE))
+    found, results = read_off(scene)
+    solid = HalfSpace(solid=Solid(young=2e6, poisson=0.3))
+    values = [frozen_contact(result, solid).stiffness for s, result in results.items() if s.grid == (32, 16)]
+    assert len(values) == 3
+    each = found["thermal_conductance_each"]
+    assert each.values / each.values[0] == pytest.approx(np.array(values) / values[0], rel=1e-9)
+    assert float(found["thermal_conductance"]) == pytest.approx(float(each.mean()), rel=1e-12)
+    half = 4.302652729911275 * float(each.std(ddof=1)) / 3**0.5
+    error = found["thermal_conductance_error"]
+    assert float(error.sel(source="surfaces")) == pytest.approx(half, rel=1e-9)
+    own = found["thermal_conductance_own_error"].sel(source="grid") / found["thermal_conductance_own"]
+    share = error.sel(source="grid") / found["thermal_conductance"]
+    assert float(share) == pytest.approx(float(own), rel=1e-9)
+
+
+def test_yielded_points_conduct_too(written):
+    yields = '[[effects]]\nkind = "hardness"\nhardness = "60 kPa"\n'
+    found, results = read_off(load_scene(written(THERMAL + yields)))
+    finest = list(results.values())[-1]
+    assert finest.at_bound.any()
+    solid = HalfSpace(solid=Solid(young=2e6, poisson=0.3))
+    elastic_alone = frozen_contact(finest, solid).stiffness * 2 / solid.contact_modulus * 200
+    assert float(found["thermal_conductance"]) > 1.01 * elastic_alone
+    assert "thermal_conductance_persson" not in found  # the elastic theory says nothing of it
+
+
+def test_complete_contact_conducts_without_bound_and_does_not_leak(written, tmp_path):
+    scene = load_scene(written(THERMAL + LEAK, pressure="1 GPa"))
+    outputs = run_scene(scene, tmp_path / "out", report=False)
+    assert np.isinf(outputs.data.thermal_conductance)
+    assert float(outputs.data.leak_rate_x) == 0
+
+
+def test_page_and_records_have_the_quantities_with_unit_and_uncertainty_and_can_be_made_again(
+    written, tmp_path
+):
+    scene = load_scene(written(ELECTRICAL + LEAK))
+    outputs = run_scene(scene, tmp_path / "out", report=False)
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    said = summary["numbers"]["electrical_conductance"]
+    assert said["value"] == float(outputs.data.electrical_conductance)
+    listed = {row[0]: row for row in outputs.page.records["numbers"].rows}
+    row = listed["electrical conductance of the contact"]
+    assert row[2:] == (said["value"], said["error"], "1/(ohm m^2)")
+    assert report_scene(tmp_path / "out").data.equals(outputs.data)
+
+
+def test_a_sweep_has_them_over_the_load(written, tmp_path):
+    asked = load_asked(written(THERMAL + '[sweep]\nmode = "zip"\n"load.pressure" = ["5 kPa", "10 kPa"]\n'))
+    data = run_sweep(asked, tmp_path / "out", report=False).data
+    assert data.thermal_conductance.attrs["units"] == "W/(m^2 K)"
+    light, heavy = data.thermal_conductance.values
+    assert heavy > 1.5 * light
+
+
+def test_what_is_not_asked_for_is_not_there(written):
+    scene = load_scene(written())
+    assert scene.quantities is None
+    assert "quantities" not in scene.model_dump(exclude_none=True)
+    found, _ = read_off(scene)
+    assert not any("conductance" in str(name) or "leak" in str(name) for name in found)
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ("[quantities]\n", "give at least one of the tables [quantities.electrical]"),
+        ('[quantities.thermal]\nconductivity = "4 W/m"\n', "is not a thermal conductivity"),
+        (
+            '[quantities.leak]\nviscosity = "1 mPa s"\n',
+            "quantities.leak.pressure_drop: missing; of the fluid",
+        ),
+        ('[quantities.electrical]\nresistivity = "-1 ohm m"\n', "greater than 0"),
+        ("[quantities.leek]\nviscosity = 1.0\n", "did you mean 'leak'?"),
+    ],
+)
+def test_a_table_that_says_too_little_or_something_else_is_refused(written, more, said):
+    with pytest.raises(SceneError) as refused:
+        load_scene(written(more))
+    assert said in str(refused.value)
+
+
+def test_the_theory_alone_has_no_contact_to_read_them_off(written, tmp_path):
+    text = OBLONG.replace("[methods.bem]\ngrids = [[24, 12], [32, 16], [48, 24]]", "[methods.theory]")
+    (tmp_path / "alone.toml").write_text(text + THERMAL)
+    with pytest.raises(SceneError, match="quantities: are read off a contact"):
+        load_scene(str(tmp_path / "alone.toml"))

@@ -1,0 +1,108 @@
+"""What a run says of the solid below the contact: where it is strained most, how stress fades with depth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_contact.contact import ContactResult
+from validation.comparison.reductions import grid_name, own_solves
+from validation.effects.base import ContactModel
+from validation.report.estimates import gather
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fem_contact.response import Response
+    from validation.execution.press import Press
+    from validation.scenes.scene import Scene
+
+__all__ = ["below", "planes", "write_below"]
+
+
+def below(data: xr.Dataset, scene: Scene, results: Mapping[Press, ContactResult]) -> xr.Dataset:
+    """Add where the von Mises stress under the scene's own surface is largest, if it asks."""
+    if scene.subsurface is None:
+        return data
+    import xarray as xr
+
+    from fem_contact.subsurface import strongest_point
+
+    names = ("von_mises", "von_mises_depth", "von_mises_x", "von_mises_y")
+    found = {("", ""): xr.Dataset(dict.fromkeys(names, np.nan))}
+    for solve in _pressed(scene, results):
+        point = strongest_point(results[solve], _response(solve), depths=_positive(scene))
+        values = (point.von_mises, point.depth, *point.place)
+        found[solve.method, grid_name(solve.grid)] = xr.Dataset(dict(zip(names, values, strict=True)))
+    data = data.assign(gather(found, solver=data.solver.values, grid=data.grid.values).data_vars)
+    return data.assign(
+        von_mises_reduced=data.von_mises / data.pressure_scale,
+        von_mises_depth_reduced=data.von_mises_depth / data.wave_short,
+        von_mises_change=data.von_mises.diff("grid", label="upper") / data.von_mises.shift(grid=1)
+        + 0 * data.von_mises,
+    )
+
+
+def _pressed(scene: Scene, results: Mapping[Press, Any]) -> list[Press]:
+    """List the solves whose pressures lie on the response of a solid: a mesh has a stress of its own."""
+    return [solve for solve in own_solves(scene, results) if solve.is_own and not solve.solver.sinks]
+
+
+def _response(solve: Press) -> Response:
+    return ContactModel.filled(solve.problem.elastic, solve.effects).felt_response
+
+
+def _positive(scene: Scene) -> tuple[float, ...] | None:
+    """Depths to search: at the surface the edges of the contact ring."""
+    assert scene.subsurface is not None
+    given = scene.subsurface.depths
+    return None if given is None else tuple(depth for depth in given if depth > 0)
+
+
+def _finest(scene: Scene, results: Mapping[Press, Any]) -> list[Press]:
+    """Return the finest of them for each method."""
+    return list({solve.method: solve for solve in _pressed(scene, results)}.values())
+
+
+def write_below(scene: Scene, results: Mapping[Press, ContactResult], folder: Path) -> Iterator[Path]:
+    """Write the fields below the finest grid of each method, where the scene asks for them."""
+    if scene.subsurface is None or not scene.subsurface.vtu:
+        return
+    from fem_contact.export import write_subsurface
+    from fem_contact.subsurface import fields_below
+
+    folder.mkdir(exist_ok=True)
+    for solve in _finest(scene, results):
+        target = folder / f"{solve.prefix}-below.vtu"
+        fields = fields_below(results[solve], _response(solve), depths=scene.subsurface.depths)
+        write_subsurface(target, fields)
+        yield target
+
+
+def planes(data: xr.Dataset, scene: Scene, results: Mapping[Press, ContactResult]) -> xr.Dataset:
+    """Add the von Mises stress over depth below the finest grid of each method: largest, and rms."""
+    if scene.subsurface is None:
+        return data
+    from fem_contact.subsurface import planes_below
+
+    rows: dict[int, list[tuple[float, float, float]]] = {}
+    for solve in _finest(scene, results):
+        under = planes_below(results[solve], _response(solve), depths=scene.subsurface.depths)
+        # A logarithmic axis has no surface.
+        rows[data.solver.values.tolist().index(solve.method)] = [
+            (p.depth or np.nan, float(p.von_mises.max()), float(np.sqrt(np.mean(p.von_mises**2))))
+            for p in under
+        ]
+    found = np.full((3, data.sizes["solver"], max(map(len, rows.values()), default=0)), np.nan)
+    for m, here in rows.items():
+        found[:, m, : len(here)] = np.transpose(here)
+    unit = float(data.pressure_scale)
+    over = ("solver", "plane")
+    return data.assign(
+        plane_depth=(over, found[0] / float(data.wave_short)),
+        plane_stress_largest=(over, found[1] / unit),
+        plane_stress_rms=(over, found[2] / unit),
+    )

@@ -1,0 +1,144 @@
+"""What passes through contact and gap of a scene, in units: read off its stored solves if it asks for it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from fem_contact.contact import ContactResult
+from validation.comparison.reductions import own_solves
+from validation.execution.press import Press
+from validation.report.estimates import error_of
+from validation.report.estimates import mean as mean_over
+from validation.scenes.problem import ContactProblem
+from validation.scenes.quantities import Leak, Quantities
+from validation.scenes.scene import Scene
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["passing"]
+
+#: What is asked of one result, and what a theory says of it: value, theory's value.
+_Read = Callable[[ContactResult], tuple[float, float]]
+
+
+def passing(
+    data: xr.Dataset, scene: Scene, problem: ContactProblem, results: Mapping[Press, ContactResult]
+) -> xr.Dataset:
+    """Add to the dataset of a scene what its table [quantities] asks for.
+
+    The set of contact is that of the solve, whatever effects made it; the current passes through homogeneous
+    half-spaces that touch there, yielded points included. Values are those of the finest grid that resolves
+    the surface, with their change from the grid before; with an ensemble means over its surfaces.
+    """
+    import xarray as xr
+
+    if scene.quantities is None or not scene.quantities.passing:
+        return data
+    own, ensemble = _ladder(scene, problem, results)
+    if not own:
+        return data.assign(passing_note="not determinable: the points of every method weigh differently")
+    for name, read, beside in _asked(scene.quantities, problem, bare=not scene.effects):
+        values = [read(results[solve]) for solve in own[-2:]]
+        (value, theory), before = values[-1], values[0][0]
+        change = abs(value - before) if len(values) > 1 and np.isfinite(value) else np.nan
+        data[name] = xr.DataArray(value)
+        data[f"{name}_error"] = error_of(data[name], grid=change)
+        if np.isfinite(theory):
+            data[f"{name}_{beside}"] = theory
+        if len(ensemble) > 1:
+            data[f"{name}_each"] = ("surface", [read(results[solve])[0] for solve in ensemble])
+            data = mean_over(data.rename({name: f"{name}_own", f"{name}_error": f"{name}_own_error"}), name)
+            share = change / value if value and np.isfinite(value) else np.nan
+            errors = data[f"{name}_error"]
+            data[f"{name}_error"] = errors.where(errors.source != "grid", share * abs(data[name]))
+    return data
+
+
+def _ladder(
+    scene: Scene, problem: ContactProblem, results: Mapping[Press, ContactResult]
+) -> tuple[list[Press], list[Press]]:
+    """Solves of the first method whose points weigh alike, coarse to fine, and those of the ensemble."""
+
+    def fine(solve: Press) -> float:
+        return problem.points_per_wave(solve.grid)
+
+    own: list[Press] = []
+    for name in scene.methods.solvers:
+        listed = [s for s in own_solves(scene, results) if s.method == name and s.is_own]
+        resolved = [s for s in listed if problem.resolved_by(s.grid)] or listed
+        own = [s for s in sorted(resolved, key=fine) if results[s].weights is None]
+        if own:
+            break
+    if scene.ensemble is None or scene.ensemble_solver is None:
+        return own, []
+    finest = max(scene.ensemble.grids, key=problem.points_per_wave)
+    return own, [
+        solve
+        for solve in results
+        if solve.method == scene.ensemble_solver.name and solve.grid == finest and solve.shift == (0.0, 0.0)
+    ]
+
+
+def _asked(
+    quantities: Quantities, problem: ContactProblem, *, bare: bool
+) -> Iterator[tuple[str, _Read, str]]:
+    """Yield name, how it is read off a result, and whose theory stands beside."""
+    if quantities.electrical is not None:
+        read = _conductance(quantities.electrical.resistivity, problem, bare=bare)
+        yield "electrical_conductance", read, "persson"
+    if quantities.thermal is not None:
+        first, second = quantities.thermal.conductivity
+        yield "thermal_conductance", _conductance((1 / first, 1 / second), problem, bare=bare), "persson"
+    if quantities.leak is not None:
+        yield "leak_rate_x", _leak(quantities.leak, "x"), "bruggeman"
+        yield "leak_rate_y", _leak(quantities.leak, "y"), "bruggeman"
+
+
+def _conductance(resistivities: tuple[float, float], problem: ContactProblem, *, bare: bool) -> _Read:
+    """Conductance per nominal area, by Barber's relation on the set of contact, yielded points included."""
+    from fem_contact.conductance import contact_conductance, frozen_contact
+    from fem_contact.response import HalfSpace
+    from persson.scale import Scale
+    from persson.separation import contact_stiffness
+
+    half_space = HalfSpace(solid=problem.elastic)
+    modulus = half_space.contact_modulus
+
+    def of(stiffness: float) -> float:
+        if np.isinf(stiffness):
+            return float("inf")
+        return contact_conductance(stiffness, contact_modulus=modulus, resistivities=resistivities)
+
+    def read(result: ContactResult) -> tuple[float, float]:
+        theory = float("nan")
+        if bare:
+            scale = Scale(problem.own_spectrum, contact_modulus=modulus)
+            theory = of(float(contact_stiffness(result.mean_pressure, scale=scale)))
+        if result.in_contact.all():
+            return float("inf"), theory
+        if not result.in_contact.any():
+            return 0.0, theory
+        conducting = replace(result, at_bound=np.zeros(result.shape, dtype=bool))
+        return of(frozen_contact(conducting, half_space).stiffness), theory
+
+    return read
+
+
+def _leak(leak: Leak, axis: Literal["x", "y"]) -> _Read:
+    """Volume per time through one period, along one axis, and what Bruggeman makes of the same gaps."""
+    from fem_contact.leak import flow_conductance, open_gap
+    from persson.leakage import effective_medium
+
+    def read(result: ContactResult) -> tuple[float, float]:
+        gap = open_gap(result)
+        along, across = result.lengths if axis == "x" else result.lengths[::-1]
+        per = leak.pressure_drop / along * across / leak.viscosity
+        medium = effective_medium(gap.ravel() ** 3 / 12, np.full(gap.size, 1 / gap.size))
+        return per * flow_conductance(gap, result.lengths, axis=axis).conductance, per * medium
+
+    return read

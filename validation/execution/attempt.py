@@ -1,0 +1,136 @@
+"""Doing one solve and storing its result: what every worker does, and what it tells."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Protocol
+
+from fem_contact.errors import FemContactError
+from validation.errors import RunFailed
+from validation.execution.provenance import Made
+from validation.execution.solve import Solve
+from validation.execution.store import Store
+from validation.files import system_words
+
+__all__ = [
+    "Outcome",
+    "Progress",
+    "Silent",
+    "attempt",
+    "attempt_in_worker",
+    "made_ready",
+    "one_blas_thread",
+    "warm_up",
+]
+
+
+class Progress(Protocol):
+    """What a run tells the person who watches it."""
+
+    def start(self, missing: tuple[Solve, ...], stored: int) -> None:
+        """Tell which solves are to be done, and how many were found finished."""
+
+    def begin(self, solve: Solve) -> None:
+        """Tell that a solve starts."""
+
+    def done(self, solve: Solve) -> None:
+        """Tell that a solve is solved and stored."""
+
+    def note(self, text: str) -> None:
+        """Tell something the user should know, such as a damaged file that was set aside."""
+
+
+class Silent:
+    """Progress that nobody watches."""
+
+    def start(self, missing: tuple[Solve, ...], stored: int) -> None:
+        """Say nothing."""
+
+    def begin(self, solve: Solve) -> None:
+        """Say nothing."""
+
+    done = begin
+
+    def note(self, text: str) -> None:
+        """Say nothing."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """How the attempt at one solve ended; the result itself is in the store.
+
+    Attributes
+    ----------
+    solve : Solve
+    error : str or None
+        Why there is no result.
+    fatal : bool
+        Whether the others need not be tried: a full disk.
+    """
+
+    solve: Solve
+    error: str | None = None
+    fatal: bool = False
+
+
+def warm_up(solves: Iterable[Solve]) -> None:
+    """Load the compiled passes of methods and effects, so that no solve is charged with it."""
+    for path, solve in {solve.code_path: solve for solve in solves}.items():
+        if path:
+            solve.warm_up()
+
+
+#: Of a worker process: code paths that it is warm for, and the solve before, whose surface may be shared.
+_warm: set[tuple[str, ...]] = set()
+_previous: list[Solve] = []
+
+
+def made_ready(solve: Solve) -> None:
+    """Load the compiled passes of a solve, in a worker process."""
+    if solve.code_path not in _warm:
+        warm_up([solve])
+        _warm.add(solve.code_path)
+
+
+def attempt_in_worker(solve: Solve, store: Store) -> Outcome:
+    """Do one solve of many on one thread, in a worker process that is ready for it."""
+    _previous[:] = [solve.after(_previous[0] if _previous else None)]
+    return attempt(_previous[0], store, threads=1)
+
+
+def attempt(solve: Solve, store: Store, *, threads: int | None = None) -> Outcome:
+    """Do one solve and store its result; what a worker does.
+
+    Parameters
+    ----------
+    solve : Solve
+    store : Store
+    threads : int, optional
+        Threads for this solve; all that there are if not given. Their number changes the result by rounding:
+        the transforms group their sums by it.
+    """
+    began = time.monotonic()
+    try:
+        # Sparse solvers gain nothing from a threaded BLAS, whose idle threads spin on cores that others need.
+        with one_blas_thread():
+            result = solve.do(threads=threads)
+        made = Made.now(threads=solve.threads_used(threads), seconds=time.monotonic() - began)
+        store.save(solve, result, made=made)
+    except (FemContactError, MemoryError) as error:
+        return Outcome(solve=solve, error=f"{solve.describe()}: {error}")
+    except RunFailed as error:
+        return Outcome(solve=solve, error=str(error), fatal=True)
+    except OSError as error:  # too many open files, no further thread: the others would meet the same
+        return Outcome(solve=solve, error=f"{solve.describe()}: {system_words(error)}", fatal=True)
+    return Outcome(solve=solve)
+
+
+def one_blas_thread() -> contextlib.AbstractContextManager[object]:
+    """Keep the dense linear algebra inside to one thread."""
+    from threadpoolctl import threadpool_limits
+
+    limits: contextlib.AbstractContextManager[object] = threadpool_limits(1, user_api="blas")
+    return limits

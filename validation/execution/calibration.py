@@ -1,0 +1,135 @@
+"""What each effect costs over a plain elastic solve: measured on this machine, or on the reference machine.
+
+``fem-contact calibrate`` measures and keeps the factors in the user's cache; `explain` and `--dry-run` use
+them, and say where they come from.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from datetime import date
+from pathlib import Path
+from types import MappingProxyType
+
+import platformdirs
+
+from validation.effects import Effect, effect_kinds
+from validation.solvers import Solver, find_solver, methods
+
+__all__ = ["EffectCosts", "cache_file", "calibrate", "effect_costs", "reference"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class EffectCosts:
+    """Processor time of a boundary-element solve with an effect over that of the plain one.
+
+    Attributes
+    ----------
+    factors : mapping of str to float
+        By the effect's kind.
+    source : str
+        Where and when they were measured, in words.
+    """
+
+    factors: Mapping[str, float]
+    source: str
+
+
+def reference() -> EffectCosts:
+    """Return what stands without a calibration of this machine: 256 x 256 points, one thread.
+
+    Adhesion's factor grows with the grid (12 on 512 x 512); that of grading, most of which is set-up, falls.
+    """
+    solvers = [method for method in methods().values() if isinstance(method, Solver)]
+    solved = {name: kind for name, kind in effect_kinds().items() if any(m.handles(kind) for m in solvers)}
+    return EffectCosts(
+        factors=MappingProxyType({name: kind.cost for name, kind in solved.items()}),
+        source="as their files say, for a virtual AMD EPYC; 'fem-contact calibrate' measures this machine",
+    )
+
+
+def cache_file() -> Path:
+    """Where this machine's factors are kept."""
+    return platformdirs.user_cache_path("fem-contact") / "effect-costs.json"
+
+
+def effect_costs() -> EffectCosts:
+    """Return this machine's factors; those of the reference machine where none, or no good ones, are kept."""
+    try:
+        kept = json.loads(cache_file().read_text(encoding="utf-8"))
+        factors = {str(kind): float(value) for kind, value in kept["factors"].items()}
+        measured_on = str(kept["date"])
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return reference()
+    measured = {name for name, kind in effect_kinds().items() if find_solver("bem").handles(kind)}
+    if set(factors) != measured or not all(math.isfinite(value) and value > 0 for value in factors.values()):
+        return reference()
+    # What boundary elements are not given is not measured.
+    known = {**reference().factors, **factors}
+    return EffectCosts(factors=MappingProxyType(known), source=f"measured on this machine, {measured_on}")
+
+
+def calibrate(
+    *, points: int = 256, repeats: int = 3, tell: Callable[[str], None] | None = None
+) -> EffectCosts:
+    """Measure the factors on this machine and keep them.
+
+    Parameters
+    ----------
+    points : int
+        Along a side of the surface.
+    repeats : int
+        Solves of each kind after the first, which compiles; the fastest counts.
+    tell : callable, optional
+        Given a line for every effect.
+
+    Raises
+    ------
+    UsageError
+        Where the cache cannot be written.
+    """
+    from validation.files import atomic_path, prepare_folder
+
+    folder = prepare_folder(cache_file().parent, option="cache")
+    seconds = _measured(points, repeats, tell)
+    plain = seconds.pop("plain")
+    factors = {kind: value / plain for kind, value in seconds.items()}
+    today = date.today().isoformat()
+    with atomic_path(folder / cache_file().name) as draft:
+        draft.write_text(json.dumps({"date": today, "points": points, "factors": factors}) + "\n")
+    return EffectCosts(factors=MappingProxyType(factors), source=f"measured on this machine, {today}")
+
+
+def _measured(points: int, repeats: int, tell: Callable[[str], None] | None) -> dict[str, float]:
+    """Processor seconds of each solve, all on one surface, grid and load, on one thread."""
+    from fem_contact.solid import Solid
+    from validation.effects.base import ContactModel
+    from validation.solvers.base import Job, example_field
+
+    field, solid, bem = example_field(points), Solid(young=1.0, poisson=0.0), find_solver("bem")
+    cases: dict[str, tuple[Effect, ...]] = {"plain": ()}
+    cases |= {name: (kind.example(1 / points),) for name, kind in effect_kinds().items()}
+    cases = {name: effects for name, effects in cases.items() if all(bem.handles(type(e)) for e in effects)}
+    seconds, pairs = dict.fromkeys(cases, math.inf), dict.fromkeys(cases, 0.0)
+    # In turns, and the least processor time counts: other processes of the machine must not decide a ratio.
+    for turn in range(repeats + 1):
+        for name, effects in cases.items():
+            job = Job(
+                field=field,
+                load={"mean_pressure": 0.005},
+                model=ContactModel.filled(solid, effects),
+                settings={"tolerance": 1e-8},
+                threads=1,
+            )
+            contact = bem.solve(job).contact.checked()
+            if turn > 0:
+                seconds[name] = min(seconds[name], contact.cost.cpu_seconds)
+                pairs[name] = contact.cost.fft_pairs
+    for name, value in seconds.items():
+        if tell is not None:
+            ratio = value / seconds["plain"]
+            tell(f"{name:10s} {value:8.3f} s, {ratio:5.2f} times plain, {pairs[name]:4.0f} FFT pairs")
+    return seconds

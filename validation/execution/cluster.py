@@ -1,0 +1,293 @@
+"""Solves on a Dask cluster, local or far away; this module alone imports distributed.
+
+Who names a scheduler trusts it: it may run what it likes in this process, as Dask's documentation says. No
+scene can name one.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import socket
+import threading
+import time
+import uuid
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from validation.errors import RunFailed, UsageError
+from validation.execution.attempt import Outcome, Progress, attempt_in_worker, made_ready
+from validation.execution.cost import too_large
+from validation.execution.pool import Again, Died, scheduled
+
+if TYPE_CHECKING:
+    from validation.execution.solve import Solve
+    from validation.execution.store import Store
+
+__all__ = ["solve_on_cluster"]
+
+#: Solves handed to the scheduler at a time, per worker: one under way and one that waits.
+_AHEAD = 2
+#: How often the cluster is looked at while nothing is finished, and after how long its silence is told [s].
+_LOOK_EVERY, _TOLD_AFTER = 1.0, 30.0
+#: How long a scheduler may take to answer at first, and how long a lost one is waited for [s].
+_CONNECTS_WITHIN, _LOST_AFTER = 30.0, 30.0
+#: How long the few words of a worker may take to come [s].
+_ANSWER_WITHIN = 5.0
+
+#: Memory limit of every worker by address; None where it has none.
+_Limits = Mapping[str, int | None]
+
+
+class _Cluster:
+    """The workers of a scheduler, which itself repeats the solve of one that dies."""
+
+    attempts, lost = 1, "its workers died again and again"
+
+    def __init__(self, client: Any, address: str, store: Store, progress: Progress, patience: float) -> None:
+        self.client, self.address, self.store = client, address, store
+        self.progress, self.patience = progress, patience
+        #: Workers that a solve may run on, by the key of its future; None for all.
+        self.allowed: dict[str, list[str] | None] = {}
+        self.limits = self._awaited_workers()
+
+    @property
+    def count(self) -> int:
+        return len(self.limits)
+
+    def room(self, solve: Solve, under_way: Sequence[Solve]) -> bool:
+        return len(under_way) < _AHEAD * self.count
+
+    def submit(self, solve: Solve) -> Any:
+        key = f"{solve.key}-{uuid.uuid4()}"
+        self.allowed[key] = _fitting(solve, self.limits)
+        return self.client.submit(_remote, solve, self.store, key=key, workers=self.allowed[key])
+
+    def finished(self, under_way: Mapping[Any, Solve]) -> list[Any]:
+        """Return what has ended; where nothing has, look whether the scheduler answers and workers live."""
+        from distributed import wait
+
+        with contextlib.suppress(Exception):  # time is over, or a future is cancelled
+            wait(list(under_way), timeout=_LOOK_EVERY, return_when="FIRST_COMPLETED")
+        ended = [future for future in under_way if future.status != "pending"]
+        if ended:
+            return ended
+        self.limits = self._awaited_workers()
+        return [future for future in under_way if self._stranded(future)]
+
+    def _stranded(self, future: Any) -> bool:
+        """Whether no worker lives that a solve may run on."""
+        allowed = self.allowed[future.key]
+        return allowed is not None and not set(allowed) & set(self.limits)
+
+    def outcome(self, future: Any, solve: Solve) -> Outcome:
+        path = self.store.path(solve)
+        if future.status == "pending":  # whatever becomes of it, it is not asked for any more
+            with contextlib.suppress(Exception):
+                future.cancel()
+            try:
+                _fitting(solve, self.limits)
+            except UsageError as error:
+                return Outcome(solve=solve, error=str(error))
+            raise Again
+        if future.status == "error":
+            raised = future.exception(timeout=_ANSWER_WITHIN)
+            if type(raised).__name__ == "KilledWorker":
+                raise Died("")
+            reason = f"{type(raised).__name__}: {raised}".splitlines()[0]
+            return Outcome(solve=solve, error=f"{solve.describe()}: {reason}")
+        if future.status != "finished":  # cancelled or lost, with the scheduler
+            self._answering()
+            raise Again
+        try:
+            problem, fatal = future.result(timeout=_ANSWER_WITHIN)
+        except Exception:  # the worker died with its answer, but what it solved may be stored
+            if path.exists():
+                return Outcome(solve=solve)
+            raise Again from None
+        if problem is None and not _visible(path):
+            return Outcome(solve=solve, error=_unshared(path), fatal=True)
+        return Outcome(solve=solve, error=problem, fatal=fatal)
+
+    def _awaited_workers(self) -> _Limits:
+        """Return the workers; wait for one while there is none, and say so."""
+        began, told = time.monotonic(), False
+        while True:
+            found = self._answering()
+            if found:
+                return found
+            waited = time.monotonic() - began
+            if waited > _TOLD_AFTER and not told:
+                # Told and looked again before giving up, even where one look took longer than the patience.
+                told = True
+                self.progress.note(
+                    f"--scheduler = {self.address!r}: no workers for {waited:.0f} s; waiting for one "
+                    f"for up to {self.patience:.0f} s"
+                )
+            elif waited > self.patience:
+                raise RunFailed(
+                    f"--scheduler = {self.address!r}: no workers for {waited:.0f} s; what is finished is "
+                    "stored: start workers (dask worker ... --nthreads 1) and give the same command again"
+                )
+            time.sleep(min(_LOOK_EVERY, self.patience / 10))
+
+    def _answering(self) -> _Limits:
+        """Return the workers of a scheduler that answers."""
+        began = time.monotonic()
+        while True:
+            try:
+                return _workers(self.client, self.address)
+            except UsageError:
+                raise
+            except Exception as error:  # Dask raises what its state makes of a lost connection
+                if self.client.status == "closed" or time.monotonic() - began > _LOST_AFTER:
+                    raise RunFailed(
+                        f"--scheduler = {self.address!r}: the scheduler is lost ({type(error).__name__}); "
+                        "what is finished is stored: start it again and give the same command"
+                    ) from None
+                time.sleep(_LOOK_EVERY)
+
+
+def solve_on_cluster(
+    solves: Sequence[Solve], store: Store, *, address: str, patience: float, progress: Progress
+) -> Iterator[Outcome]:
+    """Do solves on a Dask cluster; yield each outcome when it is known.
+
+    Workers write their results into the store themselves: its folder must be on a file system that they and
+    this machine share. The scheduler repeats the solve of a worker that dies. While there is none, one is
+    waited for, as long as the `patience` lasts [s].
+
+    Raises
+    ------
+    UsageError
+        When dask is not installed, no scheduler answers, a worker has more than one thread, or a solve fits
+        on no worker.
+    RunFailed
+        When the scheduler is lost, or there is no worker for longer than that.
+    """
+    with _connected(address) as client:
+        shared = replace(store, folder=store.folder.resolve())
+        cluster = _Cluster(client, address, shared, progress, patience)
+        for solve in solves:  # all of them are known to fit before the first is begun
+            _fitting(solve, cluster.limits)
+        yield from scheduled(solves, cluster, progress=progress)
+
+
+@contextlib.contextmanager
+def _connected(address: str) -> Iterator[Any]:
+    try:
+        from distributed import Client, Security
+    except ImportError:
+        raise UsageError(
+            f"--scheduler = {address!r}: needs Dask; install it with: pip install 'fem-contact[cluster]'"
+        ) from None
+    if Security().require_encryption and not address.startswith("tls://"):
+        raise UsageError(
+            f"--scheduler = {address!r}: Dask's configuration asks for encryption; name it as tls://host:port"
+        )
+    found: list[Any] = []
+
+    def connect() -> None:
+        try:
+            found.append(Client(address, timeout=_CONNECTS_WITHIN / 3, set_as_default=False))
+        except Exception as error:  # Dask raises what its parser makes of bytes that are no scheduler's
+            found.append(error)
+
+    with _quiet():
+        # Dask itself waits for ever for one that takes the connection and says nothing.
+        thread = threading.Thread(target=connect, daemon=True)
+        thread.start()
+        thread.join(_CONNECTS_WITHIN)
+        client = found[0] if found else TimeoutError(f"silent for {_CONNECTS_WITHIN:.0f} s")
+        if isinstance(client, Exception):
+            raise UsageError(f"--scheduler = {address!r}: {_unanswered(address, client)}")
+        try:
+            yield client
+        finally:
+            with contextlib.suppress(Exception):  # of a scheduler that is gone
+                client.close(timeout=2)
+
+
+def _unanswered(address: str, error: Exception) -> str:
+    """Say in one line why no scheduler could be reached, and what to do."""
+    reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+    if not address.startswith("tls://"):
+        return f"no scheduler answers there ({reason}); start one with: dask scheduler"
+    if isinstance(error, TypeError):  # Dask found no certificates
+        return (
+            "TLS needs certificates: name them to Dask, DASK_DISTRIBUTED__COMM__TLS__CA_FILE, "
+            "..__CLIENT__CERT and ..__CLIENT__KEY"
+        )
+    return (
+        f"no scheduler answers there ({reason}); it must be started with TLS, and both certificates signed "
+        "by the authority that the other one trusts"
+    )
+
+
+@contextlib.contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep Dask's own log off the terminal: what it means is said in a sentence."""
+    loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client", "distributed.comm")]
+    before = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, before, strict=True):
+            logger.setLevel(level)
+
+
+def _workers(client: Any, address: str) -> dict[str, int | None]:
+    """Return the memory limit of every worker by address; None where it has none."""
+    try:
+        told = client.scheduler_info(n_workers=-1)
+    except TypeError:  # before 2025, all of them without asking
+        told = client.scheduler_info()
+    if client.status != "running":
+        raise ConnectionError(client.status)
+    for name, worker in told["workers"].items():
+        if worker["nthreads"] != 1:
+            raise UsageError(
+                f"--scheduler = {address!r}: worker {name} has {worker['nthreads']} threads; start workers "
+                "with --nthreads 1, so that memory can be planned and no solve waits for another"
+            )
+    return {str(name): worker["memory_limit"] or None for name, worker in told["workers"].items()}
+
+
+def _fitting(solve: Solve, limits: _Limits) -> list[str] | None:
+    """Return the workers a solve fits on; None if on all, so that workers that come later may take it."""
+    needed = solve.predict().peak_bytes
+    fitting = [name for name, limit in limits.items() if limit is None or needed <= limit]
+    if not fitting:
+        raise UsageError(
+            too_large(solve, max(limit or 0 for limit in limits.values()), where="on any worker")
+        )
+    return None if len(fitting) == len(limits) else fitting
+
+
+def _remote(solve: Solve, store: Store) -> tuple[str | None, bool]:
+    """Do a solve in a worker; return how it ended."""
+    if not store.folder.is_dir():
+        return f"{socket.gethostname()}: {_unshared(store.folder)}", True
+    made_ready(solve)
+    outcome = attempt_in_worker(solve, store)
+    return outcome.error, outcome.fatal
+
+
+def _unshared(path: Path) -> str:
+    return (
+        f"{path}: is there for the one and not for the other of this machine and a worker; the store must "
+        "be on a file system that they share (--store)"
+    )
+
+
+def _visible(path: Path) -> bool:
+    """Whether a file is there, allowing a network file system a few seconds."""
+    for _ in range(20):
+        if path.exists():
+            return True
+        time.sleep(0.25)
+    return False

@@ -1,0 +1,66 @@
+"""What a solve will cost, in seconds and bytes, predicted before it is done."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from validation.execution.solve import Solve
+
+if TYPE_CHECKING:
+    from validation.effects.base import Effect
+
+__all__ = ["available_memory", "dearer_by", "memory_words", "too_large", "transform_seconds"]
+
+
+def transform_seconds(n: int = 256) -> float:
+    """Median time of a pair of real n x n transforms on this machine, on one thread [s]."""
+    import scipy.fft
+
+    field = np.random.default_rng(5).random((n, n))
+    times = []
+    for _ in range(5):
+        start = time.perf_counter()
+        scipy.fft.irfft2(scipy.fft.rfft2(field), s=(n, n))
+        times.append(time.perf_counter() - start)
+    return sorted(times)[2]
+
+
+def available_memory() -> int:
+    """Bytes that solves may take on this machine: nine tenths of what is free now."""
+    import psutil
+
+    return int(0.9 * psutil.virtual_memory().available)
+
+
+def memory_words(size: float) -> str:
+    """Return an amount of memory in words.
+
+    >>> memory_words(3 * 2**20), memory_words(2.5 * 2**30)
+    ('3 MiB', '2.5 GiB')
+    """
+    return f"{size / 2**30:.3g} GiB" if size >= 2**30 else f"{size / 2**20:.3g} MiB"
+
+
+def too_large(solve: Solve, limit: int, *, where: str = "here") -> str:
+    """Say that a solve does not fit into memory, and what to do."""
+    needed = solve.predict().peak_bytes
+    return (
+        f"{solve.describe()}: needs about {memory_words(needed)} and {where} {memory_words(limit)} are free "
+        "for it; "
+        "leave the grid out, run it on a larger machine, or raise the limit with --memory"
+    )
+
+
+def dearer_by(effects: Sequence[Effect]) -> float:
+    """Time of a boundary-element solve with effects over that of a plain one, on this machine."""
+    if not effects:
+        return 1.0
+    from validation.execution.calibration import effect_costs
+
+    factors = effect_costs().factors
+    return math.prod(factors[effect.kind] for effect in effects)

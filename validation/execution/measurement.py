@@ -1,0 +1,217 @@
+"""A measurement: a function of plain arguments whose every call is a solve, stored under a digest of these.
+
+::
+
+    @measurement("leak-{size}", kind="LeakMeasurement", words="leak", seconds=lambda points: 2e-6 * points)
+    def leaks(*, problem: ContactProblem, grid: Grid, areas: tuple[float, ...]) -> xr.Dataset: ...
+
+    case = leaks(problem=first, grid=(64, 64), areas=(0.1,))  # nothing is measured yet
+    numbers = bench.solve([case])[case]
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from functools import cached_property, update_wrapper
+from typing import TYPE_CHECKING, Any, Generic, ParamSpec, cast
+
+from pydantic import BaseModel
+
+from validation.execution.solve import LOCATED_EDGES, NumbersSolve, Prediction
+from validation.scenes.problem import ContactProblem
+from validation.solvers import find_solver
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Call", "Measurement", "measurement"]
+
+P = ParamSpec("P")
+
+#: A method, its settings and the effects that it is to be warmed up with.
+Compiled = tuple[tuple[str, Mapping[str, Any], tuple[Any, ...]], ...]
+
+
+class Measurement(Generic[P]):
+    """A function that solves and keeps numbers; called, it gives the solve.
+
+    Attributes
+    ----------
+    function : callable
+        Of hashable keyword arguments, to a dataset.
+    name, words : str
+        How names on disk begin, and what it is in a progress bar; with arguments, and ``{size}``, in braces.
+    kind : str
+        Of its results: with the arguments it determines the name on disk.
+    seconds : callable
+        Predicted time of a solve on one thread [s].
+    bytes : int
+        Of memory for each grid point.
+    predict : callable
+        `Prediction` in place of both.
+    located, version
+        Whether it keeps a located area, and the version of what is read off, in the recipe unless it is 0.
+    recipe : callable
+        Makes of the usual recipe, ``made``, that of this measurement.
+    compiled : callable
+        Methods whose compiled passes it runs through; plain boundary elements if not given.
+
+    Notes
+    -----
+    Callables are given those of the arguments that they name, and ``points``, those of the finest grid.
+    """
+
+    def __init__(
+        self,
+        function: Callable[P, xr.Dataset],
+        *,
+        name: str | Callable[..., str],
+        kind: str,
+        words: str,
+        seconds: Callable[..., float] = lambda: 0.0,
+        bytes: int = 0,
+        predict: Callable[..., Prediction] | None = None,
+        located: bool = False,
+        version: int = 0,
+        recipe: Callable[..., dict[str, Any]] = lambda made: made,
+        compiled: Callable[..., Compiled] = lambda: (("bem", {}, ()),),
+    ) -> None:
+        self.function, self.name, self.kind, self.words = function, name, kind, words
+        self.seconds, self.bytes, self.predict = seconds, bytes, predict
+        self.located, self.version, self.recipe, self.compiled = located, version, recipe, compiled
+        update_wrapper(self, function)
+
+    def __call__(self, *args: P.args, **kwargs: P.kwargs) -> Call:
+        """Return the solve of these arguments."""
+        bound = inspect.signature(self.function).bind(*args, **kwargs)
+        bound.apply_defaults()
+        return Call(measurement=self, arguments=tuple(bound.arguments.items()))
+
+    def __reduce__(self) -> str:
+        """Travel by name."""
+        return str(self.__qualname__)  # type: ignore[attr-defined]
+
+
+def measurement(
+    name: str | Callable[..., str], *, kind: str, words: str, **about: Any
+) -> Callable[[Callable[P, xr.Dataset]], Measurement[P]]:
+    """Make a `Measurement` of a function; see there for what else is said about it."""
+    return lambda function: Measurement(function, name=name, kind=kind, words=words, **about)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Call(NumbersSolve):
+    """A measurement with its arguments: the key of its own result."""
+
+    measurement: Measurement[Any]
+    arguments: tuple[tuple[str, Any], ...]
+
+    def __getitem__(self, name: str) -> Any:
+        return dict(self.arguments)[name]
+
+    def but(self, **others: Any) -> Call:
+        """Return the same with other arguments."""
+        return self.measurement(**{**dict(self.arguments), **others})
+
+    def measure(self) -> xr.Dataset:
+        """Solve, and keep the numbers."""
+        dataset: xr.Dataset = self.measurement.function(**dict(self.arguments))
+        return dataset
+
+    @property
+    def finest(self) -> tuple[int, ...]:
+        """The finest of its grids."""
+        given = dict(self.arguments)
+        if "grids" in given:
+            finest: tuple[int, ...] = max(given["grids"])
+            return finest
+        return tuple(given.get("grid") or 2 * (given["points"],))
+
+    @property
+    def recipe(self) -> dict[str, Any]:
+        """What is pressed, and every other argument that is not None, as JSON has it."""
+        made: dict[str, Any] = {}
+        for name, value in self.arguments:
+            if isinstance(value, ContactProblem):
+                made |= value.recipe
+            elif name == "grid":
+                made["points"] = value[0] if value[0] == value[1] else list(value)
+            elif value is not None:
+                made[name] = dict(value) if name == "settings" else _plain(value)
+        made |= {"edges": LOCATED_EDGES} if self.measurement.located else {}
+        made |= {"version": self.measurement.version} if self.measurement.version else {}
+        return cast("dict[str, Any]", self._asked(self.measurement.recipe, made=made))
+
+    @property
+    def kind(self) -> str:
+        """That of the measurement."""
+        return self.measurement.kind
+
+    @property
+    def prefix(self) -> str:
+        """Readable start of the name on disk."""
+        return self._formatted(self.measurement.name)
+
+    def describe(self) -> str:
+        """Return a few words for a progress bar."""
+        text = f"{self._formatted(self.measurement.words)} {'x'.join(map(str, self.finest))}"
+        problem = dict(self.arguments).get("problem")
+        if problem is None:
+            return text
+        hurst = getattr(problem.surface, "hurst", None)
+        kind = "" if hurst is None else f"H = {hurst:g}, "
+        kind += f"nu = {problem.solid.poisson:g}"
+        return f"{text}, {kind}, surface {problem.realisation + 1}{' (-h)' if problem.inverted else ''}"
+
+    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
+        """Predict from the number of points, or as the measurement says."""
+        about, points = self.measurement, math.prod(self.finest)
+        if about.predict is not None:
+            return cast("Prediction", self._asked(about.predict, points=points, pair_seconds=pair_seconds))
+        seconds = self._asked(about.seconds, points=points)
+        return Prediction(seconds=seconds, peak_bytes=about.bytes * points, unknowns=points)
+
+    @cached_property
+    def _compiled(self) -> Compiled:
+        return cast("Compiled", self._asked(self.measurement.compiled))
+
+    @property
+    def code_path(self) -> tuple[str, ...]:
+        """Each method, its variant, kinds of effects."""
+        return tuple(
+            part
+            for method, settings, effects in self._compiled
+            for part in (method, find_solver(method).variant(settings), *sorted(one.kind for one in effects))
+        )
+
+    def warm_up(self) -> None:
+        """Let the methods run through their compiled passes."""
+        for method, settings, effects in self._compiled:
+            find_solver(method).rehearse(effects, settings)
+
+    def _asked(self, of: Callable[..., Any], **more: Any) -> Any:
+        """Call with those of the arguments that are named."""
+        known = {**dict(self.arguments), **more}
+        return of(**{name: known[name] for name in inspect.signature(of).parameters})
+
+    def _formatted(self, text: str | Callable[..., str]) -> str:
+        if not isinstance(text, str):
+            return str(self._asked(text))
+        size = self.finest
+        square = len(set(size)) == 1 and "grids" not in dict(self.arguments)
+        said = str(size[0]) if square else "x".join(map(str, size))
+        return text.format(size=said, **dict(self.arguments))
+
+
+def _plain(value: Any) -> Any:
+    """Return a value as JSON has it."""
+    if isinstance(value, tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, BaseModel):
+        return value.model_dump(mode="json", exclude_none=True)
+    if is_dataclass(value):
+        return {part.name: _plain(getattr(value, part.name)) for part in fields(value) if part.init}
+    return value

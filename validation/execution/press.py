@@ -1,0 +1,216 @@
+"""One solve of a scene: a method presses one realisation of the surface on one grid; its fields are kept."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fem_contact.contact import ContactResult
+from validation.effects.base import ContactModel
+from validation.execution.cost import dearer_by
+from validation.execution.solve import Prediction, Solve
+from validation.files import atomic_path
+from validation.scenes.problem import ContactProblem, realise
+from validation.scenes.scene import EffectSpec, Scene
+from validation.solvers import find_solver
+from validation.solvers.base import Grid, Job, Settings, Shift, Size, Solved, Solver
+
+if TYPE_CHECKING:
+    from fem_contact.surface import HeightField
+
+__all__ = ["Press", "solves_of"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Press(Solve):
+    """One solve: a method, one realisation of the surface on one grid, a solid and a load.
+
+    Attributes
+    ----------
+    method : str
+        Name of a solver.
+    grid : tuple of int
+    shift : tuple of float
+        Sub-grid shift of the surface, in parts of a cell.
+    problem : ContactProblem
+        Surface, solid and load.
+    settings : tuple of (str, value)
+        What else the method was told, such as its tolerance; only what was said.
+    effects : tuple
+    """
+
+    method: str
+    grid: Grid
+    shift: Shift = (0.0, 0.0)
+    problem: ContactProblem
+    settings: Settings = ()
+    effects: tuple[EffectSpec, ...] = ()
+
+    @property
+    def solver(self) -> Solver:
+        """The method."""
+        return find_solver(self.method)
+
+    @property
+    def realisation(self) -> int:
+        """Which surface of the spectrum it is."""
+        return self.problem.realisation
+
+    @property
+    def is_own(self) -> bool:
+        """Whether it presses the scene's own surface where it stands."""
+        return self.realisation == 0 and self.shift == (0.0, 0.0)
+
+    @cached_property
+    def recipe(self) -> dict[str, Any]:
+        """Everything that determines the result, as JSON-ready data, and nothing else."""
+        return {
+            "method": self.method,
+            "grid": list(self.grid),
+            "shift": list(self.shift),
+            **self.problem.recipe,
+            "settings": dict(self.settings),
+            "effects": [effect.model_dump(mode="json", exclude_none=True) for effect in self.effects],
+        }
+
+    @cached_property
+    def key(self) -> str:
+        """Name on disk, made once."""
+        return super().key
+
+    @property
+    def prefix(self) -> str:
+        """Method and grid."""
+        return f"{self.method}-{self.grid[0]}x{self.grid[1]}"
+
+    @property
+    def label(self) -> str:
+        """Method and grid, as tables and figures call them."""
+        return f"{self.solver.label} {self.grid[0]} x {self.grid[1]}"
+
+    def describe(self) -> str:
+        """Return a few words for a progress bar."""
+        text = f"{self.solver.label} {self.grid[0]}x{self.grid[1]}"
+        if self.realisation:
+            text += f", surface {self.realisation + 1}"
+        if self.problem.inverted:
+            text += ", inverted"
+        if self.shift != (0.0, 0.0):
+            text += f", shift ({self.shift[0]:g}, {self.shift[1]:g})"
+        return text
+
+    def height_field(self) -> HeightField:
+        """Return the heights that are pressed."""
+        field = self.problem.heights(self.grid, self.shift)
+        for effect in self.effects:
+            field = effect.shaped(field)
+        return field
+
+    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
+        """Predict from the sizes of grid and mesh, and what the effects cost on this machine."""
+        cost = self.solver.cost(
+            Size(
+                grid=self.grid,
+                lengths=self.problem.lengths,
+                settings=dict(self.settings),
+                effects=self.effects,
+                dearer=dearer_by(self.effects),
+            )
+        )
+        return Prediction(
+            seconds=cost.pairs * pair_seconds, peak_bytes=cost.peak_bytes, unknowns=cost.unknowns
+        )
+
+    def do(self, *, threads: int | None = None) -> Solved:
+        """Solve; what comes of it can be used.
+
+        Raises
+        ------
+        FemContactError
+            When the solve failed.
+        """
+        problem = self.problem
+        solved = self.solver.solve(
+            Job(
+                field=self.height_field(),
+                load=problem.load.held or {"mean_pressure": problem.pressure},
+                model=ContactModel.filled(problem.elastic, self.effects),
+                settings=dict(self.settings),
+                threads=threads,
+            )
+        )
+        solved.contact.checked()
+        return solved
+
+    def encode(self, result: Solved) -> memoryview:
+        """Return fields and provenance."""
+        from validation.execution.fields import encode_result
+
+        return encode_result(result.contact, recipe=self.recipe_text)
+
+    def decode(self, content: memoryview) -> ContactResult:
+        """Read fields and provenance."""
+        from validation.execution.fields import decode_result
+
+        return decode_result(content)
+
+    @property
+    def has_block(self) -> bool:
+        """Whether a deformed block is exported beside the result."""
+        return self.solver.has_block(dict(self.settings))
+
+    def block_file(self, folder: Path) -> Path:
+        """Where the deformed block of a finite-element solve is exported to."""
+        return folder / f"{self.key}.vtu"
+
+    def written_beside(self, result: Solved, folder: Path) -> None:
+        """Export the deformed block, where the method holds one."""
+        if result.block is not None and self.has_block:
+            from fem_contact.export import write_block
+
+            with atomic_path(self.block_file(folder)) as draft:
+                write_block(draft, result.block)
+
+    @property
+    def code_path(self) -> tuple[str, ...]:
+        """Method, its variant, kinds of effects."""
+        variant = self.solver.variant(dict(self.settings))
+        return (self.method, variant, *sorted(effect.kind for effect in self.effects))
+
+    def warm_up(self) -> None:
+        """Let the method run through its compiled passes."""
+        self.solver.rehearse(self.effects, dict(self.settings))
+
+    def after(self, previous: Solve | None) -> Press:
+        """Share the surface of the previous solve, if it is the same one."""
+        shared = getattr(previous, "problem", None)
+        return replace(self, problem=shared) if shared == self.problem else self
+
+
+def solves_of(scene: Scene, problem: ContactProblem | None = None) -> tuple[Press, ...]:
+    """List the solves of a scene, coarse grids first; one that is asked for twice is listed once.
+
+    Parameters
+    ----------
+    scene : Scene
+    problem : ContactProblem, optional
+        What the scene asks for, where it has been made already.
+    """
+    own = problem or realise(scene)
+    found: list[Press] = []
+    for name, solver in scene.methods.solvers.items():
+        options = scene.methods.options(name)
+        told: dict[str, Any] = {
+            "method": name,
+            "settings": solver.settings(options),
+            "effects": scene.effects,
+        }
+        for grid, shift in solver.places(options):
+            found.append(Press(grid=grid, shift=shift, problem=own, **told))
+        if scene.ensemble is not None and solver is scene.ensemble_solver:
+            for k, grid in product(range(scene.ensemble.realisations), sorted(scene.ensemble.grids)):
+                found.append(Press(grid=grid, problem=own.further(k), **told))
+    return tuple({solve.key: solve for solve in found}.values())

@@ -1,0 +1,170 @@
+"""What any act leaves in its folder: one dataset, and one record that says what it is and what it is of.
+
+The record, ``result.json``, carries a SHA-256 of itself and of the dataset, ``data.nc``. Whoever reads
+numbers of a folder (report, compare, notebook) reads them here; tables, figures and summary are made of
+them and never read.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from validation.errors import RunFailed, UsageError
+from validation.execution.store import read_numbers, write_numbers
+from validation.files import read_record, read_whole, write_record
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "DATA",
+    "RECORD",
+    "Result",
+    "asked_of",
+    "check_results",
+    "clear_results",
+    "holds_result",
+    "read_results",
+    "write_results",
+]
+
+RECORD, DATA = "result.json", "data.nc"
+_FORMAT = "fem-contact result 1"
+#: Records of earlier versions.
+_EARLIER = ("run.json", "sweep.json", "study.json", "accuracy.json")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Result:
+    """What a results folder holds.
+
+    Attributes
+    ----------
+    kind : str
+        "run", "theory", "sweep", "study" or "accuracy".
+    name : str
+        Of the scene or study.
+    asked : mapping
+        Everything that was asked for, ready for JSON.
+    store : Path
+        Where its solves are.
+    data : xarray.Dataset
+    words : tuple of str
+        What a reader should know of what was asked.
+    """
+
+    kind: str
+    name: str
+    asked: Mapping[str, Any]
+    store: Path
+    data: xr.Dataset
+    words: tuple[str, ...] = ()
+
+
+def write_results(
+    folder: Path,
+    data: xr.Dataset,
+    *,
+    kind: str,
+    name: str,
+    asked: Mapping[str, Any],
+    store: Path,
+    words: Sequence[str] = (),
+) -> Result:
+    """Write dataset and record of an act into its folder; see `Result`."""
+    said = {
+        "format": _FORMAT,
+        "kind": kind,
+        "name": name,
+        "asked": dict(asked),
+        "words": list(words),
+        "store": os.path.relpath(store.resolve(), folder.resolve()),
+    }
+    clear_results(folder)
+    write_numbers(folder / DATA, data, recipe=said)
+    write_record(folder / RECORD, {**said, "data": _digest(folder)})
+    return Result(kind=kind, name=name, asked=asked, store=store, data=data, words=tuple(words))
+
+
+def clear_results(folder: Path) -> None:
+    """Take dataset and record out of a folder, and records of earlier versions."""
+    for name in (*_EARLIER, RECORD, DATA):
+        (folder / name).unlink(missing_ok=True)
+
+
+def _digest(folder: Path) -> str:
+    return hashlib.sha256(read_whole(folder / DATA)).hexdigest()
+
+
+def _record(folder: Path) -> Mapping[str, Any]:
+    """Return the record of a folder if it is sound and of this version, else nothing."""
+    try:
+        said: Mapping[str, Any] = read_record(folder / RECORD)
+    except (OSError, ValueError):
+        return {}
+    return said if said.get("format") == _FORMAT else {}
+
+
+def holds_result(folder: Path, kind: str = "") -> bool:
+    """Whether a folder holds a record that is sound, of this kind if one is named."""
+    said = _record(folder)
+    return bool(said) and kind in ("", said["kind"])
+
+
+def asked_of(folder: Path) -> Any:
+    """Return what was asked for where a folder holds a record that is sound, else None."""
+    return _record(folder).get("asked")
+
+
+def read_results(folder: Path) -> Result:
+    """Return what a folder holds, verified.
+
+    Raises
+    ------
+    UsageError
+        For a folder that holds no finished results of this version, with what to do.
+    """
+    try:
+        said = read_record(folder / RECORD)
+        if said["format"] != _FORMAT:
+            raise ValueError(f"{RECORD} is not of this version")
+        if said["data"] != _digest(folder):
+            raise ValueError(f"{DATA}: damaged: it is not what {RECORD} was written for")
+        return Result(
+            kind=said["kind"],
+            name=said["name"],
+            asked=said["asked"],
+            store=(folder / said["store"]).resolve(),
+            data=read_numbers(folder / DATA),
+            words=tuple(said["words"]),
+        )
+    except RunFailed as error:
+        raise UsageError(str(error)) from None
+    except FileNotFoundError as error:
+        old = next((name for name in _EARLIER if (folder / name).exists()), "")
+        why = f"{old} is of an earlier version" if old else f"no {Path(error.filename).name} in it"
+        raise UsageError(f"{folder}: holds no finished results ({why}); run it again") from None
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise UsageError(f"{folder}: holds no finished results ({error}); run it again") from None
+
+
+def check_results(folder: Path) -> None:
+    """Refuse a folder that holds no results, and name those beside it that do.
+
+    Raises
+    ------
+    UsageError
+    """
+    if any((folder / name).exists() for name in (RECORD, *_EARLIER)):
+        return
+    places = {path.parent for place in (folder.parent, Path("results")) for path in place.glob(f"*/{RECORD}")}
+    found = sorted(map(str, places))
+    raise UsageError(
+        f"{folder}: holds no results ({RECORD}): run a scene or study first; results are in "
+        + (", ".join(found[:12]) + (", ..." if len(found) > 12 else "") if found else "no folder here")
+    )

@@ -1,0 +1,210 @@
+"""Solving what is not stored yet: in this process, on local workers, or on a cluster."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from validation.errors import RunFailed, UsageError
+from validation.execution.attempt import Outcome, Progress, Silent, attempt, warm_up
+from validation.execution.cost import available_memory, too_large
+from validation.execution.provenance import Made
+from validation.execution.solve import Solve
+from validation.execution.store import Store, Stored
+from validation.files import prepare_folder, sync_folder
+
+__all__ = ["Execution", "Solves", "solve_all"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Execution:
+    """Where solves run.
+
+    Attributes
+    ----------
+    workers : int
+        1: in this process, with all its threads. More: that many processes of one thread each.
+    scheduler : str or None
+        Address of a Dask scheduler, which then does the work; its workers write into the same store.
+    memory : int or None
+        Bytes that all solves running at a time may take together; what is free on this machine if not given.
+    patience : float
+        How long to wait for a worker of the scheduler while there is none [s]; hours where they queue.
+    """
+
+    workers: int = 1
+    scheduler: str | None = None
+    memory: int | None = None
+    patience: float = 300.0
+
+    def __post_init__(self) -> None:
+        if self.workers < 1:
+            raise UsageError(f"workers = {self.workers}: must be at least 1")
+        if self.scheduler is not None and self.workers != 1:
+            raise UsageError(
+                f"workers = {self.workers}: cannot be combined with a scheduler, which has workers of its own"
+            )
+
+    def allowed_memory(self) -> int:
+        """Return the bytes that solves may take together."""
+        return available_memory() if self.memory is None else self.memory
+
+
+#: Results that are held in memory after they were read, in all.
+_HELD_BYTES = 2**29
+#: Syncing a folder takes some milliseconds, as long as a small solve [s].
+_SYNCED_EVERY = 1.0
+
+
+class Solves(Mapping[Any, Any]):
+    """Results by solve, fields or numbers; each is read once, when asked for, while memory lasts.
+
+    Attributes
+    ----------
+    solves : tuple of Solve
+        In the order they were asked for.
+    store : Store
+    solved : int
+        How many were solved now; the others were found finished.
+    failures : dict
+        Of those that failed, which are not among the others, why and what to do; where that is no end.
+    how : dict
+        How each that was read was made, by its key.
+    """
+
+    def __init__(self, solves: tuple[Solve, ...], store: Store) -> None:
+        self.solves, self.store, self.solved = solves, store, 0
+        self.failures: dict[Any, str] = {}
+        self.how: dict[str, Made] = {}
+        self._held: dict[str, Stored] = {}
+        self._free = _HELD_BYTES
+
+    def read(self, solve: Solve, *, on_damage: Callable[[str], None] | None = None) -> Stored | None:
+        """Read a result and how it was made; None where none is stored. See `Store.read`."""
+        found = self._held.get(solve.key) or self.store.read(solve, on_damage=on_damage)
+        if found is not None and solve.key not in self._held:
+            self.how[solve.key] = found.made
+            size = 3 * found.size  # files of mostly zeros take more in memory than on disk
+            if size <= self._free:
+                self._held[solve.key] = found
+                self._free -= size
+        return found
+
+    def __getitem__(self, solve: Solve) -> Any:
+        """Read a result from the store."""
+        found = self.read(solve)
+        if found is None:
+            raise RunFailed(f"{solve.describe()}: no intact result in {self.store.folder}; run it again")
+        return found.result
+
+    def made(self) -> tuple[Made, ...]:
+        """Return how each was made, for `made_words`."""
+        for solve in self.solves:
+            if solve.key not in self.how:
+                self[solve]
+        return tuple(self.how[solve.key] for solve in self.solves)
+
+    def __iter__(self) -> Iterator[Solve]:
+        """Solves in the order they were asked for."""
+        return iter(self.solves)
+
+    def __len__(self) -> int:
+        """Count the solves."""
+        return len(self.solves)
+
+
+def solve_all(
+    solves: Iterable[Solve],
+    store: Store,
+    *,
+    progress: Progress | None = None,
+    execution: Execution | None = None,
+    despite_failures: bool = False,
+) -> Solves:
+    """Solve and store what is not stored yet; return all results.
+
+    Each result is on disk as soon as its solve ends, written by whoever solved it: an interruption loses at
+    most the solves under way. A solve that fails does not keep the others from being done; with
+    `despite_failures` it is named beside their results, unless nothing has one.
+
+    Raises
+    ------
+    UsageError
+        For a solve that does not fit into memory, or a scheduler that does not answer, before anything runs.
+    RunFailed
+        When solves failed, naming them, or the disk is full.
+    """
+    execution, progress = execution or Execution(), progress or Silent()
+    results = Solves(tuple({solve.key: solve for solve in solves}.values()), store)
+    missing = tuple(solve for solve in results if results.read(solve, on_damage=progress.note) is None)
+    if execution.scheduler is None:
+        _refuse_too_large(missing, execution)
+    if missing:  # a store that holds everything may be read-only
+        prepare_folder(store.folder, option="--store")
+    progress.start(missing, len(results) - len(missing))
+    failures, synced = [], time.monotonic()
+    try:
+        for outcome in _outcomes(missing, store, execution, progress):
+            if outcome.fatal:
+                raise RunFailed(outcome.error)
+            if outcome.error is not None:
+                failures.append(outcome)
+                continue
+            if time.monotonic() - synced > _SYNCED_EVERY:  # the disk keeps the names of what is finished
+                sync_folder(store.folder)
+                synced = time.monotonic()
+            progress.done(outcome.solve)
+    finally:
+        sync_folder(store.folder)
+    if failures and not (despite_failures and len(failures) < len(results)):
+        raise RunFailed(_failed(failures, len(missing)))
+    failed = {outcome.solve.key: str(outcome.error) for outcome in failures}
+    results.failures = {solve: failed[solve.key] for solve in results if solve.key in failed}
+    results.solves = tuple(solve for solve in results if solve.key not in failed)
+    results.solved = len(missing) - len(failed)
+    return results
+
+
+def _outcomes(
+    solves: tuple[Solve, ...], store: Store, execution: Execution, progress: Progress
+) -> Iterator[Outcome]:
+    if not solves:
+        return iter(())
+    if execution.scheduler is not None:
+        from validation.execution.cluster import solve_on_cluster
+
+        return solve_on_cluster(
+            solves, store, address=execution.scheduler, patience=execution.patience, progress=progress
+        )
+    if execution.workers > 1:
+        from validation.execution.pool import solve_in_processes
+
+        told: dict[str, Any] = {"workers": execution.workers, "memory": execution.allowed_memory()}
+        return solve_in_processes(solves, store, progress=progress, **told)
+    return _in_this_process(solves, store, progress)
+
+
+def _in_this_process(solves: Sequence[Solve], store: Store, progress: Progress) -> Iterator[Outcome]:
+    warm_up(solves)
+    previous: Solve | None = None
+    for solve in solves:
+        progress.begin(solve)
+        previous = solve.after(previous)
+        yield attempt(previous, store)
+
+
+def _failed(failures: Sequence[Outcome], tried: int) -> str:
+    if len(failures) == 1 == tried:
+        return str(failures[0].error)
+    lines = "\n".join(f"  {failure.error}" for failure in failures[:10])
+    more = f"\n  and {len(failures) - 10} more" if len(failures) > 10 else ""
+    return f"{len(failures)} of {tried} solves failed, the others are stored:\n{lines}{more}"
+
+
+def _refuse_too_large(solves: Sequence[Solve], execution: Execution) -> None:
+    limit = execution.allowed_memory()
+    largest = max(solves, key=lambda solve: solve.predict().peak_bytes, default=None)
+    if largest is not None and largest.predict().peak_bytes > limit:
+        raise UsageError(too_large(largest, limit))

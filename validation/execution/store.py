@@ -1,0 +1,277 @@
+"""Results on disk: one sealed file for each finished solve, written whole, verified when read."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import hashlib
+import json
+import os
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from fem_contact.contact import ContactResult
+from validation.errors import RunFailed, UsageError
+from validation.execution.checksum import Damaged, Sealed, seal, unseal
+from validation.execution.cost import available_memory
+from validation.execution.netcdf import dataset_bytes, read_dataset
+from validation.execution.provenance import Made
+from validation.execution.solve import Solve
+from validation.files import read_whole, write_whole
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Checked", "Store", "Stored", "check_store", "read_numbers", "read_result", "write_numbers"]
+
+_Content = TypeVar("_Content")
+
+_SUFFIX = ".nc"
+_ASIDE = ".nc.corrupt"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Stored:
+    """A result that was read, how it was made, and the size of its file in bytes."""
+
+    result: Any
+    made: Made
+    size: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Store:
+    """The folder of finished solves; a file is there whole or not at all.
+
+    Who may write to the folder is believed: the seal of a file shows damage and mistakes, not malice.
+    """
+
+    folder: Path
+
+    def path(self, solve: Solve) -> Path:
+        """Return where the result of a solve is, or will be."""
+        return self.folder / f"{solve.key}{_SUFFIX}"
+
+    def save(self, solve: Solve, result: Any, *, made: Made | None = None) -> None:
+        """Write a finished solve, and what belongs beside it.
+
+        Parameters
+        ----------
+        solve : Solve
+        result : object
+            What `do` returned.
+        made : Made, optional
+            How it was made; in this process and in no time if not given.
+
+        Raises
+        ------
+        NotWritten
+            When the system refuses it: a full disk, a folder that is gone.
+        """
+        solve.written_beside(result, self.folder)
+        try:
+            content = solve.encode(result)
+        except (OSError, RuntimeError) as error:  # in memory, where nothing else can fail it
+            raise RunFailed(
+                f"{solve.describe()}: memory does not suffice to store it ({error}); name fewer "
+                "--workers, or a smaller --memory"
+            ) from error
+        made = made or Made.now(threads=solve.threads_used(None), seconds=0.0)
+        # The folder is synced by who collects the outcomes: a name lost with the power is a solve to repeat.
+        write_whole(self.path(solve), (content, seal(content, recipe=solve.recipe_text, made=made.as_json())))
+
+    def read(self, solve: Solve, *, on_damage: Callable[[str], None] | None = None) -> Stored | None:
+        """Read a finished solve and how it was made; None if there is none.
+
+        A file that is damaged, or of another recipe than its name says, is set aside as `*.corrupt`, counts
+        as none, and is told to `on_damage` in a sentence.
+
+        Raises
+        ------
+        RunFailed
+            For a file that is there and cannot be read: another user's, a link, memory that does not suffice.
+            It stays where it is.
+        """
+        path = self.path(solve)
+        try:
+            data = _bytes_of(path)
+            if data is None:
+                return None
+            sealed = _verified(path, data)
+        except Damaged as damage:
+            _set_aside(path, damage, tell=on_damage)
+            return None
+        try:
+            return Stored(result=solve.decode(sealed.content), made=Made(**sealed.made), size=len(data))
+        except (MemoryError, OSError) as error:
+            raise RunFailed(f"{path}: intact, but memory does not suffice to read it ({error})") from None
+        except Exception as error:
+            raise RunFailed(
+                f"{path}: intact, but not what this version writes ({type(error).__name__}: {error}); name "
+                "another store, or move it away"
+            ) from error
+
+    def load(self, solve: Solve, *, on_damage: Callable[[str], None] | None = None) -> Any:
+        """Read the result of a finished solve, as `read` does; None if there is none."""
+        stored = self.read(solve, on_damage=on_damage)
+        return None if stored is None else stored.result
+
+    def holds(self, solve: Solve, *, on_damage: Callable[[str], None] | None = None) -> bool:
+        """Whether an intact result of the solve is stored."""
+        return self.read(solve, on_damage=on_damage) is not None
+
+
+def read_result(path: Path) -> ContactResult:
+    """Read the fields of a stored solve by the name of its file.
+
+    Raises
+    ------
+    RunFailed
+        When there is none, or it is damaged.
+    """
+    from validation.execution.fields import decode_result
+
+    return _content_of(path, decode_result)
+
+
+def write_numbers(path: Path, data: xr.Dataset, *, recipe: Mapping[str, Any]) -> None:
+    """Write the numbers of a study or a sweep, sealed: netCDF that shows every change since."""
+    content = dataset_bytes(data)
+    made = Made.now(threads=1, seconds=0.0).as_json()
+    write_whole(path, (content, seal(content, recipe=json.dumps(recipe), made=made)))
+
+
+def read_numbers(path: Path) -> xr.Dataset:
+    """Return what `write_numbers` wrote, verified before it is parsed.
+
+    Raises
+    ------
+    RunFailed
+        When there is none, or it is damaged.
+    """
+    return _content_of(path, read_dataset)
+
+
+def _content_of(path: Path, decode: Callable[[memoryview], _Content]) -> _Content:
+    """Verify a file that must be there, and decode its content."""
+    try:
+        data = _bytes_of(path)
+        if data is None:
+            raise RunFailed(f"{path}: is not there; run it again")
+        return decode(unseal(data).content)
+    except Damaged as damage:
+        raise RunFailed(f"{path}: damaged: {damage}; run it again") from None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Checked:
+    """What was found of one file of a store.
+
+    Attributes
+    ----------
+    path : Path
+    size : int
+        Bytes.
+    problem : str or None
+        What is wrong with it; None if it is intact.
+    damaged : bool
+        Whether it holds no result; otherwise a problem is that it could not be read.
+    made : Made or None
+    recipe : str or None
+    """
+
+    path: Path
+    size: int = 0
+    problem: str | None = None
+    damaged: bool = False
+    made: Made | None = None
+    recipe: str | None = None
+
+
+def check_store(folder: Path, *, set_aside: bool = False) -> Iterator[Checked]:
+    """Verify every result in a folder: its digest, and that its name is that of its recipe.
+
+    Parameters
+    ----------
+    folder : Path
+    set_aside : bool
+        Whether damaged files are renamed to `*.corrupt`, as a run does that meets them.
+
+    Raises
+    ------
+    UsageError
+        For a folder that cannot be read.
+    """
+    try:
+        names = sorted(os.listdir(folder))
+    except OSError as error:
+        raise UsageError(f"{folder}: cannot be read ({error.strerror}); name the folder of a store") from None
+    for name in names:
+        if name.startswith(".") or not name.endswith(_SUFFIX):
+            continue
+        path = folder / name
+        try:
+            data = _bytes_of(path)
+            if data is None:  # removed meanwhile
+                continue
+            sealed = _verified(path, data)
+        except RunFailed as error:
+            yield Checked(path=path, problem=str(error).removeprefix(f"{path}: "))
+        except Damaged as damage:
+            if set_aside:
+                _set_aside(path, damage)
+            yield Checked(path=path, size=len(data or b""), problem=str(damage), damaged=True)
+        else:
+            yield Checked(path=path, size=len(data), made=Made(**sealed.made), recipe=sealed.recipe)
+
+
+#: Bytes of a file that is read without asking how much memory is free.
+_SURELY_FITS = 2**28
+
+#: Why a file that is there cannot be read, and what to do.
+_UNREADABLE = {
+    errno.EACCES: "permission denied; ask its owner to make it readable, or name another store with --store",
+    errno.EPERM: "not permitted; ask its owner to make it readable, or name another store with --store",
+    errno.ELOOP: "is a link, which is not followed in a store; put the file itself there",
+    errno.EINVAL: "is not a file; move it away",
+    errno.EFBIG: "larger than the memory that is free",
+    errno.EMFILE: "too many open files (ulimit -n)",
+    errno.ENFILE: "too many open files on this machine",
+    errno.ENOMEM: "memory does not suffice",
+    errno.EIO: "the disk failed (Input/output error); look at it before you go on",
+}
+
+
+def _bytes_of(path: Path) -> bytes | None:
+    """Return the bytes of a file; None if there is none."""
+    try:
+        return read_whole(path, most=max(_SURELY_FITS, available_memory()))
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    except OSError as error:
+        why = _UNREADABLE.get(error.errno or 0, error.strerror or str(error))
+        raise RunFailed(f"{path}: cannot be read: {why}") from None
+    except MemoryError:
+        raise RunFailed(f"{path}: cannot be read: memory does not suffice") from None
+
+
+def _verified(path: Path, data: bytes) -> Sealed:
+    sealed = unseal(data)
+    if not path.stem.endswith(f"-{hashlib.sha256(sealed.recipe.encode()).hexdigest()[:16]}"):
+        raise Damaged("it is the result of another recipe than its name says")
+    return sealed
+
+
+def _set_aside(path: Path, damage: Damaged, *, tell: Callable[[str], None] | None = None) -> None:
+    aside = path.with_name(path.name.removesuffix(_SUFFIX) + _ASIDE)
+    words = f"{path}: damaged: {damage}; "
+    try:
+        with contextlib.suppress(FileNotFoundError):  # another run may have set it aside first
+            os.replace(path, aside)
+        words += f"set aside as {aside.name}, to be computed again"
+    except OSError as error:
+        words += f"to be computed again; not set aside ({error.strerror})"
+    if tell is not None:
+        tell(words)

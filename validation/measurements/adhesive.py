@@ -1,0 +1,352 @@
+"""One adhesive contact reduced to numbers, and what the theory says of it: area, force, stress, energy by waves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
+from persson.elastic import contact_area, stress_variance
+from persson.errors import PerssonError
+from persson.interface import detachment_stress
+from persson.scale import Scale
+from validation.arrays import Array, Grid
+from validation.effects.adhesion import Adhesion
+from validation.effects.base import full_contact_energy
+from validation.effects.hardness import Hardness
+from validation.execution.measurement import Call, measurement
+from validation.execution.press import Press
+from validation.measurements.yielding import yielded_by_theory
+from validation.report.estimates import claim, derive
+from validation.scenes.problem import ContactProblem
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fem_contact.adhesion import GapLaw
+    from fem_contact.contact import ContactResult
+    from fem_contact.surface import HeightField
+    from validation.execution.running import Solves
+
+__all__ = [
+    "READINGS",
+    "STRESS_EDGES",
+    "Cut",
+    "Reading",
+    "Solutions",
+    "Sticking",
+    "interface_energy",
+    "readings",
+    "shares_by_shell",
+    "sticky_contact",
+    "with_pooled_stress",
+    "without_adhesion",
+]
+
+Reading = Literal["improved", "old"]
+#: Readings of the elastic energy (Persson 2006, Eqs. 44-49 and 43).
+READINGS: tuple[Reading, ...] = ("improved", "old")
+
+#: Edges of the bins of sigma / (E* h'_rms) in the contact; what lies outside counts in the first or last bin.
+STRESS_EDGES = np.linspace(-3.0, 5.0, 321)
+
+#: Work of adhesion over the elastic energy of full contact below which a contact is not parted from there.
+_HOLDS = 1e-3
+
+
+#: What the theory says of one surface by reading; None where it has no answer.
+Solutions = Mapping[Reading, AdhesiveContact | None]
+
+
+def readings(
+    problem: ContactProblem,
+    *,
+    work: float,
+    area: Literal["star", "projected"] = "star",
+    hardness: float | None = None,
+) -> Solutions:
+    """Solve the theory with adhesion for the gradient of one surface by both readings; None where it has no answer."""
+    spectrum = problem.spectrum_shape
+    scaled = spectrum.scaled(float(problem.field.rms_gradient**2 / spectrum.m2()))
+    scale = Scale(scaled, contact_modulus=problem.contact_modulus)
+
+    def solved(energy: Reading) -> AdhesiveContact | None:
+        interface = Interface(work_of_adhesion=work, energy=energy, area=area)
+        told: dict[str, Any] = {"interface": interface, "yield_stress": hardness}
+        try:
+            return solve_adhesion(scale, pressure=problem.pressure, **told).checked()
+        except PerssonError:
+            return None
+
+    return {reading: solved(reading) for reading in READINGS}
+
+
+def without_adhesion(problem: ContactProblem, hardness: float | None = None) -> float:
+    """A/A0 of the theory without adhesion, yielded area with it."""
+    if hardness is not None:
+        return sum(yielded_by_theory(problem, hardness))
+    variance = stress_variance(problem.field.moments[1], contact_modulus=problem.contact_modulus)
+    return float(contact_area(problem.pressure, stress_variance=variance))
+
+
+def interface_energy(contact: ContactResult, law: GapLaw) -> float:
+    """Energy that the law yields less what the solid stores, per nominal area [J/m^2]."""
+    law = law.on_grid(spacing=max(contact.spacing), contact_modulus=contact.contact_modulus)
+    return -float(np.mean(law.energy(np.maximum(contact.gap, 0.0)))) - _stored(contact)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sticking:
+    """Surface and load on some grids, with an attraction, and a hardness [Pa] where there is one; fields are kept."""
+
+    problem: ContactProblem
+    adhesion: Adhesion
+    hardness: float | None
+    grids: tuple[int, ...]
+
+    def solves(self, *, sticky: bool = True) -> tuple[Press, ...]:
+        """Return the solves with adhesion or without, coarse grid first."""
+        effects: tuple[Adhesion | Hardness, ...] = (self.adhesion,) if sticky else ()
+        effects += () if self.hardness is None else (Hardness(hardness=self.hardness),)
+        told: dict[str, Any] = {"settings": (("tolerance", 1e-8),), "effects": effects}
+        return tuple(Press(method="bem", grid=(n, n), problem=self.problem, **told) for n in self.grids)
+
+    def measured(self, solved: Solves) -> xr.Dataset:
+        """Return areas on every grid, what the interface gains on the finest, and what the theory says."""
+        import xarray as xr
+
+        sticky, plain = ([solved[s].checked() for s in self.solves(sticky=held)] for held in (True, False))
+        work, own = self.adhesion.work, self.problem
+        counted = {
+            "area": [contact.in_contact.mean() for contact in sticky],
+            "area_plain": [contact.in_contact.mean() for contact in plain],
+            "area_plastic": [contact.at_bound.mean() for contact in sticky],
+        }
+        if self.hardness is None:
+            counted["area_plastic"] = [math.nan] * len(self.grids)
+        said = readings(own, work=work, hardness=self.hardness)
+        improved = said["improved"]
+        hard = self.hardness is not None and improved is not None
+        numbers: dict[str, float] = {
+            "area_plain_persson": without_adhesion(own, self.hardness),
+            "area_plastic_improved": float(improved.area_plastic[-1]) if hard and improved else math.nan,
+            "interface_energy": interface_energy(sticky[-1], self.adhesion.gap_law()) / work,
+            "attraction_range": self.adhesion.gap_law().reach / own.field.rms_height,
+        }
+        for reading, one in said.items():
+            numbers[f"area_{reading}"] = math.nan if one is None else one.real_area
+            numbers[f"interface_energy_{reading}"] = math.nan if one is None else one.macroscopic_work / work
+        return xr.Dataset(
+            {f"{name}_pixel_each": ("grid", values) for name, values in counted.items()}
+            | {f"{name}_each": value for name, value in numbers.items()}
+            | {"solve": ("grid", [solve.key for solve in self.solves()])}
+            | {"solve_plain": ("grid", [solve.key for solve in self.solves(sticky=False)])},
+            coords={"points": ("grid", list(self.grids))},
+        )
+
+
+@measurement(
+    "sticky-{size}",
+    kind="StickyContact",
+    words="adhesion",
+    version=1,
+    seconds=lambda points: 0.05 + 1.2e-5 * points,  # some 500 pairs of transforms
+    bytes=400,
+)
+def sticky_contact(
+    *, problem: ContactProblem, grid: Grid, work: float, reach: float, shells: tuple[float, ...]
+) -> xr.Dataset:
+    """Press one surface without attraction, then with it (exponential law) from there and from full contact.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+    grid : tuple of int
+    work, reach : float
+        w [J/m^2] and range [m] of the attraction.
+    shells : tuple of float
+        Wavevectors [1/m], rising, between which the elastic energy is summed.
+    """
+    import xarray as xr
+
+    from fem_contact import adhesion, bem
+    from fem_contact.response import HalfSpace
+
+    field, law = problem.heights(grid), adhesion.Exponential(work=work, reach=reach)
+    half_space = HalfSpace(solid=problem.elastic)
+    told: dict[str, Any] = {"mean_pressure": problem.pressure, "threads": 1}
+    plain = bem.solve(field, half_space, **told).checked()
+    told["law"] = law
+    near = adhesion.solve(field, half_space, start=np.maximum(plain.gap, 0.0), **told)
+    contact = near.contact.checked()
+    inside = contact.in_contact
+    stress = contact.pressure[inside] / problem.pressure_scale
+    shares, _ = np.histogram(np.clip(stress, STRESS_EDGES[0], STRESS_EDGES[-1]), bins=STRESS_EDGES)
+    by_shell = partial(_by_shell, field, modulus=problem.contact_modulus, shells=shells)
+    full = by_shell(contact.heights)
+    parted = math.nan
+    # Hardly any attraction is a long way from full contact, and holds nothing there.
+    if work > _HOLDS * full.sum():
+        held = adhesion.solve(field, half_space, start=np.zeros(field.shape), **told).contact.checked()
+        parted = float(held.in_contact.mean())
+    return xr.Dataset(
+        {
+            "area": float(inside.mean()),
+            "plain": float(plain.in_contact.mean()),
+            "force": float(np.mean(contact.pressure * inside)) / problem.pressure,
+            "tension": float(np.mean(stress < 0)) if stress.size else 0.0,
+            "gap": float(contact.gap.mean()) / problem.field.rms_height,
+            "parted": parted,
+            "stress": ("stress_bin", shares / inside.size),
+            "stored": ("shell", by_shell(contact.displacement)),
+            "full": ("shell", full),
+            "stored_by_pressure": _stored(contact),
+        }
+    )
+
+
+def _by_shell(field: HeightField, displacement: Array, *, modulus: float, shells: tuple[float, ...]) -> Array:
+    """Elastic energy [J/m^2] of the waves up to each of `shells` and beyond the last, sum E* q |u|^2 / 4."""
+    nx, ny = field.shape
+    qx, qy = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(field.shape, field.spacing, strict=True))
+    q = np.hypot(qx[:, None], qy[None, :])
+    power = np.abs(np.fft.fft2(displacement) / (nx * ny)) ** 2
+    edges = np.array(shells) * (1 + 1e-9)
+    energy = modulus / 4 * (q * power).ravel()
+    shell = np.searchsorted(edges, q.ravel())
+    return np.asarray(np.bincount(shell, weights=energy, minlength=edges.size + 1), dtype=float)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Cut:
+    """A surface up to its last wave, the work it is given [J/m^2], and solutions of the theory that hold for it."""
+
+    problem: ContactProblem
+    work: float
+    theory: Solutions
+
+    def solve(self, points: float, *, shells: tuple[float, ...], finer: int = 1, reach: float = 1.0) -> Call:
+        """Return the solve on a grid: w / range is the theory's detachment stress at the last wave.
+
+        Parameters
+        ----------
+        points : float
+            Along a side, rounded up to an even number.
+        shells : tuple of float
+        finer : int
+            By how much the grid is finer than that.
+        reach : float
+            Over the range that gives this strength.
+        """
+        n = finer * 2 * math.ceil(points / 2 - 1e-9)
+        told: dict[str, Any] = {"contact_modulus": self.problem.contact_modulus}
+        told |= {"wavevector": 2 * np.pi / self.problem.shortest}
+        interface = Interface(work_of_adhesion=self.work)
+        strength = float(detachment_stress(self.work, interface=interface, **told))
+        range_of = reach * self.work / strength
+        given: dict[str, Any] = {"problem": self.problem, "grid": (n, n)}
+        return sticky_contact(**given, work=self.work, reach=range_of, shells=shells)
+
+    def reduced(self, grids: Sequence[xr.Dataset]) -> xr.Dataset:
+        """Return what is read off the solves on each grid, and what the theory says."""
+        import xarray as xr
+
+        counted = {"area_pixel": "area", "area_plain_pixel": "plain", "area_parted_pixel": "parted"}
+        counted |= {"force_inside_grid": "force", "tension_grid": "tension"}
+        found = {f"{name}_each": ("grid", [float(one[of]) for one in grids]) for name, of in counted.items()}
+        energies = [float(one.stored.sum() / one.full.sum()) for one in grids]
+        theory: dict[str, Any] = {"area_plain_persson_each": without_adhesion(self.problem)}
+        for reading in READINGS:
+            contact = self.theory.get(reading)
+            seen = _NOTHING if contact is None else _seen(contact, self.problem)
+            for name, value in seen.items():
+                theory[f"{name}_{reading}_each"] = ("stress_bin" if np.ndim(value) else (), value)
+        own = {
+            "energy_ratio_grid_each": ("grid", energies),
+            "stress_share_each": ("stress_bin", grids[-1].stress.values),
+            "solve": ("grid", [one.attrs["solve"] for one in grids]),
+        }
+        middle = (STRESS_EDGES[1:] + STRESS_EDGES[:-1]) / 2
+        return xr.Dataset({**found, **theory, **own}, coords={"stress": ("stress_bin", middle)})
+
+
+#: What is read off the theory where it has no answer.
+_NOTHING = dict.fromkeys(("area", "force_inside", "energy_ratio", "tension"), math.nan) | {
+    "stress_share": np.full(STRESS_EDGES.size - 1, math.nan)
+}
+
+
+def shares_by_shell(
+    whole: xr.Dataset, theory: Solutions, *, problem: ContactProblem, edges: Array
+) -> xr.Dataset:
+    """Return P~ of the waves of a solve between its shells, whose edges [1/m] are given from the first on, and the theory's."""
+    import xarray as xr
+
+    found = {
+        f"energy_share_{r}_each": ("shell", _stored_shares(one, edges, problem)) for r, one in theory.items()
+    }
+    found["energy_share_each"] = ("shell", whole.stored.values[:-1] / whole.full.values[:-1])
+    beyond = float(whole.stored[-1] / whole.stored.sum())
+    wave = {"wave": ("shell", edges[1:] / edges[0])}
+    return xr.Dataset(
+        {**found, "energy_beyond_each": beyond}, coords=wave, attrs={"solve": whole.attrs["solve"]}
+    )
+
+
+def _seen(contact: AdhesiveContact, problem: ContactProblem) -> dict[str, Any]:
+    """Read the theory at the last wave: area, force over load, energy over that of full contact, tension, stress.
+
+    Stresses are those at the nearest node, over E* h'_rms of the cut surface, as shares over `STRESS_EDGES`.
+    """
+    q, at = 2 * np.pi / problem.shortest, np.log(contact.wavevectors)
+    node = int(np.argmin(np.abs(at - np.log(q))))
+    force, stored = (
+        float(np.interp(np.log(q), at, values)) for values in (contact.contact_force, contact.elastic_energy)
+    )
+    x, weights = np.polynomial.legendre.leggauss(6)
+    unit, width = problem.pressure_scale, np.diff(STRESS_EDGES)
+    stress = (STRESS_EDGES[:-1, None] + width[:, None] * (1 + x) / 2) * unit
+    shares = contact.distribution(node, stress) @ weights * width / 2 * unit
+    full = full_contact_energy(problem.field, modulus=problem.contact_modulus)
+    below = shares[STRESS_EDGES[1:] <= 1e-12].sum()
+    return {
+        "area": float(contact.area_at(q)),
+        "force_inside": force / problem.pressure,
+        "energy_ratio": (float(contact.elastic_energy[0]) - stored) / full,
+        "tension": float(below / shares.sum()),
+        "stress_share": shares,
+    }
+
+
+def _stored_shares(contact: AdhesiveContact | None, edges: Array, problem: ContactProblem) -> Array:
+    """Mean of P~ between wavevectors, by the energy of full contact dV/(E* q); NaN without an answer."""
+    if contact is None:
+        return np.full(edges.size - 1, np.nan)
+    q = np.geomspace(edges[0] * (1 + 1e-9), edges[-1], 4001)
+    share = np.interp(np.log(q), np.log(contact.wavevectors), contact.energy_share)
+    weight = q**3 * np.asarray(problem.spectrum_shape(q))  # dU_full = pi E* q^2 C / 2 dq
+    index = np.clip(np.searchsorted(edges[1:], q), 0, edges.size - 2)
+    return np.bincount(index, weights=share * weight) / np.bincount(index, weights=weight)
+
+
+def with_pooled_stress(data: xr.Dataset) -> xr.Dataset:
+    """Add P(sigma) A0/A of all surfaces as one sample, and how far that of each reading is from it."""
+    width = float(STRESS_EDGES[1] - STRESS_EDGES[0])
+    pooled = {}
+    for end in ("", *(f"_{reading}" for reading in READINGS)):
+        share = f"stress_share{end}_each.mean('surface', skipna=False)"
+        pooled[f"stress_density{end}"] = f"{share} / ({share}).sum('stress_bin', skipna=False) / {width}"
+    step = "(stress_density - stress_density_{}).cumsum('stress_bin', skipna=False)"
+    apart = {f"stress_distance_{r}": f"abs({step.format(r)}).max('stress_bin') * {width}" for r in READINGS}
+    return claim(derive(data, **pooled, **apart), "stress_density", *apart)
+
+
+def _stored(contact: ContactResult) -> float:
+    """Elastic energy per nominal area [J/m^2], half of p u without their means."""
+    pressure, displacement = contact.pressure, contact.displacement
+    return 0.5 * float(np.mean((pressure - pressure.mean()) * (displacement - displacement.mean())))

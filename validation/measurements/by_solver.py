@@ -1,0 +1,159 @@
+"""One solve by any method beside boundary elements on the same points, reduced to numbers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import scipy.ndimage
+
+from fem_contact.area import TRAITS, contact_areas
+from fem_contact.contact import ContactResult, Status
+from validation.arrays import Grid
+from validation.effects.base import ContactModel
+from validation.execution.measurement import measurement
+from validation.execution.press import Press
+from validation.execution.solve import Prediction
+from validation.measurements.measurement import has_square_cells
+from validation.scenes.problem import ContactProblem
+from validation.scenes.scene import EffectSpec
+from validation.solvers import find_solver
+from validation.solvers.base import Job, Settings, Solver
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import xarray as xr
+
+__all__ = ["beside_bem", "compared", "difference"]
+
+#: Points closer than this to the edge of either contact, in cells, are left out of the second pressure difference.
+_EDGE_CELLS = 1.5
+
+
+def _predicted(
+    problem: ContactProblem,
+    grid: Grid,
+    method: str,
+    settings: Settings,
+    effects: tuple[EffectSpec, ...],
+    pair_seconds: float,
+) -> Prediction:
+    press = Press(method=method, grid=grid, problem=problem, settings=settings, effects=effects)
+    return press.predict(pair_seconds=pair_seconds)
+
+
+@measurement(
+    "beside-{method}-{size}",
+    kind="ByMethod",
+    words="{method}",
+    located=True,
+    predict=_predicted,
+    compiled=lambda method, settings, effects: (("bem", {}, effects), (method, dict(settings), effects)),
+)
+def beside_bem(
+    *,
+    problem: ContactProblem,
+    grid: Grid,
+    method: str,
+    settings: Settings = (),
+    effects: tuple[EffectSpec, ...] = (),
+) -> xr.Dataset:
+    """Press one surface at one load on one grid by a method, beside boundary elements.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+    grid : tuple of int
+    method : str
+        Name of a solver.
+    settings : tuple of (str, value)
+        What it is told.
+    effects : tuple
+        Of a scene.
+
+    Returns
+    -------
+    xarray.Dataset
+        Areas, gap, pressure differences and cost; ``converged`` is 1 where its residuals allow it.
+
+    Raises
+    ------
+    NotConverged
+        Where nothing comes of the method, or boundary elements themselves fail.
+    """
+    import xarray as xr
+
+    field, solver = problem.heights(grid), find_solver(method)
+
+    def solved(by: Solver, told: Mapping[str, Any]) -> ContactResult:
+        model, load = ContactModel.filled(problem.elastic, effects), {"mean_pressure": problem.pressure}
+        return by.solve(Job(field=field, load=load, model=model, settings=told, threads=1)).contact
+
+    found, ours = solved(solver, dict(settings)), solved(find_solver("bem"), {}).checked()
+    constant = solver.edge_constant(found)
+    located = solver.locates_edges and not effects and has_square_cells(problem, grid)
+    areas = contact_areas(found, edge_constant=constant, subcell=located)
+    data = compared(found, ours, edge_constant=constant, rms_height=problem.field.rms_height)
+    data |= {
+        "subcell": np.nan if areas.subcell is None else areas.subcell,
+        "edge_fraction": areas.edge_fraction,
+        **{name: getattr(areas, name) for name in TRAITS},
+        "edge_constant": constant,
+        "converged": float(found.status is Status.CONVERGED),
+        "iterations": found.cost.iterations,
+    }
+    return xr.Dataset({name: ((), float(value)) for name, value in data.items()})
+
+
+def compared(
+    found: ContactResult, half: ContactResult, *, edge_constant: float, rms_height: float
+) -> dict[str, float]:
+    """Return areas, differences and cost of a solve beside boundary elements on the same points.
+
+    Parameters
+    ----------
+    found, half : ContactResult
+        Of the method, and of boundary elements.
+    edge_constant : float
+        That of the method.
+    rms_height : float
+        h_rms [m], the unit of the gap.
+    """
+    areas, ours = contact_areas(found, edge_constant=edge_constant), contact_areas(half)
+    return {
+        "pixel": areas.pixel,
+        "perimeter": areas.perimeter,
+        "pixel_bem": ours.pixel,
+        "perimeter_bem": ours.perimeter,
+        "pressure_half_space": difference(found, half),
+        "pressure_inside": difference(found, half, inside=True),
+        # The mean gap is the offset less C(0) p0 and the mean height: it compares bodies of different depth.
+        "gap": float((found.gap.mean() - half.gap.mean()) / rms_height),
+        "residual": found.residuals.worst,
+        "seconds": found.cost.cpu_seconds,
+        "peak_bytes": found.cost.peak_bytes,
+        "seconds_bem": half.cost.cpu_seconds,
+        "unknowns": found.cost.unknowns,
+    }
+
+
+def difference(first: ContactResult, second: ContactResult, *, inside: bool = False) -> float:
+    """||p1 - p2|| / ||p2||, over all points or away from the edges of both contacts."""
+    keep = np.ones(first.shape, dtype=bool)
+    if inside:
+        keep = _away_from_edge(np.asarray(first.in_contact)) & _away_from_edge(np.asarray(second.in_contact))
+    scale = float(np.linalg.norm(second.pressure[keep]))
+    return (
+        float(np.linalg.norm((first.pressure - second.pressure)[keep]) / scale) if scale > 0 else float("nan")
+    )
+
+
+def _away_from_edge(contact: np.ndarray) -> np.ndarray:
+    """Return the points further than 1.5 cells from any change of the contact map."""
+    margin = 3
+    padded = np.pad(contact, margin, mode="wrap")
+    to_edge = np.where(
+        padded, scipy.ndimage.distance_transform_edt(padded), scipy.ndimage.distance_transform_edt(~padded)
+    )
+    return np.asarray(to_edge[margin:-margin, margin:-margin] > _EDGE_CELLS)

@@ -1,0 +1,192 @@
+"""What the studies share: base surfaces, checked options, the theory's line."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from pydantic import AfterValidator, Field, ValidationInfo
+
+from persson import elastic
+from validation.scenes.problem import ContactProblem
+from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
+from validation.scenes.surfaces import spectrum_of
+from validation.units import Positive, wrong
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+
+__all__ = [
+    "BASE_SOLID",
+    "LEAST_POINTS_PER_WAVE",
+    "SHIFTS",
+    "Ladder",
+    "Rising",
+    "RisingGrids",
+    "RisingOrNone",
+    "base_case",
+    "base_surface",
+    "in_rising_order",
+    "named",
+    "persson_area",
+    "reduced_load",
+    "truncated_surface",
+]
+
+
+#: Grids coarser than this, as lambda_short/dx, are left out of every limit.
+LEAST_POINTS_PER_WAVE = 3.0
+
+
+#: What is pressed where nobody says otherwise; E scales out of everything the studies report.
+BASE_SOLID = SolidSpec(young=1e9, poisson=0.3)
+
+
+def base_surface(
+    *,
+    hurst: float,
+    periods: float,
+    bandwidth: float,
+    seed: int,
+    length: float = 1e-3,
+    gradient: float = 0.1,
+) -> SelfAffineSurface:
+    """Return the surface of a study from ratios of lengths.
+
+    Parameters
+    ----------
+    hurst : float
+        H.
+    periods : float
+        L / lambda_long.
+    bandwidth : float
+        lambda_long / lambda_short.
+    seed : int
+    length : float
+        Period [m].
+    gradient : float
+        h'_rms of C(q).
+
+    Notes
+    -----
+    The gradient scales out of everything the studies report, and so does the period but where something else
+    has a length.
+    """
+    return SelfAffineSurface(
+        kind="self-affine",
+        length=(length, length),
+        hurst=hurst,
+        lambda_long=length / periods,
+        lambda_short=length / periods / bandwidth,
+        rms_gradient=gradient,
+        seed=seed,
+    )
+
+
+def base_case(
+    surface: SelfAffineSurface,
+    *,
+    reduced_pressure: float | None = None,
+    pressure: float | None = None,
+    solid: SolidSpec = BASE_SOLID,
+) -> ContactProblem:
+    """Return a surface that is pressed with p* = `reduced_pressure` or p0 = `pressure` [Pa].
+
+    ``.further(k)`` is the k-th surface of its spectrum. p* is by the realised gradient, so that of one p0 it differs from
+    surface to surface.
+    """
+    return ContactProblem(
+        surface=surface, solid=solid, load=Load(reduced_pressure=reduced_pressure, pressure=pressure)
+    )
+
+
+def reduced_load(problem: ContactProblem) -> float:
+    """Return p* as it was given, or else from p0."""
+    if problem.load.reduced_pressure is None:
+        return problem.reduced_pressure
+    (said,) = problem.load.values
+    return said
+
+
+def in_rising_order(values: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Refuse numbers that do not rise."""
+    if any(later <= earlier for earlier, later in itertools.pairwise(values)):
+        raise wrong("must be positive and rising")
+    return values
+
+
+def _given(values: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Refuse no values. A `Field(min_length=1)` in the type would win over a larger one of the option."""
+    if not values:
+        raise wrong("must have at least 1 value")
+    return values
+
+
+def _of_a_limit(per_wave: tuple[float, ...], others: ValidationInfo) -> tuple[float, ...]:
+    """Refuse grids over which no limit can be taken: fewer than three solves on two of them."""
+    shifts = others.data.get("shifts", SHIFTS)
+    fine = sum(n >= LEAST_POINTS_PER_WAVE * (1 - 1e-9) for n in per_wave)
+    if fine < 2 or fine * shifts**2 < 3:
+        raise wrong(
+            f"with shifts = {shifts} a limit over grids needs three solves on two grids of at least "
+            f"{LEAST_POINTS_PER_WAVE:g} points per wave"
+        )
+    return per_wave
+
+
+#: Sub-grid shifts along each axis that the studies take unless they say otherwise.
+SHIFTS = 2
+
+#: Options of studies: positive numbers in rising order, none or more of them, at least one; grids as points along a
+#: side; grids, as lambda_short/dx, over which a limit can be taken, where a study has an option `shifts` with as many
+#: as that, if it stands before this one.
+RisingOrNone = Annotated[tuple[Positive, ...], AfterValidator(in_rising_order)]
+Rising = Annotated[tuple[Positive, ...], AfterValidator(_given), AfterValidator(in_rising_order)]
+RisingGrids = Annotated[
+    tuple[Annotated[int, Field(ge=2)], ...], AfterValidator(_given), AfterValidator(in_rising_order)
+]
+Ladder = Annotated[Rising, AfterValidator(_of_a_limit)]
+
+
+def persson_area(reduced_pressure: ArrayLike) -> NDArray[np.float64]:
+    """A/A0 of Persson's theory at p* = p0/(E* h'_rms): erf(sqrt(2) p*).
+
+    Examples
+    --------
+    >>> bool(abs(persson_area(0.001) / 0.001 - np.sqrt(8 / np.pi)) < 1e-5)
+    True
+    """
+    variance = elastic.stress_variance(1.0, contact_modulus=1.0)
+    return np.asarray(
+        elastic.contact_area(np.asarray(reduced_pressure, dtype=float), stress_variance=variance)
+    )
+
+
+def named(
+    dims: str | Sequence[str], values: Any, words: str, *, unit: str | None = None
+) -> tuple[Any, Any, Any]:
+    """Return a variable of a dataset with what it is in words, and its unit where it is said."""
+    return dims, values, ({} if unit is None else {"units": unit}) | {"long_name": words}
+
+
+def truncated_surface(until: float, *, gradient: float, bandwidth: float, **told: Any) -> SelfAffineSurface:
+    """Return a surface with its waves up to q/q_long = until, unchanged by those that are left out.
+
+    Parameters
+    ----------
+    until : float
+        At most `bandwidth`.
+    gradient, bandwidth : float
+        h'_rms and lambda_long / lambda_short of the whole surface.
+    told
+        What else `base_surface` is told.
+    """
+    whole = base_surface(bandwidth=bandwidth, gradient=gradient, **told)
+    if until == bandwidth:
+        return whole
+    spectrum = spectrum_of(whole)
+    left = gradient * float(spectrum.m2(until * spectrum.q_long) / spectrum.m2()) ** 0.5
+    return base_surface(bandwidth=until, gradient=left, **told)

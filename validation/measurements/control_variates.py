@@ -1,0 +1,124 @@
+"""What a surface tells about its contact without a solve: slopes on its summits, the pressure of full contact, moments."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import scipy.fft
+
+from fem_contact.surface import HeightField
+from validation.arrays import Array, Grid
+from validation.execution.measurement import measurement
+from validation.scenes.problem import ContactProblem
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["statistics_of_pair", "unsolved_pairs", "unsolved_statistics"]
+
+#: Shares of the nominal area, for the highest heights and the highest pressures of full contact.
+_SHARES = (0.01, 0.03, 0.1, 0.3)
+#: p* at which the tension of full contact is read off.
+_LOADS = (0.1, 0.2, 0.4, 0.8, 1.5)
+
+
+def unsolved_statistics(field: HeightField) -> dict[str, float]:
+    """Return statistics that the contact area of a surface follows, each the mean of h and -h.
+
+    Parameters
+    ----------
+    field : HeightField
+        On any grid that resolves it.
+
+    Returns
+    -------
+    dict of str to float
+        Of the highest heights, of shares of the nominal area: mean height, slope^2 and full-contact pressure on them; the
+        same of the highest full-contact pressures; share and mean of the tension of full contact at some loads; fourth
+        moments. Heights, slopes and pressures are divided by their rms.
+
+    Notes
+    -----
+    The contact area of a surface with few waves is larger than the mean where its summits are less steep than the rest.
+    """
+    height, slope, pressure = _unit_fields(field)
+    found: dict[str, float] = {}
+    counts = [max(1, round(share * height.size)) for share in _SHARES]
+    parts = [*counts, *(height.size - count for count in counts)]
+    for name, key in (("height", height), ("pressure", pressure)):
+        order = np.argpartition(key, parts)
+        for of, values, sign in (("height", height, -1), ("slope", slope, 1), ("pressure", pressure, -1)):
+            sorted_by = values[order]
+            for share, count in zip(_SHARES, counts, strict=True):
+                mean = (sorted_by[-count:].mean() + sign * sorted_by[:count].mean()) / 2
+                found[f"{of} on the top {share:g} of {name}"] = float(mean)
+    for load in _LOADS:
+        # The variance of the pressure at full contact is (E* h'_rms)^2 / 4.
+        raised = pressure + 2 * load, -pressure + 2 * load
+        found[f"tension at {load:g}"] = float(np.mean([np.minimum(p, 0).mean() for p in raised]))
+        found[f"share in tension at {load:g}"] = float(np.mean([(p < 0).mean() for p in raised]))
+    h2, p2, hp = height**2, pressure**2, height * pressure
+    moments = {
+        "hp": hp, "h4": h2 * h2, "p4": p2 * p2, "h2 p2": h2 * p2, "h3 p": h2 * hp, "h p3": hp * p2,
+        "s4": slope**2, "h2 s2": h2 * slope, "p2 s2": p2 * slope, "h p s2": hp * slope,
+    }  # fmt: skip
+    return found | {name: float(values.mean()) for name, values in moments.items()}
+
+
+def statistics_of_pair(field: HeightField) -> dict[str, float]:
+    """Return `unsolved_statistics`, and h'_rms: where amplitudes are random it says what one pressure for all is in p*."""
+    return unsolved_statistics(field) | {"h'_rms": field.rms_gradient}
+
+
+def _unit_fields(field: HeightField) -> tuple[Array, Array, Array]:
+    """Return height, slope^2 and full-contact pressure, each over its rms, flat."""
+    shape, (dx, dy) = field.shape, field.spacing
+    waves = scipy.fft.rfft2(field.heights - field.heights.mean())
+    qx, qy = 2 * np.pi * np.fft.fftfreq(shape[0], dx)[:, None], 2 * np.pi * np.fft.rfftfreq(shape[1], dy)
+    along_x, along_y = (scipy.fft.irfft2(1j * q * waves, s=shape) for q in (qx, qy))
+    slope = along_x**2 + along_y**2
+    height, pressure = (scipy.fft.irfft2(w, s=shape).ravel() for w in (waves, np.hypot(qx, qy) * waves))
+    return height / height.std(), (slope / slope.mean()).ravel(), pressure / pressure.std()
+
+
+def _recipe(made: dict[str, Any], problem: ContactProblem, first: int, grid: Grid) -> dict[str, Any]:
+    left = ("load", "first", "points")
+    return {n: v for n, v in (made | problem.further(first).recipe).items() if n not in left} | {
+        "grid": list(grid)
+    }
+
+
+@measurement(
+    "unsolved-{grid[0]}x{grid[1]}",
+    kind="UnsolvedPairs",
+    words="what {count} surfaces tell without a contact,",
+    version=2,
+    recipe=_recipe,
+    # Five transforms and two sorts for each.
+    seconds=lambda points, count: count * (1e-3 + 5e-7 * points),
+    bytes=200,
+    compiled=lambda: (),
+)
+def unsolved_pairs(*, problem: ContactProblem, grid: Grid, first: int, count: int) -> xr.Dataset:
+    """Return `statistics_of_pair` of `count` surfaces of one spectrum; dimensions (surface, statistic).
+
+    Parameters
+    ----------
+    problem : ContactProblem
+    grid : (int, int)
+    first, count : int
+        Realisations.
+    """
+    import time
+
+    import xarray as xr
+
+    began = time.process_time()
+    found = [statistics_of_pair(problem.further(k).heights(grid)) for k in range(first, first + count)]
+    values = np.array([list(one.values()) for one in found])
+    return xr.Dataset(
+        {"value": (("surface", "statistic"), values)},
+        # Not a coordinate: to read one of text, xarray loads dask.
+        attrs={"seconds": time.process_time() - began, "statistics": "; ".join(found[0])},
+    )

@@ -1,0 +1,204 @@
+"""Means over surfaces from few fine grids, more coarse ones, and what needs no solve: control variates in a chain."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+import scipy.special
+from numpy.typing import ArrayLike
+
+from validation.arrays import Array
+from validation.measurements.statistics import Estimate
+
+__all__ = ["Controlled", "Known", "Level", "allocation", "chained_mean", "controlled_mean"]
+
+#: Samples from which on the coefficient of a coarser grid is fitted; below it is 1.
+_FITTED = 10
+#: Of the coefficients of many controls, each divided by its scatter, per sample. On 48 cases (H = .3, .8, bandwidths
+#: 4 to 16, eight loads, 80 to 320 pairs) .1 left least of the variance in most, and never 10 % more than the best.
+_RIDGE = 0.1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Known:
+    """What is known of the means of some controls, from samples that are independent of those to be controlled."""
+
+    mean: Array  # (k,) array
+    covariance: Array  # (k, k): Of these means
+    freedom: float  # Degrees of freedom of the covariance
+
+    @classmethod
+    def of_samples(cls, samples: ArrayLike) -> Self:
+        """Take the means of (m,) or (m, k) samples, at least two."""
+        array = np.asarray(samples, dtype=float)
+        array = array[:, None] if array.ndim == 1 else array
+        if array.ndim != 2 or len(array) < 2 or not np.all(np.isfinite(array)):
+            raise ValueError(f"samples of shape {array.shape}: needs two others or more, all finite")
+        covariance = np.atleast_2d(np.cov(array, rowvar=False)) / len(array)
+        return cls(mean=array.mean(axis=0), covariance=covariance, freedom=len(array) - 1.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Controlled:
+    """A mean over surfaces, and what it owes to its controls."""
+
+    estimate: Estimate  # The mean with its 95 % interval; `samples` counts those of the quantity itself
+    freedom: float  # Degrees of freedom of its standard error
+    coefficients: Array  # (k,): Of the controls, on average
+    left: float  # Variance of one sample less its controls [square of the quantity]
+
+    @property
+    def known(self) -> Known:
+        """The mean as a control of something finer."""
+        return Known(
+            mean=np.array([self.estimate.value]),
+            covariance=np.array([[self.estimate.standard_error**2]]),
+            freedom=self.freedom,
+        )
+
+
+def controlled_mean(
+    values: ArrayLike, controls: ArrayLike, known: Known, *, fitted: bool = True
+) -> Controlled:
+    r"""Mean of a dear quantity, from its values on few samples and cheap companions whose means are known better.
+
+    .. math:: \hat Y = \frac1n \sum_i \bigl[ Y_i - \beta_{-i} \cdot (X_i - \hat\mu_X) \bigr]
+
+    The coefficients that are applied to a sample are fitted on the others alone, so that the mean is unbiased.
+
+    Parameters
+    ----------
+    values : (n,) array
+        Y, at least four, or two without a fit: of surfaces, or of means of pairs +h, -h.
+    controls : (n,) or (n, k) array
+        X of the same samples. More than one are fitted by ridge regression.
+    known : Known
+        Means of the controls from other, independent samples.
+    fitted : bool
+        False: the coefficients are 1, as suits few samples of a quantity and of its like on a coarser grid.
+
+    Raises
+    ------
+    ValueError
+        For too few samples, shapes that differ, or numbers that are not finite.
+
+    Notes
+    -----
+    Variance: that of the n residuals, and that of the known means times the coefficients; Student's factor with
+    the degrees of freedom of Welch and Satterthwaite. The residuals share the fitted coefficients, which adds about
+    1/(n - 2) of the first part.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(3)
+    >>> x, more = rng.normal(size=8), rng.normal(size=1000)
+    >>> found = controlled_mean(5 + 2 * x, x, Known.of_samples(more))
+    >>> bool(abs(found.estimate.value - 5) < 0.2), round(float(found.coefficients[0]), 9)
+    (True, 2.0)
+    """
+    y, x = np.asarray(values, dtype=float), np.asarray(controls, dtype=float)
+    x = x[:, None] if x.ndim == 1 else x
+    least = 4 if fitted else 2
+    if y.ndim != 1 or y.size < least or x.shape != (y.size, known.mean.size):
+        raise ValueError(
+            f"{y.size} samples with controls of shape {x.shape}, of which {known.mean.size} are known: needs {least}, "
+            "and controls of each"
+        )
+    if not (np.all(np.isfinite(y)) and np.all(np.isfinite(x))):
+        raise ValueError("a sample is not a finite number")
+    beta = _left_out(y, x) if fitted else np.ones_like(x)
+    residuals = y - np.sum(beta * (x - known.mean), axis=1)
+    coefficients = beta.mean(axis=0)
+    n = y.size
+    left = float(residuals.var(ddof=1))
+    own = left / n * (1 + 1 / (n - 2) if fitted else 1.0)
+    borrowed = float(coefficients @ known.covariance @ coefficients)
+    total, degrees = own + borrowed, float(n - 2 if fitted else n - 1)
+    freedom = total**2 / (own**2 / degrees + borrowed**2 / known.freedom) if total > 0 else degrees
+    error = float(np.sqrt(total))
+    return Controlled(
+        estimate=Estimate(
+            value=float(residuals.mean()),
+            standard_error=error,
+            half_width=float(scipy.special.stdtrit(freedom, 0.975)) * error,
+            samples=n,
+        ),
+        freedom=freedom,
+        coefficients=coefficients,
+        left=left,
+    )
+
+
+def _left_out(y: Array, x: Array) -> Array:
+    """Return the coefficients of y over x without each sample in turn, (n, k); 0 for controls that never change."""
+    n, k = x.shape
+    scale = x.std(axis=0)
+    changing = scale > 1e-12 * np.max(np.abs(x), axis=0)
+    beta = np.zeros((n, k))
+    if not changing.any():
+        return beta
+    scale = scale[changing]
+    dx, dy = (x[:, changing] - x[:, changing].mean(axis=0)) / scale, y - y.mean()
+    # Sums over all but one, about the means of all but one.
+    without = n / (n - 1)
+    sxx = dx.T @ dx - without * dx[:, :, None] * dx[:, None, :]
+    sxy = dx.T @ dy - without * dx * dy[:, None]
+    ridge = _RIDGE * n if k > 1 else 1e-12 * n
+    beta[:, changing] = np.linalg.solve(sxx + ridge * np.eye(scale.size), sxy[:, :, None])[:, :, 0] / scale
+    return beta
+
+
+@dataclass(frozen=True, kw_only=True)
+class Level:
+    """Samples that end with one grid, as independent of those of the other levels."""
+
+    values: Array  # (n,): The quantity on this grid
+    # (n,) or (n, k): On the coarsest level what is told without a solve, on others the quantity on the grid
+    # of the level before.
+    controls: Array
+
+
+def chained_mean(levels: Sequence[Level], known: Known) -> tuple[Controlled, ...]:
+    """Means on all levels, each controlled by the one before; the last is the one that is asked for.
+
+    Parameters
+    ----------
+    levels : sequence of Level
+        Coarsest first, each of samples of its own.
+    known : Known
+        Means of the controls of the coarsest.
+    """
+    found: list[Controlled] = []
+    for level in levels:
+        fitted = not found or level.values.size >= _FITTED
+        found.append(controlled_mean(level.values, level.controls, known, fitted=fitted))
+        known = found[-1].known
+    return tuple(found)
+
+
+def allocation(parts: Sequence[tuple[float, float]], error: float) -> tuple[int, ...]:
+    r"""Return how many samples of each part bring the standard error of a sum to `error` at least cost.
+
+    .. math:: N_l = \varepsilon^{-2} \sqrt{V_l / C_l} \sum_k \sqrt{V_k C_k}
+
+    Parameters
+    ----------
+    parts : sequence of (float, float)
+        Variance V and cost C of one sample of each part.
+    error : float
+
+    Notes
+    -----
+    M. B. Giles, Operations Research 56 (2008) 607; at least two, so that the variance can be told.
+
+    Examples
+    --------
+    >>> allocation([(1.0, 1.0), (0.01, 4.0)], 0.1)
+    (120, 6)
+    """
+    total = sum(float(np.sqrt(variance * cost)) for variance, cost in parts)
+    counts = (total * float(np.sqrt(variance / cost)) / error**2 for variance, cost in parts)
+    return tuple(max(2, int(np.ceil(count - 1e-9))) for count in counts)

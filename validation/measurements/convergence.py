@@ -1,0 +1,439 @@
+"""Limits in what a grid does not refine: kappa as the sample grows, and as the bandwidth of the roughness grows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import scipy.optimize
+import scipy.special
+from numpy.typing import ArrayLike, NDArray
+
+from validation.errors import RunFailed, UsageError
+from validation.execution.measurement import Call
+from validation.measurements.common import SHIFTS, base_case, base_surface
+from validation.measurements.limits import limits_of
+from validation.measurements.measurement import grid_for, grid_tolerance, press_on_grids
+from validation.measurements.statistics import pair_means
+from validation.report.estimates import (
+    LIMIT,
+    change,
+    derive,
+    error_of,
+    gather,
+    mean,
+    solved_places,
+    total_error,
+)
+from validation.scenes.scene import SelfAffineSurface
+from validation.scenes.surfaces import spectrum_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "LADDERS",
+    "SIZE_ORDER",
+    "Ladders",
+    "Line",
+    "at_equal",
+    "bandwidth_of",
+    "bandwidth_order",
+    "fitted_line",
+    "line",
+    "pressed_pairs",
+    "spectral_errors",
+]
+
+#: Order in lambda_long/L: the number of long waves on a period grows like (L/lambda_long)^2, and corrections to the
+#: mean of anything that depends on them fall with that number.
+SIZE_ORDER = 2.0
+
+#: A limit further from the last rung than this many times the span of all rungs is not determinable.
+_REACH = 2.0
+
+#: Qualifier of what is measured on each ladder: the dimension of its rungs, whose inverse goes to zero, and the source of
+#: error that it measures.
+LADDERS = {"by_bandwidth": ("bandwidth_rung", "bandwidth"), "by_size": ("periods_rung", "size")}
+
+
+def bandwidth_order(hurst: float) -> float:
+    """Order in lambda_short/lambda_long: 2 (1 - H).
+
+    The long waves matter by their share in the mean square gradient, and an octave at lambda_long carries a share that
+    falls like (lambda_short/lambda_long)^(2 (1 - H)) as shorter waves are added.
+
+    Examples
+    --------
+    >>> round(bandwidth_order(0.8), 12)
+    0.4
+    """
+    return 2 * (1 - hurst)
+
+
+# ---- a line through means ------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class Line:
+    """A straight line through the means of several groups of samples; half widths are of 95 % intervals."""
+
+    # Value at x = 0, and slope.
+    limit: float
+    slope: float
+    # Half widths that the scatter of the samples leaves, by Student's factor.
+    limit_scatter: float
+    slope_scatter: float
+    # By how much they move without the first group.
+    limit_drift: float
+    slope_drift: float
+    reach: float  # Distance of x = 0 from the last group, over the span of all
+
+    @property
+    def determinable(self) -> bool:
+        """Whether the groups come near enough to x = 0."""
+        return self.reach <= _REACH
+
+
+def fitted_line(samples: Sequence[ArrayLike], x: ArrayLike, *, common: bool = False) -> Line:
+    """Fit a straight line to the means of groups of independent samples.
+
+    Parameters
+    ----------
+    samples : sequence of (n_i,) arrays
+        Samples of each group.
+    x : (n,) array
+        Where the groups are, towards 0.
+    common : bool
+        Whether sample k is the same surface in every group, whose scatter then cancels in differences.
+
+    Returns
+    -------
+    Line
+        All NaN where one sample is.
+
+    Examples
+    --------
+    >>> found = fitted_line([[2.4, 2.6], [2.2, 2.4], [2.1, 2.3]], (0.4, 0.2, 0.1), common=True)
+    >>> round(found.limit, 12), round(found.slope, 12)
+    (2.1, 1.0)
+    """
+    groups = [np.asarray(group, dtype=float) for group in samples]
+    at = np.asarray(x, dtype=float)
+    if not all(np.isfinite(group).all() for group in groups):
+        return Line(**dict.fromkeys(Line.__dataclass_fields__, math.nan))
+    (limit, slope), (limit_scatter, slope_scatter) = _least_squares(groups, at, common=common)
+    drift = slope_drift = 0.0
+    if at.size > 2:
+        (shorter, steeper), _ = _least_squares(groups[1:], at[1:], common=common)
+        drift, slope_drift = abs(shorter - limit), abs(steeper - slope)
+    span = float(abs(at[0] - at[-1]))
+    return Line(
+        limit=limit,
+        slope=slope,
+        limit_scatter=limit_scatter,
+        slope_scatter=slope_scatter,
+        limit_drift=drift,
+        slope_drift=slope_drift,
+        reach=float(abs(at[-1])) / span if span > 0 else math.inf,
+    )
+
+
+def _least_squares(
+    samples: Sequence[NDArray[np.float64]], x: NDArray[np.float64], *, common: bool
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Intercept and slope, and the half widths of their 95 % intervals by scatter."""
+    errors = np.array([group.std(ddof=1) / np.sqrt(group.size) for group in samples])
+    # Groups of common surfaces scatter together: there equal weights lose nothing.
+    weight = np.ones_like(x) if common else 1 / np.maximum(errors, 1e-3 * errors.max() + 1e-300)
+    solve = np.linalg.pinv(np.stack([np.ones_like(x), x], axis=1) * weight[:, None]) * weight
+    values = solve @ np.array([group.mean() for group in samples])
+    freedom = min(group.size for group in samples) - 1
+    factor = float(scipy.special.stdtrit(freedom, 0.975))
+    if common:
+        spread = (solve @ np.stack(samples)).std(axis=1, ddof=1) / np.sqrt(samples[0].size)
+    else:
+        spread = np.sqrt(solve**2 @ errors**2)
+    return (float(values[0]), float(values[1])), (float(factor * spread[0]), float(factor * spread[1]))
+
+
+def line(
+    data: xr.Dataset,
+    name: str,
+    *,
+    x: str,
+    along: str,
+    over: str = "surface",
+    common: bool = False,
+    pairs: bool = False,
+    drift: str = "grid",
+) -> xr.Dataset:
+    """Add the line through means, ``x_each`` against a variable that goes to zero: its limit and slope with intervals.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        With ``<name>_each``, and ``<name>_error`` of its means where the grids leave one.
+    name : str
+    x : str
+        Variable along the axis, over `along` at least.
+    along, over : str
+        Dimensions of the groups and of the samples.
+    common : bool
+        Whether sample k is the same surface in every group.
+    pairs : bool
+        Whether surfaces 2k and 2k + 1 are +h and -h.
+    drift : str
+        Source of error to which it belongs how the line moves without its first group.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``<name>_limit`` with its error, NaN where it is further off than two spans of the groups; ``<name>_slope`` with its
+        error; ``<name>_reach``; the ends of the line, ``<name>_line`` over ``<x>_line`` (end).
+    """
+    import xarray as xr
+
+    values = data[f"{name}_each"]
+    there = solved_places(data, values, over=over)
+    dims = [str(dim) for dim in values.dims if dim not in (along, over)]
+    shape = tuple(values.sizes[dim] for dim in dims)
+    fields = tuple(Line.__dataclass_fields__)
+    found = {field: np.empty(shape) for field in fields}
+    for place in np.ndindex(shape):
+        at = dict(zip(dims, place, strict=True))
+        rows = values.isel(at).transpose(along, over)
+        kept = xr.ones_like(rows, dtype=bool) if there is None else there.isel(_known(at, there))
+        samples = [row[k] for row, k in zip(rows.values, kept.transpose(along, over).values, strict=True)]
+        if pairs:
+            samples = [pair_means(sample) for sample in samples]
+        fit = fitted_line(samples, data[x].isel(_known(at, data[x])).values, common=common)
+        for field in fields:
+            found[field][place] = getattr(fit, field)
+    coords = {n: c for n, c in values.coords.items() if set(c.dims) <= set(dims)}
+    n = {field: xr.DataArray(numbers, dims=dims, coords=coords) for field, numbers in found.items()}
+    made: dict[str, Any] = {"of": f"{name}_each", "x": x, "along": along, "over": over}
+    made |= {"common": int(common), "pairs": int(pairs)}
+    limit = n["limit"].where(n["reach"] <= _REACH).assign_attrs(made, reduction="line limit")
+    slope = n["slope"].assign_attrs(made, reduction="line slope")
+    sources: dict[str, dict[str, Any]] = {
+        field: {"surfaces": n[f"{field}_scatter"], drift: n[f"{field}_drift"]} for field in ("limit", "slope")
+    }
+    if f"{name}_error" in data:
+        grid = data[f"{name}_error"].sel(source="grid", drop=True).max(along, skipna=False)
+        sources["limit"]["grid"] = (grid**2 + sources["limit"].get("grid", 0.0) ** 2) ** 0.5
+    errors = {
+        "limit": error_of(limit.drop_attrs(), **sources["limit"]),
+        "slope": error_of(slope.drop_attrs(), **sources["slope"]),
+    }
+    for error in errors.values():
+        error.attrs[LIMIT] = drift
+    last = data[x].max(along)
+    ends = xr.concat([0 * last, last], "end").transpose(..., "end")
+    return data.assign(
+        {
+            f"{name}_limit": limit,
+            f"{name}_limit_error": errors["limit"],
+            f"{name}_slope": slope,
+            f"{name}_slope_error": errors["slope"],
+            f"{name}_reach": n["reach"],
+            f"{x}_line": ends.drop_attrs(),
+            f"{name}_line": (limit + slope * ends).drop_attrs(),
+        }
+    )
+
+
+def _known(at: Mapping[str, int], values: xr.DataArray) -> dict[str, int]:
+    return {dim: k for dim, k in at.items() if dim in values.dims}
+
+
+def at_equal(data: xr.Dataset, name: str, *, x: str, along: str) -> xr.Dataset:
+    """Add ``<name>_equal_each``: values interpolated along a dimension to the largest ``x`` that all rows share.
+
+    Linear in ln x; rows are the places along the other dimension of x. ``<x>_equal`` is that value; where the rows share
+    none, values are NaN.
+    """
+    import xarray as xr
+
+    values, at = data[f"{name}_each"], data[x].transpose(..., along)
+    common = float(at.isel({along: -1}).min())
+    weights = xr.zeros_like(at) * np.nan
+    if common >= float(at.isel({along: 0}).max()):
+        units = np.eye(at.sizes[along])
+        rows = [[np.interp(np.log(common), np.log(row), unit) for unit in units] for row in at.values]
+        weights = at.copy(data=np.array(rows))
+    made = {"reduction": "interpolation", "of": f"{name}_each", "x": x, "along": along}
+    added: dict[str, Any] = {
+        f"{name}_equal_each": (values * weights).sum(along, skipna=False).drop_attrs().assign_attrs(made),
+        f"{x}_equal": common,
+    }
+    errors = data[f"{name}_each_error"]
+    total = ((errors * weights) ** 2).sum(along, skipna=False) ** 0.5
+    added[f"{name}_equal_each_error"] = total.transpose(..., "source").assign_attrs(errors.attrs)
+    drift = data.get(f"{name}_each_drift")
+    if drift is not None:
+        added[f"{name}_equal_each_drift"] = (drift * weights).sum(along, skipna=False)
+    return data.assign(added)
+
+
+# ---- ladders ------------------------------------------------------------------------------------
+
+
+def pressed_pairs(
+    surface: SelfAffineSurface,
+    reduced_pressures: tuple[float, ...],
+    points_per_wave: Sequence[float],
+    *,
+    pairs: int,
+    shifts: int,
+) -> list[Call]:
+    """Return the solves of the first surfaces of a spectrum, +h and -h of each pair after each other."""
+    case = base_case(surface, reduced_pressure=reduced_pressures[0])
+    grids = tuple(grid_for(case, points) for points in points_per_wave)
+    return [
+        press_on_grids(
+            problem=replace(case.further(pair), inverted=inverted),
+            reduced_pressures=reduced_pressures,
+            grids=grids,
+            shifts=shifts,
+            tolerance=grid_tolerance(case, grids),
+        )
+        for pair in range(pairs)
+        for inverted in (False, True)
+    ]
+
+
+def bandwidth_of(nayak: float, *, hurst: float, periods: float) -> float:
+    """lambda_long/lambda_short at which Nayak's alpha of C(q) has a value, for one H."""
+
+    def excess(bandwidth: float) -> float:
+        surface = base_surface(hurst=hurst, periods=periods, bandwidth=bandwidth, seed=0)
+        return spectrum_of(surface).moments().nayak - nayak
+
+    if not excess(1.01) < 0 < excess(1e4):
+        raise UsageError(
+            f"equal_nayak = {nayak:g}: no bandwidth gives it at H = {hurst:g}; it must exceed 1.5"
+        )
+    return float(scipy.optimize.brentq(excess, 1.01, 1e4, xtol=1e-6))
+
+
+#: A solve: which ladder, number of its H, rung, and number of the surface.
+_Case = tuple[str, int, float, int]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ladders:
+    """Which spectra are measured; defaults are those of the study `hurst`, whose stored solves others then share."""
+
+    hursts: tuple[float, ...]
+    # lambda_long/lambda_short of the bandwidth ladder, rising, on `periods`.
+    bandwidths: tuple[float, ...] = (4.0, 8.0, 16.0, 32.0)
+    # L/lambda_long of the size ladder, rising, with the smallest of `bandwidths`.
+    sizes: tuple[float, ...] = (2.0, 4.0, 8.0)
+    periods: float  # L/lambda_long of the bandwidth ladder
+    # Pairs +h, -h on the rungs of the bandwidth ladder and on the largest sample; smaller samples get more of
+    # them, so that each rung covers the same area.
+    pairs: int = 4
+    reduced_pressure: float
+    points_per_wave: tuple[float, ...] = (4.0, 6.0)
+    shifts: int = SHIFTS
+    seed: int
+
+    @property
+    def cases(self) -> dict[_Case, Call]:
+        """All solves in order; surfaces 2k and 2k + 1 are +h and -h."""
+        found: dict[_Case, Call] = {}
+        for i, hurst in enumerate(self.hursts):
+            for bandwidth in self.bandwidths:
+                solves = self._pressed(hurst, self.periods, bandwidth, self.pairs)
+                found |= {("by_bandwidth", i, bandwidth, k): solve for k, solve in enumerate(solves)}
+            for size in self.sizes:
+                pairs = max(2, round(self.pairs * (self.sizes[-1] / size) ** 2))
+                solves = self._pressed(hurst, size, self.bandwidths[0], pairs)
+                found |= {("by_size", i, size, k): solve for k, solve in enumerate(solves)}
+        return found
+
+    def _pressed(self, hurst: float, periods: float, bandwidth: float, pairs: int) -> list[Call]:
+        surface = base_surface(hurst=hurst, periods=periods, bandwidth=bandwidth, seed=self.seed)
+        loads, per_wave = (self.reduced_pressure,), self.points_per_wave
+        return pressed_pairs(surface, loads, per_wave, pairs=pairs, shifts=self.shifts)
+
+    def reduced(self, measured: Mapping[_Case, xr.Dataset]) -> xr.Dataset:
+        """Reduce the results of `cases`: kappa and Nayak's parameter on every rung, and the lines through the rungs.
+
+        Raises
+        ------
+        RunFailed
+            For contacts too small for a limit of their area.
+        """
+        import xarray as xr
+
+        ladders = [self._ladder(kind, measured) for kind in LADDERS]
+        data = xr.merge(ladders, compat="no_conflicts", combine_attrs="override")
+        # H at equal alpha, and alpha at equal H.
+        data = at_equal(data, "kappa_by_bandwidth", x="nayak_by_bandwidth", along="bandwidth_rung")
+        data = change(data, "kappa_by_bandwidth", along="bandwidth_rung")
+        data = change(data, "kappa_by_bandwidth_equal", along="ladder")
+        names = (f"kappa_by_bandwidth{what}" for what in ("_equal", "_change", "_equal_change"))
+        data = mean(data, *names, over="surface_by_bandwidth", pairs=True)
+        return data.assign_coords(hurst_ladder=("ladder", list(self.hursts)))
+
+    def _ladder(self, kind: str, measured: Mapping[_Case, xr.Dataset]) -> xr.Dataset:
+        """Reduce one kind of ladder for each H."""
+        (rung, source), over = LADDERS[kind], f"surface_{kind}"
+        common = kind == "by_bandwidth"
+        parts = {case[1:]: limits_of(data) for case, data in measured.items() if case[0] == kind}
+        dims: dict[str, Sequence[Any]] = {
+            "ladder": range(len(self.hursts)),
+            rung: self.bandwidths if common else self.sizes,
+            over: range(1 + max(k for _, _, k in parts)),
+        }
+        data = gather(parts, **dims).isel(load=0, drop=True).drop_vars("ladder")
+        data = data[["area_each", "area_each_error", "area_each_drift", "nayak_each", "solve"]]
+        names = {name: str(name).replace("_each", f"_{kind}_each") for name in data.data_vars}
+        data = data.rename(names | {"solve": f"solve_{kind}"}).assign(
+            {
+                f"order_{kind}": (
+                    "ladder",
+                    [bandwidth_order(h) if common else SIZE_ORDER for h in self.hursts],
+                ),
+                "reduced_pressure_ladder": self.reduced_pressure,
+            }
+        )
+        kappa, area = f"kappa_{kind}", f"area_{kind}_each"
+        made = {f"{kappa}_each": f"{area} / reduced_pressure_ladder"}
+        data = derive(data, **made, **{f"step_{kind}": f"{rung} ** -order_{kind}"})
+        if bool((data[area].isnull() & (data[f"solve_{kind}"] != "")).any()):
+            raise RunFailed(
+                f"ladder of the {source}: contacts are too small for a limit of their area: raise the load or "
+                "the points per wave of the ladder; all solves are stored"
+            )
+        data = mean(data, kappa, f"nayak_{kind}", over=over, pairs=True)
+        at = {"x": f"step_{kind}", "along": rung, "over": over}
+        return line(data, kappa, **at, common=common, pairs=True, drift=source)
+
+
+def spectral_errors(
+    ladders: xr.Dataset, *, hurst: xr.DataArray | float, bandwidth: xr.DataArray | float, periods: float
+) -> dict[str, xr.DataArray]:
+    """Return how far kappa may be from that of endless bandwidth and sample, relative, by source, for `claim`.
+
+    It is the shift along the ladder and its 95 % interval, over the limit; NaN where there is no ladder of this H, and
+    where its limit is not determinable.
+    """
+    found: dict[str, Any] = {}
+    for kind, (_, source) in LADDERS.items():
+        name, value = f"kappa_{kind}", bandwidth if source == "bandwidth" else periods
+        half = total_error(ladders, f"{name}_slope")
+        assert half is not None
+        one = ladders[[f"{name}_limit", f"{name}_slope", f"order_{kind}"]].assign(half=half)
+        one = one.swap_dims(ladder="hurst_ladder").rename(hurst_ladder="hurst")
+        at = one.reindex(hurst=np.atleast_1d(hurst), method="nearest", tolerance=1e-9)
+        if np.ndim(hurst) == 0:
+            at = at.isel(hurst=0, drop=True)
+        step = value ** -at[f"order_{kind}"]
+        found[source] = (abs(at[f"{name}_slope"]) + at.half) * step / at[f"{name}_limit"]
+    return found

@@ -1,0 +1,443 @@
+"""What the budgets of rings say of the diffusion equation: limits over grids, octave by octave, step by step.
+
+Names are those of the registry; every function takes the dataset of a chain or of single rings (``_probe``) over
+(hurst, load, surface, grid, ...) and adds to it, surface by surface.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from persson import elastic
+from validation.execution.bench import Bench
+from validation.execution.measurement import Call
+from validation.measurements.limits import kept_of, solved
+from validation.measurements.measurement import area_limits
+from validation.measurements.rings import AREAS
+from validation.report.estimates import NORMAL, derive, error_of, gather, mean, nearest
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "at_zero_step",
+    "budgets_of",
+    "exponents",
+    "of_probe",
+    "power_at_zero_step",
+    "two_grid_limit",
+    "with_diffusion_terms",
+]
+
+#: d ln A / d ln V of the theory from which on the contact is not full.
+TOUCHED = -0.05
+#: Areas of the theory at which the simulated one is told.
+_SHARES = (0.9, 0.5, 0.2, 0.1)
+#: How near 1/2 an exponent is called so.
+_HALF = 0.03
+#: A relative change of the area too small to be compared with another.
+_NO_LOSS = 1e-3
+
+
+#: p/sqrt(V) away from the edge of the contact, and at it (edges of bins).
+_AWAY, _EDGE = (0.735, 2.94), (0.06, 0.135)
+#: Magnification from which on waves are short.
+_LATE = 4.0
+
+_TERMS = ("square_growth", "square_diffusion", "square_drift", "square_reentry")
+_OF_CHAINS = (
+    *(
+        "area",
+        "area_persson",
+        "area_ratio",
+        "area_ratio_end",
+        "area_exponent",
+        "area_exponent_pixel",
+        "area_exponent_persson",
+    ),
+    *("square_told", "square_growth_path", "square_difference", "loss_ratio", "area_diffused_ratio"),
+    *("area_ratio_diffused", "inflow_share", "inflow_share_composed", "inflow_excess", "return_chance"),
+    *("crossed_share", "out_share", "exponent_ratio", "exponent_ratio_late"),
+    *(*_TERMS, *(f"{name}_late" for name in _TERMS)),
+)
+_FLOWS = {
+    "share_lost": "area_lost",
+    "share_entered": "area_entered",
+    "share_load_entered": "load_entered",
+    "share_square_entered": "square_entered",
+}
+_OF_PROBES = (
+    *("area_probe", "area_exponent_probe", "edge_loss", "load_taken", "entered_ratio", "entered_ratio_limit"),
+    *("power_local", "power_limit", *_FLOWS, *(f"power_{name}" for name in _FLOWS), "pressure_slope"),
+    *("mean_drift_away", "mean_drift_edge", "diffusivity_away", "diffusivity_edge"),
+)
+
+
+def budgets_of(
+    bench: Bench, cases: Mapping[tuple[float, float, int, float], Call], **dims: Sequence[Any]
+) -> xr.Dataset:
+    """Solve chains, or probes, and put them together along (hurst, load, surface, grid).
+
+    Limits over the grids stand in the place of the areas on each: ``area_each``, and ``area_negative_each`` with the
+    negative ring.
+    """
+    import xarray as xr
+
+    measured = {place: kept_of(one) for place, one in solved(bench, cases).items()}
+    data = gather(measured, **dims)
+    finest = [next(case for place, case in cases.items() if place[-1] == n) for n in dims["grid"]]
+    points, per_wave = [one["points"] for one in finest], [_points_per_wave(one) for one in finest]
+    others = [str(dim) for dim in data.pixel.dims if dim != "grid"]
+    flat = {n: data[n].transpose("grid", *others).values.reshape(len(finest), 1, -1) for n in AREAS}
+    areas = xr.Dataset({name: (("grid", "shift", "load"), values) for name, values in flat.items()}).assign(
+        points=("grid", points),
+        cells=("grid", [n**2 for n in points]),
+        points_per_wave=("grid", per_wave),
+    )
+    like = data.pixel.isel(grid=0, drop=True).transpose(*others)
+    value, error = (like.copy(data=part.reshape(like.shape)) for part in area_limits(areas))
+    data = data.drop_vars([*AREAS, "load", "grid", "surface"])
+    data = data.rename({str(name): f"{name}_each" for name in data.data_vars if name != "solve"})
+    for k, name in enumerate(("area_each", "area_negative_each")):
+        limit = value.drop_vars(["load", "surface"]).isel(sign=k, drop=True)
+        spread = NORMAL * error.drop_vars(["load", "surface"]).isel(sign=k, drop=True)
+        data[name] = limit.assign_attrs(reduction="limit", of="subcell")
+        data[f"{name}_error"] = error_of(limit, grid=spread)
+    return data.assign(grid_spacing=("grid", [1 / n for n in per_wave]))
+
+
+def _points_per_wave(case: Call) -> float:
+    """lambda_short / dx of the waves there are; the ring of a probe is a little shorter."""
+    problem, zeta = case["problem"], dict(case.arguments).get("magnification")
+    shortest = problem.shortest if zeta is None else problem.longest / zeta
+    return float(case["points"] * shortest / problem.lengths[0])
+
+
+def of_probe(data: xr.Dataset) -> xr.Dataset:
+    """Name what single rings left apart from what chains did: ``area_each_error`` is ``area_probe_each_error``."""
+    dims = {"step": "variance_step", "level": "probe_level", "grid": "probe_grid", "surface": "probe_surface"}
+    names = map(str, data.data_vars)
+    apart = {n: n.replace("_each", "_probe_each") if "_each" in n else f"{n}_probe" for n in names}
+    return data.rename(dims | apart)
+
+
+def with_diffusion_terms(data: xr.Dataset) -> xr.Dataset:
+    """Add what the budgets say, surface by surface, and means over the surfaces.
+
+    Coordinates are ``magnification`` (level), ``octave_start`` (octave), ``relative_step`` (variance_step) and
+    ``upper`` (bin), edges in units of sqrt(V).
+    """
+    for add in (
+        _with_square_budget,
+        _with_area_budget,
+        _with_restarts,
+        _with_memory,
+        _with_flows,
+        _with_profiles,
+    ):
+        data = add(data)
+    data = mean(data, *_OF_CHAINS)
+    data = mean(data, *_OF_PROBES, over="probe_surface")
+    # Both sides of a budget are of the same surfaces: their gap has no interval of its own.
+    closed = abs(data.area_exponent_pixel / data.area_exponent - 1)
+    data = _added(
+        data,
+        square_gap=abs(data.square_told / data.square_growth - 1).max(),
+        area_gap=closed.where(data.area_exponent_persson < TOUCHED),
+    )
+    return _with_shares(_with_slopes(derive(data, power_excess=f"(power_limit - 0.5) / {_HALF}")))
+
+
+def _late(data: xr.Dataset) -> dict[str, list[int]]:
+    """Octaves that begin where waves are short; the last one if there is none."""
+    return {"octave": [int(k) for k in np.flatnonzero(data.octave_start.values >= _LATE)] or [-1]}
+
+
+def two_grid_limit(values: xr.DataArray, spacing: xr.DataArray) -> xr.DataArray:
+    """Value at dx -> 0 of what is counted, by a straight line in dx through the two finest grids.
+
+    Counting is off in first order of the spacing, as the counted area is.
+    """
+    grid = str(spacing.dims[-1])
+    coarse, fine = (spacing.isel({grid: k}) for k in (-2, -1))
+    low, high = (values.isel({grid: k}) for k in (-2, -1))
+    limit: xr.DataArray = high + (high - low) * fine / (coarse - fine)
+    return limit
+
+
+def _log(values: xr.DataArray) -> xr.DataArray:
+    return values.copy(data=np.log(values.values))
+
+
+def _ends(data: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.DataArray]:
+    """Something of the states before and after every ring."""
+    values = data[name].drop_vars("magnification", errors="ignore").rename(level="step")
+    return values.isel(step=slice(0, -1)), values.isel(step=slice(1, None))
+
+
+def _by_octave(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
+    """Sum over the rings of each octave."""
+    import xarray as xr
+
+    began = data.magnification.values[:-1] * (1 + 1e-9)
+    octave = np.searchsorted(data.octave_start.values, began) - 1
+    parts = [
+        values.isel(step=np.flatnonzero(octave == k)).sum("step", skipna=False)
+        for k in range(data.sizes["octave"])
+    ]
+    return xr.concat(parts, dim="octave")
+
+
+def _added(data: xr.Dataset, **values: xr.DataArray) -> xr.Dataset:
+    """Add what is computed here: how its parts were made says nothing of it."""
+    return data.assign({name: one.drop_attrs() for name, one in values.items()})
+
+
+def _with_square_budget(data: xr.Dataset) -> xr.Dataset:
+    r"""Add the budget of the mean square pressure by octave, over A dV, where the theory has 1.
+
+    ``square_growth_each`` is its change, the sum of ``square_diffusion_each`` (D), ``square_drift_each``
+    (2 <mu p>) and ``square_reentry_each``; ``square_told_each`` is what D and mu make of it when they are functions
+    of the pressure alone, ``square_growth_path_each`` the change without the negative rings.
+    """
+    before, after = (part.isel(grid=-1) for part in _ends(data, "variance_share_each"))
+    own = _ends(data, "area_each")[0]
+    later = (_ends(data, "area_each")[1] + _ends(data, "area_negative_each")[1]) / 2
+    unit = _by_octave(data, 0.5 * (own + later) * (after - before))
+
+    def over_unit(values: xr.DataArray) -> xr.DataArray:
+        share: xr.DataArray = _by_octave(data, values * before) / unit
+        return share
+
+    def limit(name: str) -> xr.DataArray:
+        return two_grid_limit(data[f"{name}_each"], data.grid_spacing)
+
+    points = data.bin_contact_each.where(data.bin_contact_each > 0)
+    crossed = (data.bin_pressure_each * data.bin_change_each / points).sum("bin")
+    told = data.bin_change_square_each.sum("bin") + 2 * crossed + data.square_entered_each
+    total = two_grid_limit(data.mean_square_each * data.variance_share_each, data.grid_spacing)
+    first, last = _ends(data.assign(total=total), "total")
+    data = _added(
+        data,
+        square_growth_each=over_unit(limit("square_change")),
+        square_diffusion_each=over_unit(limit("pressure_change_square")),
+        square_drift_each=over_unit(2 * limit("pressure_cross_change")),
+        square_reentry_each=over_unit(limit("square_entered")),
+        square_told_each=over_unit(two_grid_limit(told, data.grid_spacing)),
+        square_growth_path_each=_by_octave(data, last - first) / unit,
+    )
+    late = {f"{name}_late_each": data[f"{name}_each"].isel(_late(data)).mean("octave") for name in _TERMS}
+    return derive(_added(data, **late), square_difference_each="square_growth_path_each - square_growth_each")
+
+
+def _with_area_budget(data: xr.Dataset) -> xr.Dataset:
+    """Add area over Persson's along zeta, and d ln A / d ln V by octave: located, counted (entering less leaving), his."""
+    finest = "nominal_each.isel(grid=-1) / sqrt(2 * variance_share_each.isel(grid=-1))"
+    data = derive(data, area_persson_each=f"erf({finest})")
+    data = derive(data, area_ratio_each="area_each / area_persson_each")
+    (before, after), own = _ends(data, "variance_share_each"), _ends(data, "area_each")
+    theory = _ends(data, "area_persson_each")
+    steps = _by_octave(data, _log((after / before).isel(grid=-1)))
+    net = two_grid_limit(data.area_entered_each - data.area_lost_each, data.grid_spacing)
+    both = (own[1] + _ends(data, "area_negative_each")[1]) / 2
+    located, counted, persson = (
+        _by_octave(data, _log(ratio)) / steps
+        for ratio in (both / own[0], 1 + net / own[0], theory[1] / theory[0])
+    )
+    partial = persson < TOUCHED
+    late = [part.where(partial).isel(_late(data)).mean("octave") for part in (located, persson)]
+    return _added(
+        data,
+        area_exponent_each=located,
+        area_exponent_pixel_each=counted,
+        area_exponent_persson_each=persson,
+        exponent_ratio_each=(located / persson).where(partial),
+        exponent_ratio_late_each=late[0] / late[1],
+    )
+
+
+def _with_restarts(data: xr.Dataset) -> xr.Dataset:
+    """Add what absorbing diffusion makes of the true pressures at the beginning of each octave.
+
+    ``area_diffused_ratio_each`` is its area over the true one (octave, level), 1 where it starts;
+    ``area_ratio_diffused_each`` that over Persson's; ``loss_ratio_each`` how much faster it loses area than the truth,
+    ln against ln, over half an octave.
+    """
+    import xarray as xr
+
+    zeta, area = data.magnification.values, data.area_each
+    ratios, faster = [], []
+    for row, began in enumerate(data.octave_start.values):
+        start, end = (int(np.argmin(np.abs(zeta - z))) for z in (began, began * 2**0.5))
+        diffused = data.area_diffused_each.isel(octave=row, drop=True)
+        share = two_grid_limit(diffused / diffused.isel(level=start, drop=True), data.grid_spacing)
+        ratio = (share / (area / area.isel(level=start, drop=True))).drop_vars(
+            "magnification", errors="ignore"
+        )
+        true = _log(area.isel(level=end, drop=True) / area.isel(level=start, drop=True))
+        ratios.append(ratio)
+        faster.append(1 + _log(ratio.isel(level=end, drop=True)) / true.where(true < -_NO_LOSS))
+    ratio = xr.concat(ratios, dim="octave")
+    begins = [int(np.argmin(np.abs(zeta - z))) for z in data.octave_start.values]
+    ends = data.area_ratio_each.isel(level=[*begins[1:], -1]).drop_vars("magnification")
+    return _added(
+        data,
+        area_ratio_end_each=ends.rename(level="octave"),
+        area_diffused_ratio_each=ratio,
+        area_ratio_diffused_each=data.area_ratio_each * ratio,
+        loss_ratio_each=xr.concat(faster, dim="octave"),
+    )
+
+
+def _with_memory(data: xr.Dataset) -> xr.Dataset:
+    """Add inflow over two rings, true and composed of single ones, over the area before, and chances to return."""
+    finest, area = data.isel(grid=-1), data.area_each.drop_vars("magnification")
+    before = area.isel(level=slice(0, -2)).rename(level="pair")
+    true, composed = (
+        (finest[name] / before).mean("pair") for name in ("inflow_each", "inflow_composed_each")
+    )
+    data = _added(
+        data,
+        inflow_share_each=true,
+        inflow_share_composed_each=composed,
+        return_chance_each=finest.points_returned_each
+        / finest.points_out_each.where(finest.points_out_each > 0),
+    )
+    return derive(
+        data,
+        inflow_excess_each="inflow_share_composed_each - inflow_share_each",
+        crossed_share_each="contact_crossed_each.isel(grid=-1)",
+        out_share_each=f"contact_out_each.isel(grid=-1, level={nearest(data.magnification, 2.0)})",
+    )
+
+
+def exponents(values: xr.DataArray, steps: xr.DataArray) -> xr.DataArray:
+    """Exponent of a step between neighbouring ones, and over all of them (last): (..., pair)."""
+    import xarray as xr
+
+    along = str(steps.dims[0])
+    logarithm, x = _log(values.where(values > 0)), np.log(steps.values)
+    pairs = [*itertools.pairwise(range(x.size)), (0, x.size - 1)]
+    parts = [
+        (logarithm.isel({along: b}, drop=True) - logarithm.isel({along: a}, drop=True)) / (x[b] - x[a])
+        for a, b in pairs
+    ]
+    found: xr.DataArray = xr.concat(parts, dim="step_pair")
+    return found
+
+
+def at_zero_step(values: xr.DataArray, steps: xr.DataArray) -> xr.DataArray:
+    """Value at a vanishing step by a straight line in its root through all steps."""
+    import xarray as xr
+
+    along = str(steps.dims[0])
+    design = np.stack([np.ones(steps.size), np.sqrt(steps.values)], axis=1)
+    weights = xr.DataArray(np.linalg.pinv(design)[0], dims=along)
+    return (values * weights).sum(along, skipna=False)
+
+
+def power_at_zero_step(powers: xr.DataArray, steps: xr.DataArray) -> xr.DataArray:
+    """Exponent at a vanishing step from those between neighbours (`exponents`).
+
+    c sqrt(dV) (1 + a sqrt(dV)) has 1/2 + a sqrt(dV)/2.
+    """
+    import xarray as xr
+
+    if steps.size == 2:
+        return powers.isel(step_pair=0)
+    middles = xr.DataArray(np.sqrt(steps.values[1:] * steps.values[:-1]), dims="step_pair")
+    return at_zero_step(powers.isel(step_pair=slice(0, steps.size - 1)), middles)
+
+
+def _with_flows(data: xr.Dataset) -> xr.Dataset:
+    """Add what single rings take over p = 0, over the contact area, limits over grids, and how it goes with the step."""
+    area, steps = data.area_probe_each.isel(probe_level=0, drop=True), data.relative_step
+    flows = {
+        name: two_grid_limit(data[f"{of}_probe_each"], data.grid_spacing_probe) / area
+        for name, of in _FLOWS.items()
+    }
+    after = (data.area_probe_each + data.area_negative_probe_each).isel(probe_level=slice(1, None)) / 2
+    net = _log(after.rename(probe_level="variance_step") / area) / _log(1 + steps)
+    powers = {name: exponents(flow, steps) for name, flow in flows.items()}
+    data = _added(
+        data,
+        **{f"{name}_each": flow for name, flow in flows.items()},
+        **{f"power_{name}_each": power.isel(step_pair=-1) for name, power in powers.items()},
+        power_local_each=powers["share_lost"].isel(step_pair=slice(0, -1)),
+        power_limit_each=power_at_zero_step(powers["share_lost"], steps),
+        entered_ratio_limit_each=at_zero_step(flows["share_entered"] / flows["share_lost"], steps),
+        area_exponent_probe_each=net,
+    )
+    return derive(
+        data,
+        entered_ratio_each="share_entered_each / share_lost_each",
+        edge_loss_each="-area_exponent_probe_each.isel(variance_step=-1)",
+        load_taken_each="share_load_entered_each / relative_step",
+    )
+
+
+def _with_profiles(data: xr.Dataset) -> xr.Dataset:
+    """Add drift and diffusivity by pressure on the finest grid, surfaces pooled, and of two ranges of pressure."""
+    at, steps = data.isel(probe_grid=-1), data.relative_step
+    pooled = at[[f"bin_{n}_probe_each" for n in ("contact", "pressure", "change", "change_square")]]
+    sums = pooled.sum("probe_surface")
+    points = sums.bin_contact_probe_each.where(sums.bin_contact_probe_each > 0)
+    data = _added(
+        data,
+        bin_mean_pressure=sums.bin_pressure_probe_each / points,
+        mean_drift=sums.bin_change_probe_each / points / steps,
+        diffusivity=sums.bin_change_square_probe_each / points / steps,
+    )
+    lower = np.concatenate([[0.0], data.upper.values[:-1]])
+    for name, (low, high) in (("away", _AWAY), ("edge", _EDGE)):
+        keep = np.flatnonzero((lower >= low * (1 - 1e-9)) & (data.upper.values <= high * (1 + 1e-9)))
+        sums = pooled.isel(bin=keep).sum("bin")
+        points = sums.bin_contact_probe_each.where(sums.bin_contact_probe_each > 0) * steps
+        between = {
+            f"mean_drift_{name}_each": sums.bin_change_probe_each / points,
+            f"diffusivity_{name}_each": sums.bin_change_square_probe_each / points,
+        }
+        data = _added(data, **between)
+    return data
+
+
+def _with_slopes(data: xr.Dataset) -> xr.Dataset:
+    """Add -d ln A / d ln V by Eq. 26, V P'(0) / 2 A, of the true slope and of Persson's, and how far the first is off."""
+    nominal = data.nominal_probe_each.isel(probe_grid=-1).mean("probe_surface")
+    load = data.reduced_pressure.values
+    # p0 is 2 p* sqrt(V): the same on every surface, since p* counts in its own gradient.
+    persson = elastic.initial_slope(load, stress_variance=elastic.stress_variance(1.0, contact_modulus=1.0))
+    own = elastic.initial_slope(nominal.values.ravel(), stress_variance=1.0)
+    data = data.assign(nominal=nominal, own=0.5 * nominal.copy(data=np.reshape(own, nominal.shape)))
+    data["pressure_slope_persson"] = ("load", np.asarray(persson))
+    first = data.area_probe.isel(probe_level=0), data.area_probe_error.isel(probe_level=0)
+    data = data.assign(start=first[0], start_error=first[1])
+    data = derive(
+        data,
+        slope_ratio="pressure_slope / pressure_slope_persson",
+        edge_loss_persson="own / erf(nominal / 2**.5)",
+        edge_loss_slope="slope_ratio * own / start",
+        edge_loss_excess="edge_loss_slope - edge_loss",
+    )
+    return data.drop_vars(["nominal", "own", "start", "start_error"])
+
+
+def _with_shares(data: xr.Dataset) -> xr.Dataset:
+    """Add the area over Persson's where his own has given values, along zeta; NaN where it never has."""
+    import xarray as xr
+
+    # His area falls along zeta.
+    own, ratio = (data[name].isel(level=slice(None, None, -1)) for name in ("area_persson", "area_ratio"))
+    found = xr.apply_ufunc(
+        lambda x, y: np.interp(_SHARES, x, y, left=np.nan, right=np.nan),
+        own,
+        ratio,
+        input_core_dims=[["level"], ["level"]],
+        output_core_dims=[["share"]],
+        vectorize=True,
+    )
+    return data.assign_coords(share=list(_SHARES)).assign(area_ratio_at_share=found)

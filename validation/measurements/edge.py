@@ -1,0 +1,270 @@
+"""What happens at the edge of contact: how p grows with the distance from it, and what P(sigma) follows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+import scipy.ndimage
+
+from fem_contact.area import contact_areas
+from fem_contact.contact import ContactResult
+from fem_contact.patches import find_patches
+from fem_contact.stress import pressure_distribution
+from validation.arrays import Array, Grid
+from validation.effects.base import ContactModel
+from validation.execution.bench import Bench
+from validation.execution.measurement import measurement
+from validation.measurements.common import named, reduced_load
+from validation.measurements.limits import solved
+from validation.measurements.measurement import grid_for
+from validation.report.estimates import gather
+from validation.scenes.problem import ContactProblem
+from validation.solvers import find_solver
+from validation.solvers.base import Job, Settings
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "edge_limits",
+    "edge_of_contact",
+    "inverse_square_coefficient",
+    "slopes_of",
+    "start_of_pressure",
+    "window_slope",
+]
+
+Place = TypeVar("Place")
+
+#: Distances from the edge, in cells, between which p = B sqrt(s) is read off: beyond the cells the grid smears,
+#: and before the curvature of the patch is felt.
+_NEAR, _FAR = 1.5, 4.0
+_BINS = 120
+#: Largest pressure, over E* h'_rms.
+_TOP = 0.6
+
+
+def _recipe(made: dict[str, Any], method: str, settings: Settings) -> dict[str, Any]:
+    """Boundary elements as they are by themselves go without a name."""
+    plain = method == "bem" and not settings
+    return {n: v for n, v in made.items() if not (plain and n in ("method", "settings"))} | {"top": _TOP}
+
+
+@measurement(
+    "edge-{size}",
+    kind="EdgeMeasurement",
+    words="edge of contact, {method}",
+    recipe=_recipe,
+    seconds=lambda points: 5e-3 + 1.2e-6 * points,
+    bytes=160,
+    compiled=lambda method, settings: ((method, dict(settings), ()),),
+)
+def edge_of_contact(
+    *, problem: ContactProblem, grid: Grid, method: str = "bem", settings: Settings = ()
+) -> xr.Dataset:
+    """Return P(sigma) of one realisation at small pressure and the edge coefficient, in units of E* h'_rms, lambda_short.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+    grid : tuple of int
+    method : str
+        Name of a solver.
+    settings : tuple of (str, value)
+        What it is told.
+    """
+    import xarray as xr
+
+    unit, solver = problem.pressure_scale, find_solver(method)
+    job = Job(
+        field=problem.heights(grid),
+        load={"mean_pressure": reduced_load(problem) * unit},
+        model=ContactModel(solid=problem.elastic),
+        settings=dict(settings),
+        threads=1,
+    )
+    result = solver.solve(job).contact.checked()
+    edges = np.linspace(0, _TOP, _BINS + 1)
+    density = pressure_distribution(result, edges * unit).density * unit
+    wave = problem.shortest
+    # The counted edge is 4/pi times the true contour on average.
+    areas = contact_areas(result, edge_constant=solver.edge_constant(result))
+    contour = np.pi / 4 * areas.edge_length * wave
+    excess = areas.pixel - areas.perimeter
+    return xr.Dataset(
+        {
+            "density": named("bin", density, "P(sigma) E* h'_rms per nominal area"),
+            "contour": named((), contour, "true contour length per nominal area times lambda_short"),
+            "inverse_square": ((), inverse_square_coefficient(result) * unit**2 / wave),
+            "patches": ((), find_patches(result.in_contact, result.spacing).count),
+            "area": ((), areas.perimeter),
+            "excess": named((), excess, "counted area above the corrected one, per nominal area"),
+            "seconds": ((), result.cost.wall_seconds),
+        },
+        coords={"stress": ("bin", (edges[1:] + edges[:-1]) / 2), "upper": ("bin", edges[1:])},
+    )
+
+
+def window_slope(below: float, *, excess: float, window: float) -> float:
+    r"""Mean initial slope of P(sigma) from the area below a small pressure, 2 (A_\epsilon - A_excess) / epsilon^2.
+
+    Counting adds area at the edge, at pressures below that of the first cell inside, B dx^(1/2); its size is known. A window
+    that ends beyond them sees the continuum and the excess: on a Hertzian contact, whose slope is pi^3 R^2 / (2 E*^2 A_0), it is
+    right within 1 % from epsilon = 1.2 B dx^(1/2) on, at any spacing. One that ends within the first cell is not, at any
+    spacing: 29 % too much at .4.
+
+    Parameters
+    ----------
+    below : float
+        Share of the nominal area at pressures below the window's end.
+    excess : float
+        Counted less true area, over the nominal area.
+    window : float
+        epsilon, in the unit of pressure of the slope.
+    """
+    return 2 * (below - excess) / window**2
+
+
+def slopes_of(
+    bench: Bench,
+    surfaces: Mapping[Place, ContactProblem],
+    *,
+    points_per_wave: Sequence[float],
+    window: float = 1.2,
+) -> dict[Place, xr.Dataset]:
+    """P'(0) of each surface at dx -> 0, and how far it moves without the coarsest of its grids.
+
+    Parameters
+    ----------
+    bench : Bench
+    surfaces : mapping
+        Surface, solid and load by place.
+    points_per_wave : sequence of float
+        Grids, as lambda_short/dx, rising.
+    window : float
+        End of the window in which the mean slope of P is taken (`window_slope`), in units of E* h'_rms
+        sqrt(dx/lambda_short): it closes with the grid.
+
+    Returns
+    -------
+    dict of xarray.Dataset
+        ``pressure_slope_each`` in units of (E* h'_rms)^-2, by a polynomial of at most second degree in dx^(1/2), and its
+        drift.
+    """
+    import xarray as xr
+
+    cases = {
+        (place, n): edge_of_contact(problem=surface, grid=grid_for(surface, n))
+        for place, surface in surfaces.items()
+        for n in points_per_wave
+    }
+    measured = solved(bench, cases)
+    found = {}
+    for place, surface in surfaces.items():
+        # A grid is even, and so a little finer than asked for.
+        spacing = [1 / surface.points_per_wave(cases[place, n]["grid"]) for n in points_per_wave]
+        starts = {
+            n: start_of_pressure(measured[place, n], spacing=dx, window=window, slope_window=window)
+            for n, dx in zip(points_per_wave, spacing, strict=True)
+        }
+        data = edge_limits(gather(starts, grid=points_per_wave).assign_coords(spacing=("grid", spacing)))
+        name = "initial_slope_window_each"
+        drift = data.get(f"{name}_drift", 0.0)
+        found[place] = xr.Dataset({"pressure_slope_each": data[name], "pressure_slope_each_drift": drift})
+    return found
+
+
+def inverse_square_coefficient(result: ContactResult) -> float:
+    """Mean of B^-2 over the contour, with p = B sqrt(s) at the distance s inside the edge [m/Pa^2].
+
+    Each contact point between 1.5 and 4 cells from the edge gives s / p^2; points at the same distance stand for equal
+    lengths of contour. The distance to the edge is that to the nearest point out of contact, less half a cell.
+    """
+    contact = np.asarray(result.in_contact)
+    if contact.all() or not contact.any():
+        return float("nan")
+    dx = float(np.sqrt(result.spacing[0] * result.spacing[1]))
+    margin = int(_FAR) + 2
+    padded = np.pad(contact, margin, mode="wrap")
+    distance = scipy.ndimage.distance_transform_edt(padded, sampling=result.spacing)
+    inside = distance[margin:-margin, margin:-margin] - dx / 2
+    ring = contact & (inside > _NEAR * dx) & (inside < _FAR * dx)
+    if not ring.any():
+        return float("nan")
+    return float(np.mean(inside[ring] / result.pressure[ring] ** 2))
+
+
+def start_of_pressure(
+    measured: xr.Dataset, *, spacing: float, window: float, slope_window: float
+) -> xr.Dataset:
+    """Reduce what `edge_of_contact` left to how P(sigma) starts: in windows that close, and by the contour.
+
+    Parameters
+    ----------
+    measured : xarray.Dataset
+    spacing : float
+        dx / lambda_short.
+    window, slope_window : float
+        Ends of the windows of the density and of its mean slope, in units of E* h'_rms sqrt(dx/lambda_short).
+    """
+    import xarray as xr
+
+    upper = np.concatenate([[0], measured.upper.values])
+    share = np.concatenate([[0], np.cumsum(measured.density.values) * float(np.diff(measured.upper[:2])[0])])
+    ends = np.array([window, slope_window]) * np.sqrt(spacing)
+    below, below_slope = np.interp(ends, upper, share)
+    return xr.Dataset(
+        {
+            "density_at_zero_each": below / ends[0],
+            "window_slope_each": window_slope(below_slope, excess=float(measured.excess), window=ends[1]),
+            "contour_slope_each": 2 * float(measured.contour * measured.inverse_square),
+            "patches_each": float(measured.patches),
+            "small_density_each": ("bin", measured.density.values),
+        },
+        attrs={name: measured.attrs[name] for name in ("solve",) if name in measured.attrs},
+    )
+
+
+#: What is taken to dx -> 0, of which number on the grids, against which power of dx, by which polynomial. The density
+#: in a window eps ~ dx^(1/2) is P(0+) + S eps/2 - c eps^2 + ..., since P bends down from its initial slope S: a
+#: straight line takes the bend for an intercept. Patches curve within the cells where B is read, a bias of first order.
+_LIMITS = {
+    "initial_density": ("density_at_zero", 0.5, 2),
+    "initial_density_straight": ("density_at_zero", 0.5, 1),
+    "initial_slope_window": ("window_slope", 0.5, 2),
+    "initial_slope_contour": ("contour_slope", 1.0, 1),
+}
+
+
+def edge_limits(data: xr.Dataset) -> xr.Dataset:
+    """Add P(0+) and P'(0) at dx -> 0 of each surface, with what they move by without the coarsest grid.
+
+    ``initial_density_each`` (and ``_straight``, which takes the bend of P for an intercept),
+    ``initial_slope_window_each`` from the mean slope in a window that closes, and
+    ``initial_slope_contour_each`` = 2 S <B^-2>.
+    """
+    for name, (of, power, degree) in _LIMITS.items():
+        values, x = data[f"{of}_each"], data.spacing**power
+        made = {"reduction": "polynomial limit", "of": f"{of}_each", "power": power, "degree": degree}
+        limit = _at_zero(values, x, degree=degree)
+        data[f"{name}_each"] = limit.assign_attrs(made)
+        if values.sizes["grid"] > 3:
+            finer = (one.isel(grid=slice(1, None)) for one in (values, x))
+            data[f"{name}_each_drift"] = _at_zero(*finer, degree=degree) - limit
+    return data
+
+
+def _at_zero(values: xr.DataArray, x: xr.DataArray, *, degree: int) -> xr.DataArray:
+    """Value at x = 0 by a polynomial over the grids, of at most two coefficients less than these."""
+    import xarray as xr
+
+    def fit(y: Array, at: Array) -> float:
+        most = min(degree, at.size - 2) if at.size > 2 else 1
+        return float(np.polyfit(at, y, most)[most])
+
+    found: xr.DataArray = xr.apply_ufunc(
+        fit, values.drop_attrs(), x.drop_attrs(), input_core_dims=[["grid"], ["grid"]], vectorize=True
+    )
+    return found

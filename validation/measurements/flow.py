@@ -1,0 +1,262 @@
+"""What passes through a contact and through its gap, measured on one surface: stiffness, percolation, leak."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from fem_contact.area import contact_areas
+from fem_contact.contact import ContactResult
+from fem_contact.leak import critical_gap, flow_conductance, open_gap, percolates
+from fem_contact.stress import gap_distribution
+from persson.gaps import gap_distribution as theory_of_gaps
+from persson.leakage import effective_medium
+from persson.scale import Scale
+from validation.arrays import Array, Grid
+from validation.execution.measurement import measurement
+from validation.measurements.theory import WITH_ENERGY, Waves
+from validation.scenes.problem import ContactProblem
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "GAP_EDGES",
+    "GAP_THEORIES",
+    "NARROW",
+    "contact_is_apart",
+    "flow_of",
+    "gap_is_open",
+    "leaks",
+    "located_area",
+    "stiffness_of",
+]
+
+#: Edges over which gaps are counted, as u/h_rms: finer towards zero, where P(u) rises; one of them is 0.1.
+GAP_EDGES = 0.1 * (np.arange(39) / 6) ** 2
+
+#: Located area up to which a percolation threshold is bracketed, and how closely an area is met.
+_BRACKET, _AREA = 1e-3, 2e-4
+#: Steps of a search for a load; each halves its bracket at worst.
+_STEPS = 40
+
+
+#: Loads between which the theory's gap is differentiated, relative.
+_STEP = 0.01
+
+
+def stiffness_of(measured: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
+    """Reduce a path with its stiffness to numbers over (load) on its finest grid, means over the shifts, and the theory's.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``stiffness_each`` K h_rms / p0 with its step from the grid before; ``gap_each``, ``area_perimeter_each``; by
+        every variant of the theory that stores an energy, told the surface, -h_rms / (d gap / d ln p0).
+    """
+    import xarray as xr
+
+    shifted = measured.drop_vars(["points", "cells", "points_per_wave"], errors="ignore").mean("shift")
+    fine, before = (shifted.isel(grid=k) for k in (-1, -2))
+    loads, height = measured.reduced_pressure.values, problem.field.rms_height
+    waves, gradient = Waves.of_field(problem.field), problem.field.rms_gradient
+    around = np.sort(np.concatenate([loads * np.exp(-_STEP), loads * np.exp(_STEP)])) * gradient
+    theory = {}
+    for variant in WITH_ENERGY:
+        gaps = waves.mean_gap(around, variant)
+        theory[f"stiffness_{variant}_each"] = ("load", height / ((gaps[0::2] - gaps[1::2]) / (2 * _STEP)))
+    own = {
+        "stiffness_each": fine.stiffness.assign_attrs(reduction="shift mean", of="stiffness"),
+        "stiffness_each_drift": fine.stiffness - before.stiffness,
+        "gap_each": fine.mean_gap / measured.attrs["rms_height"],
+        "area_perimeter_each": fine.perimeter.assign_attrs(reduction="shift mean", of="perimeter"),
+    }
+    return xr.Dataset({**own, **theory}, attrs={"solve": measured.attrs["solve"]})
+
+
+@measurement(
+    "leak-{size}",
+    kind="LeakMeasurement",
+    words="leak",
+    located=True,
+    version=2,
+    # Some seven problems for each area and threshold.
+    seconds=lambda points, areas: 7 * (len(areas) + 4) * (2e-3 + 2e-6 * points),
+    bytes=2000,
+)
+def leaks(*, problem: ContactProblem, grid: Grid, areas: tuple[float, ...]) -> xr.Dataset:
+    """Seek the loads that make given areas, and where contact and gap percolate along x and along y.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+        Surface and solid; the load is sought.
+    grid : tuple of int
+    areas : tuple of float
+        A/A0, located inside the cells.
+
+    Returns
+    -------
+    xarray.Dataset
+        What leaks there and how wide the gaps are, over (area, axis) and (area, gap_bin); thresholds (axis).
+    """
+    import xarray as xr
+
+    path = _Path(problem, grid)
+    states = [path.at_area(area) for area in areas]
+    flows = [[_flow(state, axis) for axis in ("x", "y")] for state in states]
+    height = problem.field.rms_height
+    gaps = [gap_distribution(state, GAP_EDGES * height).density * height for state in states]
+    loads = [state.mean_pressure / problem.pressure_scale for state in states]
+    thresholds = {
+        name: ("axis", [path.threshold(open_at(axis)) for axis in ("x", "y")])
+        for name, open_at in (("contact_threshold", contact_is_apart), ("gap_threshold", gap_is_open))
+    }
+    return xr.Dataset(
+        {name: (("area", "axis"), [[one[name] for one in row] for row in flows]) for name in flows[0][0]}
+        | thresholds
+        | {"reduced_pressure": ("area", loads), "gap_density": (("area", "gap_bin"), gaps)},
+        coords={"area": list(areas), "axis": ["x", "y"]},
+    )
+
+
+#: Elastic energies of the theory of gaps, by their g (Persson 2006, and Yang, Persson 2008).
+GAP_THEORIES = {"persson": 1.0, "yang_persson": 0.45}
+#: Gaps, as u/h_rms, that are called narrow.
+NARROW = 0.1
+
+
+def flow_of(measured: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
+    """Reduce what `leaks` left to means over both axes, one sample of a surface, beside the theories.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (asked): conductance, Bruggeman's and that of the narrowest place, all over the cube of the mean gap; share
+        of axes that are closed; P(u) h_rms and the share of narrow gaps. Over (phase, axis) and (phase): thresholds.
+    """
+    import xarray as xr
+
+    found = measured.rename(area="asked").rename(asked="area_asked").swap_dims(area_asked="asked")
+    narrowest = found.constriction**3 / 12
+    along = {
+        "area_located": found.located,
+        "gap_conductance": found.conductance,
+        "gap_conductance_bruggeman": found.effective_medium,
+        "gap_conductance_constriction": narrowest,
+        "constriction": found.constriction,
+        "closed": found.closed,
+        "balance": found.balance,
+    }
+    numbers: dict[str, Any] = {f"{name}_axis_each": value for name, value in along.items()}
+    numbers |= {f"{name}_each": value.mean("axis") for name, value in along.items()}
+    phases = [found.contact_threshold, found.gap_threshold]
+    thresholds = xr.concat(phases, "phase").assign_coords(phase=["contact", "gap"]).rename("thresholds")
+    numbers |= {"percolation_area_axis_each": thresholds, "percolation_area_each": thresholds.mean("axis")}
+    width = xr.DataArray(np.diff(GAP_EDGES), dims="gap_bin")
+    narrow = xr.DataArray(GAP_EDGES[1:] <= NARROW * (1 + 1e-9), dims="gap_bin")
+    densities = {"": found.gap_density} | {
+        f"_{name}": found.gap_density.copy(data=_gap_theory(found.reduced_pressure.values, problem, ratio))
+        for name, ratio in GAP_THEORIES.items()
+    }
+    for end, density in densities.items():
+        numbers[f"gap_density{end}_each"] = density
+        numbers[f"gap_share{end}_each"] = (density * width).cumsum("gap_bin")
+        numbers[f"gap_narrow{end}_each"] = (density * width).where(narrow).sum("gap_bin")
+    middle = {"local_gap": ("gap_bin", (GAP_EDGES[1:] + GAP_EDGES[:-1]) / 2)}
+    numbers["reduced_pressure_each"] = found.reduced_pressure
+    return xr.Dataset(numbers, attrs={"solve": measured.attrs["solve"]}).assign_coords(middle)
+
+
+def _gap_theory(loads: Array, problem: ContactProblem, ratio: float) -> Array:
+    """P(u) h_rms at the loads of one surface, over (area, gap_bin); three points by Simpson's rule in each bin."""
+    height = problem.field.rms_height
+    scale = Scale(problem.own_spectrum, contact_modulus=problem.contact_modulus)
+    points = np.stack([GAP_EDGES[:-1], (GAP_EDGES[1:] + GAP_EDGES[:-1]) / 2, GAP_EDGES[1:]]) * height
+    rows = []
+    for load in loads:
+        pressure = float(load) * problem.pressure_scale
+        density = theory_of_gaps(points.ravel(), pressure=pressure, scale=scale, energy_ratio=ratio)
+        rows.append(np.array([1, 4, 1]) / 6 @ density.reshape(points.shape) * height)
+    return np.array(rows)
+
+
+class _Path:
+    """States of one surface on one grid, found by the load that makes them."""
+
+    def __init__(self, problem: ContactProblem, grid: Grid) -> None:
+        self.problem, self.field = problem, problem.heights(grid)
+        self.known: dict[float, ContactResult] = {}
+
+    def state(self, reduced: float) -> ContactResult:
+        """Solve at p*, from the nearest load that is known."""
+        from fem_contact import bem
+        from fem_contact.response import HalfSpace
+
+        near = min(self.known, key=lambda other: abs(np.log(other / reduced)), default=None)
+        start = None if near is None else self.known[near].pressure
+        if reduced not in self.known:
+            half_space = HalfSpace(solid=self.problem.elastic)
+            pressure = reduced * self.problem.pressure_scale
+            solved = bem.solve(self.field, half_space, mean_pressure=pressure, start=start, threads=1)
+            self.known[reduced] = solved.checked()
+        return self.known[reduced]
+
+    def at_area(self, area: float) -> ContactResult:
+        """Return the state whose located area is the one asked for, by secants in a bracket."""
+        low, high = 0.0, 4.0
+        load = area / 2
+        for _ in range(_STEPS):
+            state = self.state(load)
+            miss = located_area(state) / area - 1
+            if abs(miss) * area < _AREA:
+                return state
+            low, high = (load, high) if miss < 0 else (low, load)
+            guess = load / (1 + miss) ** 1.2
+            load = guess if low < guess < high else (low + high) / 2
+        return state
+
+    def threshold(self, passes: Callable[[ContactResult], bool]) -> float:
+        """Return the located area at which something no longer passes, from below and above."""
+        low, high = 0.05, 1.0
+        while not passes(self.state(low)):
+            low /= 2
+        while located_area(self.state(high)) - located_area(self.state(low)) > _BRACKET:
+            middle = np.sqrt(low * high)
+            low, high = (middle, high) if passes(self.state(middle)) else (low, middle)
+        return (located_area(self.state(low)) + located_area(self.state(high))) / 2
+
+
+def located_area(state: ContactResult) -> float:
+    """A/A0 with the edge located inside the cells."""
+    found = contact_areas(state, subcell=True).subcell
+    assert found is not None
+    return found
+
+
+def gap_is_open(axis: Literal["x", "y"]) -> Callable[[ContactResult], bool]:
+    """Return the question whether a path without contact leads along an axis."""
+    return lambda state: percolates(~state.in_contact, axis)
+
+
+def contact_is_apart(axis: Literal["x", "y"]) -> Callable[[ContactResult], bool]:
+    """Return the question whether no path of contact leads along an axis."""
+    return lambda state: not percolates(state.in_contact, axis)
+
+
+def _flow(state: ContactResult, axis: Literal["x", "y"]) -> dict[str, float]:
+    """Conductance along one axis over the cube of the mean gap, and what theories make of the same gap."""
+    gap = open_gap(state)
+    mean = float(gap.mean())
+    found = flow_conductance(gap, state.lengths, axis=axis)
+    medium = effective_medium(gap.ravel() ** 3 / 12, np.full(gap.size, 1 / gap.size))
+    return {
+        "located": located_area(state),
+        "conductance": found.conductance / mean**3,
+        "closed": float(found.closed),
+        "effective_medium": medium / mean**3,
+        "constriction": critical_gap(gap, axis) / mean,
+        "balance": found.balance,
+    }

@@ -1,0 +1,86 @@
+"""Hyun's protocol: roughness down to the grid scale, contact nodes counted, slope measured in three ways."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_contact.area import contact_areas
+from fem_contact.surface import HeightField, random_surface
+from validation.arrays import Grid
+from validation.execution.measurement import measurement
+from validation.measurements.common import reduced_load
+from validation.scenes.problem import ContactProblem
+from validation.scenes.scene import SelfAffineSurface
+from validation.scenes.surfaces import spectrum_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["grid_roughness", "rms_slopes"]
+
+
+def _recipe(made: dict[str, Any]) -> dict[str, Any]:
+    return made | {"surface": {n: v for n, v in made["surface"].items() if n != "lambda_short"}}
+
+
+@measurement(
+    "grid-roughness-{size}",
+    kind="GridRoughness",
+    words="roughness to the grid scale,",
+    recipe=_recipe,
+    seconds=lambda points: 2e-3 + 4e-6 * points,  # such roughness converges slowly
+    bytes=120,
+)
+def grid_roughness(*, problem: ContactProblem, grid: Grid) -> xr.Dataset:
+    """Continue the waves of a surface with its power law to the shortest a grid can carry, and press them on that grid.
+
+    The surface gives H, lambda_long, period and seed; its lambda_short is replaced by two spacings. The reduced
+    pressure is that of the spectral slope. Returns kappa for the three slopes.
+    """
+    import xarray as xr
+
+    from fem_contact import bem
+    from fem_contact.response import HalfSpace
+
+    surface, modulus = problem.surface, problem.contact_modulus
+    assert isinstance(surface, SelfAffineSurface)
+    # The Nyquist wave itself has no phase on the grid: stop one wave short of it.
+    q_short = 2 * np.pi / surface.length[0] * (grid[0] // 2 - 1)
+    wide = surface.model_copy(update={"lambda_short": 2 * np.pi / q_short})
+    seed = surface.seed_of(problem.realisation)
+    field = random_surface(spectrum_of(wide), q_short=q_short, lengths=surface.length, shape=grid, seed=seed)
+    slopes = rms_slopes(field)
+    pressure = reduced_load(problem) * modulus * slopes["spectral"]
+    half_space = HalfSpace(solid=problem.elastic)
+    result = bem.solve(field, half_space, mean_pressure=pressure, threads=1).checked()
+    pixel = contact_areas(result).pixel
+    kappa = [pixel * modulus * slope / pressure for slope in slopes.values()]
+    return xr.Dataset(
+        {"kappa": ("slope", kappa), "pixel": ((), pixel), "seconds": ((), result.cost.wall_seconds)},
+        coords={"slope": list(slopes)},
+    )
+
+
+def rms_slopes(field: HeightField) -> dict[str, float]:
+    """Root mean square gradient by spectral, forward and central differences.
+
+    Examples
+    --------
+    >>> x = np.arange(64) / 64
+    >>> wave = HeightField(heights=np.cos(2 * np.pi * x)[:, None] * np.ones(4), lengths=(1.0, 1.0))
+    >>> [round(slope / wave.rms_gradient, 4) for slope in rms_slopes(wave).values()]
+    [1.0, 0.9996, 0.9984]
+    """
+    h, (dx, dy) = field.heights, field.spacing
+    forward = ((np.roll(h, -1, 0) - h) / dx, (np.roll(h, -1, 1) - h) / dy)
+    central = (
+        (np.roll(h, -1, 0) - np.roll(h, 1, 0)) / (2 * dx),
+        (np.roll(h, -1, 1) - np.roll(h, 1, 1)) / (2 * dy),
+    )
+    return {
+        "spectral": field.rms_gradient,
+        "forward": float(np.sqrt(np.mean(forward[0] ** 2 + forward[1] ** 2))),
+        "central": float(np.sqrt(np.mean(central[0] ** 2 + central[1] ** 2))),
+    }

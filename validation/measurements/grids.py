@@ -1,0 +1,332 @@
+"""Areas on every grid: of boundary elements by each definition, of finite elements, of other methods; observed orders."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import scipy.special
+
+from fem_contact.area import ContactAreas
+from fem_contact.extrapolation import limit_area
+from persson.elastic import pressure_distribution, stress_variance
+from validation.arrays import Grid
+from validation.measurements.distributions import PATCH_EDGES, STRESS_EDGES, weighted_percentile
+from validation.measurements.limits import limits_of
+from validation.measurements.measurement import limit_over, stored_areas
+from validation.measurements.statistics import order_of_convergence
+from validation.report.estimates import NORMAL, change, claim, derive, error_of, gather, mean
+from validation.scenes.problem import ContactProblem
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["SMALL", "observed_order", "on_grids", "protocol", "with_blocks", "with_distances", "with_methods"]
+
+#: Stress, over E* h'_rms, that is small; distance from the limit that is close.
+SMALL, _CLOSE = 0.2, 0.05
+#: Points per shortest wave at and below which nothing is resolved.
+_RESOLVED = 2 * (1 + 1e-9)
+#: Parts of the contact area at which patch sizes are read: newborn patches are one cell on every grid, and count little.
+_PARTS = (0.1, 0.5, 0.9)
+
+
+def on_grids(measured: xr.Dataset) -> xr.Dataset:
+    """Reduce a measurement that keeps distributions, at one load: its limit, and over (grid) areas, moments of P(sigma), patches, cost."""
+    data = limits_of(measured).isel(load=0, drop=True)
+    plain = measured.isel(load=0, drop=True).drop_vars(["points", "cells"], errors="ignore")
+    names = {"area_pixel": "pixel", "area_perimeter": "perimeter", "area_located": "subcell"}
+    names |= {n: n for n in ("density_at_zero", "patches", "cells_per_patch", "edge_fraction", "residual")}
+    read: dict[str, Any] = {
+        f"{name}_each": plain[of].mean("shift").assign_attrs(reduction="shift mean", of=of)
+        for name, of in names.items()
+    }
+    width = float(np.diff(STRESS_EDGES)[0])
+    cells = [
+        [weighted_percentile(row, PATCH_EDGES, part) * float(n) ** 2 for part in _PARTS]
+        for row, n in zip(plain.patch_area_profile.values, plain.points_per_wave.values, strict=True)
+    ]
+    return data.assign(
+        **read,
+        seconds_each=plain.seconds.sum("shift"),
+        first_moment_each=plain.load_profile.sum("load_bin"),
+        stress_density_each=(("grid", "stress_bin"), plain.stress_profile.values / width),
+        cells_at_part_each=(("grid", "part"), cells),
+    ).assign_coords(
+        points=("grid", measured.points.values),
+        stress=("stress_bin", (STRESS_EDGES[1:] + STRESS_EDGES[:-1]) / 2),
+        part=list(_PARTS),
+    )
+
+
+def with_distances(data: xr.Dataset, *, theory: bool) -> xr.Dataset:
+    """Add kappa, distances from the limit with their orders, and what P(sigma) has too much of on a coarse grid.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of `on_grids` by surface, with ``area_persson``, ``area_ensemble_each`` and ``reduced_pressure``.
+    theory : bool
+        Whether P(sigma) of the theory is that of the bare half-space.
+    """
+    resolved, areas = data.points_per_wave.values > _RESOLVED, ("pixel", "perimeter", "located")
+    data = data.assign_coords(resolution=("grid", np.where(resolved, "resolved", "under-resolved")))
+    first = int(np.argmax(resolved))
+    data = derive(
+        data,
+        kappa_each="area_each / reduced_pressure",
+        kappa_pixel_each="area_pixel_each / reduced_pressure",
+        kappa_persson="area_persson / reduced_pressure",
+        kappa_ensemble_each="area_ensemble_each / reduced_pressure",
+        area_excess_each="area_each / area_persson - 1",
+        **{f"distance_{name}_each": f"area_{name}_each / area_each - 1" for name in areas},
+        stress_density="stress_density_each.mean('surface')",
+        grid_part_each="(area_pixel_each - area_each) / (area_pixel_each - area_persson)",
+    )
+    data = change(data, "area_pixel", along="grid", first=-1, last=first)
+    data = mean(data, *(f"{of}_{name}" for of in ("area", "distance") for name in areas), *_AVERAGED)
+    for name in areas:
+        own = observed_order(data.isel(grid=resolved), f"distance_{name}", to=f"order_{name}")
+        data = data.assign({n: own[n] for n in (f"order_{name}", f"order_{name}_error")})
+    data = derive(data, **{f"distance_{name}_size": f"abs(distance_{name})" for name in areas})
+    # Above the last pressure at which the coarse grid has more, it must have less: the load is the same.
+    coarse, fine = (f"stress_density.isel(grid={k})" for k in (first, -1))
+    low, high = (f"where(stress {sign} {SMALL}, 0).sum('stress_bin')" for sign in ("<", ">="))
+    bare = derive(
+        data[["stress_density"]],
+        small_stress_part=f"({coarse} - {fine}).{low} / ({coarse} - {fine}).sum('stress_bin')",
+        large_stress_change=f"{coarse}.{high} / {fine}.{high} - 1",
+    )
+    variance, load = stress_variance(1.0, contact_modulus=1.0), float(data.reduced_pressure)
+    law = pressure_distribution(data.stress.values, pressure=load, stress_variance=variance)
+    close = np.flatnonzero(resolved & (data.distance_pixel_size.values < _CLOSE))
+    return data.assign(
+        small_stress_part=bare.small_stress_part,
+        large_stress_change=bare.large_stress_change,
+        stress_density_persson=("stress_bin", law * (1.0 if theory else np.nan)),
+        points_per_wave_close=float(data.points_per_wave[close[0]]) if close.size else np.nan,
+        cells_per_patch_close=float(data.cells_per_patch[close[0]]) if close.size else np.nan,
+    )
+
+
+#: What else is averaged over the surfaces.
+_AVERAGED: tuple[str, ...] = (
+    "area",
+    "kappa",
+    "kappa_pixel",
+    "kappa_ensemble",
+    "area_excess",
+    "grid_part",
+    "area_pixel_change",
+)
+_AVERAGED += ("first_moment", "patches", "cells_at_part", "cells_per_patch", "density_at_zero")
+_AVERAGED += ("residual", "seconds", "edge_fraction")
+
+
+def _block_limit(blocks: Mapping[float, xr.Dataset], element: str) -> xr.Dataset:
+    """Reduce the blocks of one surface, by points per wave: areas over (fem_grid), and their limit with its interval."""
+    import xarray as xr
+
+    from fem_contact.block import ELEMENTS
+
+    constant = ELEMENTS[element].edge_constant
+    areas = [
+        ContactAreas(
+            pixel=float(data.pixel),
+            perimeter=float(data.perimeter),
+            edge_length=np.nan,
+            edge_fraction=float(data.pixel - data.perimeter) / constant,
+            edge_constant=constant,
+            spacing=(1 / n, 1 / n),
+        )
+        for n, data in blocks.items()
+    ]
+    found, finest = limit_area(areas), blocks[max(blocks)]
+    limit = xr.DataArray(found.value, attrs={"reduction": "limit", "of": "perimeter"})
+    return xr.Dataset(
+        {
+            "area_fem_each": limit,
+            "area_fem_each_error": error_of(limit, grid=NORMAL * found.uncertainty, theory="it is simulated"),
+            "area_fem_pixel_each": ("fem_grid", [one.pixel for one in areas]),
+            "area_fem_perimeter_each": ("fem_grid", [one.perimeter for one in areas]),
+            # On the finest grid, where one node is least.
+            "depth_share_each": abs(float(finest.pixel_layer / finest.pixel_bem) - 1),
+        },
+        coords={"points_per_wave_fem": ("fem_grid", list(blocks))},
+        attrs={"solve": " ".join(str(data.attrs.get("solve", "")) for data in blocks.values())},
+    )
+
+
+def with_blocks(
+    data: xr.Dataset,
+    blocks: Mapping[tuple[Any, ...], xr.Dataset],
+    strict: Mapping[str, xr.Dataset],
+    *,
+    cells: int,
+) -> xr.Dataset:
+    """Add finite elements beside the areas of boundary elements: kappa, distances from the limit, all errors.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        With ``area_each`` over (surface) and ``reduced_pressure``.
+    blocks : mapping
+        By element, number of the surface, and points per wave, rising.
+    strict : mapping
+        The first of each element with a smaller residual.
+    cells : int
+        Of the coarsest grid: less than one node cannot be seen, and counts as one.
+    """
+    elements, surfaces, points = (list(dict.fromkeys(names)) for names in zip(*blocks, strict=True))
+    parts = {
+        (e, k): _block_limit({n: blocks[e, k, n] for n in points}, e) for e in elements for k in surfaces
+    }
+    found = gather(parts, element=elements, surface=surfaces).rename(solve="solve_fem")
+    data = data.merge(found, combine_attrs="override")
+    data = derive(
+        data,
+        kappa_fem_each="area_fem_each / reduced_pressure",
+        kappa_fem_pixel_each="area_fem_pixel_each / reduced_pressure",
+        **{
+            f"distance_{n}_each": f"area_{n}_each / area_each - 1"
+            for n in ("fem", "fem_pixel", "fem_perimeter")
+        },
+    )
+    names = ("kappa_fem", "kappa_fem_pixel", "distance_fem", "distance_fem_pixel", "distance_fem_perimeter")
+    data = mean(data, *names, "area_fem")
+    depth = data.depth_share_each.mean(["element", "surface"])
+    data = claim(data.assign(depth_share=depth), "distance_fem", depth=depth)
+    data = derive(
+        data, **{f"distance_fem_{n}_size": f"abs(distance_fem_{n})" for n in ("pixel", "perimeter")}
+    )
+    usual = {e: float(blocks[e, surfaces[0], points[0]].pixel) for e in elements}
+    exact = {e: float(strict[e].pixel) for e in elements}
+    solver = [max(abs(usual[e] - exact[e]), 1 / cells) / exact[e] for e in elements]
+    # How far two discretisations of the same surfaces are apart in the limit is a part of their grids' error.
+    own = data.kappa_fem_error.sel(source="grid", drop=True)
+    grid = (own**2 + (data.distance_fem * data.kappa_fem) ** 2) ** 0.5
+    told = {"grid": grid, "solver": data.kappa_fem.copy(data=solver) * data.kappa_fem}
+    return claim(data, "kappa_fem", depth=depth * data.kappa_fem, **told)
+
+
+def with_methods(
+    data: xr.Dataset,
+    answers: Mapping[tuple[Any, ...], xr.Dataset],
+    grids: Mapping[str, Sequence[Grid]],
+    first: ContactProblem,
+) -> xr.Dataset:
+    """Add other methods beside the areas of boundary elements: on every grid, and their limits where grids allow one.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        With ``area_each`` over (surface).
+    answers : mapping
+        By name of the method, number of the surface, and number of the grid.
+    grids : mapping
+        By name of the method.
+    first : ContactProblem
+        Any of the surfaces.
+    """
+    import xarray as xr
+
+    surfaces, cases = range(data.sizes["surface"]), [(m, g) for m in grids for g in range(len(grids[m]))]
+    names = {
+        "pixel": "area_other_pixel",
+        "perimeter": "area_other_perimeter",
+        "subcell": "area_other_located",
+    }
+    names |= {n: f"{n}_other" for n in ("residual", "converged", "seconds")}
+    parts = {
+        (i, k): answers[m, k, g][[*names]].rename({n: f"{to}_each" for n, to in names.items()})
+        for i, (m, g) in enumerate(cases)
+        for k in surfaces
+    }
+    other = gather(parts, other_case=range(len(cases)), surface=surfaces).drop_vars("other_case")
+    other = other.rename({name: "solve_other" for name in ("solve",) if name in other})
+    limits = {
+        (m, k): _method_limit([answers[m, k, g] for g in range(len(grids[m]))], grids[m])
+        for m in grids
+        for k in surfaces
+    }
+    limit = gather(limits, other=[*grids], surface=surfaces)
+    data = xr.merge([data, other, limit], compat="no_conflicts", combine_attrs="override").assign_coords(
+        method_other=("other_case", [m for m, _ in cases]),
+        grid_other=("other_case", ["{} x {}".format(*grids[m][g]) for m, g in cases]),
+        points_per_wave_other=("other_case", [first.points_per_wave(grids[m][g]) for m, g in cases]),
+    )
+    ways = ("other", "other_pixel", "other_perimeter", "other_located")
+    data = derive(data, **{f"distance_{way}_each": f"area_{way}_each / area_each - 1" for way in ways})
+    return mean(
+        data, *(f"distance_{way}" for way in ways), "residual_other", "converged_other", "seconds_other"
+    )
+
+
+def _method_limit(answers: Sequence[xr.Dataset], grids: Sequence[Grid]) -> xr.Dataset:
+    """Limit of one surface over the grids of a method, with its interval; NaN where they are too few."""
+    import xarray as xr
+
+    areas = [
+        stored_areas(answer, grid=grid, edge_constant=float(answer.edge_constant))
+        for answer, grid in zip(answers, grids, strict=True)
+    ]
+    located = all(area.subcell is not None for area in areas)
+    value = half = np.nan
+    if len({area.spacing for area in areas}) > 1 and (located or len(areas) > 2):
+        found = limit_over(areas)
+        value, half = found.value, NORMAL * found.uncertainty
+    limit = xr.DataArray(value, attrs={"reduction": "limit", "of": "subcell" if located else "perimeter"})
+    return xr.Dataset({"area_other_each": limit, "area_other_each_error": error_of(limit, grid=half)})
+
+
+def protocol(rough: Mapping[tuple[Any, ...], xr.Dataset], points: Sequence[int]) -> xr.Dataset:
+    """Reduce the grid-scale protocol, by surface and grid: kappa by the way the slope is measured, and its spread."""
+    surfaces = range(1 + max(k for k, _ in rough))
+    kept = {
+        case: one[["kappa"]]
+        .rename(kappa="kappa_protocol_each")
+        .assign_attrs(solve=one.attrs.get("solve", ""))
+        for case, one in rough.items()
+    }
+    data = gather(kept, surface=surfaces, protocol_grid=points).rename(solve="solve_protocol")
+    data = mean(data.drop_vars("protocol_grid"), "kappa_protocol")
+    last = data[["kappa_protocol"]].isel(protocol_grid=-1)
+    spread = derive(last, kappa_protocol_spread="kappa_protocol.max() / kappa_protocol.min() - 1")
+    data = data.assign(kappa_protocol_spread=spread.kappa_protocol_spread)
+    # By one word alone, `spectral` would be what is predicted from C(q).
+    slopes = [f"{name} slope" for name in data.slope.values]
+    return data.assign_coords(points_protocol=("protocol_grid", list(points)), slope=slopes)
+
+
+def observed_order(
+    data: xr.Dataset,
+    name: str,
+    *,
+    to: str,
+    x: str = "points_per_wave",
+    along: str = "grid",
+    over: str = "surface",
+) -> xr.Dataset:
+    """Add the order with which a mean over surfaces falls with the spacing 1/x, by least squares of the logarithms.
+
+    Its 95 % interval is that of the jackknife over the surfaces. NaN where a value is.
+    """
+    import xarray as xr
+
+    rows = data[f"{name}_each"].transpose(over, along).values
+    spacing, count = 1 / data[x].values, rows.shape[0]
+
+    def order(some: np.ndarray) -> float:
+        error = some.mean(axis=0)
+        if not np.isfinite(error).all() or error.size < 2:
+            return float("nan")
+        return order_of_convergence(spacing, np.where(error == 0, 1e-12, error))
+
+    made: dict[str, Any] = {"reduction": "order", "of": f"{name}_each", "x": x, "along": along, "over": over}
+    value, half = xr.DataArray(order(rows), attrs=made), float("nan")
+    if count > 1:
+        left = np.array([order(np.delete(rows, k, axis=0)) for k in range(count)])
+        half = float(np.sqrt((count - 1) / count * ((left - left.mean()) ** 2).sum()))
+        half *= float(scipy.special.stdtrit(count - 1, 0.975))
+    return data.assign({to: value, f"{to}_error": error_of(value, surfaces=half)})

@@ -1,0 +1,72 @@
+"""How a surface's heights are distributed, and its contact area under given loads."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.special import ndtr
+
+from validation.arrays import Grid
+from validation.execution.measurement import measurement
+from validation.measurements.flow import located_area
+from validation.scenes.problem import ContactProblem
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["HEIGHT_EDGES", "height_statistics"]
+
+#: Edges of the bins of h/h_rms.
+HEIGHT_EDGES = np.linspace(-4.0, 4.0, 65)
+
+
+@measurement(
+    "heights-{size}",
+    kind="HeightStatistics",
+    words="heights",
+    located=True,
+    version=2,
+    recipe=lambda made: {name: value for name, value in made.items() if name != "load"},
+    seconds=lambda points, pressures: 1e-2 + len(pressures) * (2e-3 + 8e-7 * points),
+    bytes=200,
+)
+def height_statistics(
+    *, problem: ContactProblem, grid: Grid, pressures: tuple[float, ...] = ()
+) -> xr.Dataset:
+    """Return how the heights of one surface are distributed, over the realised rms height, and its contact area.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+        Surface and solid.
+    grid : tuple of int
+    pressures : tuple of float
+        p0 [Pa], rising; none for the heights alone.
+    """
+    import xarray as xr
+
+    from fem_contact import bem
+    from fem_contact.response import HalfSpace
+
+    field, start, areas = problem.heights(grid), None, []
+    half_space = HalfSpace(solid=problem.elastic)
+    for pressure in pressures:
+        solved = bem.solve(field, half_space, mean_pressure=pressure, start=start, threads=1).checked()
+        start = solved.pressure
+        areas.append(located_area(solved))
+    z = np.sort(field.heights.ravel() / problem.field.rms_height)
+    share = (np.arange(z.size) + 0.5) / z.size
+    density = np.histogram(z, bins=HEIGHT_EDGES)[0] / (z.size * np.diff(HEIGHT_EDGES))
+    return xr.Dataset(
+        {
+            "height_density_each": ("bin", density),
+            "area_each": ("load", areas),
+            "skewness_each": float(np.mean(z**3)),
+            "excess_kurtosis_each": float(np.mean(z**4) - 3),
+            "height_distance_each": float(np.max(np.abs(ndtr(z) - share))),
+            "highest_each": float(z[-1]),
+            "rms_height_each": problem.field.rms_height,
+            "rms_gradient_each": problem.field.rms_gradient,
+        }
+    )

@@ -1,0 +1,104 @@
+"""Bumps on bumps: a hierarchy of waves in both directions, pressed along a path of loads, beside Archard's spheres."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_contact.extrapolation import LEAST_CONTACT_POINTS
+from fem_contact.response import HalfSpace
+from fem_contact.surface import HeightField
+from persson.archard import archard_hierarchy
+from validation.arrays import Array
+from validation.execution.measurement import measurement
+from validation.measurements.common import BASE_SOLID
+from validation.measurements.flow import located_area
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["archard_of", "bumps", "press_bumps", "radii_of"]
+
+#: Amplitude of the largest wave over the period: it scales out.
+_SLOPE = 0.01
+
+
+@measurement(
+    lambda waves, points: f"archard-{len(waves)}-{points}",
+    kind="Hierarchy",
+    words="bumps on {waves} waves,",
+    located=True,
+    version=2,
+    seconds=lambda points, loads: len(loads) * (2e-3 + 8e-7 * points),
+    bytes=120,
+)
+def press_bumps(
+    *,
+    waves: tuple[int, ...],
+    heights: tuple[float, ...],
+    places: tuple[tuple[float, float], ...],
+    loads: tuple[float, ...],
+    points: int,
+) -> xr.Dataset:
+    """Press along the path of loads, each from the one before; located A/A0, NaN where too few points touch.
+
+    Parameters
+    ----------
+    waves : tuple of int
+        Waves of each level on a period, from 1.
+    heights : tuple of float
+        Of each level, over that of the first.
+    places : tuple of (float, float)
+        By how much of a period each level is moved.
+    loads : tuple of float
+        p0 / (E* H_0 / L), rising.
+    points : int
+        Along a side.
+    """
+    import xarray as xr
+
+    from fem_contact import bem
+
+    field, start, areas = bumps(waves, heights, places, points=points), None, []
+    half_space = HalfSpace(solid=BASE_SOLID.elastic)
+    for load in loads:
+        pressure = load * _SLOPE * half_space.contact_modulus
+        solved = bem.solve(field, half_space, mean_pressure=pressure, start=start, threads=1).checked()
+        start = solved.pressure
+        few = np.count_nonzero(solved.in_contact) < LEAST_CONTACT_POINTS
+        areas.append(np.nan if few else located_area(solved))
+    return xr.Dataset({"area_each": ("load", areas)})
+
+
+def bumps(
+    waves: Sequence[int], heights: Sequence[float], places: Sequence[tuple[float, float]], *, points: int
+) -> HeightField:
+    r"""Heights on a period of 1: sum over the levels of H_k / 2 [cos(2 pi n_k x) + cos(2 pi n_k y)]."""
+    x = np.arange(points) / points
+    total = np.zeros((points, points))
+    for count, height, (along, across) in zip(waves, heights, places, strict=True):
+        first, second = (np.cos(2 * np.pi * count * (x + place)) for place in (along, across))
+        total += _SLOPE * height / 2 * (first[:, None] + second[None, :])
+    return HeightField(heights=total, lengths=(1.0, 1.0))
+
+
+def radii_of(waves: Sequence[int], heights: Sequence[float]) -> list[float]:
+    """Radius of curvature of the tops of each level, on a period of 1: 1 / (2 pi^2 n_k^2 H_k)."""
+    levels = zip(waves, heights, strict=True)
+    return [1 / (2 * math.pi**2 * count**2 * _SLOPE * height) for count, height in levels]
+
+
+def archard_of(
+    waves: Sequence[int], heights: Sequence[float], *, loads: Sequence[float]
+) -> tuple[Array, float]:
+    """A/A0 of Archard's spheres with these radii and densities, and the power of the load."""
+    found = archard_hierarchy(
+        np.array(loads) * _SLOPE,
+        radii=radii_of(waves, heights),
+        densities=[float(count**2) for count in waves[1:]],
+        contact_modulus=1.0,
+    )
+    return np.asarray(found.area), found.exponent

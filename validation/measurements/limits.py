@@ -1,0 +1,218 @@
+"""A measurement as the studies use it: areas of one surface in the limit over its grids, and what was counted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from fem_contact.area import contact_areas
+from validation.arrays import Grid
+from validation.errors import UsageError
+from validation.execution.bench import Bench
+from validation.execution.press import Press
+from validation.execution.solve import Solve
+from validation.measurements.common import LEAST_POINTS_PER_WAVE
+from validation.measurements.measurement import area_limits, has_square_cells, limit_over
+from validation.report.estimates import NORMAL, error_of, evaluated
+from validation.scenes.problem import ContactProblem
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+    from fem_contact.contact import ContactResult
+
+__all__ = [
+    "ABSENT",
+    "grid_drift",
+    "kept_of",
+    "limit_of",
+    "limits_of",
+    "read_off",
+    "resolved_grids",
+    "solved",
+    "solver_error",
+    "straight_limit",
+]
+
+Case = TypeVar("Case")
+
+
+def solved(bench: Bench, cases: Mapping[Case, Solve]) -> dict[Case, xr.Dataset]:
+    """Solve cases on a bench, and return each dataset under the name of its case; it says which solve it is of."""
+    results = bench.solve(cases.values())
+    return {case: results[solve].assign_attrs(solve=solve.key) for case, solve in cases.items()}
+
+
+def read_off(one: xr.Dataset, **expressions: str) -> xr.Dataset:
+    """Return what is taken of a solve: variables by expressions of what it keeps, as attributes or variables."""
+    import xarray as xr
+
+    said = {n: xr.DataArray(v) for n, v in one.attrs.items() if isinstance(v, int | float)}
+    kept = {**said, **{str(n): one[n] for n in one.variables}}
+    data = xr.Dataset(attrs={name: one.attrs[name] for name in ("solve",) if name in one.attrs})
+    for name, expression in expressions.items():
+        made = {"reduction": "read", "expression": expression}
+        data[name] = xr.DataArray(evaluated(expression, kept)).assign_attrs(made)
+    return data
+
+
+def kept_of(one: xr.Dataset) -> xr.Dataset:
+    """Return all that a solve keeps, where each variable says that it is read off."""
+    return read_off(one, **{str(name): str(name) for name in one.data_vars})
+
+
+def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
+    """Reduce what one of `press_on_grids` left to A/A0 over (load): its limit with the 95 % interval of the grids, and counts.
+
+    Parameters
+    ----------
+    measured : xarray.Dataset
+    drift : bool
+        Whether the limit without the coarsest grid is taken, too: the order of a fit is a systematic error.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``area_each`` with its error and drift, ``area_pixel_each`` (grid, load) and ``area_perimeter_each`` on the
+        finest grid, means over the shifts; p* is a coordinate.
+    """
+    import xarray as xr
+
+    value, error = area_limits(measured)
+    plain = measured.drop_vars(["points", "cells"], errors="ignore")
+    limit = xr.DataArray(value, dims="load", coords={"reduced_pressure": plain.reduced_pressure})
+    made: dict[str, Any] = {
+        "area_each": limit.assign_attrs(reduction="limit", of="subcell"),
+        "area_each_error": error_of(limit, grid=NORMAL * xr.DataArray(error, dims="load"), **ABSENT),
+        "area_pixel_each": plain.pixel.mean("shift").assign_attrs(reduction="shift mean", of="pixel"),
+        "area_perimeter_each": plain.perimeter.isel(grid=-1, drop=True)
+        .mean("shift")
+        .assign_attrs(reduction="shift mean", of="perimeter"),
+        "rms_gradient_each": measured.attrs["rms_gradient"],
+        "nayak_each": measured.attrs["nayak"],
+        "seconds_each": plain.seconds.sum(),
+    }
+    if drift:
+        made["area_each_drift"] = ("load", grid_drift(measured), {"reduction": "drift", "of": "subcell"})
+    data = xr.Dataset(made)
+    kept = {name: measured.attrs[name] for name in ("solve",) if name in measured.attrs}
+    return data.assign_attrs(kept)
+
+
+def grid_drift(dataset: xr.Dataset) -> NDArray[np.float64]:
+    """By how much the limit of one measurement moves without its coarsest resolved grid, for each load; signed.
+
+    The order of a fit is a systematic error: it does not average out over surfaces, and its sign is kept so
+    that what does may. It is 0 where too few grids are resolved to leave one out.
+    """
+    resolved = np.flatnonzero(dataset.points_per_wave.values >= LEAST_POINTS_PER_WAVE * (1 - 1e-9))
+    if resolved.size < 3 or (resolved.size - 1) * dataset.sizes["shift"] < 3:
+        return np.zeros(dataset.sizes["load"])
+    whole, _ = area_limits(dataset.isel(grid=resolved))
+    finer, _ = area_limits(dataset.isel(grid=resolved[1:]))
+    return np.asarray(finer - whole)
+
+
+def solver_error(usual: xr.Dataset, strict: xr.Dataset) -> float:
+    """Relative change of the limits of one surface when the residual of its solves is made smaller.
+
+    The largest load counts. Less than one contact point on the finest grid cannot be seen, and counts as one.
+    """
+    first, second = area_limits(usual)[0], area_limits(strict)[0]
+    one = 1 / float(usual.cells[-1]) / usual.sizes["shift"]
+    return float(np.max(np.maximum(np.abs(first - second), one) / second))
+
+
+def limit_of(solved: Mapping[Press, ContactResult]) -> xr.Dataset:
+    """Reduce the fields of one surface at one load, coarse grid first, to A/A0 as `limits_of` does.
+
+    Edges are located inside the cells where their law is known: without effects, on square cells.
+    """
+    import xarray as xr
+
+    areas = [
+        contact_areas(result, subcell=not solve.effects and has_square_cells(solve.problem, solve.grid))
+        for solve, result in solved.items()
+    ]
+    limit = limit_over(areas)
+    value = xr.DataArray(limit.value, attrs={"reduction": "limit", "of": "fields"})
+    made: dict[str, Any] = {
+        "area_each": value,
+        "area_each_error": error_of(value, grid=NORMAL * limit.uncertainty, **ABSENT),
+        "area_pixel_each": areas[-1].pixel,
+        "area_perimeter_each": areas[-1].perimeter,
+    }
+    return xr.Dataset(made).assign_attrs(solve=" ".join(solve.key for solve in solved))
+
+
+def resolved_grids(first: ContactProblem, grids: Sequence[Grid], *, located: bool) -> tuple[Grid, ...]:
+    """Return the grids of at least 3 points per shortest wave.
+
+    Raises
+    ------
+    UsageError
+        Where they give no limit: two are needed where edges are `located` on square cells, else three.
+    """
+    least = LEAST_POINTS_PER_WAVE * (1 - 1e-9)
+    found = tuple(dict.fromkeys(grid for grid in grids if first.points_per_wave(grid) >= least))
+    located = located and all(has_square_cells(first, grid) for grid in grids)
+    if len(found) < (2 if located else 3):
+        side = max(first.lengths) / first.shortest * LEAST_POINTS_PER_WAVE
+        listed = ", ".join(f"{nx}" if nx == ny else f"{nx} x {ny}" for nx, ny in grids)
+        raise UsageError(
+            f"grids = {listed}: a limit needs {'two' if located else 'three'} grids of at least "
+            f"{LEAST_POINTS_PER_WAVE:g} points per shortest wave; here that is {math.ceil(side - 1e-9)} or more along a side"
+        )
+    return found
+
+
+def straight_limit(
+    data: xr.Dataset, *names: str, of: str = "pixel", x: str = "points", most: float | None = None
+) -> xr.Dataset:
+    """Add limits of what is linear in the spacing, as counted areas are: ``<name>_each`` from ``<name>_<of>_each``.
+
+    They are those of the two finest grids; ``<name>_each_drift`` is how far each is from that of the two before, or from
+    the finer grid where there are but two.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Over (grid), coarse first.
+    names : str
+    of : str
+        What tells the values on each grid apart.
+    x : str
+        Coordinate over (grid) that goes as one over the spacing.
+    most : float, optional
+        What a share cannot exceed; nor can it be negative then.
+    """
+    for name in names:
+        values = data[f"{name}_{of}_each"]
+        limit = _straight(values, data[x], most=most)
+        finest = values.isel(grid=-1, drop=True)
+        before = {"grid": slice(None, -1)}
+        coarser = (
+            _straight(values.isel(before), data[x].isel(before), most=most)
+            if data.sizes["grid"] > 2
+            else finest
+        )
+        made: dict[str, Any] = {"reduction": "straight limit", "of": f"{name}_{of}_each", "x": x}
+        made |= {} if most is None else {"most": most}
+        added = {f"{name}_each": limit.assign_attrs(made), f"{name}_each_drift": limit - coarser}
+        data = data.assign({key: value.drop_vars(x, errors="ignore") for key, value in added.items()})
+    return data
+
+
+def _straight(values: xr.DataArray, x: xr.DataArray, *, most: float | None) -> xr.DataArray:
+    coarse, fine = (values.isel(grid=k, drop=True) for k in (-2, -1))
+    ratio = float(x[-2] / x[-1])
+    limit = (fine - ratio * coarse) / (1 - ratio)
+    return limit if most is None else limit.clip(0.0, most)
+
+
+#: What no area of a plain half-space depends on.
+ABSENT = {"depth": "boundary elements press a half-space", "theory": "it is simulated"}

@@ -1,0 +1,214 @@
+"""One surface with its waves up to rising magnifications: patches, percolation, macroasperities."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_contact.contact import ContactResult
+from fem_contact.patches import find_patches
+from validation.arrays import Array, Grid
+from validation.execution.measurement import measurement
+from validation.measurements.flow import contact_is_apart, gap_is_open, located_area
+from validation.measurements.measurement import without_waves_beyond
+from validation.report.estimates import claim, derive, mean
+from validation.scenes.problem import ContactProblem
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["at_magnification", "magnified", "sharpest_bend", "with_macroasperities"]
+
+#: What is read off every state.
+_READ = ("area", "patch_density", "relative_patch_size", "largest_patch", "area_inside", "load_inside")
+#: Located area, and magnification, up to which a threshold is bracketed.
+_AREA, _ZETA = 2e-3, 1.002
+
+
+@measurement(
+    "magnified-{size}",
+    kind="Magnified",
+    words="magnified",
+    located=True,
+    version=2,
+    recipe=lambda made: {name: value for name, value in made.items() if name != "load"},
+    # One problem for each load and magnification, some twenty for each pair of thresholds.
+    seconds=lambda points, reduced_pressures, magnifications, percolating: (
+        (len(reduced_pressures) * len(magnifications) + 20 * len(percolating)) * (2e-3 + 8e-7 * points)
+    ),
+    bytes=500,
+)
+def magnified(
+    *,
+    problem: ContactProblem,
+    grid: Grid,
+    reduced_pressures: tuple[float, ...],
+    magnifications: tuple[float, ...],
+    percolating: tuple[float, ...] = (),
+) -> xr.Dataset:
+    """Press one surface at given loads, with its waves up to each magnification.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+        Surface and solid; its longest wave is that of zeta = 1.
+    grid : tuple of int
+    reduced_pressures : tuple of float
+        p* with the gradient of all waves.
+    magnifications : tuple of float
+        zeta = q/q_long of the last wave there is, rising.
+    percolating : tuple of float
+        p* at which the magnifications are sought where contact and gap join up.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (load, magnification); thresholds over (percolating, axis, phase).
+    """
+    import xarray as xr
+
+    values = {name: np.empty((len(reduced_pressures), len(magnifications))) for name in _READ}
+    for j, load in enumerate(reduced_pressures):
+        states = _States(problem, grid, load)
+        last = states.at(magnifications[-1])
+        for i in reversed(range(len(magnifications))):
+            for name, value in _read_off(states.at(magnifications[i]), last, unit=problem.longest**2).items():
+                values[name][j, i] = value
+    ends = magnifications[0], magnifications[-1]
+    found = np.array([_States(problem, grid, load).thresholds(ends) for load in percolating])
+    found = found.reshape(-1, 2, 2, 2)
+    data: dict[str, Any] = {f"{name}_each": (("load", "magnification"), values[name]) for name in _READ}
+    for i, name in enumerate(("area", "magnification")):
+        data[f"percolation_{name}_axis_each"] = (("percolating", "axis", "phase"), found[..., i])
+    whole, q_long = problem.field, 2 * np.pi / problem.longest
+    gradients = [without_waves_beyond(whole, z * q_long).rms_gradient for z in magnifications]
+    data["gradient_share_each"] = ("magnification", np.array(gradients) / whole.rms_gradient)
+    return xr.Dataset(data, coords={"axis": ["x", "y"], "phase": ["contact", "gap"]})
+
+
+def _read_off(state: ContactResult, last: ContactResult, *, unit: float) -> dict[str, float]:
+    """Return every one of `_READ` of one state; `last` has all waves, patches are in units of an area [m^2]."""
+    patches = find_patches(state.in_contact, state.spacing)
+    nominal = state.lengths[0] * state.lengths[1]
+    inside = last.in_contact & state.in_contact
+    return {
+        "area": located_area(state),
+        "patch_density": patches.count * unit / nominal,
+        "relative_patch_size": patches.mean_size / unit,
+        "largest_patch": float(patches.areas.max() / patches.areas.sum()),
+        "area_inside": float(inside.sum() / last.in_contact.sum()),
+        "load_inside": float(last.pressure[inside].sum() / last.pressure.sum()),
+    }
+
+
+class _States:
+    """One surface under one load, with more or fewer of its waves."""
+
+    def __init__(self, problem: ContactProblem, grid: Grid, load: float) -> None:
+        self.problem, self.load = problem, load
+        self.whole = problem.heights(grid)
+        self.known: dict[float, ContactResult] = {}
+
+    def at(self, zeta: float) -> ContactResult:
+        """Solve with the waves up to q = zeta q_long, from the nearest state that is known."""
+        from fem_contact import bem
+        from fem_contact.response import HalfSpace
+
+        if zeta not in self.known:
+            near = min(self.known, key=lambda other: abs(np.log(other / zeta)), default=None)
+            problem = self.problem
+            solved = bem.solve(
+                without_waves_beyond(self.whole, zeta * 2 * np.pi / problem.longest),
+                HalfSpace(solid=problem.elastic),
+                mean_pressure=self.load * problem.pressure_scale,
+                start=None if near is None else self.known[near].pressure,
+                threads=1,
+            )
+            self.known[zeta] = solved.checked()
+        return self.known[zeta]
+
+    def thresholds(self, ends: Sequence[float]) -> list[list[tuple[float, float]]]:
+        """For each axis: located area and magnification at which the contact comes apart, and the gap opens."""
+        return [
+            [self.threshold(contact_is_apart(axis), ends), self.threshold(gap_is_open(axis), ends)]
+            for axis in ("x", "y")
+        ]
+
+    def threshold(
+        self, passed: Callable[[ContactResult], bool], ends: Sequence[float]
+    ) -> tuple[float, float]:
+        """Return located area and magnification where something is passed; NaN where not between the ends."""
+        low, high = ends
+        if passed(self.at(low)) or not passed(self.at(high)):
+            return np.nan, np.nan
+        while located_area(self.at(low)) - located_area(self.at(high)) > _AREA and high / low > _ZETA:
+            middle = float(np.sqrt(low * high))
+            low, high = (low, middle) if passed(self.at(middle)) else (middle, high)
+        return (located_area(self.at(low)) + located_area(self.at(high))) / 2, float(np.sqrt(low * high))
+
+
+def sharpest_bend(zeta: Array, area: Array) -> float:
+    """Magnification where ln A over ln zeta bends up most, by the parabola through three steps; NaN at an end.
+
+    Examples
+    --------
+    >>> x = np.linspace(-1, 3, 9)
+    >>> round(float(np.log(sharpest_bend(np.exp(x), np.cosh(x - 1.1)))), 1)
+    1.1
+    """
+    x, y = np.log(zeta), np.log(area)
+    slopes, middles = np.diff(y) / np.diff(x), (x[1:] + x[:-1]) / 2
+    bend = np.diff(slopes) / np.diff(middles)
+    top = int(np.argmax(bend))
+    if top in (0, bend.size - 1) or not bend[top] > 0:
+        return float("nan")
+    around = slice(top - 1, top + 2)
+    c2, c1, _ = np.polyfit(x[1:-1][around], bend[around], 2)
+    return float(np.exp(-c1 / (2 * c2)))
+
+
+def at_magnification(zeta: Array, area: Array, at: float) -> float:
+    """A/A0 between the magnifications, straight in the logarithms; NaN beyond them.
+
+    >>> round(at_magnification(np.array([1.0, 4.0]), np.array([0.4, 0.1]), 2.0), 12)
+    0.2
+    """
+    if not zeta[0] <= at <= zeta[-1]:
+        return float("nan")
+    return float(np.exp(np.interp(np.log(at), np.log(zeta), np.log(area))))
+
+
+def with_macroasperities(data: xr.Dataset, *, theory: Sequence[float], same: float) -> xr.Dataset:
+    """Add where ln A bends most, in simulation and theory (``_persson``), and area and pressure there.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        ``area_each`` and ``area_persson_each`` (surface, load, magnification), ``area``, p* as a coordinate.
+    theory : sequence of float
+        zeta_m of the theory at each load.
+    same : float
+        Relative change of the pressure, against the lightest load that has one, that counts as none.
+    """
+    import xarray as xr
+
+    along = [["magnification"], ["magnification"]]
+    # That of the simulation is of the mean over the surfaces: the bend of a single one is noise.
+    bend = xr.apply_ufunc(
+        sharpest_bend, data.magnification, data.area, input_core_dims=along, vectorize=True
+    ).assign_attrs(reduction="bend", of="area")
+    for which, zeta in {"": bend, "_persson": ("load", list(theory))}.items():
+        data[f"macro_magnification{which}"] = zeta
+        places = data.magnification, data[f"area{which}_each"], data[f"macro_magnification{which}"]
+        there = xr.apply_ufunc(at_magnification, *places, input_core_dims=[*along, []], vectorize=True)
+        pressure = f"macro_pressure{which}"
+        data = data.assign({f"macro_area{which}_each": there.transpose("surface", "load")})
+        data = derive(data, **{f"{pressure}_each": f"reduced_pressure / macro_area{which}_each"})
+        lightest = int(np.argmax(data[f"{pressure}_each"].notnull().all("surface").values))
+        ratio, shift = f"macro_pressure_ratio{which}", f"macro_pressure_shift{which}"
+        data = derive(data, **{f"{ratio}_each": f"{pressure}_each / {pressure}_each.isel(load={lightest})"})
+        data = mean(data, f"macro_area{which}", pressure, ratio)
+        data = derive(claim(data, f"macro_magnification{which}"), **{shift: f"({ratio} - 1) / {same}"})
+    return data

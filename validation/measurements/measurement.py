@@ -1,0 +1,444 @@
+"""What most studies measure: one surface, pressed along a path of loads on several grids, reduced to numbers."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from fem_contact.area import EDGE_CONSTANTS, TRAITS, ContactAreas, contact_areas, subgrid_shifts
+from fem_contact.conductance import frozen_contact
+from fem_contact.contact import ContactResult
+from fem_contact.extrapolation import Limit, located_limit, perimeter_limit
+from fem_contact.patches import find_patches
+from fem_contact.stress import density_at_zero, elastic_energy, initial_slope
+from fem_contact.surface import HeightField
+from validation.arrays import Array, Grid
+from validation.effects.base import ContactModel
+from validation.execution.cost import dearer_by
+from validation.execution.measurement import measurement
+from validation.execution.solve import LOCATED_EDGES
+from validation.measurements.common import LEAST_POINTS_PER_WAVE, SHIFTS, named, reduced_load
+from validation.measurements.distributions import histograms_of
+from validation.scenes.problem import ContactProblem
+from validation.scenes.scene import EffectSpec, FileSurface
+from validation.scenes.surfaces import spectrum_of
+from validation.solvers import find_solver
+from validation.solvers.base import Job
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "TOLERANCE",
+    "TOLERANCES_LEFT",
+    "area_limits",
+    "areas_of",
+    "grid_for",
+    "grid_tolerance",
+    "has_square_cells",
+    "limit_over",
+    "press_on_grids",
+    "pressed_path",
+    "stored_areas",
+    "truncated_heights",
+    "without_waves_beyond",
+]
+
+#: How far the sides of a cell may differ for edges to be located inside it.
+_SQUARE = 0.05
+
+#: What is read off every solve: name, unit, meaning.
+QUANTITIES = {
+    "pixel": ("1", "A/A0, contact points counted"),
+    "perimeter": ("1", "A/A0, perimeter-corrected"),
+    "subcell": ("1", "A/A0, edge located inside the cells"),
+    "edge_fraction": ("1", "edges between contact and non-contact per grid point"),
+    "alignment": ("1", "0 for a contour of all directions, 1 for a line"),
+    "anisotropy": ("1", "1 less Peklenik's number of the heights"),
+    "unresolved": ("1", "share of the curvature of the heights in waves of less than four points"),
+    "wavenumber": ("1", "rms wavenumber of the curvature of the heights, times the spacing"),
+    "density_at_zero": ("1", "P(0+) E* h'_rms from pressures below a threshold ~ sqrt(dx)"),
+    "patches": ("1", "number of contact patches"),
+    "patch_size": ("m^2", "mean patch size, sum A_i^2 / sum A_i"),
+    "cells_per_patch": ("1", "cells of the patch in which the median point of the contact area lies"),
+    "mean_gap": ("m", "mean gap"),
+    "energy": ("Pa m", "elastic energy per nominal area, mean of p u / 2"),
+    "residual": ("1", "largest contact residual"),
+    "seconds": ("s", "processor time of the solve, on one thread"),
+    "peak_bytes": ("byte", "largest memory of the arrays of the solve"),
+}
+
+
+def grid_for(problem: ContactProblem, points_per_wave: float) -> Grid:
+    """Smallest even grid with at least that many points on lambda_short, along both axes."""
+    nx, ny = (
+        2 * int(np.ceil(points_per_wave * length / problem.shortest / 2 - 1e-9)) for length in problem.lengths
+    )
+    return nx, ny
+
+
+#: Of the solver where nobody says otherwise.
+TOLERANCE = 1e-8
+
+#: Tolerance whose effect on the located area is below a hundredth of what its grids leave, at 8 points per
+#: shortest wave; that falls with the cube of the spacing (docs/bem.md).
+_TOLERANCE, _AT_POINTS, _LEAST_TOLERANCE = 1e-5, 8, 1e-8
+
+#: The located area of a solve is off by so many tolerances, relative, but for rare ones (docs/bem.md).
+TOLERANCES_LEFT = 7.0
+
+
+def grid_tolerance(problem: ContactProblem, grids: Sequence[Grid]) -> float:
+    """Tolerance that areas on such grids deserve: below it, digits are computed that the grids do not have."""
+    points = max(
+        n * problem.shortest / length
+        for grid in grids
+        for n, length in zip(grid, problem.lengths, strict=True)
+    )
+    return max(_TOLERANCE * min(1.0, (_AT_POINTS / points) ** 3), _LEAST_TOLERANCE)
+
+
+def has_square_cells(problem: ContactProblem, grid: Grid) -> bool:
+    """Whether the cells of a grid are square within 5 %, so that edges can be located inside them."""
+    dx, dy = (length / n for length, n in zip(problem.lengths, grid, strict=True))
+    return abs(dx / dy - 1) <= _SQUARE
+
+
+#: What is kept besides the areas, by the kind of the stored results.
+_KEPT: dict[str, tuple[str, ...]] = {
+    "Measurement": (),
+    "Distributions": ("distributions",),
+    "StiffMeasurement": ("stiffness",),
+    "LoadPath": ("distributions", "stiffness"),
+    "_Rich": ("stiffness", "slope"),
+}
+_MORE = {
+    "stiffness": ("1", "K h_rms / p0, contact set held"),
+    "slope": ("1", "slope of P(sigma), times (E* h'_rms)^2, fitted between .1 and .4 E* h'_rms"),
+}
+
+
+def quantities_of(keep: tuple[str, ...]) -> dict[str, tuple[str, str]]:
+    """Return what is read off every solve: name, unit, meaning."""
+    return QUANTITIES | {name: _MORE[name] for name in keep if name in _MORE}
+
+
+def _recipe(
+    made: dict[str, Any], keep: tuple[str, ...], reduced_pressures: Any, problem: Any
+) -> dict[str, Any]:
+    """Name what is read off, too: a stored result that lacks a number is another one."""
+    (kind,) = (name for name, kept in _KEPT.items() if kept == keep)
+    made = {name: value for name, value in made.items() if name not in ("load", "keep")}
+    if not made["effects"]:
+        del made["effects"]
+    return (
+        {"truncation": None}
+        | made
+        | {
+            "kind": kind,
+            "reduced_pressures": list(reduced_pressures or (reduced_load(problem),)),
+            "quantities": sorted([*quantities_of(keep), "cells", LOCATED_EDGES]),
+        }
+    )
+
+
+def _seconds(
+    grids: tuple[Grid, ...],
+    shifts: int,
+    effects: tuple[EffectSpec, ...],
+    reduced_pressures: tuple[float, ...],
+) -> float:
+    each = sum(2e-3 + 8e-7 * nx * ny for nx, ny in grids)
+    return dearer_by(effects) * max(len(reduced_pressures), 1) * shifts**2 * each
+
+
+@measurement(
+    "measure-{size}", kind="Measurement", words="areas to", recipe=_recipe, seconds=_seconds, bytes=120
+)
+def press_on_grids(
+    *,
+    problem: ContactProblem,
+    grids: tuple[Grid, ...],
+    reduced_pressures: tuple[float, ...] = (),
+    effects: tuple[EffectSpec, ...] = (),
+    truncation: float | None = None,
+    shifts: int = SHIFTS,
+    tolerance: float = TOLERANCE,
+    keep: tuple[Literal["distributions", "stiffness", "slope"], ...] = (),
+) -> xr.Dataset:
+    """Press one surface, at ascending loads, on nested grids, each on `shifts`^2 sub-grid shifts.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+        Surface, solid and load.
+    grids : tuple of (int, int)
+    reduced_pressures : tuple of float
+        A path of ascending loads instead of the one of `realised`: p* = p0 / (E* h'_rms), with the realised gradient
+        of the whole, untruncated surface.
+    effects : tuple
+        Of a scene; then each load is pressed by itself.
+    truncation : float or None
+        Drop waves beyond this wavevector [1/m]: roughness up to a magnification.
+    shifts : int
+        Sub-grid shifts along each axis.
+    tolerance : float
+    keep : tuple of str
+        What else is read off: ``distributions``, histograms of P(sigma) and patch sizes; ``stiffness`` of the frozen
+        contact; ``slope`` of P(sigma) at zero.
+
+    Returns
+    -------
+    xarray.Dataset
+        What `quantities_of` lists over (grid, shift, load); histograms (grid, load, bin), means over the shifts.
+    """
+    loads = reduced_pressures or (reduced_load(problem),)
+    offsets = subgrid_shifts(shifts)
+    shape = (len(grids), len(offsets), len(loads))
+    quantities = quantities_of(keep)
+    values = {name: np.empty(shape) for name in quantities}
+    histograms: dict[str, Array] = {}
+    for (i, grid), (j, shift) in itertools.product(enumerate(grids), enumerate(offsets)):
+        field = truncated_heights(problem, grid, shift, truncation=truncation)
+        located = not effects and has_square_cells(problem, grid)
+        path = pressed_path(field, problem, loads, effects=effects, tolerance=tolerance)
+        for k, result in enumerate(path):
+            found = _read_off(result, located=located)
+            if "stiffness" in keep:
+                # Off by the square of the tolerance, .6 of that at worst.
+                frozen = 1e-3 if "slope" in keep else 1e-9
+                found["stiffness"] = _stiffness(result, problem, tolerance=frozen)
+            if "slope" in keep:
+                found["slope"] = initial_slope(result).reduced
+            for name, value in found.items():
+                values[name][i, j, k] = value
+            if "distributions" in keep:
+                for name, counts in histograms_of(result, problem).items():
+                    whole = np.zeros((shape[0], shape[2], counts.size))
+                    histograms.setdefault(name, whole)[i, k] += counts
+    histograms = {name: counts / len(offsets) for name, counts in histograms.items()}
+    return _dataset(problem, grids, loads, quantities=quantities, values=values, histograms=histograms)
+
+
+def _dataset(
+    problem: ContactProblem,
+    grids: Sequence[Grid],
+    loads: Sequence[float],
+    *,
+    quantities: Mapping[str, tuple[str, str]],
+    values: Mapping[str, Array],
+    histograms: Mapping[str, Array],
+) -> xr.Dataset:
+    import xarray as xr
+
+    data: dict[str, Any] = {
+        name: named(("grid", "shift", "load"), values[name], words, unit=unit)
+        for name, (unit, words) in quantities.items()
+    }
+    for name, counts in histograms.items():
+        data[f"{name}_profile"] = (("grid", "load", f"{name}_bin"), counts)
+    field, modulus = problem.field, problem.contact_modulus
+    return xr.Dataset(
+        data,
+        coords={
+            "points": ("grid", [nx for nx, _ in grids]),
+            "cells": ("grid", [nx * ny for nx, ny in grids]),
+            "points_per_wave": named(
+                "grid", [problem.points_per_wave(grid) for grid in grids], "lambda_short / dx"
+            ),
+            "reduced_pressure": named("load", list(loads), "p0 / (E* h'_rms)"),
+        },
+        attrs={
+            "rms_height": field.rms_height,
+            "rms_gradient": field.rms_gradient,
+            "nayak": field.nayak,
+            "contact_modulus": modulus,
+            "full_contact_energy": field.spectral_sum(lambda q: modulus / 4 * q),
+        },
+    )
+
+
+def pressed_path(
+    field: HeightField,
+    problem: ContactProblem,
+    loads: Sequence[float],
+    *,
+    tolerance: float,
+    effects: tuple[EffectSpec, ...] = (),
+) -> Iterator[ContactResult]:
+    """Solve the loads of one grid in order, each from the one before; only one result is held at a time."""
+    from fem_contact import bem
+    from fem_contact.response import HalfSpace
+
+    response, start = HalfSpace(solid=problem.elastic), None
+    for reduced in loads:
+        pressure = reduced * problem.pressure_scale
+        if effects:
+            job = Job(
+                field=field,
+                load={"mean_pressure": pressure},
+                model=ContactModel.filled(problem.elastic, effects),
+                settings={"tolerance": tolerance},
+                threads=1,
+            )
+            yield find_solver("bem").solve(job).contact.checked()
+            continue
+        result = bem.solve(
+            field, response, mean_pressure=pressure, start=start, tolerance=tolerance, threads=1
+        ).checked()
+        yield result
+        start = result.pressure
+
+
+def truncated_heights(
+    problem: ContactProblem,
+    grid: Grid,
+    shift: tuple[float, float] = (0.0, 0.0),
+    *,
+    truncation: float | None = None,
+) -> HeightField:
+    """Return the heights of a surface on a grid, without its waves beyond a wavevector [1/m]."""
+    from fem_contact.surface import random_surface
+
+    if truncation is None:
+        return problem.heights(grid, shift)
+    surface = problem.surface
+    if isinstance(surface, FileSurface):
+        return without_waves_beyond(problem.field, truncation).resampled(grid).shifted(shift)
+    spectrum = spectrum_of(surface)
+    field = random_surface(
+        spectrum,
+        q_short=min(truncation, spectrum.q_short),
+        lengths=surface.length,
+        shape=grid,
+        seed=surface.seed_of(problem.realisation),
+        amplitudes=surface.amplitudes,
+    ).shifted(shift)
+    return HeightField(heights=-field.heights, lengths=field.lengths) if problem.inverted else field
+
+
+def without_waves_beyond(field: HeightField, last: float) -> HeightField:
+    """Return a surface without its waves shorter than 2 pi / `last`, on the same points."""
+    nx, ny = field.shape
+    dx, dy = field.spacing
+    q = np.hypot(2 * np.pi * np.fft.fftfreq(nx, dx)[:, None], 2 * np.pi * np.fft.rfftfreq(ny, dy)[None, :])
+    waves = np.where(q <= last * (1 + 1e-9), np.fft.rfft2(field.heights), 0)
+    return HeightField(heights=np.fft.irfft2(waves, s=field.shape), lengths=field.lengths)
+
+
+def _read_off(result: ContactResult, *, located: bool) -> dict[str, float]:
+    areas = contact_areas(result, subcell=located)
+    patches = find_patches(result.in_contact, result.spacing)
+    sizes = np.sort(patches.areas)[::-1]
+    cell = result.spacing[0] * result.spacing[1]
+    half = np.searchsorted(np.cumsum(sizes), sizes.sum() / 2)
+    return {
+        "pixel": areas.pixel,
+        "perimeter": areas.perimeter,
+        "subcell": np.nan if areas.subcell is None else areas.subcell,
+        "edge_fraction": areas.edge_fraction,
+        **{name: getattr(areas, name) for name in TRAITS},
+        "density_at_zero": density_at_zero(result).reduced,
+        "patches": patches.count,
+        "patch_size": patches.mean_size,
+        "cells_per_patch": float(sizes[half] / cell) if sizes.size else 0.0,
+        "mean_gap": float(result.gap.mean()),
+        "energy": elastic_energy(result),
+        "residual": result.residuals.worst,
+        "seconds": result.cost.cpu_seconds,
+        "peak_bytes": result.cost.peak_bytes,
+    }
+
+
+def _stiffness(result: ContactResult, problem: ContactProblem, *, tolerance: float) -> float:
+    """K h_rms / p0 of the frozen contact; endless for a half-space in full contact."""
+    from fem_contact.response import HalfSpace
+
+    if result.in_contact.all():
+        return math.inf
+    frozen = frozen_contact(result, HalfSpace(solid=problem.elastic), tolerance=tolerance, threads=1)
+    return frozen.stiffness * problem.field.rms_height / result.mean_pressure
+
+
+def limit_over(areas: Sequence[ContactAreas]) -> Limit:
+    """Return the limit of the located area where there is one, else of the corrected."""
+    located = all(area.subcell is not None for area in areas)
+    return located_limit(areas) if located else perimeter_limit(areas)
+
+
+def areas_of(dataset: xr.Dataset, load: int, *, least_points_per_wave: float = 0.0) -> list[ContactAreas]:
+    """Return the areas of a measurement at one load, one for each grid and shift, as `located_limit` takes them.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `press_on_grids`.
+    load : int
+        Which of its loads.
+    least_points_per_wave : float
+        Coarser grids are left out.
+    """
+    keep = np.flatnonzero(dataset.points_per_wave.values >= least_points_per_wave * (1 - 1e-9))
+    points, cells = dataset.points.values, dataset.cells.values
+    read = {name: dataset[name].values[:, :, load] for name in (*_AREAS, *TRAITS) if name in dataset}
+    return [
+        stored_areas(
+            {name: values[i, j] for name, values in read.items()},
+            grid=(int(points[i]), int(cells[i]) // int(points[i])),
+        )
+        for i, j in itertools.product(keep, range(dataset.sizes["shift"]))
+    ]
+
+
+#: What areas are made of, beside `TRAITS`.
+_AREAS = ("pixel", "perimeter", "subcell", "edge_fraction")
+
+
+def stored_areas(
+    numbers: Mapping[str, Any] | xr.Dataset,
+    *,
+    grid: Grid,
+    lengths: tuple[float, float] = (1.0, 1.0),
+    edge_constant: float = EDGE_CONSTANTS["bem"],
+) -> ContactAreas:
+    """Return the areas of one solve from stored numbers, as limits take them.
+
+    Parameters
+    ----------
+    numbers : mapping
+        ``pixel``, ``perimeter``, ``edge_fraction``; ``subcell`` and `fem_contact.area.TRAITS` where they were measured.
+    grid : (int, int)
+    lengths : (float, float)
+        Periods [m], or in any unit.
+    edge_constant : float
+        That of the method.
+    """
+    known = {name: float(numbers[name]) for name in (*_AREAS, *TRAITS) if name in numbers}
+    subcell = known.pop("subcell", math.nan)
+    return ContactAreas(
+        **known,
+        edge_length=math.nan,
+        edge_constant=edge_constant,
+        spacing=(lengths[0] / grid[0], lengths[1] / grid[1]),
+        subcell=None if math.isnan(subcell) else subcell,
+        cells=grid[0] * grid[1],
+    )
+
+
+def area_limits(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+    """Return the limit of A/A0 over the grids of one measurement and its standard error, for each load.
+
+    It is that of the areas located inside the cells (`fem_contact.extrapolation`), or where they cannot be located of
+    those corrected at their edge; grids of less than
+    `LEAST_POINTS_PER_WAVE` are left out. Both are NaN where the contact is too small to carry the law; the report
+    of a study says so.
+    """
+    limits = [
+        limit_over(areas_of(dataset, k, least_points_per_wave=LEAST_POINTS_PER_WAVE))
+        for k in range(dataset.sizes["load"])
+    ]
+    return np.array([limit.value for limit in limits]), np.array([limit.uncertainty for limit in limits])

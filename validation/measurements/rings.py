@@ -1,0 +1,297 @@
+"""A surface as a stack of rings of waves, each pressed with either sign: a chain of them, or a single one."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_contact.area import EDGE_CONSTANTS, contact_areas
+from fem_contact.response import HalfSpace
+from fem_contact.surface import HeightField
+from validation.arrays import Array
+from validation.execution.measurement import measurement
+from validation.measurements.budgets import Memory, Pressed, diffused_area, flows, mean_of, profile
+from validation.measurements.common import reduced_load
+from validation.scenes import surfaces
+from validation.scenes.problem import ContactProblem
+from validation.scenes.scene import SelfAffineSurface
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fem_contact.contact import ContactResult
+
+__all__ = ["AREAS", "RING", "chain", "chain_states", "even_points", "probe", "ring_ends"]
+
+#: What limits of the area are made of, as `validation.measurements.measurement` has them.
+AREAS = ("pixel", "perimeter", "edge_fraction", "subcell")
+
+#: Relative slack when a wave stands at the end of a ring.
+_EDGE = 1e-9
+
+
+def areas_of(result: ContactResult) -> tuple[float, ...]:
+    """Return the numbers of `AREAS`."""
+    areas = contact_areas(result, edge_constant=EDGE_CONSTANTS["bem"], subcell=True)
+    assert areas.subcell is not None
+    return areas.pixel, areas.perimeter, areas.edge_fraction, areas.subcell
+
+
+def _dataset(
+    data: Mapping[str, Any],
+    *,
+    areas: Sequence[Sequence[tuple[float, ...]]],
+    sums: Sequence[Mapping[str, Array]],
+) -> xr.Dataset:
+    """Put together what a chain or a probe leaves.
+
+    Parameters
+    ----------
+    data : mapping
+        Variables of their own.
+    areas : (levels, 2, 4) sequence
+        Numbers of `AREAS` of every state, with the ring and with its negative; first that without.
+    sums : sequence
+        Of each step, means over both signs.
+    """
+    import xarray as xr
+
+    table = np.array(areas)
+    made = dict(data) | {name: (("sign", "level"), table[:, :, k].T) for k, name in enumerate(AREAS)}
+    for name in sums[0]:
+        values = np.array([row[name] for row in sums])
+        made[name] = (("step", "bin")[: values.ndim], values)
+    return xr.Dataset(made)
+
+
+def _step(before: Pressed, after: Sequence[Pressed], *, unit: float) -> dict[str, Array]:
+    """Return the sums of a step over all points and by pressure, means over both signs."""
+    return mean_of([{**flows(before, s, unit=unit), **profile(before, s, unit=unit)} for s in after])
+
+
+def pressed(result: ContactResult) -> Pressed:
+    """Return pressures and contact of a result."""
+    return Pressed(pressure=np.asarray(result.pressure), in_contact=np.asarray(result.in_contact))
+
+
+def even_points(points: float) -> int:
+    """Return the smallest even number of points that is at least that."""
+    return 2 * int(np.ceil(points / 2 - 1e-9))
+
+
+def ring_ends(*, periods: float, bandwidth: float, steps_per_octave: int) -> Array:
+    """Magnifications at which the rings of a square period end, those without a wave left out.
+
+    Examples
+    --------
+    >>> ring_ends(periods=1, bandwidth=2.0, steps_per_octave=4).round(3)
+    array([1.   , 1.414, 2.   ])
+    """
+    steps = round(steps_per_octave * float(np.log2(bandwidth)))
+    ends = np.geomspace(1.0, bandwidth, steps + 1)
+    top = int(np.ceil(bandwidth * periods))
+    m, n = np.meshgrid(np.arange(top + 1), np.arange(top + 1))
+    waves = np.unique(np.hypot(m, n))[1:] / periods
+    counts = np.searchsorted(waves[waves >= 1 - _EDGE], ends * (1 + _EDGE), side="right")
+    return np.asarray(ends[np.diff(np.concatenate([[0], counts])) > 0])
+
+
+class Rings:
+    """One surface at one nominal pressure on one square grid, its waves ring by ring."""
+
+    def __init__(self, problem: ContactProblem, points: int, tolerance: float) -> None:
+        surface = problem.surface
+        assert isinstance(surface, SelfAffineSurface)
+        self.problem, self.points, self.tolerance = problem, points, tolerance
+        self.waves = surfaces.waves_of(surface, problem.realisation)
+        lx, ly = self.waves.lengths
+        q = 2 * np.pi * np.hypot(self.waves.m / lx, self.waves.n / ly)
+        self.zeta = q * surface.lambda_long / (2 * np.pi)
+
+    def heights(self, above: float, until: float) -> Array:
+        """Heights [m] of the waves with above < q/q_long <= until."""
+        waves = self.waves
+        keep = (self.zeta > above * (1 + _EDGE)) & (self.zeta <= until * (1 + _EDGE))
+        ring = replace(
+            waves,
+            m=waves.m[keep],
+            n=waves.n[keep],
+            amplitudes=waves.amplitudes[keep],
+            q_short=waves.q_short * min(until / float(self.zeta.max()), 1.0),
+        )
+        return np.asarray(ring.on((self.points, self.points)).heights)
+
+    def variance(self, heights: Array) -> float:
+        """V [Pa^2] of these heights: the variance of the pressure at full contact, E*^2 m2 / 4."""
+        field = HeightField(heights=heights, lengths=self.problem.lengths)
+        return 0.25 * self.problem.contact_modulus**2 * field.moments[1]
+
+    def press(self, heights: Array, *, load: float, start: Array | None = None) -> ContactResult:
+        """Press these heights [m] at a nominal pressure [Pa], from a pressure field that is near."""
+        from fem_contact import bem
+
+        return bem.solve(
+            HeightField(heights=heights, lengths=self.problem.lengths),
+            HalfSpace(solid=self.problem.elastic),
+            mean_pressure=load,
+            start=start,
+            tolerance=self.tolerance,
+            threads=1,
+        ).checked()
+
+
+def chain_states(
+    problem: ContactProblem, *, points: int, ends: Sequence[float], tolerance: float = 1e-7
+) -> Iterator[tuple[float, ContactResult, ContactResult]]:
+    """Yield V [Pa^2], the result with the ring just added, and that with its negative, from coarse to fine."""
+    rings, load = Rings(problem, points, tolerance), problem.pressure
+    heights = rings.heights(0.0, ends[0])
+    state = rings.press(heights, load=load)
+    yield rings.variance(heights), state, state
+    for above, until in itertools.pairwise(ends):
+        ring = rings.heights(above, until)
+        other = rings.press(heights - ring, load=load, start=state.pressure)
+        heights = heights + ring
+        state = rings.press(heights, load=load, start=state.pressure)
+        yield rings.variance(heights), state, other
+
+
+@measurement(
+    "rings-{points}",
+    kind="Chain",
+    words="rings,",
+    located=True,
+    version=2,
+    seconds=lambda points, ends: (2 * len(ends) - 1) * (4e-3 + 7e-7 * points),
+    bytes=250,
+)
+def chain(
+    *,
+    problem: ContactProblem,
+    points: int,
+    ends: tuple[float, ...],
+    restarts: tuple[float, ...] = (),
+    tolerance: float = 1e-7,
+) -> xr.Dataset:
+    """Press a surface with its waves up to rising magnifications, each ring with both signs, and keep the sums.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+        The whole surface, solid and load.
+    points : int
+        Grid points along each axis.
+    ends : tuple of float
+        Magnifications q/q_long at which the rings end, rising.
+    restarts : tuple of float
+        Those among them at which absorbing diffusion is started from the truth.
+    tolerance : float
+        Of every solve; the area is off by less than that, relative, and every flow is much larger.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (sign, level), (step), (step, bin), (octave, level).
+    """
+    variance: list[float] = []
+    areas: list[list[tuple[float, ...]]] = []
+    square: list[float] = []
+    sums: list[dict[str, Array]] = []
+    starts: dict[float, tuple[float, Pressed]] = {}
+    diffused = np.full((len(restarts), len(ends)), np.nan)
+    before, memory = None, None
+    states = chain_states(problem, points=points, ends=ends, tolerance=tolerance)
+    for zeta, (v, result, other) in zip(ends, states, strict=True):
+        state = pressed(result)
+        areas.append([areas_of(result), areas_of(other)])
+        square.append(float(np.mean(state.pressure**2)) / v)
+        if before is None or memory is None:
+            memory = Memory(state, steps=len(ends))
+        else:
+            unit = float(np.sqrt(variance[-1]))
+            sums.append(_step(before, (state, pressed(other)), unit=unit))
+            memory.add(state, unit=unit)
+        for row, (began, start) in enumerate(starts.values()):
+            diffused[row, len(variance)] = diffused_area(start, np.array([v - began]))[0]
+        if zeta in restarts:
+            starts[zeta] = v, state
+            diffused[len(starts) - 1, len(variance)] = areas[-1][0][0]
+        before = state
+        variance.append(v)
+    assert memory is not None
+    data: dict[str, Any] = {
+        "variance_share": ("level", np.array(variance) / variance[-1]),
+        "mean_square": ("level", square),
+        "area_diffused": (("octave", "level"), diffused),
+        "inflow": ("pair", memory.two_step),
+        "inflow_composed": ("pair", memory.composed),
+        "points_out": ("age", memory.out),
+        "points_returned": ("age", memory.returned),
+        "contact_out": ("level", memory.out_at),
+        "contact_crossed": ((), memory.crossed),
+        "nominal": ((), problem.pressure / np.sqrt(variance[-1])),
+    }
+    return _dataset(data, areas=areas, sums=sums)
+
+
+#: The ring ends at this multiple of the magnification at which it begins.
+RING = 2**0.25
+
+
+@measurement(
+    "probe-{points}",
+    kind="Probe",
+    words="one ring,",
+    located=True,
+    version=2,
+    seconds=lambda points, steps: (1 + 2 * len(steps)) * (4e-3 + 7e-7 * points),
+    bytes=250,
+)
+def probe(
+    *,
+    problem: ContactProblem,
+    points: int,
+    magnification: float,
+    steps: tuple[float, ...],
+    tolerance: float = 1e-7,
+) -> xr.Dataset:
+    """Press a surface with its waves up to one magnification, and the next ring with both signs at several heights.
+
+    The load p* counts in the gradient of the waves up to that magnification.
+
+    Parameters
+    ----------
+    problem, points, tolerance
+        As for a `chain`.
+    magnification : float
+        q/q_long of the last wave there is.
+    steps : tuple of float
+        Delta V / V of the ring.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (), (step), (step, bin).
+    """
+    rings = Rings(problem, points, tolerance)
+    heights = rings.heights(0.0, magnification)
+    ring = rings.heights(magnification, magnification * RING)
+    v, natural = rings.variance(heights), rings.variance(ring)
+    unit = float(np.sqrt(v))
+    # E* h'_rms = 2 sqrt(V).
+    load = 2 * reduced_load(problem) * unit
+    first = rings.press(heights, load=load)
+    before = pressed(first)
+    sums: list[dict[str, Array]] = []
+    areas = [[areas_of(first)] * 2]
+    for step in steps:
+        scaled = ring * np.sqrt(step * v / natural)
+        pair = [rings.press(heights + sign * scaled, load=load, start=first.pressure) for sign in (1, -1)]
+        sums.append(_step(before, [pressed(result) for result in pair], unit=unit))
+        areas.append([areas_of(result) for result in pair])
+    data: dict[str, Any] = {"nominal": ((), load / unit)}
+    return _dataset(data, areas=areas, sums=sums)

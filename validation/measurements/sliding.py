@@ -1,0 +1,144 @@
+"""One surface that slides at several velocities, on several grids, reduced to numbers, and what the theory says of it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_contact.sliding import SlidingContact, slide
+from fem_contact.viscoelastic import PronySolid, TabulatedSolid
+from persson.sliding import friction_of_waves
+from persson.variants import corrected_contact_area
+from validation.arrays import Array, Grid
+from validation.execution.measurement import Call, measurement
+from validation.measurements.flow import located_area
+from validation.measurements.theory import VARIANTS
+from validation.scenes.problem import ContactProblem
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["SHARES", "Rubber", "slid_of", "slides"]
+
+Rubber = PronySolid | TabulatedSolid
+
+#: Shares g of the full energy that the theory's friction stores at vanishing contact, S = g + (1 - g) P^2.
+SHARES = {"full_energy": 1.0, "half_energy": 0.5}
+#: What is read off every solve: friction mu / h'_rms by the pressure on the slopes and by what the solid loses, A/A0 with
+#: the edge located inside the cells, the factor by which a plain step of the solver shrinks the error, and costs.
+QUANTITIES = ("friction", "dissipation", "area", "contraction", "steps", "fft_pairs", "residual")
+
+
+@measurement(
+    "slide-{size}",
+    kind="SlideSolve",
+    words="slide, to",
+    located=True,
+    version=1,
+    # Some three hundred pairs of transforms for each velocity and grid.
+    seconds=lambda grids, velocities: len(velocities) * sum(0.03 + 1.2e-5 * nx * ny for nx, ny in grids),
+    bytes=600,
+)
+def slides(
+    *, problem: ContactProblem, rubber: Rubber, velocities: tuple[float, ...], grids: tuple[Grid, ...]
+) -> xr.Dataset:
+    """Let one surface slide under its load at rising velocities, each started from the one before, on nested grids.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+        Surface and load; its solid is the relaxed one.
+    rubber : PronySolid or TabulatedSolid
+    velocities : tuple of float
+        v [m/s] along x.
+    grids : tuple of (int, int)
+
+    Returns
+    -------
+    xarray.Dataset
+        `QUANTITIES` over (grid, velocity).
+    """
+    import xarray as xr
+
+    values = {name: np.empty((len(grids), len(velocities))) for name in QUANTITIES}
+    for i, grid in enumerate(grids):
+        heights, start = problem.heights(grid), None
+        for k, velocity in enumerate(velocities):
+            found = slide(
+                heights, rubber, velocity=velocity, mean_pressure=problem.pressure, start=start, threads=1
+            ).checked()
+            start = found.contact.pressure
+            for name, value in _read_off(found, gradient=problem.field.rms_gradient).items():
+                values[name][i, k] = value
+    return xr.Dataset({name: (("grid", "velocity"), values[name]) for name in QUANTITIES})
+
+
+def _read_off(found: SlidingContact, *, gradient: float) -> dict[str, float]:
+    """Return every one of `QUANTITIES` of one solve."""
+    contact = found.contact
+    return {
+        "friction": found.slopes / gradient,
+        "dissipation": found.dissipation / gradient,
+        "area": located_area(contact),
+        "contraction": found.contraction,
+        "steps": contact.cost.iterations,
+        "fft_pairs": contact.cost.fft_pairs,
+        "residual": contact.residuals.worst,
+    }
+
+
+def slid_of(measured: xr.Dataset, solve: Call) -> xr.Dataset:
+    """Reduce what one of `slides` left to numbers over (velocity) on its finest grid, with what each grid gave, and the theory's.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``friction_each``, whose drift is its distance to ``friction_dissipated_each``, and ``area_each``, whose drift is
+        its step from the grid before; ``_grid_each`` over (grid, velocity); friction by the shares of the full energy and
+        area by the variants of the theory, told the realised waves.
+    """
+    import xarray as xr
+
+    on_grids = {"friction": "friction", "friction_dissipated": "dissipation", "area": "area"}
+    fine, before = (measured.isel(grid=k) for k in (-1, -2))
+    numbers: dict[str, Any] = {f"{name}_grid_each": measured[of] for name, of in on_grids.items()}
+    numbers |= {f"{name}_each": fine[of] for name, of in on_grids.items()}
+    numbers |= {f"{name}_each": measured[name] for name in QUANTITIES[3:]}
+    numbers["friction_each_drift"] = fine.friction - fine.dissipation
+    numbers["area_each_drift"] = fine.area - before.area
+    friction, area = _theory(solve["problem"], solve["rubber"], solve["velocities"])
+    numbers |= {f"friction_{name}_each": ("velocity", friction[:, k]) for k, name in enumerate(SHARES)}
+    numbers |= {f"area_{name}_each": ("velocity", area[:, k]) for k, name in enumerate(VARIANTS)}
+    return xr.Dataset(numbers, attrs={"solve": measured.attrs["solve"]})
+
+
+def _theory(case: ContactProblem, rubber: Rubber, velocities: tuple[float, ...]) -> tuple[Array, Array]:
+    """Friction over (velocity, share) and area over (velocity, variant), told the realised waves."""
+    field = case.field
+    waves = np.fft.fft2(field.heights, norm="forward")
+    qx, qy = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(field.shape, field.spacing, strict=True))
+    power = np.abs(waves) ** 2
+    power[0, 0] = 0
+    there = power > 1e-20 * power.max()
+    x, y = (part[there] for part in np.broadcast_arrays(qx[:, None], qy[None, :]))
+    friction = np.empty((len(velocities), len(SHARES)))
+    area = np.empty((len(velocities), len(VARIANTS)))
+    for k, velocity in enumerate(velocities):
+        for j, share in enumerate(SHARES.values()):
+            said = friction_of_waves(
+                x,
+                y,
+                power=power[there],
+                pressure=case.pressure,
+                velocity=velocity,
+                modulus=rubber.modulus,
+                poisson=rubber.poisson,
+                energy_ratio=share,
+            )
+            friction[k, j] = said.friction / field.rms_gradient
+        for j, variant in enumerate(VARIANTS):
+            area[k, j] = corrected_contact_area(
+                case.pressure, stress_variance=said.stress_variance, variant=variant
+            )
+    return friction, area

@@ -1,0 +1,182 @@
+"""One surface made steeper and steeper in a block of finite strain, beside the linear block: where both part."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_contact.errors import NotConverged
+from validation.arrays import Array, Grid
+from validation.execution.measurement import measurement
+from validation.execution.solve import Prediction
+from validation.measurements.limits import read_off
+from validation.report.estimates import claim, derive, mean, total_error
+from validation.scenes.problem import ContactProblem
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from fem_contact.block import FiniteStrain
+
+__all__ = ["CHANGES", "changes_of", "first_crossing", "steepened", "with_differences"]
+
+#: What is measured of every slope.
+_NAMES = {
+    "area": "A/A0 projected on the plane where the nodes are now, nodes counted",
+    "material_area": "share of the undeformed surface in contact, nodes counted",
+    "true_area": "area along the rigid surface over A0, nodes counted",
+    "square_pressure": "int p^2 dA / (p0^2 A0), p over the projected area",
+    "residual": "forces that nothing balances over those of the contact",
+    "sideways": "mean force along the plane over the load",
+}
+
+
+def _predicted(points: int, slopes: tuple[float, ...]) -> Prediction:
+    """Predict some four Newton steps for each slope."""
+    unknowns = int(3 * points * 3 * np.log(points))
+    seconds = 0.5 + 4e-5 * unknowns * len(slopes)
+    return Prediction(seconds=seconds, peak_bytes=9000 * unknowns, unknowns=unknowns)
+
+
+@measurement("slopes-{size}", kind="SlopeMeasurement", words="finite strain", version=1, predict=_predicted)
+def steepened(
+    *, problem: ContactProblem, grid: Grid, slopes: tuple[float, ...], depth: float = 1.0, growth: float = 1.3
+) -> xr.Dataset:
+    """Press a surface at one p0 / (E* h'_rms) with rising slopes, where the solid is neo-Hookean.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+    grid : tuple of int
+    slopes : tuple of float
+        h'_rms to which the heights are scaled, rising.
+    depth : float
+        Of the block, in periods.
+    growth : float
+        Of the layers with depth.
+
+    Returns
+    -------
+    xarray.Dataset
+        Areas and the mean square pressure by slope; NaN, with the reason, where Newton's method ends.
+    """
+    import xarray as xr
+    from threadpoolctl import threadpool_limits
+
+    from fem_contact import block
+
+    field, solid = problem.heights(grid), problem.elastic
+    pressure = problem.reduced_pressure * solid.contact_modulus * field.rms_gradient
+    mesh: Any = {"depth": depth * max(field.lengths), "growth": growth}
+    found = {name: np.full(len(slopes), np.nan) for name in _NAMES}
+    ended = ""
+    with threadpool_limits(limits=1, user_api="blas"):
+        linear = block.solve(field, solid, mean_pressure=pressure, **mesh).contact.checked()
+        try:
+            steeper = block.solve_slopes(field, solid, mean_pressure=pressure, slopes=slopes, **mesh)
+            for k, each in enumerate(steeper):
+                for name, value in _read_off(each).items():
+                    found[name][k] = value
+        except NotConverged as error:
+            ended = str(error)
+    return xr.Dataset(
+        {name: ("slope", values, {"long_name": _NAMES[name]}) for name, values in found.items()}
+        | {
+            "linear_area": ((), float(np.mean(linear.in_contact))),
+            "linear_square_pressure": ((), float(np.mean(linear.pressure**2)) / linear.mean_pressure**2),
+        },
+        coords={"slope": list(slopes)},
+        attrs={"ended": ended},
+    )
+
+
+def _read_off(found: FiniteStrain) -> dict[str, float]:
+    return {
+        "area": found.area,
+        "material_area": found.material_area,
+        "true_area": found.true_area,
+        "square_pressure": float(np.mean(found.shares * found.pressure**2)) / found.mean_pressure**2,
+        "residual": found.residual,
+        "sideways": found.sideways,
+    }
+
+
+#: Changes against the linear block, and what of a measurement they are of.
+CHANGES = {
+    "area_finite": "area",
+    "area_finite_true": "true_area",
+    "area_finite_material": "material_area",
+    "square_finite": "square_pressure",
+}
+
+
+def changes_of(measured: xr.Dataset) -> xr.Dataset:
+    """Reduce one path of slopes to changes against the linear block, on its grid."""
+    linear = {
+        of: "linear_square_pressure" if of == "square_pressure" else "linear_area" for of in CHANGES.values()
+    }
+    data = read_off(
+        measured.drop_vars("slope"),
+        **{f"{name}_grid_each": f"{of} / {linear[of]} - 1" for name, of in CHANGES.items()},
+        **{f"{name}_each": name for name in ("residual", "sideways", "linear_area")},
+    )
+    return data.assign(path_ended_each=float(bool(measured.attrs["ended"])))
+
+
+def with_differences(data: xr.Dataset, *, differences: Sequence[float], straight: float) -> xr.Dataset:
+    """Add changes on the finest grid, what they are per slope, and from which slope on they exceed differences.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        ``x_grid_each`` of `CHANGES` over (..., surface, grid, slope), with the coordinate ``rms_gradient`` (slope). The
+        step from the grid before is the error of the grid.
+    differences : sequence of float
+    straight : float
+        Slope up to which changes go with it: ``x_rate`` is that of a line through 0.
+    """
+    import xarray as xr
+
+    slopes = data.rms_gradient
+    small = {"slope": np.flatnonzero(slopes.values <= straight)}
+    data = data.assign_coords(difference=list(differences))
+    for name in CHANGES:
+        values = data[f"{name}_grid_each"]
+        line = (values * slopes).isel(small).sum("slope", skipna=False) / (slopes**2).isel(small).sum()
+        data[f"{name}_rate_grid_each"] = line.drop_vars("rms_gradient", errors="ignore").drop_attrs()
+        for part in (name, f"{name}_rate"):
+            finest, before = (f"{part}_grid_each.isel(grid={k})" for k in (-1, -2))
+            data = derive(data, **{f"{part}_each": finest, f"{part}_each_drift": f"{finest} - {before}"})
+        data = mean(data, name, f"{name}_rate")
+        error = total_error(data, name)
+        assert error is not None
+        size = abs(data[name])
+        for end, change in (("", size), ("_lower", size + error), ("_upper", size - error)):
+            at = xr.apply_ufunc(
+                first_crossing,
+                slopes,
+                change,
+                data.difference,
+                input_core_dims=[["slope"], ["slope"], []],
+                vectorize=True,
+            )
+            data[f"{name}_crossing{end}"] = at.assign_attrs(reduction="crossing", of=name)
+            data = claim(data, f"{name}_crossing{end}")
+    return data
+
+
+def first_crossing(slopes: Array, change: Array, difference: float) -> float:
+    """Return where a change first exceeds a difference, between slopes and from 0 on straight; NaN if nowhere.
+
+    >>> round(first_crossing(np.array([0.1, 0.2]), np.array([0.01, 0.03]), 0.02), 12)
+    0.15
+    """
+    x, y = np.append(0.0, slopes), np.append(0.0, change)
+    x, y = x[np.isfinite(y)], y[np.isfinite(y)]
+    beyond = np.flatnonzero(y > difference)
+    if not beyond.size:
+        return float("nan")
+    k = int(beyond[0])
+    return float(x[k - 1] + (difference - y[k - 1]) / (y[k] - y[k - 1]) * (x[k] - x[k - 1]))

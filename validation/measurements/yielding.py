@@ -1,0 +1,65 @@
+"""What hardness does to a surface: yielded and elastic area by the theory, and what smoothing leaves of the waves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_contact.contact import ContactResult
+from fem_contact.hardness import yielded
+from fem_contact.surface import HeightField, radial_spectrum
+from persson.elastic import stress_variance
+from persson.hardness import constant_hardness
+from persson.scale import Scale
+from persson.tabulated import smoothed
+from validation.arrays import Array
+from validation.scenes.problem import ContactProblem
+
+__all__ = ["kept_by_theory", "kept_waves", "yielded_by_theory"]
+
+
+def yielded_by_theory(problem: ContactProblem, hardness: float) -> tuple[float, float]:
+    """A_pl/A0 and A_el/A0 for a constant hardness [Pa], with the gradient of this very surface."""
+    variance = stress_variance(problem.field.moments[1], contact_modulus=problem.contact_modulus)
+    parts = constant_hardness(problem.pressure, stress_variance=variance, yield_stress=hardness)
+    return float(parts.plastic), float(parts.elastic)
+
+
+def kept_waves(contact: ContactResult, problem: ContactProblem) -> tuple[Array, Array, float]:
+    """Return what yielding and unloading leave of a surface.
+
+    Returns
+    -------
+    wavevectors : (n,) array
+        [1/m], those of the spectrum that was asked for.
+    kept : (n,) array
+        C(q) after, over that before.
+    gradient : float
+        <|grad h|^2> after, over that before, where the surface yielded.
+    """
+    before = HeightField(heights=np.array(contact.heights), lengths=contact.lengths)
+    after = yielded(contact).surface
+    spectrum = problem.spectrum_shape
+    rings, left = radial_spectrum(before), radial_spectrum(after)
+    own = (rings.q >= spectrum.q_long) & (rings.q <= spectrum.q_short)
+    slopes = [_squared_gradient(field)[contact.at_bound].mean() for field in (before, after)]
+    return rings.q[own], left.power[own] / rings.power[own], float(slopes[1] / slopes[0])
+
+
+def kept_by_theory(problem: ContactProblem, hardness: float, wavevectors: Array) -> Array:
+    """Share of C(q) that Persson's formula leaves, 1 - A_pl(q)/A_pl (2006, Sec. 10.2)."""
+    spectrum = problem.spectrum_shape
+    scaled = spectrum.scaled(float(problem.field.rms_gradient**2 / spectrum.m2()))
+    fine = np.geomspace(spectrum.q_long, spectrum.q_short, 400)
+    variance = Scale(scaled, contact_modulus=problem.contact_modulus).variance(fine)
+    parts = constant_hardness(problem.pressure, stress_variance=variance, yield_stress=hardness)
+    share = np.minimum(parts.plastic * hardness / problem.pressure, 1.0)
+    after = smoothed(scaled, wavevectors=fine, yielded=share)
+    return np.asarray(after(wavevectors) / scaled(wavevectors))
+
+
+def _squared_gradient(field: HeightField) -> Array:
+    dx, dy = field.spacing
+    h = field.heights
+    gx = (np.roll(h, -1, axis=0) - np.roll(h, 1, axis=0)) / (2 * dx)
+    gy = (np.roll(h, -1, axis=1) - np.roll(h, 1, axis=1)) / (2 * dy)
+    return np.asarray(gx**2 + gy**2)

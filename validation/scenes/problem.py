@@ -1,0 +1,265 @@
+"""What a scene asks for, made once: the surface, its spectrum, the solid, the load, the units of pressure."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields, replace
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, Protocol
+
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField, RandomWaves, resolves
+from validation.arrays import Grid
+from validation.errors import UsageError
+from validation.scenes import surfaces
+from validation.scenes.tables import FileSurface, Load, SolidSpec, Surface
+
+if TYPE_CHECKING:
+    from persson.capillary import CapillaryWaves
+    from persson.spectrum import SelfAffine
+    from persson.stretched import Stretched
+    from persson.tabulated import Tabulated
+    from validation.scenes.topography import Measured, Topography
+
+__all__ = ["ContactProblem", "realise"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactProblem:
+    """One realisation of a surface, the solid under it and the load, each derived once and handed down.
+
+    Attributes
+    ----------
+    surface, solid, load
+        Tables of a scene.
+    realisation : int
+        Counts further surfaces of the same spectrum from 0, the scene's own: added to its seed.
+    inverted : bool
+        Press -h instead of h: hills become valleys, which halves much of the scatter between surfaces.
+    given : Measured, optional
+        Heights that are there already, in place of those of the file that `surface` names.
+    drawn : bool
+        Whether a random surface is made of C(q); where the theory stands alone it is not, and h'_rms is that
+        of C(q).
+
+    Notes
+    -----
+    What is derived stays with the value and does not travel with it: another process makes it anew.
+    """
+
+    surface: Surface
+    solid: SolidSpec
+    load: Load
+    realisation: int = 0
+    inverted: bool = False
+    given: Measured | None = None
+    drawn: bool = True
+
+    def __reduce__(self) -> Any:
+        return partial(
+            ContactProblem, **{field.name: getattr(self, field.name) for field in fields(self)}
+        ), ()
+
+    def further(self, realisation: int) -> ContactProblem:
+        """Return another realisation of the same spectrum; the same value for its own."""
+        return self if realisation == self.realisation else replace(self, realisation=realisation)
+
+    @cached_property
+    def _waves(self) -> RandomWaves | None:
+        """The waves of a random surface, drawn once for all grids."""
+        if isinstance(self.surface, FileSurface):
+            return None
+        return surfaces.waves_of(self.surface, self.realisation)
+
+    @cached_property
+    def measured(self) -> Measured | None:
+        """The measured surface, read and hashed once; None for a random one."""
+        if self.given is not None:
+            return self.given
+        return surfaces.measured_surface(self.surface) if isinstance(self.surface, FileSurface) else None
+
+    @property
+    def topography(self) -> Topography | None:
+        """The measured surface, levelled, filled and made periodic; None for a random one."""
+        return None if self.measured is None else self.measured.period
+
+    @cached_property
+    def field(self) -> HeightField:
+        """The surface on the smallest grid that resolves it; its moments are the surface's own.
+
+        Where no surface is drawn, the moments of C(q) in place of it.
+        """
+        if self.measured is not None:
+            return self._signed(surfaces.measured_field(self.measured))
+        assert not isinstance(self.surface, FileSurface)
+        if not self.drawn:
+            return surfaces.expected(self.surface)  # type: ignore[return-value]
+        surfaces.check_memory(self.surface)
+        return self.heights(self.surface.resolving_grid)
+
+    def heights(self, grid: Grid, shift: tuple[float, float] = (0.0, 0.0)) -> HeightField:
+        """Return the surface on a grid, moved by parts of a cell."""
+        if isinstance(self.surface, FileSurface):
+            field = self.field.resampled(grid)
+            return field if shift == (0.0, 0.0) else field.shifted(shift)
+        assert self._waves is not None
+        return self._signed(surfaces.sampled(self._waves, self.surface, grid, shift))
+
+    def _signed(self, field: HeightField) -> HeightField:
+        return HeightField(heights=-field.heights, lengths=field.lengths) if self.inverted else field
+
+    @cached_property
+    def spectrum(self) -> SelfAffine | Stretched | CapillaryWaves | Tabulated | None:
+        """C(q) of the scene, estimated for a measured patch with tapered edges; None for one period."""
+        if not isinstance(self.surface, FileSurface):
+            return surfaces.spectrum_of(self.surface)
+        return self._estimate if self.surface.edges in ("tukey", "hann") else None
+
+    @cached_property
+    def _estimate(self) -> Tabulated:
+        """C(q) of a measured surface, whatever its edges."""
+        assert self.measured is not None
+        return surfaces.measured_spectrum(self.measured)
+
+    @cached_property
+    def spectrum_shape(self) -> SelfAffine | Stretched | CapillaryWaves | Tabulated:
+        """C(q) whose scale may be another: for a measured surface an estimate, whatever its edges."""
+        return self._estimate if self.spectrum is None else self.spectrum
+
+    @cached_property
+    def own_spectrum(self) -> SelfAffine | Stretched | CapillaryWaves | Tabulated:
+        """C(q), scaled to the gradient of this surface; that of the scene where no surface is drawn."""
+        shape = self.spectrum_shape
+        return shape.scaled(float(self.field.rms_gradient**2 / shape.m2())) if self.has_heights else shape
+
+    @property
+    def has_heights(self) -> bool:
+        """Whether there is a surface: a measured one, or one that is drawn."""
+        return self.drawn or isinstance(self.surface, FileSurface)
+
+    @cached_property
+    def elastic(self) -> Solid:
+        """The solid; one that stands for both where there are two."""
+        return self.solid.elastic
+
+    def under(self, load: Load) -> ContactProblem:
+        """Return the same surface and solid under another load; what is made of the surface is shared."""
+        made = replace(self, load=load)
+        made.__dict__.update({name: self.__dict__[name] for name in _OF_THE_SURFACE if name in self.__dict__})
+        return made
+
+    @cached_property
+    def contact_modulus(self) -> float:
+        """E* [Pa]."""
+        return self.elastic.contact_modulus
+
+    @cached_property
+    def pressure_scale(self) -> float:
+        """E* h'_rms [Pa] with the spectral gradient of this surface: the unit of p*."""
+        return self.contact_modulus * self.field.rms_gradient
+
+    @cached_property
+    def pressures(self) -> tuple[float, ...]:
+        """p0 [Pa] of each load: as given, p* E* h'_rms, or force over nominal area.
+
+        Raises
+        ------
+        UsageError
+            Where a distance is held: what load that takes, a solve says.
+        """
+        if self.load.held:
+            (value,) = self.load.values
+            raise UsageError(
+                f"load.{self.load.key} = {value:.6g} m: what load that takes is known after a solve; give "
+                "pressure, reduced_pressure or force here"
+            )
+        if self.load.pressure is not None:
+            return self.load.values
+        if self.load.force is not None:
+            return (self.load.force / (self.lengths[0] * self.lengths[1]),)
+        return tuple(value * self.contact_modulus * self.field.rms_gradient for value in self.load.values)
+
+    @property
+    def pressure(self) -> float:
+        """p0 [Pa] of the one load."""
+        (pressure,) = self.pressures
+        return pressure
+
+    @property
+    def reduced_pressure(self) -> float:
+        """p* = p0 / (E* h'_rms)."""
+        return self.pressure / self.pressure_scale
+
+    @property
+    def lengths(self) -> tuple[float, float]:
+        """Periods (Lx, Ly) [m]."""
+        return self.surface.length
+
+    @cached_property
+    def shortest(self) -> float:
+        """lambda_short [m]; of a measured surface, two of its grid spacings."""
+        surface = self.surface
+        return 2 * max(self.field.spacing) if isinstance(surface, FileSurface) else surface.lambda_short
+
+    @property
+    def longest(self) -> float:
+        """lambda_long [m], along the lay if there is one; of a measured surface, the longer period."""
+        surface = self.surface
+        if isinstance(surface, FileSurface):
+            return max(surface.length)
+        return surface.lambda_long * (getattr(surface, "stretch", None) or 1.0)
+
+    def points_per_wave(self, grid: Grid) -> float:
+        """lambda_short / dx, on the coarser axis."""
+        return self.shortest / max(length / n for length, n in zip(self.lengths, grid, strict=True))
+
+    def resolved_by(self, grid: Grid) -> bool:
+        """Whether lambda_short > 2 dx on both axes."""
+        return resolves(grid, self.lengths, q_short=2 * math.pi / self.shortest)
+
+    @cached_property
+    def recipe(self) -> dict[str, Any]:
+        """Everything that determines surface, solid and load, as JSON-ready data."""
+        surface = self.surface.model_dump(mode="json")
+        if self.measured is not None:
+            surface["path"] = self.measured.digest
+        else:
+            assert not isinstance(self.surface, FileSurface)
+            surface["seed"] = self.surface.seed_of(self.realisation)
+            if surface.get("stretch") is None:  # what is not listed names no solve
+                surface.pop("stretch", None)
+        said = {
+            "surface": surface,
+            "solid": self.solid.model_dump(mode="json", exclude_none=True),
+            "load": self.load.recipe,
+        }
+        return said | {"inverted": True} if self.inverted else said
+
+
+#: What is made of the surface alone, whatever the solid and the load.
+_OF_THE_SURFACE = ("_waves", "measured", "field", "spectrum", "_estimate")
+
+
+class _Scene(Protocol):
+    """What of a scene is made; all else in it is how it is solved."""
+
+    surface: Surface
+    solid: SolidSpec
+    load: Load
+    methods: Any
+
+
+def realise(scene: _Scene, *, like: ContactProblem | None = None, surveyed: bool = False) -> ContactProblem:
+    """Return what a scene asks for, to be made once and handed down.
+
+    What another scene made of the same surface, given as `like`, is not made again. A surface that is only
+    surveyed is told by its C(q) where it has too many points to be made.
+    """
+    drawn = bool(scene.methods.solvers)
+    if surveyed and not isinstance(scene.surface, FileSurface):
+        drawn = drawn and not surfaces.too_large_to_look_at(scene.surface)
+    made = ContactProblem(surface=scene.surface, solid=scene.solid, load=scene.load, drawn=drawn)
+    same = like is not None and replace(like, solid=made.solid, load=made.load) == made
+    if like is not None and same:
+        made.__dict__.update({name: like.__dict__[name] for name in _OF_THE_SURFACE if name in like.__dict__})
+    return made

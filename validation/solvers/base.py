@@ -1,0 +1,401 @@
+"""What a method is: its table in a scene, the slots it can be given, its cost, and how it solves."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, StrictBool
+
+from fem_contact import contact
+from fem_contact.contact import ContactResult, Status
+from fem_contact.response import Response
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
+from validation.arrays import Grid
+from validation.effects.base import ContactModel, Effect, SlotName, effect_key
+from validation.errors import UsageError
+from validation.units import Grids, Number, Table
+
+if TYPE_CHECKING:
+    from validation.scenes.problem import ContactProblem
+
+__all__ = [
+    "Claim",
+    "Cost",
+    "Grid",
+    "Gridded",
+    "Job",
+    "Method",
+    "Settings",
+    "Size",
+    "Solved",
+    "Solver",
+    "example_field",
+]
+
+Shift = tuple[float, float]
+#: What a solver was told beyond surface, load and model; only what was said, so that it is its own recipe.
+Settings = tuple[tuple[str, float | str], ...]
+
+
+class Gridded(Table):
+    """Options of every method that solves on grids."""
+
+    grids: Annotated[Grids, Field(min_length=1)] = Field(description="surface points, e.g. [32, 64]")
+    tolerance: Annotated[Number, Field(gt=0, lt=1e-2)] = 1e-8
+    under_resolved: StrictBool = Field(
+        default=False, description="run grids with lambda_short <= 2 dx, labelled"
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Job:
+    """What a solver is asked.
+
+    Attributes
+    ----------
+    field : HeightField
+        The surface [m].
+    load : mapping
+        One of ``{"mean_pressure": p0}`` [Pa], ``{"mean_gap": d}`` and ``{"offset": d}`` [m].
+    model : ContactModel
+        The solid and what effects filled in.
+    settings : mapping
+        What else it is told, such as its tolerance.
+    threads : int or None
+        All that there are if None.
+    """
+
+    field: HeightField
+    load: Mapping[str, float]
+    model: ContactModel
+    settings: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    threads: int | None = None
+
+    @property
+    def mean_pressure(self) -> float:
+        """The load [Pa].
+
+        Raises
+        ------
+        UsageError
+            Where a distance is to be held, which the solver that asks cannot.
+        """
+        if "mean_pressure" not in self.load:
+            raise UsageError(f"load: the solver presses with a load, and holds no {' or '.join(self.load)}")
+        return self.load["mean_pressure"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Size:
+    """What the cost of a solve is predicted from.
+
+    Attributes
+    ----------
+    grid : tuple of int
+    lengths : tuple of float
+        Periods [m].
+    settings : mapping
+        What the solver is told.
+    effects : sequence of Effect
+    dearer : float
+        What the effects make of the time of boundary elements.
+    """
+
+    grid: Grid
+    lengths: tuple[float, float]
+    settings: Mapping[str, Any]
+    effects: Sequence[Effect] = ()
+    dearer: float = 1.0
+
+    @property
+    def points(self) -> int:
+        """Number of grid points."""
+        return self.grid[0] * self.grid[1]
+
+    @property
+    def transforms(self) -> float:
+        """Cost of a pair of transforms on the grid over that on 256 x 256 points."""
+        return self.points * math.log2(max(self.points, 2)) / (256**2 * 16)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cost:
+    """What a solve takes.
+
+    Attributes
+    ----------
+    pairs : float
+        Time in pairs of real 256 x 256 transforms on one thread.
+    peak_bytes, unknowns : int
+    """
+
+    pairs: float
+    peak_bytes: int
+    unknowns: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solved:
+    """Result of one solve, and the block it came from where there is one to export."""
+
+    contact: ContactResult
+    block: Any = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Claim:
+    """What a solver says, before anybody judges it.
+
+    Attributes
+    ----------
+    pressure : (nx, ny) array
+        [Pa], compression positive.
+    in_contact : (nx, ny) array of bool, or None
+        Its contact set; None where it names none.
+    iterations : int
+        0 where it does not say.
+    wall_seconds, cpu_seconds : float
+    peak_bytes : int
+    converged : bool or None
+        Whether it says that it met its tolerance; None where it says nothing.
+    """
+
+    pressure: NDArray[np.float64]
+    in_contact: NDArray[np.bool_] | None
+    iterations: int
+    wall_seconds: float
+    cpu_seconds: float
+    peak_bytes: int
+    converged: bool | None = None
+
+    @classmethod
+    def of(cls, contact: ContactResult) -> Claim:
+        """Return what a result says."""
+        return cls(
+            pressure=contact.pressure,
+            in_contact=contact.in_contact,
+            iterations=contact.cost.iterations,
+            wall_seconds=contact.cost.wall_seconds,
+            cpu_seconds=contact.cost.cpu_seconds,
+            peak_bytes=contact.cost.peak_bytes,
+            converged=contact.status is Status.CONVERGED,
+        )
+
+    @property
+    def cost(self) -> contact.Cost:
+        """Return what it took, as results have it."""
+        return contact.Cost(
+            wall_seconds=self.wall_seconds,
+            cpu_seconds=self.cpu_seconds,
+            iterations=self.iterations,
+            unknowns=self.pressure.size,
+            peak_bytes=self.peak_bytes,
+        )
+
+
+class Method(ABC):
+    """A way to answer a scene: its table ``[methods.NAME]``, and what it can be given.
+
+    Attributes
+    ----------
+    name, label : str
+        By which a scene lists it, and what tables call it.
+    options : type
+        Its table in a scene.
+    independent : bool
+        Whether it shares no contact algorithm with `bem`.
+    papers : tuple of str
+        What to cite.
+    """
+
+    name: ClassVar[str]
+    label: ClassVar[str]
+    options: ClassVar[type[Table]]
+    independent: ClassVar[bool] = False
+    papers: ClassVar[tuple[str, ...]] = ()
+
+    def available(self) -> str | None:
+        """Return the sentence that says what to install; None where nothing is missing."""
+        return None
+
+    @abstractmethod
+    def handles(self, effect: type[Effect]) -> bool:
+        """Whether it can be given an effect of that kind."""
+
+    def cited(self, effects: Sequence[Effect]) -> tuple[str, ...]:
+        """Return the papers to cite for it with these effects."""
+        return self.papers
+
+    def check(self, options: Any, problem: ContactProblem, effects: Sequence[Effect]) -> None:  # noqa: B027
+        """Refuse, before anything is computed, what it cannot do.
+
+        Raises
+        ------
+        UsageError
+        """
+
+    def facts(self, options: Any, problem: ContactProblem) -> Iterator[tuple[str, str]]:
+        """Yield what a reader of `explain` should know of it: name and words."""
+        yield from ()
+
+
+class Solver(Method):
+    """A method that presses a surface on a grid.
+
+    Attributes
+    ----------
+    slots : frozenset of str
+        What effects may fill; a scene that lists another is refused by name.
+    locates_edges : bool
+        Whether the place of an edge inside a cell is known for the bare half-space on square cells.
+    for_ensembles : bool
+        Whether it is quick enough for the realisations of an ensemble.
+    foreign : bool
+        Whether it was written elsewhere; such ones stand after the others.
+    holds : frozenset of str
+        Distances of the table of loads that it can hold in place of a load.
+    sinks : bool
+        Whether its body, clamped below, is pressed together as a whole under its load.
+    controls : frozenset of str
+        What its scorecard may tell it beside the load: "offset" [m] in its place, "max_iterations".
+    score_points : int
+        Points along a side of the coarsest grid of its scorecard.
+    score_element : str
+        What the edges of its contacts are those of there: "bem", or a finite element.
+    """
+
+    slots: ClassVar[frozenset[SlotName]] = frozenset()
+    locates_edges: ClassVar[bool] = False
+    for_ensembles: ClassVar[bool] = False
+    foreign: ClassVar[bool] = False
+    holds: ClassVar[frozenset[str]] = frozenset()
+    sinks: ClassVar[bool] = False
+    controls: ClassVar[frozenset[str]] = frozenset()
+    score_points: ClassVar[int] = 32
+    score_element: ClassVar[str] = "bem"
+
+    def handles(self, effect: type[Effect]) -> bool:
+        """Whether the slot of the effect is one of its own."""
+        return effect.slot in self.slots
+
+    def places(self, options: Any) -> Iterator[tuple[Grid, Shift]]:
+        """Yield the grids and sub-grid shifts that a scene asks for, coarse grids first."""
+        for grid in sorted(options.grids):
+            yield grid, (0.0, 0.0)
+
+    def settings(self, options: Any) -> Settings:
+        """Return what a solve is told, of what the scene's table says."""
+        return (("tolerance", options.tolerance),)
+
+    @abstractmethod
+    def cost(self, size: Size) -> Cost:
+        """Predict what a solve takes."""
+
+    @abstractmethod
+    def solve(self, job: Job) -> Solved:
+        """Press a surface with the load, or to the distance, that is asked for."""
+
+    def felt(self, job: Job) -> Response:
+        """Return the response by which displacements follow from its pressures at the points of a surface."""
+        return job.model.felt_response
+
+    def controlled(self, settings: Mapping[str, Any]) -> frozenset[str]:
+        """Return which of `controls` it takes as it is set."""
+        return self.controls
+
+    def claim(self, job: Job) -> Claim:
+        """Return what it says, unjudged; `settings` and `load` may have what `controls` names."""
+        return Claim.of(self.solve(job).contact)
+
+    def score_settings(self, points: int) -> dict[str, float | str]:
+        """Return what its scorecard tells it on a grid, so that refining the grid refines all of it."""
+        return {}
+
+    def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
+        """Run through the compiled passes once, so that no solve is charged with loading them."""
+
+    @abstractmethod
+    def edge_constant(self, result: ContactResult) -> float:
+        """Edge constant of the perimeter correction of a result."""
+
+    def variant(self, settings: Mapping[str, Any]) -> str:
+        """Name the compiled passes that the settings choose."""
+        return ""
+
+    def has_block(self, settings: Mapping[str, Any]) -> bool:
+        """Whether a solve leaves a block to look at."""
+        return False
+
+
+def check_effects_handled(
+    wanted: Mapping[str, Method], effects: Sequence[Effect], known: Mapping[str, Method]
+) -> None:
+    """Refuse an effect that a wanted method cannot be given.
+
+    Raises
+    ------
+    UsageError
+        Naming the key, the method, and the methods that handle it.
+    """
+    for k, effect in enumerate(effects):
+        able = sorted(name for name, method in known.items() if method.handles(type(effect)))
+        for name in wanted:
+            if name not in able:
+                raise UsageError(
+                    f"{effect_key(k, 'kind')} = {effect.kind!r}: method {name!r} does not handle it; "
+                    f"handled by: {', '.join(able) or 'none'}"
+                )
+
+
+def check_bodies(
+    name: str, solid: Solid, effects: Sequence[Effect], *, depth: float | None = None, layered: bool = False
+) -> None:
+    """Refuse an effect that makes the solid something else than a body on a clamped base.
+
+    Parameters
+    ----------
+    name : str
+        Of the method.
+    solid : Solid
+    effects : sequence of Effect
+    depth : float, optional
+        What the options of the method say of it [m].
+    layered : bool
+        Whether the modulus may vary.
+
+    Raises
+    ------
+    UsageError
+    """
+    for k, effect in enumerate(effects):
+        if effect.slot != "response":
+            continue
+        body = ContactModel.filled(solid, [effect]).body
+        if body is None or (body.modulus is not None and not layered):
+            raise UsageError(
+                f"{effect_key(k, 'kind')} = {effect.kind!r}: as it stands it is no body on a clamped base, "
+                f"which is what method {name!r} solves; change it, or leave [methods.{name}] out"
+            )
+        if body.depth is not None and depth is not None:
+            raise UsageError(
+                f"methods.{name}.depth: {effect_key(k, effect.kind)} says the depth; leave one of them out"
+            )
+
+
+def example_field(points: int) -> HeightField:
+    """Return waves of gradient 0.1 on which the examples of effects matter."""
+    x = np.arange(points) / points
+    waves = np.zeros(points)
+    for k in (4, 8, 16, 32):
+        waves += np.cos(2 * np.pi * k * x + k) / k**1.8 if 2 * k < points else 0
+    heights = waves[:, None] + np.roll(waves, 3)[None, :]
+    rough = HeightField(heights=heights, lengths=(1.0, 1.0))
+    return HeightField(heights=heights * (0.1 / rough.rms_gradient), lengths=(1.0, 1.0))

@@ -1,0 +1,125 @@
+"""FFT boundary elements."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+from pydantic import Field, StrictInt
+
+from fem_contact.area import EDGE_CONSTANTS, discretisation
+from fem_contact.contact import ContactResult
+from fem_contact.solid import Solid
+from validation.effects.base import ContactModel, Effect, SlotName, effect_key
+from validation.errors import UsageError
+from validation.solvers.base import Cost, Grid, Gridded, Job, Shift, Size, Solved, Solver, example_field
+from validation.units import Table
+
+if TYPE_CHECKING:
+    from validation.scenes.problem import ContactProblem
+
+__all__ = ["Bem", "BemOptions"]
+
+# In units of a pair of real 256 x 256 transforms on one thread.
+#: What a solve costs whatever its grid: surface, set-up, storing.
+FIXED_PAIRS = 26.0
+#: Per pair of transforms on the grid; 25 to 30 are needed, and the passes between them cost.
+_PAIRS = 80.0
+BYTES_PER_POINT, FIXED_BYTES = 15 * 8, 3 * 2**19
+#: Further bytes per point where a patch is transformed on twice the points along both axes.
+_DOUBLED = 14 * 8
+
+
+class BemOptions(Gridded):
+    """FFT boundary elements on these grids, each on `shifts`^2 sub-grid shifts of the surface."""
+
+    shifts: Annotated[StrictInt, Field(ge=1, le=8)] = 1
+
+
+class Bem(Solver):
+    """FFT boundary elements."""
+
+    name = "bem"
+    label = "BEM"
+    options: ClassVar[type[Table]] = BemOptions
+    slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound", "gap law", "boundary"})
+    locates_edges = True
+    for_ensembles = True
+    holds = frozenset({"mean_gap", "offset"})
+    controls = frozenset({"offset", "max_iterations"})
+    papers = (
+        "Boundary elements by FFT: H. M. Stanley, T. Kato, J. Tribol. 119, 481 (1997); conjugate gradients "
+        "with bounds: I. A. Polonsky, L. M. Keer, Wear 231, 206 (1999).",
+    )
+
+    def cited(self, effects: Sequence[Effect]) -> tuple[str, ...]:
+        """With attraction the energy has many minima, which another algorithm finds."""
+        if not any(effect.slot == "gap law" for effect in effects):
+            return self.papers
+        return (
+            "Boundary elements by FFT: H. M. Stanley, T. Kato, J. Tribol. 119, 481 (1997); projected Newton "
+            "method: D. P. Bertsekas, SIAM J. Control Optim. 20, 221 (1982).",
+        )
+
+    def places(self, options: BemOptions) -> Iterator[tuple[Grid, Shift]]:
+        """Yield each grid on all of its shifts."""
+        steps = [k / options.shifts for k in range(options.shifts)]
+        yield from itertools.product(sorted(options.grids), itertools.product(steps, steps))
+
+    def cost(self, size: Size) -> Cost:
+        """Predict from the size of the grid."""
+        doubled = any(effect.slot == "boundary" for effect in size.effects)
+        return Cost(
+            pairs=FIXED_PAIRS + _PAIRS * size.dearer * size.transforms,
+            peak_bytes=FIXED_BYTES + (BYTES_PER_POINT + (_DOUBLED if doubled else 0)) * size.points,
+            unknowns=size.points,
+        )
+
+    def solve(self, job: Job) -> Solved:
+        """Press; attraction makes the problem one of many minima, which another algorithm finds."""
+        field, model, response = job.field, job.model, job.model.felt_response
+        said: dict[str, Any] = {"threads": job.threads, **job.load, **job.settings}
+        if model.gap_law is not None:
+            from fem_contact import adhesion
+
+            state = adhesion.solve(field, response, law=model.gap_law, hardness=model.pressure_bound, **said)
+            return Solved(contact=state.contact)
+        from fem_contact import bem
+
+        if "mean_pressure" not in job.load:
+            held = bem.solve_displacement(field, response, pressure_bound=model.pressure_bound, **said)
+            return Solved(contact=held)
+        if model.pressure_bound is not None:
+            from fem_contact.hardness import Hardness, press_yielding
+
+            limit = Hardness(pressure=model.pressure_bound)
+            return Solved(contact=press_yielding(field, response, hardness=limit, **said))
+        return Solved(contact=bem.solve(field, response, **said))
+
+    def check(self, options: BemOptions, problem: ContactProblem, effects: Sequence[Effect]) -> None:
+        """Refuse a mean gap with attraction, of which several states may have one, and shifts of a patch."""
+        free = next((k for k, effect in enumerate(effects) if effect.slot == "boundary"), None)
+        if free is not None and options.shifts > 1:
+            raise UsageError(
+                f"methods.bem.shifts = {options.shifts}: {effect_key(free, 'kind')} = {effects[free].kind!r} "
+                "presses one patch, which has no period to be moved in; leave shifts out"
+            )
+        sticky = next((k for k, effect in enumerate(effects) if effect.slot == "gap law"), None)
+        if sticky is not None and "mean_gap" in problem.load.held:
+            raise UsageError(
+                f"load.mean_gap: with {effect_key(sticky, 'kind')} = {effects[sticky].kind!r} several states "
+                "have the same; give load.offset"
+            )
+
+    def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
+        """Press a small surface: large enough for all passes, those of single precision among them."""
+        points = 256
+        examples = [type(effect).example(1 / points) for effect in effects]
+        model = ContactModel.filled(Solid(young=1.0, poisson=0.0), examples)
+        load, settings = {"mean_pressure": 0.02}, {"tolerance": 1e-6}
+        self.solve(Job(field=example_field(points), load=load, model=model, settings=settings, threads=1))
+
+    def edge_constant(self, result: ContactResult) -> float:
+        """Return that of boundary elements, periodic or with free surroundings."""
+        return EDGE_CONSTANTS[discretisation(result)]

@@ -1,0 +1,297 @@
+"""The elastic block by CalculiX: linear hexahedra and gap elements, from a deck written here.
+
+The mesh is that of our own block, so that the two can be compared node by node: nodal forces over the area
+of a node are the pressures. A number of a deck has at most twenty characters.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from fem_contact.area import EDGE_CONSTANTS
+from fem_contact.contact import ContactResult
+from fem_contact.errors import NotConverged
+from fem_contact.response import Response
+from validation.arrays import Array
+from validation.effects.base import Effect, SlotName
+from validation.solvers.base import Claim, Cost, Gridded, Job, Settings, Size, Solved, Solver, check_bodies
+from validation.solvers.bem import FIXED_BYTES, FIXED_PAIRS
+from validation.solvers.external import judged
+from validation.solvers.fem import block_response, planned, unknowns_of
+from validation.units import Duration, Length, Number, Table
+
+if TYPE_CHECKING:
+    from validation.scenes.problem import ContactProblem
+
+__all__ = ["Calculix", "CalculixOptions"]
+
+#: Young's modulus in the deck: its criteria are absolute, and forces must be large beside them.
+_YOUNG = 1e12
+#: Range of the heights over the longer period in the deck, or its mean strain: gap elements make it a problem
+#: of finite deflections, which are too small to matter, and the answer is scaled back.
+_RANGE = 3e-8
+#: Stiffness of a closed gap over E dx: pressures are off by about .6 over it.
+_STIFF = 1e6
+#: Force across an open gap over the mean force of a node.
+_OPEN = 1e-10
+_SECONDS, _ACCEPTED = 600.0, 1e-5
+#: Direct factorisation: pairs of transforms and bytes per unknown to the power of 5/3 and 4/3.
+_PAIRS, _BYTES = 3e-4, 40.0
+
+
+class CalculixOptions(Gridded):
+    """The block by CalculiX on these surface grids; direct linear solves, so that 32 x 32 is large."""
+
+    tolerance: Annotated[float, Field(gt=0, lt=1e-1)] = Field(
+        default=_ACCEPTED, description="largest residual that is accepted; its files carry seven digits"
+    )
+    depth: Length | None = Field(default=None, description="depth of the block; default: the longer period")
+    growth: Number = Field(
+        default=1.2, ge=1, le=4, description="ratio of the thicknesses of successive layers"
+    )
+    seconds: Duration | None = Field(default=None, description="time one solve may take; default: 10 min")
+
+
+class Calculix(Solver):
+    """Linear hexahedra (C3D8) and gap elements (GAPUNI) of CalculiX."""
+
+    name = "calculix"
+    label = "CalculiX"
+    options: ClassVar[type[Table]] = CalculixOptions
+    independent = True
+    foreign = True
+    slots: ClassVar[frozenset[SlotName]] = frozenset({"response"})
+    score_element = "Hex1"
+    score_points = 8
+    papers = (
+        "CalculiX: G. Dhondt, The Finite Element Method for Three-Dimensional Thermomechanical "
+        "Applications (Wiley, 2004).",
+    )
+
+    def available(self) -> str | None:
+        """Say what to install."""
+        if shutil.which("ccx") is not None:
+            return None
+        return "CalculiX is not installed; put its program ccx on the path, by: apt install calculix-ccx"
+
+    def handles(self, effect: type[Effect]) -> bool:
+        """Whether it is the layer: a block of that depth."""
+        return effect.kind_name() == "thickness"
+
+    def check(self, options: CalculixOptions, problem: ContactProblem, effects: Sequence[Effect]) -> None:
+        """Refuse a layer that is not bonded to its base, and two depths."""
+        check_bodies(self.name, problem.elastic, effects, depth=options.depth)
+
+    def felt(self, job: Job) -> Response:
+        """Return the block of its mesh by our reduction to the surface."""
+        return block_response(job)
+
+    def settings(self, options: CalculixOptions) -> Settings:
+        """Return what was said."""
+        given = {
+            "tolerance": options.tolerance,
+            "growth": options.growth,
+            "depth": options.depth,
+            "seconds": options.seconds,
+        }
+        return tuple((name, value) for name, value in given.items() if value is not None)
+
+    def score_settings(self, points: int) -> dict[str, float | str]:
+        """Refine the layers with the grid."""
+        return {"growth": 1.2 ** (self.score_points / points)}
+
+    def cost(self, size: Size) -> Cost:
+        """Predict from the unknowns of the mesh."""
+        unknowns = unknowns_of(size, "full")
+        return Cost(
+            pairs=FIXED_PAIRS + _PAIRS * unknowns ** (5 / 3),
+            peak_bytes=FIXED_BYTES + int(_BYTES * unknowns ** (4 / 3)),
+            unknowns=unknowns,
+        )
+
+    def solve(self, job: Job) -> Solved:
+        """Write the deck, run ccx, and judge the nodal forces it prints.
+
+        Raises
+        ------
+        NotConverged
+            When it fails, takes too long, or prints no answer.
+        """
+        deck = _Deck.of(job)
+        clock, began = os.times(), time.perf_counter()
+        forces, rises = deck.run(float(job.settings.get("seconds", _SECONDS)))
+        spent = os.times()
+        claim = Claim(
+            pressure=np.asarray(-forces / deck.cell * deck.stress),
+            in_contact=None,
+            iterations=0,
+            wall_seconds=time.perf_counter() - began,
+            cpu_seconds=spent.children_user - clock.children_user,
+            peak_bytes=0,
+        )
+        asked = replace(job, settings={"tolerance": _ACCEPTED, **job.settings})
+        rise = np.asarray(-rises * deck.length)
+        contact = judged(claim, asked, method=self.label, element="Hex1", displacement=rise)
+        unknowns = 3 * job.field.heights.size * (deck.planes.size - 1)
+        return Solved(contact=replace(contact, cost=replace(contact.cost, unknowns=unknowns)))
+
+    def edge_constant(self, result: ContactResult) -> float:
+        """Return that of linear hexahedra."""
+        return EDGE_CONSTANTS["Hex1"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Deck:
+    """One problem in the units of the deck: longer period 1, heights of `_RANGE`, modulus `_YOUNG`."""
+
+    heights: Array
+    sides: tuple[float, float]
+    #: z of the planes of nodes, from 0 downwards.
+    planes: Array
+    poisson: float
+    #: Mean pressure.
+    load: float
+    #: Pa and m for one unit of pressure and displacement of the deck.
+    stress: float
+    length: float
+
+    @classmethod
+    def of(cls, job: Job) -> _Deck:
+        """Scale a problem."""
+        field, young = job.field, job.model.solid.young
+        longest = max(field.lengths)
+        rise = float(np.ptp(field.heights)) / longest
+        shrink = _RANGE / max(rise, job.mean_pressure / young)
+        edges = planned(job).edges * field.spacing[0] / longest
+        stress = young / (_YOUNG * shrink)
+        return cls(
+            heights=field.heights * (shrink / longest),
+            sides=(field.lengths[0] / longest, field.lengths[1] / longest),
+            planes=edges[::-1],
+            poisson=job.model.solid.poisson,
+            load=job.mean_pressure / stress,
+            stress=stress,
+            length=longest / shrink,
+        )
+
+    @property
+    def cell(self) -> float:
+        """Area of a node."""
+        return self.sides[0] * self.sides[1] / self.heights.size
+
+    def run(self, seconds: float) -> tuple[Array, Array]:
+        """Run ccx in a folder of its own; return forces on the rigid nodes, and rises of the surface."""
+        nx, ny = self.heights.shape
+        with tempfile.TemporaryDirectory() as folder:
+            Path(folder, "block.inp").write_text("\n".join(self.lines()) + "\n", encoding="ascii")
+            try:
+                done = subprocess.run(
+                    ["ccx", "block"],
+                    cwd=folder,
+                    capture_output=True,
+                    text=True,
+                    timeout=seconds,
+                    check=False,
+                    env={**os.environ, "OMP_NUM_THREADS": "1"},
+                )
+            except subprocess.TimeoutExpired:
+                raise NotConverged(f"ccx: took more than {seconds:.3g} s: allow more `seconds`") from None
+            try:
+                printed = Path(folder, "block.dat").read_text(encoding="ascii")
+            except OSError:
+                printed = ""
+            found = [block for block in _blocks(printed) if len(block) == nx * ny]
+        if done.returncode != 0 or len(found) < 2:
+            said = [line.strip() for line in done.stdout.splitlines() if "ERROR" in line]
+            raise NotConverged(f"ccx: {said[0] if said else 'ended without an answer'}")
+        forces, rises = (np.array(block).reshape(nx, ny) for block in found[-2:])
+        return forces, rises
+
+    def lines(self) -> Iterator[str]:
+        """Yield the lines of the deck."""
+        nx, ny = (int(n) for n in self.heights.shape)
+        count, layers = (nx + 1) * (ny + 1), int(self.planes.size) - 1
+        spacing = self.sides[0] / nx, self.sides[1] / ny
+
+        def node(i: int, j: int, k: int) -> int:
+            return 1 + i * (ny + 1) + j + count * k
+
+        def rigid(i: int, j: int) -> int:
+            return 1 + count * (layers + 1) + i * ny + j
+
+        columns = [(i, j) for i in range(nx) for j in range(ny)]
+        corners = [(i, j) for i in range(nx + 1) for j in range(ny + 1)]
+        yield "*NODE,NSET=ALL"
+        for k, z in enumerate(self.planes):
+            for i, j in corners:
+                yield f"{node(i, j, k)},{i * spacing[0]:.13g},{j * spacing[1]:.13g},{z:.13g}"
+        for i, j in columns:
+            yield f"{rigid(i, j)},{i * spacing[0]:.13g},{j * spacing[1]:.13g},{spacing[0]:.13g}"
+        yield "*ELEMENT,TYPE=C3D8,ELSET=BLOCK"
+        around = ((0, 0), (1, 0), (1, 1), (0, 1))
+        for k in range(layers):
+            for i, j in columns:
+                nodes = [node(i + a, j + b, below) for below in (k + 1, k) for a, b in around]
+                yield f"{1 + k * nx * ny + i * ny + j},{','.join(map(str, nodes))}"
+        yield from self._gaps(columns, node, rigid, first=1 + layers * nx * ny)
+        yield from ("*MATERIAL,NAME=SOLID", "*ELASTIC", f"{_YOUNG:.13g},{self.poisson:.13g}")
+        yield "*SOLID SECTION,ELSET=BLOCK,MATERIAL=SOLID"
+        yield "*EQUATION"
+        for k in range(layers):  # the base is held already
+            for i, j in corners:
+                if i == nx or j == ny:
+                    for axis in (1, 2, 3):
+                        yield "2"
+                        yield f"{node(i, j, k)},{axis},1.,{node(i % nx, j % ny, k)},{axis},-1."
+        for i, j in columns[1:]:
+            yield "2"
+            yield f"{rigid(i, j)},3,1.,{rigid(0, 0)},3,-1."
+        yield "*NSET,NSET=BASE"
+        yield from (str(node(i, j, layers)) for i, j in corners)
+        yield "*NSET,NSET=TOP"
+        yield from (str(node(i, j, 0)) for i, j in columns)
+        yield "*NSET,NSET=RIGID"
+        yield from (str(rigid(i, j)) for i, j in columns)
+        yield from ("*BOUNDARY", "BASE,1,3", "RIGID,1,2")
+        yield from ("*STEP,NLGEOM,INC=1000", "*STATIC,SOLVER=SPOOLES", "1.,1.")
+        yield from ("*CLOAD", f"{rigid(0, 0)},3,{-self.load * self.sides[0] * self.sides[1]:.12e}")
+        yield from ("*NODE PRINT,NSET=RIGID", "RF", "*NODE PRINT,NSET=TOP", "U", "*END STEP")
+
+    def _gaps(
+        self, columns: Sequence[tuple[int, int]], node: Any, rigid: Any, *, first: int
+    ) -> Iterator[str]:
+        """Yield a gap element over each node of the surface; the highest point of the profile touches."""
+        open_by = self.heights.max() - self.heights
+        stiffness = _STIFF * _YOUNG * self.sides[0] / self.heights.shape[0]
+        force = _OPEN * self.load * self.cell
+        for k, (i, j) in enumerate(columns):
+            yield f"*ELEMENT,TYPE=GAPUNI,ELSET=G{k}"
+            yield f"{first + k},{node(i, j, 0)},{rigid(i, j)}"
+            yield f"*GAP,ELSET=G{k}"
+            yield f"{open_by[i, j]:.12e},0.,0.,1.,,{stiffness:.8e},{force:.8e}"
+
+
+def _blocks(text: str) -> Iterator[list[float]]:
+    """Yield the vertical components of each table that ccx printed."""
+    rows: list[float] = []
+    for line in text.splitlines():
+        parts = line.split()
+        if parts and not parts[0].isdigit():
+            if rows:
+                yield rows
+            rows = []
+        elif len(parts) == 4:
+            rows.append(float(parts[3]))
+    if rows:
+        yield rows

@@ -1,0 +1,393 @@
+"""Solvers that nobody here wrote: run in a process of their own, and held to the pressures they return.
+
+What counts is the pressure. Displacement, gap, contact set and residuals are computed from it by the response
+of the elastic solid; a solver's own word on any of them decides nothing.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import importlib.util
+import inspect
+import operator
+import sys
+import time
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from importlib import metadata
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from fem_contact.area import EDGE_CONSTANTS
+from fem_contact.contact import ContactResult, Status, measure_residuals
+from fem_contact.errors import NotConverged
+from fem_contact.response import BondedLayer, Response
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
+from validation import sandbox
+from validation.arrays import Array
+from validation.effects.base import ContactModel, Effect
+from validation.solvers.base import (
+    Claim,
+    Cost,
+    Gridded,
+    Job,
+    Settings,
+    Size,
+    Solved,
+    Solver,
+    check_bodies,
+    example_field,
+)
+from validation.solvers.bem import FIXED_BYTES, FIXED_PAIRS
+from validation.units import Duration, Memory, Table
+
+if TYPE_CHECKING:
+    from validation.scenes.problem import ContactProblem
+
+__all__ = ["ExternalOptions", "ExternalSolver", "claimed_in_own_process", "judged"]
+
+#: Pairs of real 256 x 256 transforms per pair on the grid: a guess, as nobody here knows the algorithm.
+_PAIRS = 1000.0
+_BYTES_PER_POINT = 40 * 8
+_SECONDS, _MEMORY = 600.0, 4 * 2**30
+
+
+class ExternalOptions(Gridded):
+    """A contact solver from elsewhere on these grids, its answer recomputed."""
+
+    tolerance: Annotated[float, Field(gt=0, lt=1e-1)] = Field(
+        default=1e-6, description="largest residual of the returned pressure that is accepted"
+    )
+    seconds: Duration | None = Field(default=None, description="time one solve may take; default: 10 min")
+    memory: Memory | None = Field(default=None, description="memory one solve may take; default: 4 GiB")
+
+
+class ExternalSolver(Solver):
+    """A solver of the elastic half-space, in a process of its own.
+
+    Its function is given what it takes by name, of: ``tolerance``; ``offset`` [m] (then ``mean_pressure`` is
+    None), ``max_iterations``; ``hardness`` [Pa], ``thickness`` [m] and ``poisson`` where `slots` says so.
+
+    Attributes
+    ----------
+    accepted : float
+        Tolerance that holds where none is said.
+    package : str or None
+        What must be installed; its version is part of the recipe.
+    install : str
+        How.
+    """
+
+    options: ClassVar[type[Table]] = ExternalOptions
+    independent = True
+    foreign = True
+    accepted: ClassVar[float] = 1e-6
+    package: ClassVar[str | None] = None
+    install: ClassVar[str] = "pip install 'fem-contact[peers]'"
+    controls: ClassVar[frozenset[str]] = frozenset({"offset", "max_iterations"})
+
+    def available(self) -> str | None:
+        """Say what to install."""
+        if self.package is None or importlib.util.find_spec(self.package) is not None:
+            return None
+        return f"{self.package} is not installed; install it with: {self.install}"
+
+    @abstractmethod
+    def call(self, settings: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:
+        """Return the function as ``module:name``, and what it is told beyond surface, modulus and load."""
+
+    def source(self, settings: Mapping[str, Any]) -> Settings:
+        """Return what tells one version of the solver from another."""
+        try:
+            return () if self.package is None else (("version", metadata.version(self.package)),)
+        except metadata.PackageNotFoundError:
+            return ()
+
+    def handles(self, effect: type[Effect]) -> bool:
+        """Whether the slot is one of its own; of the solids with a slot, it knows the layer."""
+        return super().handles(effect) and (effect.slot != "response" or effect.kind_name() == "thickness")
+
+    def check(self, options: Any, problem: ContactProblem, effects: Sequence[Effect]) -> None:
+        """Refuse a layer that is not bonded to its base."""
+        check_bodies(self.name, problem.elastic, effects)
+
+    def controlled(self, settings: Mapping[str, Any]) -> frozenset[str]:
+        """Return which controls its function takes; none where it cannot be imported."""
+        try:
+            taken = sandbox.call(keywords, self.call(settings)[0], str(Path.cwd()), seconds=_SECONDS)
+        except Exception:  # what is wrong with it, a solve says
+            return frozenset()
+        return self.controls & frozenset(taken)
+
+    def settings(self, options: Any) -> Settings:
+        """Return what was said, and which version of the solver is told so."""
+        given = {"tolerance": options.tolerance, "seconds": options.seconds, "memory": options.memory}
+        said = tuple((name, value) for name, value in given.items() if value is not None)
+        return said + self.source(dict(said))
+
+    def claim(self, job: Job) -> Claim:
+        """Return what the solver says, unjudged.
+
+        Raises
+        ------
+        NotConverged
+            When it raised, crashed, took too much time or memory, or returned no pressures.
+        """
+        function, more = self.call(job.settings)
+        wanted = {name: job.settings[name] for name in self.controls if name in job.settings}
+        tolerance = job.settings.get("tolerance", self.accepted)
+        return claimed_in_own_process(
+            function, job, told={"tolerance": tolerance, **wanted, **_effects(job.model), **more}
+        )
+
+    def solve(self, job: Job) -> Solved:
+        """Ask the solver, and judge its pressures; its process has one thread."""
+        _ = job.mean_pressure  # no distance: who wrote it may or may not have thought of them
+        return Solved(contact=judged(self.claim(job), _with_tolerance(job, self.accepted), method=self.label))
+
+    def cost(self, size: Size) -> Cost:
+        """Guess from the size of the grid."""
+        return Cost(
+            pairs=FIXED_PAIRS + _PAIRS * size.transforms,
+            peak_bytes=FIXED_BYTES + _BYTES_PER_POINT * size.points,
+            unknowns=size.points,
+        )
+
+    def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
+        """Let its process import and compile what it needs; what it fails at, a solve says."""
+        job = Job(
+            field=example_field(16),
+            load={"mean_pressure": 0.02},
+            model=ContactModel(solid=Solid(young=1.0, poisson=0.0)),
+            settings=settings or {},
+        )
+        with contextlib.suppress(NotConverged):
+            self.claim(job)
+
+    def edge_constant(self, result: ContactResult) -> float:
+        """Return that of boundary elements: the residuals say that it is the same discrete problem."""
+        return EDGE_CONSTANTS["bem"]
+
+
+def _with_tolerance(job: Job, accepted: float) -> Job:
+    """Return a job that says its tolerance."""
+    return replace(job, settings={"tolerance": accepted, **job.settings})
+
+
+def _effects(model: ContactModel) -> dict[str, float]:
+    """Return what effects filled in, in numbers."""
+    told = {}
+    if model.pressure_bound is not None:
+        told["hardness"] = model.pressure_bound
+    if isinstance(model.response, BondedLayer):
+        told |= {"thickness": model.response.thickness, "poisson": model.solid.poisson}
+    return told
+
+
+def judged(
+    claim: Claim,
+    job: Job,
+    *,
+    method: str,
+    response: Response | None = None,
+    element: str = "bem",
+    displacement: Array | None = None,
+) -> ContactResult:
+    r"""Return the result that a pressure amounts to on an elastic solid.
+
+    .. math:: \hat u = C(q)\, \hat p, \qquad g = u - h + z, \qquad \sum_{0 < p < H} p g = 0
+
+    A point is in contact where p exceeds g in units of E* h'_rms and h_rms: the rule of an active set, in
+    which no pressure is small by itself. Where it reaches the hardness the gap may be negative.
+
+    Parameters
+    ----------
+    claim : Claim
+        Of which the pressure and the cost are used.
+    job : Job
+        What was asked; a residual above the tolerance of its settings makes the status say so.
+    method : str
+        Named in the provenance.
+    response : Response, optional
+        C(q) of the solid at the grid points; that of the job if not given.
+    element : str
+        What the edges are those of: "bem" by its residuals, or a finite element.
+    displacement : (nx, ny) array, optional
+        u [m] as a code of finite elements gives it: then this is believed, and not recomputed.
+    """
+    response = response or job.model.felt_response
+    field, bound, tolerance = job.field, job.model.pressure_bound, float(job.settings["tolerance"])
+    pressure, modulus = claim.pressure, response.contact_modulus
+    told = "pressure and displacement" if displacement is not None else "pressure alone"
+    if displacement is None:
+        displacement = felt_displacement(pressure, field, response=response)
+    at_bound = np.zeros(pressure.shape, dtype=bool) if bound is None else pressure >= bound * (1 - tolerance)
+    offset = _offset(field.heights - displacement, np.where(at_bound, 0.0, np.maximum(pressure, 0)))
+    gap = displacement - field.heights + offset
+    residuals = measure_residuals(
+        pressure=pressure,
+        gap=gap,
+        heights=field.heights,
+        lengths=field.lengths,
+        contact_modulus=modulus,
+        rms_gradient=field.rms_gradient,
+        target_pressure=job.load.get("mean_pressure"),
+        at_bound=at_bound,
+    )
+    good = np.isfinite(pressure).all() and residuals.within(tolerance)
+    good = good and (bound is None or bool(pressure.max() <= bound * (1 + 10 * tolerance)))
+    return ContactResult(
+        pressure=pressure,
+        gap=gap,
+        displacement=displacement,
+        in_contact=(pressure > 0) & (pressure > _stiffness(field, modulus) * gap),
+        at_bound=at_bound,
+        heights=field.heights,
+        lengths=field.lengths,
+        contact_modulus=modulus,
+        offset=offset,
+        mean_pressure=float(pressure.mean()),
+        tolerance=tolerance,
+        status=Status.CONVERGED if good else Status.NOT_CONFIRMED,
+        residuals=residuals,
+        cost=claim.cost,
+        provenance={
+            "method": f"{method}, {told}; the rest recomputed",
+            "element": element,
+            "tolerance": repr(tolerance),
+        },
+    )
+
+
+def _offset(below: Array, bearing: Array) -> float:
+    """Offset [m] at which the gap vanishes in the mean over what bears; `below` is h - u."""
+    total = float(bearing.sum())
+    return float((bearing * below).sum() / total) if total > 0 else float(below.max())
+
+
+def _stiffness(field: HeightField, modulus: float) -> float:
+    """Pressure over gap [Pa/m] that tells contact: E* h'_rms / h_rms, of a flat surface E* / L."""
+    height, gradient = field.rms_height, field.rms_gradient
+    return modulus * gradient / height if height > 0 and gradient > 0 else modulus / max(field.lengths)
+
+
+def felt_displacement(pressure: Array, field: HeightField, *, response: Response) -> Array:
+    """Return the displacement [m] of a solid under pressures [Pa] at the points of a surface."""
+    nx, ny = field.shape
+    qx: Array = np.asarray(2 * np.pi * np.fft.fftfreq(nx, field.lengths[0] / nx), dtype=np.float64)
+    qy: Array = np.asarray(2 * np.pi * np.fft.rfftfreq(ny, field.lengths[1] / ny), dtype=np.float64)
+    compliance = response.compliance(qx[:, None], qy[None, :])
+    return np.asarray(np.fft.irfft2(compliance * np.fft.rfft2(pressure), s=field.shape))
+
+
+def claimed_in_own_process(function: str, job: Job, *, told: Mapping[str, Any]) -> Claim:
+    """Call a solver in a child process and return what it says.
+
+    Parameters
+    ----------
+    function : str
+        ``module:name``; the module may also lie in the folder the command was started in.
+    job : Job
+        Its settings bound the call: ``seconds`` and ``memory`` [bytes].
+    told : mapping
+        Keywords that it is given if it takes them.
+
+    Raises
+    ------
+    NotConverged
+        When nothing comes of it, with what happened.
+    """
+    field, load = job.field, dict(job.load)
+    given = {
+        "contact_modulus": job.model.solid.contact_modulus,
+        "mean_pressure": load.pop("mean_pressure", None),
+    }
+    try:
+        said = sandbox.call(
+            serve,
+            function,
+            str(Path.cwd()),
+            field.heights,
+            field.lengths,
+            given,
+            {**told, **load},
+            seconds=float(job.settings.get("seconds", _SECONDS)),
+            memory=int(job.settings.get("memory", _MEMORY)),
+        )
+    except sandbox.OutOfBounds as error:
+        raise NotConverged(f"{function}: {error}; allow more (seconds, memory), or a coarser grid") from None
+    except Exception as error:  # whatever it raises is its answer
+        raise NotConverged(f"{function}: raised {type(error).__name__}: {error}") from None
+    pressure = np.array(said["pressure"], dtype=float)
+    if pressure.shape != field.shape:
+        raise NotConverged(
+            f"{function}: pressures of shape {pressure.shape}: must have that of the heights, {field.shape}"
+        )
+    mask = said["in_contact"]
+    in_contact = None if mask is None or mask.shape != field.shape else mask.astype(bool)
+    return Claim(**{**said, "pressure": pressure, "in_contact": in_contact})
+
+
+def _imported(function: str, folder: str) -> Any:
+    """Return a function by ``module:name``; the module may lie in a folder."""
+    if folder not in sys.path:  # last: it must not stand in for an installed module
+        sys.path.append(folder)
+    home, _, name = function.partition(":")
+    return operator.attrgetter(name)(importlib.import_module(home))
+
+
+def keywords(function: str, folder: str) -> list[str]:
+    """Return the names of what a function takes; called in the child process."""
+    return list(inspect.signature(_imported(function, folder)).parameters)
+
+
+def serve(
+    function: str,
+    folder: str,
+    heights: Array,
+    lengths: Sequence[float],
+    given: Mapping[str, Any],
+    told: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Call a solver, in the child process; return its fields and what it took."""
+    solve, taken = _imported(function, folder), keywords(function, folder)
+    more = {name: value for name, value in told.items() if name in taken}
+    heights = heights.copy()  # its own, to write to
+    before = _peak_bytes(reset=True)
+    clock, began = time.process_time(), time.perf_counter()
+    answer = solve(heights, tuple(lengths), **given, **more)
+    spent, passed = time.process_time() - clock, time.perf_counter() - began
+    mask, iterations, converged = (_field(answer, name) for name in ("in_contact", "iterations", "converged"))
+    pressure = _field(answer, "pressure")
+    return {
+        "pressure": np.array(answer if pressure is None else pressure, dtype=float),
+        "in_contact": None if mask is None else np.array(mask, dtype=bool),
+        "iterations": 0 if iterations is None else int(iterations),
+        "converged": None if converged is None else bool(converged),
+        "cpu_seconds": spent,
+        "wall_seconds": passed,
+        "peak_bytes": max(_peak_bytes() - before, 0),
+    }
+
+
+def _field(answer: Any, name: str) -> Any:
+    if isinstance(answer, Mapping):
+        return answer.get(name)
+    return None if isinstance(answer, np.ndarray) else getattr(answer, name, None)
+
+
+def _peak_bytes(*, reset: bool = False) -> int:
+    """Return the largest memory of this process since the last reset; 0 where the system does not say."""
+    try:
+        if reset:
+            Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
+        lines = Path("/proc/self/status").read_text(encoding="utf-8").splitlines()
+        return 1024 * next(int(line.split()[1]) for line in lines if line.startswith("VmHWM"))
+    except (OSError, StopIteration):
+        return 0

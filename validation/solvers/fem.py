@@ -1,0 +1,257 @@
+"""The finite-element block."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+from pydantic import Field
+
+from fem_contact.contact import ContactResult
+from fem_contact.response import Response
+from fem_contact.solid import Solid
+from validation.effects.base import ContactModel, Effect, SlotName, effect_key
+from validation.errors import UsageError
+from validation.solvers.base import (
+    Cost,
+    Grid,
+    Gridded,
+    Job,
+    Settings,
+    Size,
+    Solved,
+    Solver,
+    check_bodies,
+    example_field,
+)
+from validation.solvers.bem import BYTES_PER_POINT, FIXED_BYTES, FIXED_PAIRS
+from validation.units import Length, Number, Table
+
+if TYPE_CHECKING:
+    from fem_contact.block.mesh import BlockMesh
+    from validation.scenes.problem import ContactProblem
+
+__all__ = ["Fem", "FemOptions", "block_response", "planned", "unknowns_of"]
+
+# In units of a pair of real 256 x 256 transforms on one thread.
+#: The reduced block, per pair of transforms on the grid; it makes its compliance first.
+_REDUCED_PAIRS = 110.0
+#: The whole block, per unknown: assembly, active sets, export.
+_FULL_PAIRS_PER_UNKNOWN = 0.005
+#: Active sets of a block that yields over those of an elastic one: 1 to 4, by how little it can bear.
+_YIELDING_SETS = 2.0
+_FULL_BYTES_PER_UNKNOWN = 300
+#: Beyond this Poisson ratio elements of displacement alone lock.
+_LOCKING = 0.49
+
+
+#: Layers of a block; with the usual growth some forty reach the depth of the period.
+_MOST_LAYERS = 4096
+
+
+class FemOptions(Gridded):
+    """Finite-element block on these surface grids."""
+
+    method: Literal["full", "reduced"] = Field(
+        default="full", description="the whole system, or its exact reduction to the surface"
+    )
+    depth: Length | None = Field(default=None, description="depth of the block; default: the longer period")
+    growth: Number = Field(
+        default=1.2, ge=1, le=4, description="ratio of the thicknesses of successive layers"
+    )
+
+
+class Fem(Solver):
+    """The finite-element block: the whole system, or its exact reduction to the surface."""
+
+    name = "fem"
+    label = "FEM"
+    options: ClassVar[type[Table]] = FemOptions
+    slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound"})
+    independent = True
+    holds = frozenset({"offset"})
+    sinks = True
+    controls = frozenset({"offset", "max_iterations"})
+    score_element = "Hex1"
+    score_points = 16
+    papers = (
+        "Finite elements: T. Gustafsson, G. D. McBain, scikit-fem, J. Open Source Softw. 5, 2369 (2020).",
+        "Full system, contact set: M. Hintermüller, K. Ito, K. Kunisch, SIAM J. Optim. 13, 865 (2002); "
+        "multigrid: A. Brandt, Math. Comput. 31, 333 (1977).",
+    )
+
+    def handles(self, effect: type[Effect]) -> bool:
+        """Whether the slot is one of its own, and the effect can be meshed."""
+        return super().handles(effect) and effect.meshed
+
+    def check(self, options: FemOptions, problem: ContactProblem, effects: Sequence[Effect]) -> None:
+        """Refuse elements that lock, two depths, and a solid that is no clamped body."""
+        for grid in options.grids:
+            _check_layers(options, grid, problem.lengths)
+        if options.method == "full" and problem.solid.poisson > _LOCKING:
+            raise UsageError(
+                f"solid.poisson = {problem.solid.poisson!r}: method 'fem' locks above {_LOCKING} with "
+                "elements of displacement alone; leave [methods.fem] out or lower it"
+            )
+        for k, effect in enumerate(effects):
+            if effect.slot == "pressure bound" and problem.load.held:
+                raise UsageError(
+                    f"{effect_key(k, 'kind')} = {effect.kind!r}: method 'fem' yields under a load only; "
+                    "give one in place of load.offset, or leave [methods.fem] out"
+                )
+        check_bodies(self.name, problem.elastic, effects, depth=options.depth, layered=True)
+
+    def settings(self, options: FemOptions) -> Settings:
+        """Return what was said."""
+        said = {
+            "method": options.method,
+            "tolerance": options.tolerance,
+            "growth": options.growth,
+            "depth": options.depth,
+        }
+        return tuple((name, value) for name, value in said.items() if value is not None)
+
+    def variant(self, settings: Mapping[str, Any]) -> str:
+        """Full or reduced."""
+        return str(settings.get("method", "full"))
+
+    def has_block(self, settings: Mapping[str, Any]) -> bool:
+        """Only the full method holds the inside of the block, which may be a thousand times the surface."""
+        return self.variant(settings) == "full"
+
+    def cost(self, size: Size) -> Cost:
+        """Predict from the unknowns of the mesh."""
+        unknowns = unknowns_of(size, self.variant(size.settings))
+        if self.has_block(size.settings):
+            yields = any(effect.slot == "pressure bound" for effect in size.effects)
+            sets = _YIELDING_SETS if yields else 1.0
+            return Cost(
+                pairs=FIXED_PAIRS + _FULL_PAIRS_PER_UNKNOWN * sets * unknowns,
+                peak_bytes=FIXED_BYTES + _FULL_BYTES_PER_UNKNOWN * unknowns,
+                unknowns=unknowns,
+            )
+        return Cost(
+            pairs=FIXED_PAIRS + _REDUCED_PAIRS * size.transforms,
+            peak_bytes=FIXED_BYTES + BYTES_PER_POINT * size.points,
+            unknowns=unknowns,
+        )
+
+    def solve(self, job: Job) -> Solved:
+        """Press the block with a load, or to an offset."""
+        from fem_contact import block
+
+        press = block.solve if "mean_pressure" in job.load else block.solve_displacement
+        solution = press(job.field, job.model.solid, **_told(job))
+        return Solved(contact=solution.contact, block=solution)
+
+    def felt(self, job: Job) -> Response:
+        """Return the block of its mesh, reduced to the surface by the other of the two codes."""
+        return block_response(job)
+
+    def score_settings(self, points: int) -> dict[str, float | str]:
+        """Refine the layers with the grid: at one growth, finer grids approach a block that is .2 % off."""
+        growth = float(FemOptions.model_fields["growth"].default)
+        return {"growth": growth ** (self.score_points / points)}
+
+    def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
+        """Press a small block."""
+        points = 16
+        examples = [type(effect).example(1 / points) for effect in effects]
+        model = ContactModel.filled(Solid(young=1.0, poisson=0.0), examples)
+        said = {"method": self.variant(settings or {})}
+        self.solve(Job(field=example_field(points), load={"mean_pressure": 0.02}, model=model, settings=said))
+
+    def edge_constant(self, result: ContactResult) -> float:
+        """Return that of the finite element used."""
+        from fem_contact.block import ELEMENTS
+
+        return ELEMENTS[result.provenance["element"]].edge_constant
+
+    def facts(self, options: FemOptions, problem: ContactProblem) -> Iterator[tuple[str, str]]:
+        """Yield for each grid the discretisation error that its waves are answered with."""
+        from fem_contact.block import wave_errors
+
+        for grid in sorted(options.grids):
+            spacing = max(length / n for length, n in zip(problem.lengths, grid, strict=True))
+            name = f"finite elements, {grid[0]} x {grid[1]}"
+            if problem.longest < 2 * spacing:
+                cells = problem.longest / spacing
+                yield name, f"carry no wave of this surface, whose longest is {cells:.3g} cells long"
+                continue
+            # Cells count along x, whatever they are along y.
+            carried = 2 * max(spacing, problem.lengths[0] / grid[0])
+            waves = [max(problem.shortest, carried), max(problem.longest, carried)]
+            short, long = wave_errors(
+                grid,
+                problem.lengths,
+                waves,
+                poisson=problem.solid.poisson,
+                depth=options.depth,
+                growth=options.growth,
+            )
+            yield (
+                name,
+                f"compliance off by {short.along_axis:+.2%} along the axes and {short.along_diagonal:+.2%} "
+                f"along the diagonal at {short.nodes:.3g} nodes per wave (the shortest), by "
+                f"{long.along_axis:+.2%} at {long.nodes:.3g} (the longest); + is too soft",
+            )
+
+
+def unknowns_of(size: Size, method: str) -> int:
+    """Return how many unknowns the block of a grid has."""
+    from fem_contact.block import estimate
+
+    return estimate(size.grid, size.lengths, method=method, **_mesh(size.settings)).unknowns  # type: ignore[arg-type]
+
+
+def _mesh(settings: Mapping[str, Any], model: ContactModel | None = None) -> dict[str, Any]:
+    """Return depth and growth of the layers, where they are said; an effect may say the depth."""
+    mesh = {name: settings[name] for name in ("depth", "growth") if name in settings}
+    if model is not None and model.body is not None and model.body.depth is not None:
+        mesh["depth"] = model.body.depth
+    return mesh
+
+
+def planned(job: Job) -> BlockMesh:
+    """Return the mesh of a job."""
+    from fem_contact.block import plan_mesh
+
+    return plan_mesh(job.field.shape, job.field.lengths, **_mesh(job.settings, job.model))
+
+
+def _told(job: Job) -> dict[str, Any]:
+    """Return what a block is told: the whole system unless said otherwise, and the body of an effect."""
+    model = job.model
+    said: dict[str, Any] = {"method": "full", **job.load, **job.settings, **_mesh(job.settings, model)}
+    if model.body is not None and model.body.modulus is not None:
+        said["modulus"] = model.body.modulus
+    if model.pressure_bound is not None:
+        said["pressure_bound"] = model.pressure_bound
+    return said
+
+
+def block_response(job: Job) -> Response:
+    """Return the response of the block of trilinear cells whose nodes are the points of a surface."""
+    from fem_contact.block import BlockResponse
+
+    return BlockResponse(mesh=planned(job), solid=job.model.solid, width=job.field.spacing[0])
+
+
+def _check_layers(options: FemOptions, grid: Grid, lengths: tuple[float, float]) -> None:
+    """Refuse a block of more layers than are solved.
+
+    Raises
+    ------
+    UsageError
+    """
+    depth = options.depth or max(lengths)
+    first = max(length / n for length, n in zip(lengths, grid, strict=True))
+    faster = math.log(options.growth)
+    ratio = depth / first
+    layers = ratio if faster == 0 else math.log1p(ratio * (options.growth - 1)) / faster
+    if layers > _MOST_LAYERS:
+        raise UsageError(
+            f"methods.fem.growth = {options.growth:.6g}: makes {layers:.3g} layers over a depth of "
+            f"{depth:.3g} m; at most {_MOST_LAYERS} are solved: raise the growth or lower the depth"
+        )

@@ -1,0 +1,417 @@
+"""Persson's theory: of one surface beside the solvers, and from C(q) alone against magnification."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from persson import elastic
+from persson.errors import PerssonError
+from validation.arrays import Array
+from validation.effects.base import Effect, TheoryInputs, effect_key
+from validation.errors import UsageError
+from validation.report.words import json_ready
+from validation.solvers.base import Method
+from validation.units import Pressure, Table
+
+if TYPE_CHECKING:
+    from persson.adhesion import AdhesiveContact
+    from persson.scale import Scale
+    from persson.spectrum import Spectrum
+    from validation.scenes.problem import ContactProblem
+
+__all__ = [
+    "Answer",
+    "Areas",
+    "Prediction",
+    "Theory",
+    "TheoryOptions",
+    "against_magnification",
+    "predict",
+    "stress_distribution",
+    "theory_words",
+    "with_effects",
+]
+
+Modulus = float | Callable[[Any], Array]
+
+
+class TheoryOptions(Table):
+    """Persson's theory; its options are readings of what the paper leaves open on adhesion."""
+
+    energy: Literal["improved", "old", "as_printed"] = Field(
+        default="improved",
+        description="elastic energy at partial contact: Eqs. 44-49, Eq. 43, or Eq. 50 as it is printed",
+    )
+    area: Literal["star", "projected"] = Field(
+        default="star", description="areas of Eq. 37 with the slope factor of the rough surface, or without"
+    )
+    ideal_strength: Pressure | None = Field(
+        default=None, description='largest stress of the bonds, w over an atomic distance, e.g. "1 GPa"'
+    )
+
+
+class Theory(Method):
+    """Persson's theory."""
+
+    name = "theory"
+    label = "Persson"
+    options: ClassVar[type[Table]] = TheoryOptions
+    papers = ("Theory: B. N. J. Persson, Surf. Sci. Rep. 61, 201 (2006); J. Chem. Phys. 115, 3840 (2001).",)
+
+    def handles(self, effect: type[Effect]) -> bool:
+        """Whether the effect tells the theory anything."""
+        return effect.has_theory()
+
+    def check(self, options: Any, problem: ContactProblem, effects: Sequence[Effect]) -> None:
+        """Refuse an effect with parameters that the theory does not know, and readings that nothing reads."""
+        for k, effect in enumerate(effects):
+            try:
+                effect.theory(TheoryInputs(solid=problem.elastic))
+            except UsageError as error:
+                raise UsageError(f"{effect_key(k, '')} {error}") from None
+        said = sorted(options.model_fields_set)
+        if said and TheoryInputs.by(problem.elastic, effects).work is None:
+            raise UsageError(
+                f"methods.theory.{said[0]} = {getattr(options, said[0])!r}: belongs to the effect "
+                "'adhesion', which is not listed"
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Prediction:
+    """What the theory says of one surface of a scene.
+
+    Attributes
+    ----------
+    area : float
+        A/A0 conditional on the realised gradient of this surface, yielded contact included; NaN where the
+        theory has no answer.
+    ensemble_area : float or None
+        A/A0 from C(q) alone; None where there is no C(q).
+    stress_variance : float
+        V [Pa^2] of the realised surface at full contact.
+    plastic : float or None
+        A_pl/A0 with a hardness.
+    other : float or None
+        A/A0 with another reading of the elastic energy (Eq. 43; Eqs. 44-49 where that was asked for), with
+        adhesion.
+    note : str
+        Which part of the theory, where it is not that of elastic contact without adhesion; or why `area` is
+        NaN.
+    """
+
+    area: float
+    ensemble_area: float | None
+    stress_variance: float
+    plastic: float | None = None
+    other: float | None = None
+    note: str = ""
+
+    @property
+    def answers(self) -> bool:
+        """Whether the theory has an answer."""
+        return bool(np.isfinite(self.area))
+
+    def summary(self) -> dict[str, Any]:
+        """Return everything as JSON-ready data, null where there is no answer."""
+        data: dict[str, Any] = json_ready(asdict(self))
+        return data
+
+
+def predict(
+    problem: ContactProblem, effects: Sequence[Effect], options: TheoryOptions | None = None
+) -> Prediction:
+    """Return what the theory says of one surface with the effects of its scene."""
+    inputs = TheoryInputs.by(problem.elastic, effects)
+    variance = _realised_variance(problem, inputs)
+    spectrum = problem.spectrum
+    alone = None if spectrum is None else _spectral_variance(spectrum, inputs.felt_modulus)
+    if inputs.hardness is None and inputs.work is None:
+        ensemble = (
+            None if alone is None else float(elastic.contact_area(problem.pressure, stress_variance=alone))
+        )
+        area = float(elastic.contact_area(problem.pressure, stress_variance=variance))
+        return Prediction(area=area, ensemble_area=ensemble, stress_variance=variance)
+    ensemble = None
+    if spectrum is not None and alone is not None:
+        found = with_effects(inputs, problem.pressure, variance=alone, spectrum=spectrum, options=options)
+        ensemble = found.area if np.isfinite(found.area) else None
+    found = with_effects(
+        inputs, problem.pressure, variance=variance, spectrum=problem.own_spectrum, options=options
+    )
+    return Prediction(
+        area=found.area,
+        ensemble_area=ensemble,
+        stress_variance=variance,
+        plastic=found.plastic,
+        other=found.other,
+        note=found.note,
+    )
+
+
+def _realised_variance(problem: ContactProblem, inputs: TheoryInputs) -> float:
+    """Full-contact stress variance of the surface [Pa^2], on a solid whose modulus may depend on the wave."""
+    if inputs.modulus is None:
+        return float(
+            elastic.stress_variance(problem.field.moments[1], contact_modulus=problem.contact_modulus)
+        )
+    felt = inputs.modulus
+    return problem.field.spectral_sum(lambda q: (felt(q) * q / 2) ** 2)
+
+
+def _spectral_variance(spectrum: Spectrum, modulus: Modulus) -> float:
+    """Full-contact stress variance of C(q) [Pa^2], on a solid whose modulus may depend on the wave."""
+    if not callable(modulus):
+        return float(elastic.stress_variance(spectrum.m2(), contact_modulus=modulus))
+    from persson.scale import Scale
+
+    scale = Scale(spectrum, contact_modulus=modulus)
+    return float(scale.variance(scale.q_short))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Areas:
+    """A/A0 (NaN without an answer), A_pl/A0, A/A0 by the other energy, which part of the theory it is."""
+
+    area: float
+    plastic: float | None
+    other: float | None
+    note: str
+
+
+#: What each reading of the elastic energy is.
+_ENERGIES = {"improved": "Eqs. 44-49", "old": "Eq. 43", "as_printed": "Eq. 50 as printed"}
+
+
+def theory_words(inputs: TheoryInputs, options: TheoryOptions | None = None) -> str:
+    """Name the part of the theory that effects call for.
+
+    >>> from fem_contact.solid import Solid
+    >>> theory_words(TheoryInputs(solid=Solid(young=1e9, poisson=0.3)))
+    'Persson 2006, elastic, without adhesion'
+    """
+    energy = _ENERGIES[(options or TheoryOptions()).energy]
+    match (inputs.work is not None, inputs.hardness is not None):
+        case (True, True):
+            return f"Persson 2006, Sec. 9: adhesion (energy of {energy}, no range) with a hardness"
+        case (True, False):
+            return f"Persson 2006, Sec. 8: adhesion (energy of {energy}, no range)"
+        case (False, True):
+            return (
+                "Persson 2006, Sec. 6: a hardness that rises towards short waves"
+                if callable(inputs.hardness)
+                else "Persson 2006, Sec. 6: one hardness, in closed form"
+            )
+    return "Persson 2006, elastic, without adhesion"
+
+
+def with_effects(
+    inputs: TheoryInputs,
+    pressure: float,
+    *,
+    variance: float,
+    spectrum: Spectrum,
+    options: TheoryOptions | None = None,
+) -> Areas:
+    """Evaluate the theory with a hardness, adhesion, or both."""
+    options = options or TheoryOptions()
+    note = theory_words(inputs, options)
+    try:
+        if inputs.work is None:
+            from persson.hardness import constant_hardness
+
+            assert isinstance(inputs.hardness, float)
+            parts = constant_hardness(pressure, stress_variance=variance, yield_stress=inputs.hardness)
+            plastic = float(parts.plastic)
+            return Areas(area=float(parts.elastic) + plastic, plastic=plastic, other=None, note=note)
+        from persson.scale import Scale
+
+        scale = Scale(spectrum, contact_modulus=inputs.felt_modulus)
+        asked = _adhesive(inputs, pressure, options, scale=scale)
+    except PerssonError as error:
+        return Areas(area=float("nan"), plastic=None, other=None, note=f"no answer: {error}")
+    another = options.model_copy(update={"energy": "improved" if options.energy == "old" else "old"})
+    try:
+        other = _adhesive(inputs, pressure, another, scale=scale).real_area
+    except PerssonError:
+        other = float("nan")
+    plastic_area = None if inputs.hardness is None else float(asked.area_plastic[-1])
+    return Areas(area=asked.real_area, plastic=plastic_area, other=other, note=note)
+
+
+def _adhesive(
+    inputs: TheoryInputs, pressure: float, options: TheoryOptions, *, scale: Scale
+) -> AdhesiveContact:
+    """Contact with adhesion, by the readings that were chosen."""
+    from persson.adhesion import Interface, solve_adhesion
+
+    assert inputs.work is not None
+    return solve_adhesion(
+        scale,
+        pressure=pressure,
+        interface=Interface(
+            work_of_adhesion=inputs.work,
+            energy=options.energy,
+            area=options.area,
+            ideal_strength=options.ideal_strength,
+        ),
+        yield_stress=inputs.hardness,
+    ).checked()
+
+
+def stress_distribution(
+    problem: ContactProblem, effects: Sequence[Effect], options: TheoryOptions | None, stress: Array
+) -> Array | None:
+    """P(sigma) [1/Pa] per nominal area of one surface, at stresses [Pa]; None where there is no answer.
+
+    Elastic contact in closed form; with a hardness or adhesion the diffusion between walls at these, up to
+    the realised variance. What has yielded, a delta at the hardness, is left out.
+    """
+    from persson.diffusion import solve_diffusion
+
+    inputs = TheoryInputs.by(problem.elastic, effects)
+    variance, pressure = _realised_variance(problem, inputs), problem.pressure
+    if inputs.hardness is None and inputs.work is None:
+        return elastic.pressure_distribution(stress, pressure=pressure, stress_variance=variance)
+    try:
+        if inputs.work is None:
+            found = solve_diffusion([variance], pressure=pressure, yield_stress=inputs.hardness)
+            return found.checked().distribution(0, stress)
+        from persson.scale import Scale
+
+        scale = Scale(problem.own_spectrum, contact_modulus=inputs.felt_modulus)
+        contact = _adhesive(inputs, pressure, options or TheoryOptions(), scale=scale)
+        onset = contact.variance[np.flatnonzero(contact.tensile_limit > 0)[:1]]
+
+        def wall(variance: Array) -> Array:
+            return np.asarray(np.interp(variance, contact.variance, contact.tensile_limit))
+
+        found = solve_diffusion(
+            contact.variance[-1:],
+            pressure=pressure,
+            tensile_limit=wall,
+            yield_stress=inputs.hardness,
+            breaks=tuple(onset),
+            tolerance=1e-3,
+        )
+        return found.checked().distribution(0, stress)
+    except PerssonError:
+        return None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """What the theory says at one load, against the wavevector up to which roughness is seen.
+
+    Attributes
+    ----------
+    pressure : float
+        p0 [Pa].
+    wavevectors, area, area_plastic : (n,) arrays
+        q [1/m], A/A0 (yielded area included) and A_pl/A0.
+    work : (n,) array or None
+        gamma_eff [J/m^2], with adhesion.
+    macroscopic_work : float or None
+        gamma_eff(1) [J/m^2], with the energy of all roughness.
+    error_estimate : float
+        Of the area at the largest magnification; 0 where a closed form was used.
+    note : str
+        Why there is no answer, and the arrays are empty; "" where there is one.
+    """
+
+    pressure: float
+    wavevectors: Array
+    area: Array
+    area_plastic: Array
+    work: Array | None = None
+    macroscopic_work: float | None = None
+    error_estimate: float = 0.0
+    note: str = ""
+
+
+def against_magnification(
+    problem: ContactProblem, effects: Sequence[Effect], options: TheoryOptions
+) -> tuple[Answer, ...]:
+    """Return what the theory says of a scene from C(q) alone, at each of its loads.
+
+    Parameters
+    ----------
+    problem : ContactProblem
+    effects : sequence
+        Of the scene.
+    options : TheoryOptions
+        Which readings of the paper are used.
+    """
+    from persson.scale import Scale
+
+    inputs = TheoryInputs.by(problem.elastic, effects)
+    spectrum: Spectrum = problem.own_spectrum
+    if inputs.smoothing is not None:
+        spectrum = _smoothed(spectrum, inputs)
+    scale = Scale(spectrum, contact_modulus=inputs.felt_modulus)
+    return tuple(_answer(inputs, pressure, options, scale=scale) for pressure in problem.pressures)
+
+
+def _smoothed(spectrum: Spectrum, inputs: TheoryInputs) -> Spectrum:
+    """C(q) after an earlier squeezing (Persson 2006, Sec. 10.2)."""
+    from persson.hardness import constant_hardness
+    from persson.scale import Scale
+    from persson.tabulated import smoothed
+
+    assert inputs.smoothing is not None
+    pressure, hardness = inputs.smoothing["pressure"], inputs.smoothing["hardness"]
+    scale = Scale(spectrum, contact_modulus=inputs.felt_modulus)
+    q = np.geomspace(max(spectrum.q_min, spectrum.q_long * 1e-6), spectrum.q_short, 400)
+    areas = constant_hardness(pressure, stress_variance=scale.variance(q), yield_stress=hardness)
+    yielded = np.minimum(areas.plastic * (hardness / pressure), 1.0)
+    return smoothed(spectrum, wavevectors=q, yielded=yielded, form=inputs.smoothing["form"])
+
+
+def _answer(inputs: TheoryInputs, pressure: float, options: TheoryOptions, *, scale: Scale) -> Answer:
+    """Evaluate one load; where the theory has no answer, say why."""
+    try:
+        if inputs.work is not None:
+            found = _adhesive(inputs, pressure, options, scale=scale)
+            return Answer(
+                pressure=pressure,
+                wavevectors=found.wavevectors,
+                area=found.area,
+                area_plastic=found.area_plastic,
+                work=found.work,
+                macroscopic_work=found.macroscopic_work,
+                error_estimate=found.error_estimate,
+            )
+        return _without_adhesion(inputs, pressure, scale=scale)
+    except PerssonError as error:
+        none = np.empty(0)
+        return Answer(pressure=pressure, wavevectors=none, area=none, area_plastic=none, note=str(error))
+
+
+def _without_adhesion(inputs: TheoryInputs, pressure: float, *, scale: Scale) -> Answer:
+    # The first wave that counts: below it contact is complete.
+    q = np.geomspace(scale.q_min * (1 + 1e-3), scale.q_short, 200)
+    variance, hardness = scale.variance(q), inputs.hardness
+    if hardness is None:
+        area = elastic.contact_area(pressure, stress_variance=variance)
+        return Answer(pressure=pressure, wavevectors=q, area=area, area_plastic=np.zeros_like(q))
+    if not callable(hardness):
+        from persson.hardness import constant_hardness
+
+        parts = constant_hardness(pressure, stress_variance=variance, yield_stress=hardness)
+        area = parts.elastic + parts.plastic
+        return Answer(pressure=pressure, wavevectors=q, area=area, area_plastic=parts.plastic)
+    from persson.hardness import size_dependent_hardness
+
+    solved = size_dependent_hardness(scale, pressure=pressure, yield_stress=hardness, wavevectors=q).checked()
+    return Answer(
+        pressure=pressure,
+        wavevectors=q,
+        area=solved.area,
+        area_plastic=solved.area_plastic,
+        error_estimate=solved.error_estimate,
+    )
