@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from doors import Door, doors_with
+from public_api import Door, doors_with
 
 from persson import (
     adhesion,
@@ -50,7 +50,7 @@ WAVES = {
 
 
 def theory_doors() -> dict[str, Door]:
-    """The doors of `persson`."""
+    """The public_api of `persson`."""
     rough = spectrum.SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e5, q_short=1e6)
     bent = spectrum.SelfAffine.from_rms_gradient(
         0.1, hurst=0.8, q_long=1e5, q_short=1e7, rolloff="smooth", q_min=1e4

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
-from doors import block_doors, solver_doors
+from public_api import block_doors, solver_doors
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from public_api_of_theory import theory_doors
@@ -15,7 +15,7 @@ from public_api_of_theory import theory_doors
 from fem_contact.errors import FemContactError
 from persson.errors import PerssonError
 
-#: Modules whose public names are all doors, or results, constants and types that need none.
+#: Modules whose public names are all public_api, or results, constants and types that need none.
 FEM = solver_doors() | block_doors()
 THEORY = theory_doors()
 
@@ -94,7 +94,7 @@ HOSTILE = st.one_of(
 )
 
 
-#: By name: what fails is printed with its arguments, and all doors would be too long.
+#: By name: what fails is printed with its arguments, and all public_api would be too long.
 DOORS = {"fem_contact": FEM, "persson": THEORY}
 
 
@@ -201,4 +201,4 @@ def test_every_public_function_is_among_the_doors(package):
             or (isinstance(value, type) and (issubclass(value, Exception) or hasattr(value, "__members__")))
         ):
             continue
-        assert id(value) in known, f"{package}.{name} is behind no door of tests/doors*.py"
+        assert id(value) in known, f"{package}.{name} is behind no door of tests/public_api*.py"

@@ -313,8 +313,8 @@ def test_one_length_for_a_map_that_is_not_square_is_refused_and_oblong_cells_are
 
 def test_a_file_is_read_once_until_it_changes(tmp_path, monkeypatch):
     calls = []
-    inner = reading.bounded.call
-    monkeypatch.setattr(reading.bounded, "call", lambda *a, **k: calls.append(a) or inner(*a, **k))
+    inner = reading.sandbox.call
+    monkeypatch.setattr(reading.sandbox, "call", lambda *a, **k: calls.append(a) or inner(*a, **k))
     path = tmp_path / "scan.npy"
     np.save(path, patch()[:24, :24] * 1e9)
     os.utime(path, (1, 1))

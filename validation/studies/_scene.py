@@ -48,11 +48,9 @@ class PressedOptions(StudyOptions):
     grids_of : mapping
         Which option says, as lambda_short/dx, the grids of which method.
     off : mapping
-        Options of parts that make surfaces of their own, and their values on a scene, where there are none such.
-    slots : frozenset of str
-        Of the effects that its question allows.
-    plain : str
-        Why no others.
+        Options of parts that make surfaces of their own, and their values on a scene.
+    slots, plain
+        Of the effects that its question allows, and why no others.
     """
 
     grids_of: ClassVar[Mapping[str, str]] = {"points_per_wave": "bem"}
