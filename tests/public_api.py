@@ -41,7 +41,7 @@ def doors_with(
     common: dict[str, Any], *functions: Callable[..., Any] | tuple[Callable[..., Any], dict[str, Any]]
 ) -> dict[str, Door]:
     """Doors by name: what a function is given beside those of the common arguments that it has."""
-    public_api: dict[str, Door] = {}
+    doors: dict[str, Door] = {}
     for entry in functions:
         function, own = entry if isinstance(entry, tuple) else (entry, {})
         parameters = inspect.signature(function).parameters
@@ -49,14 +49,14 @@ def doors_with(
         if any(one.kind is one.VAR_KEYWORD for one in parameters.values()):  # options of a mesh
             known |= {*MESH, "element"}
         name = getattr(function, "__qualname__", f"{type(function).__name__}()")
-        if name in public_api:
-            name += f" ({sum(key.startswith(name) for key in public_api) + 1})"
-        public_api[name] = function, {key: value for key, value in common.items() if key in known} | own
-    return public_api
+        if name in doors:
+            name += f" ({sum(key.startswith(name) for key in doors) + 1})"
+        doors[name] = function, {key: value for key, value in common.items() if key in known} | own
+    return doors
 
 
 def solver_doors() -> dict[str, Door]:
-    """The public_api of `fem_contact` but for those of the block."""
+    """The public functions of `fem_contact` but for those of the block."""
     field = surface.HeightField(heights=WAVE, lengths=(1.0, 1.0))
     solid = fem_contact.Solid(young=1.0, poisson=0.3)
     half = response.HalfSpace(solid=solid)
@@ -195,7 +195,7 @@ def solver_doors() -> dict[str, Door]:
 
 
 def block_doors() -> dict[str, Door]:
-    """The public_api of `fem_contact.block`."""
+    """The public functions of `fem_contact.block`."""
     solid = fem_contact.Solid(young=1.0, poisson=0.3)
     common = MESH | {
         **{"surface": surface.HeightField(heights=WAVE, lengths=(1.0, 1.0)), "solid": solid},

@@ -50,7 +50,7 @@ WAVES = {
 
 
 def theory_doors() -> dict[str, Door]:
-    """The public_api of `persson`."""
+    """The public functions of `persson`."""
     rough = spectrum.SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e5, q_short=1e6)
     bent = spectrum.SelfAffine.from_rms_gradient(
         0.1, hurst=0.8, q_long=1e5, q_short=1e7, rolloff="smooth", q_min=1e4

@@ -7,9 +7,9 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
-from public_api import block_doors, solver_doors
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from public_api import block_doors, solver_doors
 from public_api_of_theory import theory_doors
 
 from fem_contact.errors import FemContactError
