@@ -77,7 +77,8 @@ def critical_roughness(
     interface : Interface
         Work of adhesion and the reading of the theory.
     tolerance : float
-        Relative accuracy of the factor, at least 1e-6: nearer, ever more rounds find contact lost.
+        Relative width at which bisection stops, at least 1e-6: seconds to 1e-4, a minute to 1e-6, since two
+        branches meet there and the rounds that tell them apart grow like one over the root of the distance.
 
     Raises
     ------
@@ -96,7 +97,8 @@ def critical_roughness(
 
     def sticks(factor: float) -> bool:
         scale = Scale(spectrum.scaled(factor * factor), contact_modulus=contact_modulus)
-        return solve_adhesion(scale, pressure=0.0, interface=interface).checked().real_area > 0
+        state = solve_adhesion(scale, pressure=0.0, interface=interface, rounds=20_000)
+        return state.checked().real_area > 0
 
     low = high = 1.0
     step = 4.0 if sticks(1.0) else 0.25

@@ -211,6 +211,19 @@ def test_pyrex_loses_adhesion_at_094_of_its_roughness():
     assert ratio == pytest.approx(0.933, rel=4e-3)
 
 
+@pytest.mark.slow
+def test_critical_roughness_keeps_its_tolerance_where_two_branches_meet():
+    """150 rounds did not tell them apart below 1e-4."""
+    rough = SelfAffine.from_rms_height(1e-6, hurst=0.8, q_long=1e5, q_short=1e8)
+    interface = Interface(work_of_adhesion=0.05)
+    coarse, fine = (
+        critical_roughness(rough, contact_modulus=1e7, interface=interface, tolerance=tolerance)
+        for tolerance in (1e-4, 1e-5)
+    )
+    assert fine == pytest.approx(coarse, rel=1e-4)
+    assert fine == pytest.approx(0.2732158, rel=1e-5)
+
+
 def test_pull_off_stress_separates_contact_from_none():
     scale = Scale(RIM.scaled(0.04), contact_modulus=MODULUS)
     interface = Interface(work_of_adhesion=WORK)

@@ -108,6 +108,24 @@ def test_sine_expansion_obeys_equation_34_where_the_hardness_rises():
     )
 
 
+@pytest.mark.parametrize("modes", [16, 32, 64])
+@pytest.mark.parametrize(
+    ("variance", "pressure", "walls"),
+    [
+        (1.0, 0.5, (0.3, lambda v: 1 + 0.2 * v)),
+        (0.5, 0.4, (0.0, lambda v: 1 + 0.01 * v)),
+        (5.0, 0.3, (lambda v: 0.2 + 0.1 * v, lambda v: 1.5 * (1 + v) ** 0.25)),
+        (1e-3, 0.6, (0.5, 2.0)),
+    ],
+)
+def test_the_error_estimate_of_the_sine_expansion_bounds_both_areas(variance, pressure, walls, modes):
+    walls = dict(zip(("tensile_limit", "yield_stress"), walls, strict=True))
+    exact = solve_diffusion([variance], pressure=pressure, tolerance=1e-7, **walls).checked()
+    sine = sine_expansion(variance, pressure=pressure, modes=modes, tolerance=1e-8, **walls)
+    errors = np.array([sine.area_elastic - exact.area_elastic[0], sine.area_plastic - exact.area_plastic[0]])
+    assert np.max(np.abs(errors)) < sine.error_estimate < 0.2
+
+
 def test_sine_expansion_refuses_a_hardness_that_falls():
     with pytest.raises(OutsideTheory, match="falls"):
         sine_expansion(1.0, pressure=0.5, tensile_limit=0.3, yield_stress=lambda v: 2 - 0.1 * v)
