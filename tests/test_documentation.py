@@ -10,6 +10,7 @@ import fem_contact
 import persson
 import validation
 from validation.report.quantities import glossary
+from validation.scenes.keys import scene_page
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -66,6 +67,10 @@ def test_the_readme_fits_on_a_screen_and_a_half():
 
 def test_the_glossary_is_that_of_the_registry():
     assert (ROOT / "docs" / "glossary.md").read_text(encoding="utf-8") == glossary()
+
+
+def test_the_page_of_scene_keys_is_that_of_the_tables():
+    assert (ROOT / "docs" / "scene.md").read_text(encoding="utf-8") == scene_page()
 
 
 def test_the_study_of_the_architecture_is_the_one_that_is_tested():

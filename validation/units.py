@@ -6,7 +6,7 @@ import functools
 import math
 import re
 import typing
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -49,7 +49,9 @@ __all__ = [
     "Work",
     "allowed",
     "brief",
+    "choices_of",
     "exactly_one",
+    "example_of",
     "metres",
     "plain_number",
     "quantity",
@@ -80,6 +82,8 @@ _PLAIN = {
     }
     for unit in ("m", "Pa", "N")
 }
+#: An example in a description: a text, a list or a number.
+_EXAMPLE = re.compile(r"e\.g\. (\"[^\"]*\"|\[[^\]]*\]|-?[\d.]+(?:e-?\d+)?)")
 _LETTER = "[^\\W⁰¹²³⁴-⁹]"
 _NAME = rf"(?!(?:square|squared|sq|cubic|cubed)(?!{_LETTER}))(?![\d_]){_LETTER}++|[%°]\w*+|1(?![\w.])"
 _POWER = r"(?:\*\*|\^)\s*+[-+]?\d{1,2}(?![\w.])|⁻?[⁰¹²³⁴-⁹]{1,2}"
@@ -146,12 +150,44 @@ def unit_of(annotation: object) -> str:
     >>> unit_of(Lengths), unit_of(Pressure | None), unit_of(int)
     ('m', 'Pa', '1')
     """
-    if isinstance(annotation, BeforeValidator) and isinstance(annotation.func, functools.partial):
-        return str(annotation.func.keywords["unit"])
+    readers = (part.func for part in _within(annotation) if isinstance(part, BeforeValidator))
+    units = (str(read.keywords["unit"]) for read in readers if isinstance(read, functools.partial))
+    return next(units, "1")
+
+
+def example_of(info: FieldInfo) -> str:
+    """Return a value of a key as a scene file has it: what its description names, else one of its kind.
+
+    >>> example_of(FieldInfo(annotation=Length | None)), example_of(FieldInfo(annotation=bool))
+    ('"0.5 um"', 'true')
+    """
+    named = _EXAMPLE.search(info.description or "")
+    if named is not None:
+        return named[1]
+    kinds = list(_within(info))
+    for kind in kinds:
+        if isinstance(kind, BeforeValidator) and isinstance(kind.func, functools.partial):
+            return f'"{kind.func.keywords["example"]}"'
+        if typing.get_origin(kind) is typing.Literal:
+            return f'"{choices_of(kind)[-1]}"'
+    return "true" if bool in kinds else str(info.default)
+
+
+def choices_of(annotation: object) -> tuple[Any, ...]:
+    """Return the values that a field allows, if it lists them."""
+    kinds = (kind for kind in _within(annotation) if typing.get_origin(kind) is typing.Literal)
+    return typing.get_args(next(kinds, None))
+
+
+def _within(annotation: object) -> Iterator[object]:
+    """Yield an annotation and all that it is made of."""
+    yield annotation
     inner = (*typing.get_args(annotation), *getattr(annotation, "metadata", ()))
     if isinstance(annotation, FieldInfo):
-        inner = (*inner, annotation.annotation)
-    return next((unit for part in inner if (unit := unit_of(part)) != "1"), "1")
+        inner = (annotation.annotation, *inner)
+    if typing.get_origin(annotation) is not typing.Literal:
+        for part in inner:
+            yield from _within(part)
 
 
 def _read(value: object, *, unit: str, kind: str, example: str) -> float:

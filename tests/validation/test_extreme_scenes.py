@@ -13,7 +13,8 @@ from pydantic import ValidationError
 from validation.comparison.explain import explain
 from validation.errors import UsageError
 from validation.scenes import surfaces
-from validation.scenes.scene import Scene, SelfAffineSurface, scene_problems
+from validation.scenes.mistakes import problems
+from validation.scenes.scene import Scene, SelfAffineSurface
 from validation.scenes.surfaces import Expected, expected, height_field
 from validation.studies import find_study
 
@@ -58,7 +59,7 @@ def problem(tree) -> str:
     try:
         Scene.model_validate(tree)
     except ValidationError as error:
-        lines = scene_problems(error)
+        lines = problems(error)
         assert all("\n" not in line and len(line) < 600 for line in lines)
         return "; ".join(lines)
     return ""

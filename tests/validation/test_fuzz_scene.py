@@ -13,8 +13,9 @@ from typer.testing import CliRunner
 from validation.cli import commands as cli
 from validation.errors import SceneError, UsageError
 from validation.scenes.checks import check_scene
+from validation.scenes.mistakes import problems
 from validation.scenes.problem import realise
-from validation.scenes.scene import Scene, load_scene, scene_problems, scene_text
+from validation.scenes.scene import Scene, load_scene, scene_text
 from validation.studies import find_study
 
 BASE = """
@@ -113,7 +114,7 @@ def judged(tree):
     try:
         scene = Scene.model_validate(tree)
     except ValidationError as error:
-        lines = scene_problems(error)
+        lines = problems(error)
         assert lines
         assert all(isinstance(line, str) and line for line in lines)
         return None
@@ -218,7 +219,7 @@ def test_the_command_line_ends_with_an_exit_code_and_no_traceback(tmp_path, argu
             "hardness --reduced-pressures 0.0 --grids 64,32",
             "--reduced-pressures = '0.0': must be greater than 0",
         ),
-        ("hardness --grids ,", r"--grids = \[\]: .* at least 1 item"),
+        ("hardness --grids ,", r"--grids = \[\]: .* at least 1 value"),
         ("adhesion --works nan", "--works = 'nan': must be a finite number"),
         ("hardness --periods 0", "--periods = '0': must be greater than or equal to 1"),
     ],

@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from fractions import Fraction
 from pathlib import Path
+from typing import Annotated
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import TypeAdapter
 
 from validation import units
+from validation.comparison.explain import explain
 from validation.errors import SceneError, UsageError
 from validation.scenes.checks import check_scene
+from validation.scenes.grids import usual_grids
+from validation.scenes.keys import scene_keys
 from validation.scenes.problem import realise
 from validation.scenes.scene import builtin_scenes, load_scene
+from validation.scenes.sweep import load_asked
 
 WRONG = [
     # what is replaced, by what, words of the message
@@ -95,6 +102,55 @@ def test_every_problem_has_its_own_line(write_scene):
     with pytest.raises(SceneError) as caught:
         load_scene(str(path))
     assert len(caught.value.problems) == 2
+
+
+@pytest.mark.parametrize(("key", "info"), scene_keys({}).items(), ids=scene_keys({}))
+def test_every_key_has_a_meaning_and_an_example_that_it_takes(key, info):
+    assert info.description
+    example = tomllib.loads(f"key = {units.example_of(info)}")["key"]
+    TypeAdapter(Annotated[info.annotation, info]).validate_python(example)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        (("load.pressure=1e3", "force=1e-9"), "load.force: excludes load.pressure, which is set, too"),
+        (("force=1e-9", "force=2e-9"), "load.force: is set twice"),
+        (("sweep.force=[1e-9]", "load.pressure=1e3"), "load.pressure: excludes load.force, which is swept"),
+        (("rms_gradient=0.1", "rms_height='1 nm'"), "surface.rms_height: excludes surface.rms_gradient"),
+    ],
+)
+def test_settings_that_contradict_each_other_are_refused(write_scene, settings, words):
+    with pytest.raises(UsageError, match=f"^--set {words}"):
+        load_asked(str(write_scene()), settings)
+
+
+def test_grids_that_nobody_names_have_4_8_and_16_points_on_the_shortest_wave(write_scene):
+    path = str(
+        write_scene(
+            ("grids = [12, 24, 48]", ""), ("[load]", "[ensemble]\nrealisations = 2\n[load]"), fem=False
+        )
+    )
+    scene = load_scene(path)
+    assert scene.methods.bem.grids == usual_grids(scene.surface.length, scene.surface.lambda_short)
+    assert scene.ensemble.grids == scene.methods.bem.grids[:2]
+    per_wave = [realise(scene).points_per_wave(grid) for grid in scene.methods.bem.grids]
+    assert per_wave == [4, 8, 16]
+    # An oblong period has cells of one size; the shortest wave of a sweep is that of each case.
+    swept = load_asked(path, ["length=['10 um', '20 um']", "sweep.lambda_short=['2.5 um', '1 um']"])
+    assert [s.methods.bem.grids[0] for s in swept.scenes] == [(16, 32), (40, 80)]
+
+
+def test_a_method_is_given_the_grids_that_it_can_afford_or_asks_for_some(write_scene):
+    path, fem = str(write_scene(fem=False)), "methods.fem.growth=1.2"
+    scene = load_asked(path, [fem, "lambda_short='0.2 um'", "methods.bem.grids=[400]"])
+    assert scene.methods.fem.grids == ((200, 200),)
+    words = dict(explain(scene).facts)["grids of fem"]
+    assert words.startswith(
+        "400 x 400 would take more than 2 GiB or ten minutes; list it in methods.fem.grids"
+    )
+    with pytest.raises(SceneError, match=r"methods\.fem\.grids: missing; 4 points .* are 4000 x 4000, more"):
+        load_asked(path, [fem, "lambda_short='0.01 um'", "methods.bem.grids=[4000]"])
 
 
 def test_units_are_converted_exactly(write_scene):

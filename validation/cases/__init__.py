@@ -19,7 +19,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from validation.errors import UsageError
+from validation.errors import UsageError, did_you_mean
 from validation.execution.attempt import one_blas_thread
 from validation.measurements.statistics import order_of_convergence
 
@@ -251,7 +251,9 @@ def chosen_cases(names: Sequence[str], *, quick: bool) -> tuple[Case, ...]:
         if name in _RENAMED:
             raise UsageError(f"case {name!r}: is called {_RENAMED[name]} now")
         if not any(_chooses(name, case) for case in known):
-            raise UsageError(f"case {name!r}: no such case; one of: {', '.join(case.name for case in known)}")
+            families = dict.fromkeys(case.name.rpartition("-")[0] for case in known)
+            hint = did_you_mean(name, (*families, *(case.name for case in known)))
+            raise UsageError(f"case {name!r}: no such case{hint}; listed by: fem-contact validate --list")
     wanted = [case for case in known if not names or any(_chooses(name, case) for name in names)]
     return tuple(case for case in wanted if case.quick or not quick)
 

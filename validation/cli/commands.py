@@ -382,16 +382,11 @@ def list_scenes(as_json: JsonOption = False) -> None:
 def list_keys(
     word: Annotated[str, typer.Argument(metavar="WORD", help="Part of a key or of its meaning.")] = "",
 ) -> None:
-    """Name the keys that a scene may have: unit, meaning, default."""
-    from validation.scenes.scene import scene_keys
-    from validation.units import unit_of
+    """List the keys that a scene may have: example, meaning, unit, default. As a page: docs/scene.md."""
+    from validation.scenes.keys import key_lines
 
-    for key, info in scene_keys({}).items():
-        unit, empty = unit_of(info), info.is_required() or info.default in (None, "")
-        named = key if unit == "1" else f"{key} [{unit}]"
-        line = ": ".join(filter(None, (named, info.description)))
-        if word in line:
-            show(line if empty else f"{line} (default: {info.default})")
+    for line in key_lines(word):
+        show(line)
 
 
 @scenes_app.command("show", epilog="Example: fem-contact scenes show quickstart")

@@ -57,7 +57,7 @@ def _scene_names(incomplete: str) -> list[str]:
 
 def _key_names(incomplete: str) -> list[str]:
     """Complete a key of a scene."""
-    from validation.scenes.scene import scene_keys
+    from validation.scenes.keys import scene_keys
 
     return [f"{key}=" for key in scene_keys({}) if key.startswith(incomplete)]
 

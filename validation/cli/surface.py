@@ -131,7 +131,8 @@ def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatme
     """Read the options as the table of a scene is read, so that they allow and refuse the same."""
     from pydantic import ValidationError
 
-    from validation.scenes.scene import FileSurface, scene_problems, sized
+    from validation.scenes.mistakes import problems
+    from validation.scenes.scene import FileSurface, sized
     from validation.units import plain_number
 
     table = {"kind": "file", "path": str(path), **treatment}
@@ -143,10 +144,10 @@ def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatme
     try:
         return FileSurface.model_validate(sized({"surface": table}, Path(), str(path))["surface"])
     except ValidationError as error:
-        problems = [f"surface.{problem}" for problem in scene_problems(error)]
+        lines = [f"surface.{problem}" for problem in problems(error)]
     except SceneError as error:
-        problems = [problem.removeprefix(f"surface.path = {str(path)!r}: ") for problem in error.problems]
-    raise UsageError("\n".join(f"{path}: {re.sub('^surface[.]', '--', problem)}" for problem in problems))
+        lines = [problem.removeprefix(f"surface.path = {str(path)!r}: ") for problem in error.problems]
+    raise UsageError("\n".join(f"{path}: {re.sub('^surface[.]', '--', line)}" for line in lines))
 
 
 #: Ratio of slopes below which a surface of finitely many waves has no direction worth naming.

@@ -20,6 +20,7 @@ from validation.execution.cost import transform_seconds
 from validation.execution.press import Press, solves_of
 from validation.execution.solve import Prediction
 from validation.scenes.checks import check_scene
+from validation.scenes.grids import affordable, usual_grids
 from validation.scenes.problem import ContactProblem, realise
 from validation.scenes.scene import Scene
 from validation.scenes.surfaces import Expected
@@ -213,11 +214,24 @@ def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]
         source = "of C(q)" if isinstance(field, Expected) else "realised"
         facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} ({source})"))
         facts.append(("load", _load_words(problem)))
+    facts += _usual_grids(scene, problem)
     for name, method in scene.methods.asked.items():
         facts += method.facts(scene.methods.options(name), problem)
     if scene.methods.options("theory") is not None:
         facts.append(("theory", _theory_words(scene, problem)))
     return tuple(facts)
+
+
+def _usual_grids(scene: Scene, problem: ContactProblem) -> Iterator[tuple[str, str]]:
+    """Say which of the usual grids a method does without, for what they take."""
+    usual = usual_grids(problem.lengths, problem.shortest)
+    for name, solver in scene.methods.solvers.items():
+        options = scene.methods.options(name)
+        left = usual[len(options.grids) :]
+        usually = bool(left) and options.grids == usual[: len(options.grids)]
+        if usually and not affordable(solver, left[0], lengths=problem.lengths, options=options):
+            words = "{} x {} would take more than 2 GiB or ten minutes".format(*left[0])
+            yield f"grids of {name}", f"{words}; list it in methods.{name}.grids to have it all the same"
 
 
 def _load_words(problem: ContactProblem) -> str:

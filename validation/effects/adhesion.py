@@ -35,7 +35,10 @@ class Adhesion(Effect):
         default=None,
         description='range of the attraction, e.g. "2 nm"; every solver needs it, the theory knows none',
     )
-    law: Literal["exponential", "dugdale"] = "exponential"
+    law: Literal["exponential", "dugdale"] = Field(
+        default="exponential",
+        description="attraction that decays with the gap, or is constant over the range",
+    )
 
     slot: ClassVar[SlotName] = "gap law"
     cost: ClassVar[float] = 5.1

@@ -24,8 +24,13 @@ class Coating(Effect):
     """A homogeneous layer of another modulus on top of the solid."""
 
     kind: Literal["coating"] = "coating"
-    young: Pressure = Field(description="Young's modulus of the coating")
-    poisson: Number | None = Field(default=None, gt=-1, le=0.5, description="that of the solid if not given")
+    young: Pressure = Field(description='Young\'s modulus of the coating, e.g. "20 GPa"')
+    poisson: Number | None = Field(
+        default=None,
+        gt=-1,
+        le=0.5,
+        description="Poisson ratio of the coating, e.g. 0.25; default: that of the solid",
+    )
     thickness: Length = Field(description='thickness of the coating, e.g. "1 um"')
 
     slot: ClassVar[SlotName] = "response"

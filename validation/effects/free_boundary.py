@@ -26,7 +26,7 @@ class FreeBoundary(Effect):
     kind: Literal["free-boundary"] = "free-boundary"
     radius: Length | None = Field(
         default=None,
-        description='nominal radius of a ball under the roughness, e.g. "1 mm"; flat if not given',
+        description='nominal radius of a ball under the roughness, e.g. "1 mm"; default: flat',
     )
 
     slot: ClassVar[SlotName] = "boundary"

@@ -32,7 +32,7 @@ class Graded(Effect):
     """The modulus relaxes exponentially from that of the solid at the surface to another one below."""
 
     kind: Literal["graded"] = "graded"
-    bulk_young: Pressure = Field(description="Young's modulus far below the surface")
+    bulk_young: Pressure = Field(description='Young\'s modulus far below the surface, e.g. "3 GPa"')
     depth: Length = Field(description='depth over which it relaxes, e.g. "5 um"')
 
     slot: ClassVar[SlotName] = "response"

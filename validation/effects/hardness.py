@@ -33,7 +33,7 @@ class Hardness(Effect):
         default=None, description="wavelength l below which it rises, as H (1 + l/lambda)^size_exponent"
     )
     size_exponent: Number | None = Field(
-        default=None, ge=0, le=2, description="how fast it rises towards short waves, in [0, 2]"
+        default=None, ge=0, le=2, description="how fast it rises towards short waves, in [0, 2], e.g. 0.5"
     )
 
     slot: ClassVar[SlotName] = "pressure bound"

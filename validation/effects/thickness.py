@@ -21,7 +21,9 @@ class Thickness(Effect):
 
     kind: Literal["thickness"] = "thickness"
     thickness: Length = Field(description='thickness of the layer, e.g. "20 um"')
-    base: Literal["bonded", "frictionless"] = "bonded"
+    base: Literal["bonded", "frictionless"] = Field(
+        default="bonded", description="whether the layer sticks to its rigid base or slides on it"
+    )
 
     slot: ClassVar[SlotName] = "response"
     papers: ClassVar[tuple[str, ...]] = (

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from scipy.fft import next_fast_len
 
 from validation.errors import SceneError
-from validation.scenes.scene import scene_problems
+from validation.scenes.mistakes import problems
 from validation.units import Table
 
 __all__ = ["GridLike", "Quantity", "as_html", "checked", "fast_grid", "pair", "plain", "shown"]
@@ -48,7 +48,7 @@ def checked(kind: type[T], source: str, said: Mapping[str, Any]) -> T:
     try:
         return kind.model_validate({name: plain(value) for name, value in said.items() if value is not None})
     except ValidationError as error:
-        raise SceneError(source, scene_problems(error)) from None
+        raise SceneError(source, problems(error)) from None
 
 
 def pair(grid: GridLike) -> tuple[int, int]:

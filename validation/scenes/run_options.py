@@ -34,11 +34,15 @@ class RunOptions(Table):
     """
 
     workers: Annotated[StrictInt, Field(ge=1, le=4096)] = Field(
-        default=1, description="local processes; 1 runs everything in the process itself"
+        default=1, description="local processes, e.g. 4; 1 runs everything in the process itself"
     )
     memory: Memory | None = Field(default=None, description='memory for all solves, e.g. "4 GiB"')
-    store: Inside | None = Field(default=None, description="folder of finished solves, shared between runs")
-    output: Inside | None = Field(default=None, description="results folder; default: results/<name>")
+    store: Inside | None = Field(
+        default=None, description='folder of finished solves, shared between runs, e.g. "results/solves"'
+    )
+    output: Inside | None = Field(
+        default=None, description='results folder, e.g. "results/mine"; default: results/<name>'
+    )
     quiet: StrictBool = Field(default=False, description="no progress bar")
     pictures: StrictBool = Field(default=False, description="3-D pictures in the report")
 

@@ -5,42 +5,36 @@ from __future__ import annotations
 import os
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import reduce
 from importlib import resources
 from operator import or_
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Self, TypeAlias
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    Field,
-    StrictInt,
-    ValidationError,
-    ValidationInfo,
-    create_model,
-    model_validator,
-)
-from pydantic.fields import FieldInfo
+from pydantic import Field, ValidationError, ValidationInfo, create_model, model_validator
 
 from validation.effects import effect_kinds
-from validation.effects.base import Effect, clash, effect_key
-from validation.errors import SceneError, UsageError, harmless
-from validation.scenes.quantities import QUANTITIES, Quantities, Subsurface
+from validation.effects.base import Effect, clash
+from validation.errors import SceneError, UsageError, did_you_mean
+from validation.scenes.grids import with_usual_grids
+from validation.scenes.mistakes import problems
+from validation.scenes.quantities import Quantities, Subsurface
 from validation.scenes.run_options import RunOptions
 from validation.scenes.tables import (
-    SURFACES,
+    NAME,
     CapillarySurface,
+    Ensemble,
     FileSurface,
     Load,
     RandomSurface,
     SelfAffineSurface,
     SolidSpec,
     Surface,
+    Title,
 )
 from validation.solvers import Method, Solver, methods
-from validation.units import MOST_POINTS, Grids, Table, allowed, brief, unit_registry, wrong
+from validation.units import MOST_POINTS, Table, unit_registry, wrong
 
 __all__ = [
     "CapillarySurface",
@@ -60,23 +54,14 @@ __all__ = [
     "checked_scene",
     "load_scene",
     "parsed_toml",
-    "scene_keys",
-    "scene_problems",
     "scene_text",
     "sized",
     "unit_registry",
 ]
 
 
-#: What a scene may be called, since a folder of results is named so.
-_NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$"
-
-
 #: Tables whose grids `run --accuracy` chooses, and the context in which they are then read.
 _CHOSEN, _GRIDS_CHOSEN = ("methods.bem", "ensemble"), {"grids": "chosen"}
-
-#: Surfaces of one scene: the scatter between ten thousand is known to a percent of itself.
-_MOST_REALISATIONS = 10_000
 
 
 class MethodTables(Table):
@@ -124,33 +109,12 @@ else:
     EffectSpec = Annotated[reduce(or_, effect_kinds().values()), Field(discriminator="kind")]
 
 
-class Ensemble(Table):
-    """Further realisations of the same C(q), by boundary elements, for the scatter between surfaces."""
-
-    realisations: Annotated[StrictInt, Field(ge=2, le=_MOST_REALISATIONS)] = Field(
-        description="how many surfaces, that of the scene included"
-    )
-    grids: Annotated[Grids, Field(min_length=2)] = Field(description="surface points, e.g. [32, 64]")
-
-
-def _one_line(text: str) -> str:
-    """Refuse what would change a terminal, or how a line reads."""
-    bad = next((c for c in text if c == "\n" or harmless(c) != c), None)
-    if bad is not None:
-        raise wrong(f"must be a line of text; it holds the control character {bad!a}")
-    return text
-
-
-class Scene(Table):
+class Scene(Title):
     """One comparison: a surface, a solid, a load, the methods, and nothing that is not listed.
 
     Attributes are the tables of the scene file; every quantity is in SI units.
     """
 
-    name: str = Field(
-        min_length=1, pattern=_NAME, description="names the results folder; that of the file if not given"
-    )
-    title: Annotated[str, AfterValidator(_one_line)] = Field(default="", max_length=200)
     surface: Surface
     solid: SolidSpec
     load: Load
@@ -237,27 +201,6 @@ def _too_coarse(key: str, grid: tuple[int, int], surface: RandomSurface) -> Iter
         )
 
 
-def scene_keys(data: Mapping[str, Any]) -> dict[str, FieldInfo]:
-    """Return the keys that a scene may have, with what each means; an effect is named by its kind.
-
-    The kind of surface that `data`, the tables of a scene, say narrows the choice.
-    """
-    surface = data.get("surface")
-    kind = surface.get("kind") if isinstance(surface, dict) else None
-    rough = [SURFACES[kind]] if isinstance(kind, str) and kind in SURFACES else list(SURFACES.values())
-    tables: list[tuple[str, type[BaseModel]]] = [("surface", table) for table in rough]
-    tables += [("solid", SolidSpec), ("load", Load), ("ensemble", Ensemble), ("run", RunOptions)]
-    tables += [(f"quantities.{name}", table) for name, table in QUANTITIES.items()]
-    tables += [(f"methods.{name}", method.options) for name, method in methods().items()]
-    tables += [(f"effects.{name}", effect) for name, effect in effect_kinds().items()]
-    keys = {name: Scene.model_fields[name] for name in ("name", "title")}
-    for place, table in tables:
-        for name, info in table.model_fields.items():
-            if not (name == "kind" and place.startswith("effects.")):
-                keys.setdefault(f"{place}.{name}", info)
-    return keys
-
-
 def builtin_scenes() -> tuple[str, ...]:
     """Names of the scenes that come with the package."""
     folder = resources.files("validation.scenes") / "library"
@@ -282,7 +225,9 @@ def scene_text(scene: str) -> tuple[str, Path]:
     if scene in builtin_scenes():
         entry = resources.files("validation.scenes") / "library" / f"{scene}.toml"
         return entry.read_text(encoding="utf-8"), Path()
-    raise SceneError(scene, [f"no such scene; give a .toml file or one of: {', '.join(builtin_scenes())}"])
+    known = builtin_scenes()
+    hint = did_you_mean(scene, known)
+    raise SceneError(scene, [f"no such scene{hint}; give a .toml file or one of: {', '.join(known)}"])
 
 
 def parsed_toml(text: str, scene: str) -> dict[str, Any]:
@@ -318,10 +263,12 @@ def checked_scene(data: Mapping[str, Any], folder: Path, scene: str, *, grids_ch
     """
     try:
         context = _GRIDS_CHOSEN if grids_chosen else None
-        named = _named(_filled(data) if grids_chosen else data, scene)
-        checked = Scene.model_validate(named, context=context)
+        filled = with_usual_grids(_filled(data) if grids_chosen else data, folder)
+        checked = Scene.model_validate(_named(filled, scene), context=context)
     except ValidationError as error:
-        raise SceneError(scene, scene_problems(error)) from None
+        raise SceneError(scene, problems(error)) from None
+    except UsageError as error:
+        raise SceneError(scene, [str(error)]) from None
     if isinstance(checked.surface, FileSurface) and not checked.surface.path.is_absolute():
         # Absolute, because a worker may stand in another folder.
         path = (folder / checked.surface.path).resolve()
@@ -344,7 +291,7 @@ def _filled(data: Mapping[str, Any]) -> dict[str, Any]:
 def _named(data: Mapping[str, Any], scene: str) -> Mapping[str, Any]:
     """Name a scene that has no name after its file, if that makes a name."""
     stem = Path(scene).stem
-    return data if "name" in data or re.fullmatch(_NAME, stem) is None else {"name": stem, **data}
+    return data if "name" in data or re.fullmatch(NAME, stem) is None else {"name": stem, **data}
 
 
 def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
@@ -363,77 +310,13 @@ def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
             says.check_square("surface.length")
     except UsageError as error:
         raise SceneError(scene, [f"surface.path = {path!r}: {error}"]) from None
+    about = {key: str(info.description).partition("; d")[0] for key, info in FileSurface.model_fields.items()}
     known = {"length": says.lengths, "unit": says.unit, **surface}
     missing = [
-        f"surface.{key}: missing, and {path!r} does not say it; {FileSurface.model_fields[key].description}"
+        f"surface.{key}: missing, and {path!r} does not say it; {about[key]}"
         for key in ("length", "unit")
         if known[key] is None
     ]
     if missing:
         raise SceneError(scene, missing)
     return {**data, "surface": {"length": says.lengths, **surface}}
-
-
-def scene_problems(error: ValidationError) -> list[str]:
-    """List one line for each mistake; an array with a wrong item is not also called too short."""
-    items = error.errors()
-    within = {item["loc"][:depth] for item in items for depth in range(len(item["loc"]))}
-    return [_problem(item) for item in _told_once(item for item in items if item["loc"] not in within)]
-
-
-def _told_once(items: Iterable[Any]) -> Iterator[Any]:
-    """Yield mistakes; one of a value that stands for several items of an array is told of the array."""
-    alike: dict[tuple[Any, ...], list[Any]] = {}
-    for item in items:
-        *array, last = item["loc"] or ("",)
-        place = (*array, last if isinstance(last, str) else None)
-        alike.setdefault((place, item["msg"], brief(item["input"])), []).append(item)
-    for first, *others in alike.values():
-        yield {**first, "loc": first["loc"][:-1]} if others else first
-
-
-#: Values of `kind`, and all that stands in pydantic's locations without being a key.
-_KINDS: dict[str, Mapping[str, Any]] = {"surface": SURFACES, "effects": effect_kinds()}
-_TAGS = {*SURFACES, *effect_kinds(), "one", "several"}
-
-
-def _keys(location: tuple[str | int, ...]) -> list[str]:
-    """Keys that lead to a mistake, as the file has them."""
-    parts = [str(part) for part in location]
-    place = {"surface": 1, "effects": 2, "load": 2}.get(parts[0] if parts else "", len(parts))
-    return parts[:place] + [part for k, part in enumerate(parts[place:]) if k or part not in _TAGS]
-
-
-def _written(location: list[str]) -> str:
-    """Write the keys that lead to a mistake for a reader, who counts from one.
-
-    >>> _written(["effects", "0", "hardness"]), _written(["methods", "bem", "grids", "1"])
-    ('[[effects]] 1 hardness', 'methods.bem.grids (item 2)')
-    """
-    if len(location) > 1 and location[0] == "effects" and location[1].isdigit():
-        return effect_key(int(location[1]), _written(location[2:])).rstrip()
-    if location and location[-1].isdigit():
-        return f"{_written(location[:-1])} (item {int(location[-1]) + 1})"
-    return ".".join(location)
-
-
-def _problem(item: Any) -> str:
-    """One line for one error of the schema: key = value: what is allowed."""
-    location = _keys(item["loc"])
-    key, kind, value = _written(location), _written([*location, "kind"]), item["input"]
-    if item["type"] == "missing":
-        surface, *tags = [str(part) for part in item["loc"]][:2]
-        keys = scene_keys({"surface": {"kind": tags[0]}} if surface == "surface" and tags else {})
-        effect = [str(part) for part in item["loc"] if location[0] == "effects" and part in effect_kinds()]
-        full = ".".join(["effects", *effect[:1], location[-1]] if effect else location)
-        info = next((keys[name] for name in keys if name == full or name.endswith(f".{full}")), None)
-        named = (info and info.description) or f"the table [{'.'.join(location)}] is required"
-        return f"{key}: missing; {named}"
-    if item["type"] == "union_tag_not_found":
-        named = ", ".join(repr(kind) for kind in sorted(_KINDS[location[0]]))
-        return f"{kind}: missing; one of {named}"
-    if item["type"] == "union_tag_invalid":
-        return f"{kind} = {brief(value.get('kind'))}: must be one of {item['ctx']['expected_tags']}"
-    if isinstance(value, (dict, BaseModel)):
-        return f"{key}: {allowed(item)}" if key else allowed(item)
-    return f"{key} = {brief(value)}: {allowed(item)}"

@@ -6,7 +6,7 @@ import copy
 import itertools
 import math
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -14,15 +14,9 @@ from typing import Any, Literal
 import numpy as np
 
 from validation.errors import SceneError, UsageError, did_you_mean
-from validation.scenes.scene import (
-    RunOptions,
-    Scene,
-    checked_scene,
-    parsed_toml,
-    scene_keys,
-    scene_text,
-    sized,
-)
+from validation.scenes.keys import scene_keys
+from validation.scenes.run_options import RunOptions
+from validation.scenes.scene import Scene, checked_scene, parsed_toml, scene_text, sized
 from validation.scenes.tables import LOADS
 from validation.units import MOST_ITEMS, brief, plain_number, unit_of
 
@@ -122,8 +116,13 @@ def load_asked(scene: str, settings: Sequence[str] = (), *, grids_chosen: bool =
     """
     text, folder = scene_text(scene)
     data = parsed_toml(text, scene)
+    given: list[str] = []
     for setting in settings:
-        _set_from_outside(data, setting)
+        key = _set_from_outside(data, setting)
+        if key in given:
+            raise UsageError(f"--set {key}: is set twice; give one value")
+        _refuse_rivals(f"--set {key}", key, given, "set")
+        given.append(key)
     if "sweep" not in data:
         return checked_scene(sized(data, folder, scene), folder, scene, grids_chosen=grids_chosen)
     try:
@@ -133,8 +132,15 @@ def load_asked(scene: str, settings: Sequence[str] = (), *, grids_chosen: bool =
     return _expanded(data, mode, lists, folder=folder, scene=scene)
 
 
-def _set_from_outside(data: dict[str, Any], setting: str) -> None:
-    """Set one key, as --set says it."""
+def _refuse_rivals(place: str, key: str, others: Iterable[str], how: str) -> None:
+    """Refuse a key beside one that it excludes, such as two loads."""
+    rival = next((k for k in others if k != key and any({k, key} <= pair for pair in _EITHER)), None)
+    if rival is not None:
+        raise UsageError(f"{place}: excludes {rival}, which is {how}, too; leave one of them out")
+
+
+def _set_from_outside(data: dict[str, Any], setting: str) -> str:
+    """Set one key, as --set says it, and return it in full."""
     key, equals, text = setting.partition("=")
     key = key.strip()
     if not (equals and key):
@@ -152,9 +158,11 @@ def _set_from_outside(data: dict[str, Any], setting: str) -> None:
         elif found in listed.values():
             raise UsageError(f"{found}: is swept; set sweep.{found}=[...] instead")
         else:
+            _refuse_rivals(found, found, listed.values(), "swept")
             _put(data, found, _value(text))
     except UsageError as error:
         raise UsageError(f"--set {error}") from None
+    return found
 
 
 def _value(text: str) -> Any:
@@ -183,7 +191,8 @@ def _found_key(key: str, data: Mapping[str, Any]) -> str:
     inside = [full for full in keys if full.startswith(f"{key}.")]
     if inside:
         raise UsageError(f"{key}: is a table; name one of its keys: {', '.join(inside)}")
-    last = {full.rpartition(".")[2]: full for full in keys}
+    # Where tables share a last word, that of one which the scene has is meant.
+    last = {full.rpartition(".")[2]: full for full in sorted(keys, key=lambda full: _present(full, data))}
     hint = did_you_mean(key, keys) or did_you_mean(key, (), last)
     raise UsageError(f"{key}: is no key of a scene{hint}")
 
@@ -248,10 +257,9 @@ def _table(table: Any, data: Mapping[str, Any]) -> tuple[Mode, dict[str, list[An
             raise UsageError(f"{full}: says how a scene is called or run, and changes no result")
         if not isinstance(values, list) or not 1 <= len(values) <= MOST_ITEMS:
             raise UsageError(f"{full} = {brief(values)}: must be a list of 1 to {MOST_ITEMS} values")
-        rival = next((k for k in lists if k == full or any({k, full} <= pair for pair in _EITHER)), None)
-        if rival is not None:
-            again = "is listed twice" if rival == full else f"excludes {rival}, which is swept, too"
-            raise UsageError(f"{full}: {again}")
+        if full in lists:
+            raise UsageError(f"{full}: is listed twice")
+        _refuse_rivals(full, full, lists, "swept")
         lists[full] = values
     if not lists:
         raise UsageError("is empty; list a key with its values, such as load.reduced_pressure = [0.01, 0.1]")

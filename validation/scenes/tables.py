@@ -10,10 +10,11 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import AfterValidator, Discriminator, Field, StrictInt, Tag, model_validator
 
 from fem_contact.solid import Solid, composite_modulus
-from validation.errors import UsageError
+from validation.errors import UsageError, harmless
 from validation.units import (
     MOST_ITEMS,
     Force,
+    Grids,
     Length,
     Lengths,
     Number,
@@ -31,13 +32,44 @@ __all__ = [
     "LOADS",
     "SURFACES",
     "CapillarySurface",
+    "Ensemble",
     "FileSurface",
     "Load",
     "RandomSurface",
     "SelfAffineSurface",
     "SolidSpec",
     "Surface",
+    "Title",
 ]
+
+#: What a scene may be called, since a folder of results is named so.
+NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$"
+#: Surfaces of one scene: the scatter between ten thousand is known to a percent of itself.
+_MOST_REALISATIONS = 10_000
+
+
+def _one_line(text: str) -> str:
+    """Refuse what would change a terminal, or how a line reads."""
+    bad = next((c for c in text if c == "\n" or harmless(c) != c), None)
+    if bad is not None:
+        raise wrong(f"must be a line of text; it holds the control character {bad!a}")
+    return text
+
+
+class Title(Table):
+    """What the scene is called. These keys stand above the first table."""
+
+    name: str = Field(
+        min_length=1,
+        pattern=NAME,
+        description='names the results folder, e.g. "mine"; default: that of the file',
+    )
+    title: Annotated[str, AfterValidator(_one_line)] = Field(
+        default="", max_length=200, description='heads the report, e.g. "Ground steel on glass"'
+    )
+
+
+_KIND = 'what it is, e.g. "self-affine"; or "capillary-waves", or "file"'
 
 
 class RandomSurface(Table):
@@ -45,14 +77,16 @@ class RandomSurface(Table):
 
     kind: str
     length: Lengths = Field(description='period L, or [Lx, Ly], e.g. "100 um"')
-    lambda_long: Length = Field(description="longest wavelength of the self-affine range, or of all waves")
-    lambda_short: Length = Field(description="shortest wavelength")
+    lambda_long: Length = Field(
+        description='longest wavelength of the self-affine range, or of all waves, e.g. "50 um"'
+    )
+    lambda_short: Length = Field(description='shortest wavelength, e.g. "5 um"')
     amplitudes: Literal["exact", "gaussian"] = Field(
         default="exact", description="of the waves: those of C(q), or drawn about them"
     )
     seed: Annotated[StrictInt, Field(ge=0, lt=2**63)] | None = Field(
         default=None,
-        description="whole number that names the realisation; every solver needs it, the theory none",
+        description="whole number that names the realisation, e.g. 7; every solver needs it, the theory none",
     )
 
     @model_validator(mode="after")
@@ -92,10 +126,12 @@ class SelfAffineSurface(RandomSurface):
 
     meant: ClassVar[Mapping[str, str]] = {"lay": "stretch", "anisotropy": "stretch"}
 
-    kind: Literal["self-affine"]
-    hurst: Number = Field(ge=0, le=1, description="Hurst exponent H, in [0, 1]")
-    rms_gradient: Ratio | None = Field(default=None, description="h'_rms of C(q), both directions together")
-    rms_height: Length | None = Field(default=None, description="h_rms of C(q)")
+    kind: Literal["self-affine"] = Field(description=_KIND)
+    hurst: Number = Field(ge=0, le=1, description="Hurst exponent H, in [0, 1], e.g. 0.8")
+    rms_gradient: Ratio | None = Field(
+        default=None, description="h'_rms of C(q), both directions together, e.g. 0.1"
+    )
+    rms_height: Length | None = Field(default=None, description='h_rms of C(q), e.g. "0.5 um"')
     rolloff: Literal["sharp", "smooth", "plateau"] = Field(
         default="sharp", description="C(q) beyond lambda_long: none, bent over smoothly, or constant"
     )
@@ -103,7 +139,7 @@ class SelfAffineSurface(RandomSurface):
         default=None,
         ge=1,
         le=50,
-        description="how many times longer the waves along x are than across: the lay of a ground surface",
+        description="lay of a ground surface: waves along x are so many times longer than across, e.g. 4",
     )
 
     @model_validator(mode="after")
@@ -120,12 +156,12 @@ class SelfAffineSurface(RandomSurface):
 class CapillarySurface(RandomSurface):
     """Frozen capillary waves, C(q) ~ 1 / (q^2 + q^4/q_bend^2); `surfaces` equal ones add up, wave by wave."""
 
-    kind: Literal["capillary-waves"]
+    kind: Literal["capillary-waves"] = Field(description=_KIND)
     temperature: Temperature = Field(description='at which they froze: the glass transition, e.g. "370 K"')
     surface_tension: Tension = Field(description='of the melt, e.g. "0.04 J/m^2"')
     lambda_bend: Length = Field(description="wavelength below which bending stiffness suppresses the waves")
     surfaces: Annotated[StrictInt, Field(ge=1, le=1000)] = Field(
-        default=1, description="equal surfaces that touch, such as 2 of the same glass"
+        default=1, description="equal surfaces of the same material that touch, e.g. 2"
     )
 
 
@@ -135,13 +171,11 @@ class FileSurface(Table):
     They are levelled, filled and made periodic, in this order, as the table says.
     """
 
-    kind: Literal["file"]
-    path: Path = Field(description="file of heights, relative to the scene file")
-    length: Lengths = Field(
-        description='size L, or [Lx, Ly], e.g. "100 um"; may be left out where the file says it'
-    )
+    kind: Literal["file"] = Field(description=_KIND)
+    path: Path = Field(description='file of heights, relative to the scene file, e.g. "afm.txt"')
+    length: Lengths = Field(description='size L, or [Lx, Ly], e.g. "100 um"; default: what the file says')
     unit: Length | None = Field(
-        default=None, description='unit of the heights, e.g. "1 nm"; may be left out where the file says it'
+        default=None, description='unit of the heights, e.g. "1 nm"; default: what the file says'
     )
     tilt: Literal["keep", "plane", "quadratic"] = Field(
         default="keep", description="what to take out before anything else"
@@ -155,7 +189,7 @@ class FileSurface(Table):
         "effect 'free-boundary': one patch with its edges",
     )
     margin: Ratio = Field(
-        default=0.1, gt=0, le=0.5, description="share of each side over which a tukey taper falls"
+        default=0.1, gt=0, le=0.5, description="share of each side over which a tukey taper falls, e.g. 0.2"
     )
 
 
@@ -176,12 +210,12 @@ class SolidSpec(Table):
     """
 
     young: Pressure = Field(description='Young\'s modulus, e.g. "1 GPa"')
-    poisson: Number = Field(gt=-1, le=0.5, description="Poisson ratio, in (-1, 0.5]")
+    poisson: Number = Field(gt=-1, le=0.5, description="Poisson ratio, in (-1, 0.5], e.g. 0.3")
     second_young: Pressure | None = Field(
-        default=None, description='Young\'s modulus of the rough body, e.g. "200 GPa"; rigid if not given'
+        default=None, description='Young\'s modulus of the rough body, e.g. "200 GPa"; default: rigid'
     )
     second_poisson: Number | None = Field(
-        default=None, gt=-1, le=0.5, description="Poisson ratio of the rough body, in (-1, 0.5]"
+        default=None, gt=-1, le=0.5, description="Poisson ratio of the rough body, in (-1, 0.5], e.g. 0.25"
     )
 
     @model_validator(mode="after")
@@ -225,6 +259,17 @@ _Ratios = Annotated[
 ]
 
 
+class Ensemble(Table):
+    """Further realisations of the same C(q), by boundary elements, for the scatter between surfaces."""
+
+    realisations: Annotated[StrictInt, Field(ge=2, le=_MOST_REALISATIONS)] = Field(
+        description="how many surfaces, that of the scene included, e.g. 8"
+    )
+    grids: Annotated[Grids, Field(min_length=2)] = Field(
+        description="surface points, e.g. [32, 64]; default: 4 and 8 on the shortest wave"
+    )
+
+
 #: Keys of a load, of which one is given.
 LOADS = ("pressure", "reduced_pressure", "force", "mean_gap", "offset")
 
@@ -237,7 +282,7 @@ class Load(Table):
     """
 
     pressure: _Pressures | None = Field(default=None, description='nominal pressure p0, e.g. "10 MPa"')
-    reduced_pressure: _Ratios | None = Field(default=None, description="p* = p0 / (E* h'_rms)")
+    reduced_pressure: _Ratios | None = Field(default=None, description="p* = p0 / (E* h'_rms), e.g. 0.05")
     force: Force | None = Field(default=None, description='p0 times the nominal area, e.g. "10 mN"')
     mean_gap: Annotated[float, quantity("m", "length", "50 nm"), Field(ge=0)] | None = Field(
         default=None, description='mean gap that is held, e.g. "50 nm"'

@@ -48,8 +48,12 @@ Settings = tuple[tuple[str, float | str], ...]
 class Gridded(Table):
     """Options of every method that solves on grids."""
 
-    grids: Annotated[Grids, Field(min_length=1)] = Field(description="surface points, e.g. [32, 64]")
-    tolerance: Annotated[Number, Field(gt=0, lt=1e-2)] = 1e-8
+    grids: Annotated[Grids, Field(min_length=1)] = Field(
+        description="surface points, e.g. [32, 64]; default: 4, 8 and 16 on the shortest wave, as affordable"
+    )
+    tolerance: Annotated[Number, Field(gt=0, lt=1e-2)] = Field(
+        default=1e-8, description="largest residual of the solution, e.g. 1e-6"
+    )
     under_resolved: StrictBool = Field(
         default=False, description="run grids with lambda_short <= 2 dx, labelled"
     )

@@ -34,7 +34,9 @@ _DOUBLED = 14 * 8
 class BemOptions(Gridded):
     """FFT boundary elements on these grids, each on `shifts`^2 sub-grid shifts of the surface."""
 
-    shifts: Annotated[StrictInt, Field(ge=1, le=8)] = 1
+    shifts: Annotated[StrictInt, Field(ge=1, le=8)] = Field(
+        default=1, description="positions of the surface below the grid along each axis, e.g. 2"
+    )
 
 
 class Bem(Solver):

@@ -20,7 +20,8 @@ from validation.errors import RunFailed, UsageError, did_you_mean
 from validation.report.quantities import labelled, quantity
 from validation.report.table import budget_table
 from validation.report.values import with_places
-from validation.scenes.scene import Scene, scene_problems
+from validation.scenes.mistakes import problems
+from validation.scenes.scene import Scene
 from validation.units import Table, unit_of, wrong
 
 if TYPE_CHECKING:
@@ -96,7 +97,7 @@ class StudyOptions(Table):
             said = {name: getattr(parsed, name) for name in parsed.model_fields_set}
             return cls.model_validate({**said, "scene": scene})
         except ValidationError as error:
-            raise UsageError("\n".join(_problems(error))) from None
+            raise UsageError("\n".join(problems(error, flags=True))) from None
 
     def record(self) -> dict[str, Any]:
         """Return what was asked, as JSON-ready data."""
@@ -153,8 +154,8 @@ class Study:
         try:
             return labelled(self.module.run(options, bench=bench))
         except ValidationError as error:
-            problems = "; ".join(scene_problems(error))
-            raise UsageError(f"study {self.name}: its options make no case: {problems}") from None
+            lines = "; ".join(problems(error))
+            raise UsageError(f"study {self.name}: its options make no case: {lines}") from None
         except (fem_errors.InvalidInput, persson_errors.InvalidInput, ArithmeticError) as error:
             raise UsageError(f"study {self.name}: {error}") from None
         except (fem_errors.FemContactError, persson_errors.PerssonError) as error:
@@ -255,20 +256,6 @@ def _pairs(arguments: Sequence[str], flags: Mapping[str, FieldInfo]) -> Iterator
                 raise UsageError(f"{flag}: needs a value, {_kind_words(flags[flag])}")
             text = waiting.pop(0)
         yield flag, text
-
-
-def _problems(error: ValidationError) -> Iterator[str]:
-    """Yield one line for each mistake: flag, value, what is allowed; a list with a wrong item is not also short."""
-    items = error.errors()
-    wrong = {item["loc"][0] for item in items if len(item["loc"]) > 1}
-    for item in items:
-        if len(item["loc"]) == 1 and item["loc"][0] in wrong:
-            continue
-        name = str(item["loc"][0]).replace("_", "-") if item["loc"] else ""
-        message = str(item["msg"]).replace("Input should be", "must be").replace("Value error, ", "")
-        value = item["input"]
-        said = ",".join(map(str, value)) if isinstance(value, list) and value else repr(value)
-        yield f"--{name} = {said}: {message}" if name else message
 
 
 def _bare(kind: Any) -> Any:

@@ -1,0 +1,120 @@
+"""The keys that a scene may have: unit, default, meaning and an example of each, read off its tables."""
+
+from __future__ import annotations
+
+import re
+import typing
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from validation.effects import effect_kinds
+from validation.scenes.quantities import QUANTITIES
+from validation.scenes.run_options import RunOptions
+from validation.scenes.tables import SURFACES, Ensemble, Load, SolidSpec, Title
+from validation.solvers import methods
+from validation.units import choices_of, example_of, unit_of
+
+__all__ = ["key_lines", "scene_keys", "scene_page"]
+
+_START = """# Keys of a scene
+
+A scene is a file in TOML: a surface, a solid, a load, and the methods that answer.
+`fem-contact scenes copy quickstart mine.toml` makes one to change, and `fem-contact explain mine.toml` says
+what it would run.
+
+This page lists every key. `fem-contact scenes keys WORD` searches it from a terminal.
+
+- A value with a unit is text: `length = "100 um"`. Plain numbers are in the SI unit that is named.
+- On the command line each key is set by `--set`: `--set solid.young='2 GPa'`. Its last word does where
+  only one key of the scene has it: `--set young='2 GPa'`.
+- What a scene does not list is not computed.
+"""
+
+_SWEEP = """
+## `[sweep]`: the same scene at several values
+
+Any key of surface, solid, load, methods, ensemble, effects and quantities, with a list of values:
+
+```toml
+[sweep]
+load.reduced_pressure = [0.01, 0.03, 0.1]
+effects.hardness.hardness = ["1 GPa", "2 GPa"]
+mode = "product"  # every value with every other; "zip" pairs them
+```
+"""
+
+
+def _tables(kind: object = None) -> Iterator[tuple[str, str, type[BaseModel]]]:
+    """Yield each table of a scene: its place in the names of keys, its head in a file, what it holds."""
+    yield "", "The file itself", Title
+    for name, table in SURFACES.items():
+        if kind == name or kind not in SURFACES:
+            yield "surface", f'`[surface]`, `kind = "{name}"`', table
+    yield from (("solid", "`[solid]`", SolidSpec), ("load", "`[load]`", Load))
+    for name, method in methods().items():
+        yield f"methods.{name}", f"`[methods.{name}]`", method.options
+    yield "ensemble", "`[ensemble]`", Ensemble
+    for name, effect in effect_kinds().items():
+        yield f"effects.{name}", f'`[[effects]]`, `kind = "{name}"`', effect
+    for name, quantity in QUANTITIES.items():
+        yield f"quantities.{name}", f"`[quantities.{name}]`", quantity
+    yield "run", "`[run]`", RunOptions
+
+
+def scene_keys(data: Mapping[str, Any]) -> dict[str, FieldInfo]:
+    """Return the keys that a scene may have, with what each means; an effect is named by its kind.
+
+    The kind of surface that `data`, the tables of a scene, say narrows the choice.
+    """
+    surface = data.get("surface")
+    kind = surface.get("kind") if isinstance(surface, dict) else None
+    keys: dict[str, FieldInfo] = {}
+    for place, _, table in _tables(kind if isinstance(kind, str) else None):
+        for name, info in table.model_fields.items():
+            if not (name == "kind" and place.startswith("effects.")):
+                keys.setdefault(f"{place}.{name}".lstrip("."), info)
+    return keys
+
+
+def _facts(info: FieldInfo) -> tuple[str, str]:
+    """Return of a key what it means with what it may be, and its default; its example stands elsewhere."""
+    meaning = re.sub(rf",? {re.escape(f'e.g. {example_of(info)}')}", "", info.description or "")
+    meaning, _, default = meaning.partition("; default: ")
+    choices, unit = choices_of(info), unit_of(info)
+    if unit != "1":
+        meaning += f" (plain numbers in {unit})"
+    elif len(choices) > 1:
+        meaning += f" ({' or '.join(choices)})"
+    if info.is_required():
+        return meaning, default or "required"
+    if info.default in (None, "", ()):
+        return meaning, default
+    return meaning, str(info.default).lower() if isinstance(info.default, bool) else str(info.default)
+
+
+def key_lines(word: str = "") -> Iterator[str]:
+    """Yield two lines for each key whose name or meaning has a word: its example, then what it means."""
+    for key, info in scene_keys({}).items():
+        meaning, default = _facts(info)
+        usual = f"; default: {default}" if default not in ("", "required") else ""
+        lines = f"{key} = {example_of(info)}", f"    {meaning}{usual}"
+        if word.lower() in "\n".join(lines).lower():
+            yield from lines
+
+
+def scene_page() -> str:
+    """Return docs/scene.md."""
+    lines = [_START]
+    for _, head, table in _tables():
+        first = typing.cast(str, table.__doc__).partition("\n\n")[0]
+        lines += [f"## {head}\n", f"{' '.join(first.split())}\n"]
+        lines += ["| key | meaning | default | example |", "|---|---|---|---|"]
+        for name, info in table.model_fields.items():
+            if name != "kind":
+                cells = f"`{name}`", *_facts(info), f"`{name} = {example_of(info)}`"
+                lines.append(f"| {' | '.join(cells)} |")
+        lines.append("")
+    return "\n".join(lines) + _SWEEP

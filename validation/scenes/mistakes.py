@@ -1,0 +1,93 @@
+"""Mistakes that pydantic finds in the table of a scene or the options of a study, each in one line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from validation.effects import effect_kinds
+from validation.effects.base import effect_key
+from validation.scenes.keys import scene_keys
+from validation.scenes.tables import SURFACES
+from validation.units import allowed, brief
+
+__all__ = ["problems"]
+
+
+def problems(error: ValidationError, *, flags: bool = False) -> list[str]:
+    """List one line for each mistake: key = value: what is allowed.
+
+    An array with a wrong item is not also called too short. With `flags` the keys are options of a command.
+    """
+    items = error.errors()
+    within = {item["loc"][:depth] for item in items for depth in range(len(item["loc"]))}
+    each = _once(item for item in items if item["loc"] not in within)
+    return [_option_problem(item) if flags else _problem(item) for item in each]
+
+
+def _once(items: Iterable[Any]) -> Iterator[Any]:
+    """Yield mistakes; one of a value that stands for several items of an array is told of the array."""
+    alike: dict[tuple[Any, ...], list[Any]] = {}
+    for item in items:
+        *array, last = item["loc"] or ("",)
+        place = (*array, last if isinstance(last, str) else None)
+        alike.setdefault((place, item["msg"], brief(item["input"])), []).append(item)
+    for first, *others in alike.values():
+        yield {**first, "loc": first["loc"][:-1]} if others else first
+
+
+def _option_problem(item: Any) -> str:
+    """One line for one error of the options of a study."""
+    value, location = item["input"], item["loc"]
+    given = ",".join(map(str, value)) if isinstance(value, list) and value else brief(value)
+    flag = f"--{str(location[0]).replace('_', '-')} = {given}: " if location else ""
+    return f"{flag}{allowed(item)}"
+
+
+#: Values of `kind`, and all that stands in pydantic's locations without being a key.
+_KINDS: dict[str, Mapping[str, Any]] = {"surface": SURFACES, "effects": effect_kinds()}
+_TAGS = {*SURFACES, *effect_kinds(), "one", "several"}
+
+
+def _keys(location: tuple[str | int, ...]) -> list[str]:
+    """Keys that lead to a mistake, as the file has them."""
+    parts = [str(part) for part in location]
+    place = {"surface": 1, "effects": 2, "load": 2}.get(parts[0] if parts else "", len(parts))
+    return parts[:place] + [part for k, part in enumerate(parts[place:]) if k or part not in _TAGS]
+
+
+def _written(location: list[str]) -> str:
+    """Write the keys that lead to a mistake for a reader, who counts from one.
+
+    >>> _written(["effects", "0", "hardness"]), _written(["methods", "bem", "grids", "1"])
+    ('[[effects]] 1 hardness', 'methods.bem.grids (item 2)')
+    """
+    if len(location) > 1 and location[0] == "effects" and location[1].isdigit():
+        return effect_key(int(location[1]), _written(location[2:])).rstrip()
+    if location and location[-1].isdigit():
+        return f"{_written(location[:-1])} (item {int(location[-1]) + 1})"
+    return ".".join(location)
+
+
+def _problem(item: Any) -> str:
+    """One line for one error of the schema: key = value: what is allowed."""
+    location = _keys(item["loc"])
+    key, kind, value = _written(location), _written([*location, "kind"]), item["input"]
+    if item["type"] == "missing":
+        surface, *tags = [str(part) for part in item["loc"]][:2]
+        keys = scene_keys({"surface": {"kind": tags[0]}} if surface == "surface" and tags else {})
+        effect = [str(part) for part in item["loc"] if location[0] == "effects" and part in effect_kinds()]
+        full = ".".join(["effects", *effect[:1], location[-1]] if effect else location)
+        info = next((keys[name] for name in keys if name == full or name.endswith(f".{full}")), None)
+        named = (info and info.description) or f"the table [{'.'.join(location)}] is required"
+        return f"{key}: missing; {named}"
+    if item["type"] == "union_tag_not_found":
+        named = ", ".join(repr(kind) for kind in sorted(_KINDS[location[0]]))
+        return f"{kind}: missing; one of {named}"
+    if item["type"] == "union_tag_invalid":
+        return f"{kind} = {brief(value.get('kind'))}: must be one of {item['ctx']['expected_tags']}"
+    if isinstance(value, (dict, BaseModel)):
+        return f"{key}: {allowed(item)}" if key else allowed(item)
+    return f"{key} = {brief(value)}: {allowed(item)}"
