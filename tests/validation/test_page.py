@@ -246,7 +246,11 @@ def test_a_bar_ends_full_and_counts(monkeypatch):
             bar.done(job)
         (task,) = bar._progress.tasks
         assert task.percentage == 100
-        assert task.fields["count"] == "3 of 3"
+        assert task.fields["count"] == "3 of 3 solved,"
+        assert task.description.startswith("writing")
+        bar.start((), 5)
+        (task,) = bar._progress.tasks
+        assert (task.percentage, task.fields["count"]) == (100, "all 5 solves found finished,")
 
 
 @pytest.mark.parametrize(("range_", "plain"), [((1, 30), True), ((0.02, 200), False), ((2e-9, 5e-9), False)])

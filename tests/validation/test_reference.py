@@ -112,7 +112,7 @@ def test_beside_a_cell_that_was_not_made_it_refuses_and_elsewhere_does_not_mind(
 def test_each_kind_of_amplitudes_and_of_gradient_has_its_own_numbers(planted):
     asked = {"hurst": 0.1, "bandwidth": 8.0, "reduced_pressure": 0.1}
     plain, by_spectrum = reference.lookup(**asked), reference.lookup(**asked, gradient="spectrum")
-    assert list(by_spectrum) == ["area"]
+    assert list(by_spectrum) == ["area", "kappa"]
     assert "area_by_spectrum" not in plain
     assert by_spectrum["area"].value == pytest.approx(0.97 * plain["area"].value, rel=1e-12)
     assert by_spectrum["area"].uncertainty == pytest.approx(0.006 * plain["area"].value, rel=1e-6)
@@ -122,10 +122,12 @@ def test_each_kind_of_amplitudes_and_of_gradient_has_its_own_numbers(planted):
         reference.lookup(**asked | {"hurst": 0.5}, amplitudes="gaussian")
     with pytest.raises(UsageError, match=r"gradient = 'profile': must be one of surface, spectrum"):
         reference.lookup(**asked, gradient="profile")
-    told = ["reference", "--hurst", "0.1", "--ratio", "8", "--pressure", "0.1", "--json"]
+    told = ["reference", "--hurst", "0.1", "--ratio", "8", "--reduced-pressure", "0.1", "--json"]
     told += ["--amplitudes", "gaussian", "--gradient", "spectrum"]
-    (one,) = json.loads(CliRunner().invoke(app, told).output).values()
-    assert one["value"] == pytest.approx(1.02 * by_spectrum["area"].value, rel=1e-12)
+    area, kappa = json.loads(CliRunner().invoke(app, told).output).values()
+    assert area["value"] == pytest.approx(1.02 * by_spectrum["area"].value, rel=1e-12)
+    assert kappa["value"] == pytest.approx(10 * area["value"], rel=1e-12)
+    assert area["persson"] == pytest.approx(erf(2**0.5 * 0.1), rel=1e-12)
 
 
 def test_between_two_nodes_the_distance_from_the_nearer_one_is_uncertain(planted):
@@ -206,13 +208,19 @@ def test_the_size_of_the_sample_is_the_change_that_is_seen_or_the_least_that_wou
 
 
 def test_the_command_prints_what_is_looked_up(planted):
-    asked = ["reference", "--hurst", "0.8", "--ratio", "8", "--pressure", "0.05"]
+    asked = ["reference", "--hurst", "0.8", "--ratio", "8", "--reduced-pressure", "0.05"]
     found = reference.lookup(hurst=0.8, bandwidth=8.0, reduced_pressure=0.05)
     told = CliRunner().invoke(app, asked)
     assert told.exit_code == 0
     assert f"{found['area'].value:.3f}"[:5] in told.output
     data = json.loads(CliRunner().invoke(app, [*asked, "--json"]).output)
     assert data["area"]["value"] == found["area"].value
+    old = CliRunner().invoke(app, [*asked[:-2], "--pressure", "0.05"])
+    assert old.exit_code == 2
+    assert "--reduced-pressure" in old.output
+    theory = reference.persson_theory(hurst=0.8, bandwidth=8.0, reduced_pressure=20.0)
+    assert theory["energy_ratio"] == pytest.approx(1, rel=1e-9)
+    assert (theory["gap"], theory["compliance"]) == pytest.approx((0, 0), abs=1e-9)
 
 
 def test_the_table_that_is_shipped_is_whole_and_says_how_it_was_made():

@@ -24,10 +24,12 @@ def audit(
     folder: Annotated[
         Path, typer.Argument(metavar="DIR", help="Results folder of a run, a sweep or a study.")
     ],
-    list_all: Annotated[bool, typer.Option("--list", help="Name the numbers that agree, too.")] = False,
+    list_all: Annotated[
+        bool, typer.Option("--list", metavar="", help="Name the numbers that agree, too.")
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Compute every number of a run or study again from its stored fields, by other code. Solves nothing.
+    """Compute every number of a result again from its fields, by other code.
 
     Tables, JSON, sentences, the page and the data of its figures are compared with what the fields say by
     definition; what is not computed again is listed. Exits with 1 where a number disagrees.

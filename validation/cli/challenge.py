@@ -7,26 +7,27 @@ from typing import Annotated
 
 import typer
 
-from validation.cli.options import JsonOption, say, stopping_cleanly
+from validation.cli.options import JsonOption, examples, say, stopping_cleanly
 
 __all__ = ["challenge_app"]
 
-challenge_app = typer.Typer(
-    no_args_is_help=True, help="Score a solver in any language by files: problems out, pressures back."
-)
+challenge_app = typer.Typer(no_args_is_help=True)
 
 
-@challenge_app.command(epilog="Example: fem-contact challenge export mine")
+@challenge_app.command(epilog=examples("fem-contact challenge export mine"))
 def export(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder to write the problems into.")],
     points: Annotated[
-        int, typer.Option("--points", min=16, max=128, help="Along a side of the coarsest grids.")
+        int, typer.Option(metavar="N", min=16, max=128, help="Along a side of the coarsest grids.")
     ] = 16,
     tolerance: Annotated[
-        float, typer.Option("--tolerance", min=1e-12, max=1e-2, help="Of the residuals.")
+        float, typer.Option(metavar="T", min=1e-12, max=1e-2, help="Largest residual.")
     ] = 1e-6,
 ) -> None:
-    """Write numbered problems: heights as .npy and text, every parameter with its unit, what to return."""
+    """Write numbered problems, and what to return for each.
+
+    Heights as .npy and text, every parameter with its unit.
+    """
     from validation.cases.scorecard.challenge import export as write
     from validation.files import prepare_folder
 
@@ -37,7 +38,7 @@ def export(
     )
 
 
-@challenge_app.command(epilog="Example: fem-contact challenge score mine")
+@challenge_app.command(epilog=examples("fem-contact challenge score mine"))
 def score(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of problems, with answers to some.")],
     as_json: JsonOption = False,

@@ -20,22 +20,24 @@ def compare(
     ],
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="Folder of the comparison. Default: results/compare-A-B."),
+        typer.Option("--output", "-o", metavar="DIR", help="Default: results/compare-A-B."),
     ] = None,
     with_report: ReportOption = True,
     as_json: JsonOption = False,
 ) -> None:
-    """Put several runs, sweeps or studies on one page: what differs, and by how many uncertainties.
+    """Put finished runs or studies side by side: what differs, and by how much.
 
-    Read from results folders; solves nothing. The first folder is what the others are compared with. Runs
+    Differences are told in uncertainties. The first folder is what the others are compared with. Runs
     are compared with runs, sweeps with sweeps, and a study with the same study of other options.
     """
+    from validation.cli.progress import under_way
     from validation.cli.results import print_page
     from validation.comparison.compare import compare_folders
 
     names = "-".join(re.sub(r"[^A-Za-z0-9._-]", "-", folder.resolve().name) for folder in folders)
     target = output or Path("results") / f"compare-{names[:80]}"
-    page, files = compare_folders(folders, target, report=with_report)
+    with under_way("comparing, drawing figures", quiet=as_json):
+        page, files = compare_folders(folders, target, report=with_report)
     if as_json:
         typer.echo(json.dumps(page.summary, indent=2))
         return

@@ -38,16 +38,19 @@ __all__ = [
     "WorkersOption",
     "chosen_accuracy",
     "chosen_execution",
+    "examples",
+    "key_names",
     "naming",
     "print_plan",
     "say",
+    "scene_names",
     "show",
     "stopping_cleanly",
     "terminal_width",
 ]
 
 
-def _scene_names(incomplete: str) -> list[str]:
+def scene_names(incomplete: str) -> list[str]:
     """Complete the name of a scene: built-in ones, and TOML files of the folder."""
     from validation.scenes.scene import builtin_scenes
 
@@ -55,97 +58,107 @@ def _scene_names(incomplete: str) -> list[str]:
     return [name for name in (*builtin_scenes(), *files) if name.startswith(incomplete)]
 
 
-def _key_names(incomplete: str) -> list[str]:
+def key_names(incomplete: str) -> list[str]:
     """Complete a key of a scene."""
     from validation.scenes.keys import scene_keys
 
     return [f"{key}=" for key in scene_keys({}) if key.startswith(incomplete)]
 
 
+def examples(*lines: str) -> str:
+    """Return what stands below a help text: each example on a line of its own."""
+    return "\n\n".join(("Examples:" if len(lines) > 1 else "Example:", *lines))
+
+
+def _option(*names: str, words: str, metavar: str = "", **more: Any) -> Any:
+    """Return an option; without a metavar a flag. Types and defaults would leave no room for words."""
+    return typer.Option(*names, metavar=metavar, help=words, show_default=False, **more)
+
+
+_HOW: Any = {"rich_help_panel": "Where and how to run"}
+_FILES: Any = {"rich_help_panel": "What is written"}
+
 SceneArgument = Annotated[
     str,
-    typer.Argument(
-        metavar="SCENE", help="A built-in scene by name, or a TOML file.", autocompletion=_scene_names
-    ),
+    typer.Argument(metavar="SCENE", help="A built-in scene, or a TOML file.", autocompletion=scene_names),
 ]
 SetOption = Annotated[
     list[str] | None,
-    typer.Option(
+    _option(
         "--set",
         metavar="KEY=VALUE",
-        autocompletion=_key_names,
-        help="Set a key of the scene, e.g. solid.young='2 GPa' or sweep.seed=[7,8]; may be given "
-        "several times.",
+        autocompletion=key_names,
+        words="Set a key of the scene, such as solid.young='2 GPa'. May be given several times; scenes keys "
+        "lists the keys.",
     ),
 ]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for scripts instead of tables.")]
+JsonOption = Annotated[bool, _option("--json", words="Print JSON for scripts.")]
 OutputOption = Annotated[
-    Path | None, typer.Option("--output", "-o", help="Results folder. Default: results/<name>.")
+    Path | None, _option("--output", "-o", metavar="DIR", words="Default: results/NAME.", **_FILES)
 ]
 StoreOption = Annotated[
     Path | None,
-    typer.Option(
+    _option(
         "--store",
+        metavar="DIR",
         envvar="FEM_CONTACT_STORE",
-        help="Folder of finished solves, which runs and studies may share.",
+        words="Finished solves, which runs and studies may share.",
+        **_FILES,
     ),
 ]
 WorkersOption = Annotated[
     int | None,
-    typer.Option(
-        "--workers", "-w", min=1, help="Local processes of one thread each. Default: none but this one."
-    ),
+    _option("--workers", "-w", metavar="N", min=1, words="Local processes of one thread each.", **_HOW),
 ]
 SchedulerOption = Annotated[
     str | None,
-    typer.Option(
+    _option(
         "--scheduler",
+        metavar="URL",
         envvar="FEM_CONTACT_SCHEDULER",
-        help="Dask scheduler to run on, e.g. tcp://host:8786; one that you trust.",
+        words="Dask scheduler that you trust, such as tcp://host:8786.",
+        **_HOW,
     ),
 ]
 MemoryOption = Annotated[
     str | None,
-    typer.Option("--memory", help='Memory for all solves together, e.g. "4 GiB". Default: what is free.'),
+    _option("--memory", metavar="SIZE", words='For all solves, such as "4 GiB"; else what is free.', **_HOW),
 ]
 MpiOption = Annotated[
     bool,
-    typer.Option(
+    _option(
         "--mpi",
-        help="Under mpiexec: boundary elements alone, each solve shared out over all processes, into "
-        "results/NAME/mpi.",
+        words="Under mpiexec: boundary elements alone, each solve on all processes, into results/NAME/mpi.",
+        **_HOW,
     ),
 ]
 AccuracyOption = Annotated[
     str | None,
-    typer.Option(
+    _option(
         "--accuracy",
         metavar="SHARE",
-        help="Choose grids, tolerance and number of surfaces for this error of A/A0 (95 %), e.g. 1% or 0.01; "
-        "results in results/NAME-accuracy.",
+        words="Choose grids, tolerance and number of surfaces for this error of A/A0 (95 %), such as 1%; "
+        "into results/NAME-accuracy.",
     ),
 ]
 TimeLimitOption = Annotated[
     str | None,
-    typer.Option("--time-limit", help='With --accuracy: what solving may take, e.g. "10 min".'),
+    _option("--time-limit", metavar="TIME", words='With --accuracy: for all solves, such as "10 min".'),
 ]
-DryRunOption = Annotated[
-    bool, typer.Option("--dry-run", help="List the solves with predicted time and memory; do none.")
-]
+DryRunOption = Annotated[bool, _option("--dry-run", words="Say what would be solved, and its cost.")]
 PicturesOption = Annotated[
     bool | None,
-    typer.Option(
-        "--pictures/--no-pictures",
-        help="3-D pictures in the report, which take seconds; none if not asked for.",
-    ),
+    _option("--pictures/--no-pictures", words="3-D pictures in the report, which take seconds.", **_FILES),
 ]
 ReportOption = Annotated[
     bool,
-    typer.Option(
-        "--report/--no-report", help="Figures and report, which fem-contact report DIR can make later, too."
+    _option(
+        "--report/--no-report",
+        words="Figures and report, or tables alone; fem-contact report DIR makes them later.",
+        **_FILES,
     ),
 ]
-QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar; for logs.")]
+QuietOption = Annotated[bool, _option("--quiet", "-q", words="No progress bar.")]
 
 
 @contextlib.contextmanager
@@ -206,10 +219,12 @@ def stopping_cleanly() -> Iterator[None]:
         raise typer.Exit(130) from None
 
 
-def print_plan(solves: Sequence[Solve], store: Store, *, as_json: bool) -> None:
-    """Print every solve with its predicted cost and whether it is finished."""
-    from rich.table import Table
+#: Groups of a plan that are listed; the cheaper ones stand together in one line.
+_MOST_GROUPS = 6
 
+
+def print_plan(solves: Sequence[Solve], store: Store, *, as_json: bool) -> None:
+    """Print what would be solved in a few lines, alike solves together; for scripts each one."""
     from validation.execution.cost import transform_seconds
 
     pair = transform_seconds()
@@ -222,19 +237,31 @@ def print_plan(solves: Sequence[Solve], store: Store, *, as_json: bool) -> None:
     if as_json:
         typer.echo(json.dumps(rows, indent=2))
         return
-    table = Table(title="What would be solved")
-    for column in ("solve", "seconds", "peak MiB", "unknowns", "stored"):
-        table.add_column(column, justify="left" if column == "solve" else "right")
+    groups: dict[str, list[dict[str, Any]]] = {}
     for row in rows:
-        numbers = f"{row['seconds']:.2g}", f"{row['peak_bytes'] / 2**20:.3g}", f"{row['unknowns']:,}"
-        table.add_row(row["solve"], *numbers, "yes" if row["stored"] else "no")
-    show(table)
+        groups.setdefault(row["solve"].partition(",")[0], []).append(row)
+    listed = sorted(groups.items(), key=lambda group: -sum(row["seconds"] for row in group[1]))
+    rest = [row for _, group in listed[_MOST_GROUPS:] for row in group]
+    if rest:
+        listed[_MOST_GROUPS:] = [(f"{len(listed) - _MOST_GROUPS} kinds of cheaper ones", rest)]
+    lines = [(f"{'each kind of solve, the dearest first':46s}", "solves", "stored", "seconds", "MiB")]
+    lines += [
+        (
+            f"{name[:46]:46s}",
+            str(len(group)),
+            str(sum(row["stored"] for row in group)),
+            f"{sum(row['seconds'] for row in group):.2g}",
+            f"{max(row['peak_bytes'] for row in group) / 2**20:.3g}",
+        )
+        for name, group in listed
+    ]
+    for name, *numbers in lines:
+        show(name + "".join(f"{number:>8s}" for number in numbers))
     todo = [row for row in rows if not row["stored"]]
     seconds = sum(row["seconds"] for row in todo)
-    largest = max((row["peak_bytes"] for row in todo), default=0) / 2**20
     show(
-        f"{len(todo)} of {len(rows)} solves are to be done: about {seconds:.2g} s one "
-        f"after the other, {largest:.3g} MiB for the largest (meant to be right within a factor of 2)."
+        f"{len(todo)} of {len(rows)} solves are to be done, in about {seconds:.2g} s one after the "
+        "other (right within a factor of 2)."
     )
 
 

@@ -12,10 +12,12 @@ from validation.errors import harmless
 if TYPE_CHECKING:
     from validation.execution.solve import Solve
 
-__all__ = ["Bar", "steps_bar"]
+__all__ = ["Bar", "under_way"]
 
 #: Seconds between two lines of a log.
 _BETWEEN_LINES = 10.0
+#: What is under way when nothing is left to be solved.
+_AFTER = "writing numbers, figures, report"
 
 
 class Bar:
@@ -52,6 +54,8 @@ class Bar:
 
     def __exit__(self, *exc: object) -> None:
         if self._progress.tasks and not self._progress.disable:  # rich ends a bar nobody saw with a line
+            for task in self._progress.tasks:
+                self._progress.update(task.id, description="all is written" if task.finished else "stopped")
             self._progress.stop()
 
     def start(self, missing: tuple[Solve, ...], stored: int) -> None:
@@ -63,9 +67,10 @@ class Bar:
         self._progress.start()
         for task in self._progress.task_ids:  # a study solves in several rounds: one bar for each
             self._progress.remove_task(task)
-        self._task = self._progress.add_task(
-            f"{stored} solves found finished", total=total, count=f"0 of {len(missing)}"
-        )
+        count = f"0 of {len(missing)}" if missing else f"all {stored} solves found finished,"
+        self._task = self._progress.add_task("getting ready" if missing else _AFTER, total=total, count=count)
+        if not missing:
+            self._progress.update(self._task, total=1, completed=1)
 
     def begin(self, solve: Solve) -> None:
         """Name the solve under way."""
@@ -78,7 +83,7 @@ class Bar:
         words = f"{self._done} of {count}"
         if self._done == count:
             whole = sum(self._weights.values())
-            self._progress.update(self._task, completed=whole, count=words, description="solved")
+            self._progress.update(self._task, completed=whole, count=f"{words} solved,", description=_AFTER)
         else:
             self._progress.update(self._task, advance=self._weights[solve.key], count=words)
         if self._logs and (self._done in (1, count) or time.monotonic() - self._told > _BETWEEN_LINES):
@@ -91,21 +96,13 @@ class Bar:
 
 
 @contextlib.contextmanager
-def steps_bar(count: int | None, *, quiet: bool) -> Iterator[Callable[[str], None]]:
-    """Progress bar over named steps; yields what is to be called before each."""
+def under_way(what: str, *, quiet: bool) -> Iterator[Callable[[str], None]]:
+    """Say on a terminal what is under way; yields what says the next."""
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    columns = (TextColumn("{task.description:.60}", markup=False), BarColumn(), TimeElapsedColumn())
-    if quiet:
-        yield lambda name: None
+    console = Console(stderr=True, highlight=False)
+    if quiet or not console.is_terminal:
+        yield lambda step: None
         return
-    with Progress(*columns, console=Console(stderr=True)) as progress:
-        task = progress.add_task("", total=count, completed=-1)
-
-        def tell(name: str) -> None:
-            progress.update(task, advance=1, description=name)
-
-        yield tell
-        if count is not None:
-            progress.update(task, completed=count)
+    with console.status(harmless(what)) as status:
+        yield lambda step: status.update(harmless(step))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from validation.cli.options import JsonOption, say, show, stopping_cleanly
+from validation.cli.options import JsonOption, examples, say, show, stopping_cleanly
 from validation.errors import RunFailed, UsageError
 
 if TYPE_CHECKING:
@@ -16,24 +16,28 @@ if TYPE_CHECKING:
 
 __all__ = ["store_app"]
 
-store_app = typer.Typer(no_args_is_help=True, help="Stored solves: verify them, list them.")
+store_app = typer.Typer(no_args_is_help=True)
 
 
 @store_app.command(
-    epilog="Examples: fem-contact store check results/solves  |  fem-contact store check results/quickstart "
-    "--set-aside"
+    epilog=examples(
+        "fem-contact store check results/solves", "fem-contact store check results/mine --set-aside"
+    )
 )
 def check(
     folder: Annotated[
         Path, typer.Argument(metavar="DIR", help="Folder of finished solves, or the results of a run.")
     ],
-    list_all: Annotated[bool, typer.Option("--list", help="Name the intact ones, too.")] = False,
+    list_all: Annotated[bool, typer.Option("--list", metavar="", help="Name the intact ones, too.")] = False,
     set_aside: Annotated[
-        bool, typer.Option("--set-aside", help="Rename damaged files to *.corrupt; a run then repeats them.")
+        bool,
+        typer.Option(
+            "--set-aside", metavar="", help="Rename damaged files to *.corrupt; the next run repeats them."
+        ),
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Verify every stored solve: its SHA-256, and that it is the result its name says. Solves nothing.
+    """Verify every stored solve: its SHA-256, and that it is what its name says.
 
     Exits with 1 where a file is damaged and not set aside, or cannot be read.
     """

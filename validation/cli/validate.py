@@ -25,30 +25,32 @@ def validate(
         list[str] | None, typer.Argument(metavar="CASE", help="Cases to run; all if not given.")
     ] = None,
     quick: Annotated[
-        bool, typer.Option("--quick", help="Only what takes seconds; under three minutes.")
+        bool, typer.Option("--quick", metavar="", help="Only what takes seconds; under three minutes.")
     ] = False,
-    list_all: Annotated[bool, typer.Option("--list", help="Name the cases and their claims.")] = False,
+    list_all: Annotated[
+        bool, typer.Option("--list", metavar="", help="Name the cases and their claims.")
+    ] = False,
     method: Annotated[
         list[str] | None,
         typer.Option(
-            "--method", metavar="NAME", help="Score this solver: a method, or module:function of your own."
+            "--method", metavar="NAME", help="Score this solver: a method, or a module:function of yours."
         ),
     ] = None,
     seconds: Annotated[
         float,
-        typer.Option("--seconds", min=1.0, help="Time all solves of a solver may take, with --method."),
+        typer.Option("--seconds", metavar="S", min=1.0, help="With --method: for all solves of a solver."),
     ] = 300.0,
     tolerance: Annotated[
-        float, typer.Option("--tolerance", min=1e-12, max=1e-2, help="Of the residuals, with --method.")
+        float, typer.Option(metavar="T", min=1e-12, max=1e-2, help="With --method: largest residual.")
     ] = 1e-6,
     output: OutputOption = None,
     with_report: ReportOption = True,
     as_json: JsonOption = False,
 ) -> None:
-    """Check every case with a known answer; exit with 1 if any fails.
+    """Check every case with a known answer; score a solver.
 
-    The verdicts go to results/validation. With --method, a scorecard of that solver is written instead;
-    further ones stand beside the first.
+    Exits with 1 if a case fails. The verdicts go to results/validation. With --method, a scorecard of that
+    solver is written instead; further ones stand beside the first.
     """
     from validation.cases import chosen_cases, run_cases
     from validation.cases._result import write_claims
@@ -136,19 +138,21 @@ def show_scorecards(cards: Sequence[Scorecard], files: Iterable[Path], *, as_jso
 
 def reproduce(
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Folder for figures and claims.")
+        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: results/persson-2006.")
     ] = None,
-    figures: Annotated[bool, typer.Option("--figures/--no-figures", help="Draw the figures, too.")] = True,
+    figures: Annotated[
+        bool, typer.Option("--figures/--no-figures", metavar="", help="Draw the figures, too.")
+    ] = True,
     quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Recompute Persson (2006), and say what holds.
+    """Compute the numbers of Persson (2006) again, and say which hold.
 
     Covers the calculated figures and the numbers stated in the text: spectra, area, hardness, adhesion,
     tire rim, PMMA, Pyrex. Claims of one system are judged under one set of conventions. Measured figures,
     rubber friction and the cost of solvers have no row; the report says why.
     """
-    from validation.cli.progress import steps_bar
+    from validation.cli.progress import under_way
     from validation.cli.results import print_page
     from validation.files import prepare_folder
     from validation.paper import reproduce as reproduction
@@ -156,7 +160,7 @@ def reproduce(
     folder = prepare_folder(output or Path("results") / "persson-2006")
     with (
         stopping_cleanly(),
-        steps_bar(reproduction.steps() if figures else None, quiet=quiet or as_json) as tell,
+        under_way("the numbers of the paper", quiet=quiet or as_json) as tell,
     ):
         page, files = reproduction.run(folder, figures=figures, progress=tell)
     if as_json:

@@ -15,14 +15,9 @@ from validation.paper.page import paper_dataset, paper_page
 from validation.paper.table import APPLICATIONS
 from validation.report.page import Page, write_page
 
-__all__ = ["KIND", "report", "run", "steps"]
+__all__ = ["KIND", "report", "run"]
 
 KIND = "paper"
-
-
-def steps() -> int:
-    """Count the times `run` reports progress."""
-    return len(FIGURES) + sum(len(application.claims) for application in APPLICATIONS)
 
 
 def run(

@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib import resources
 from typing import TYPE_CHECKING
 
+from persson import elastic, separation
+from persson.scale import Scale
+from persson.spectrum import SelfAffine
 from validation.errors import UsageError
 from validation.reference.interpolation import ReferenceValue, interpolated
+from validation.report.quantities import quantity
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["ReferenceValue", "lookup", "table"]
+__all__ = ["ReferenceValue", "lookup", "persson_theory", "table"]
 
 _QUANTITIES = ("area", "gap", "compliance", "energy_ratio", "density_slope", "patch_density")
+#: p* at which the theory has full contact.
+_FULL = 1e3
 _AMPLITUDES, _GRADIENTS = ("exact", "gaussian"), ("surface", "spectrum")
 
 
@@ -60,8 +67,8 @@ def lookup(
     Returns
     -------
     mapping of str to ReferenceValue
-        By quantity: area, gap, compliance, energy_ratio, density_slope, patch_density; the area alone by the
-        gradient of C(q).
+        By quantity: area, kappa, gap, compliance, energy_ratio, density_slope, patch_density; area and kappa
+        alone by the gradient of C(q).
 
     Raises
     ------
@@ -81,9 +88,41 @@ def lookup(
     names = [name for name in _QUANTITIES if f"{name}_error" in data.data_vars]
     asked = {"hurst": hurst, "bandwidth": bandwidth, "reduced_pressure": reduced_pressure}
     try:
-        return {name: interpolated(data, name, asked) for name in names}
+        values = {name: interpolated(data, name, asked) for name in names}
     except UsageError as error:
         raise UsageError(f"{error} (amplitudes = {amplitudes})") from None
+    area = values.pop("area")
+    kappa = replace(
+        area,
+        quantity="kappa",
+        meaning=quantity("kappa").meaning,
+        value=area.value / reduced_pressure,
+        uncertainty=area.uncertainty / reduced_pressure,
+        interpolation=area.interpolation / reduced_pressure,
+    )
+    return {"area": area, "kappa": kappa, **values}
+
+
+def persson_theory(*, hurst: float, bandwidth: float, reduced_pressure: float) -> Mapping[str, float]:
+    """Return what Persson's theory says of the quantities of the table, for the same C(q), and of kappa.
+
+    Examples
+    --------
+    >>> persson_theory(hurst=0.8, bandwidth=8, reduced_pressure=1e-3)["kappa"]  # (8/pi)^(1/2)
+    1.595...
+    """
+    spectrum = SelfAffine.from_rms_gradient(1.0, hurst=hurst, q_long=1.0, q_short=bandwidth)
+    scale = Scale(spectrum=spectrum, contact_modulus=1.0)
+    height, kappa = float(spectrum.m0()) ** 0.5, float(elastic.persson_kappa(reduced_pressure))
+    stored, full = (float(separation.elastic_energy(p, scale=scale)) for p in (reduced_pressure, _FULL))
+    stiffness = float(separation.contact_stiffness(reduced_pressure, scale=scale))
+    return {
+        "area": kappa * reduced_pressure,
+        "kappa": kappa,
+        "gap": float(separation.mean_separation(reduced_pressure, scale=scale)) / height,
+        "compliance": reduced_pressure / (stiffness * height),
+        "energy_ratio": stored / full,
+    }
 
 
 def _columns(data: xr.Dataset, amplitudes: str, gradient: str) -> xr.Dataset:

@@ -30,7 +30,45 @@ if TYPE_CHECKING:
 
     from validation.execution.bench import Bench
 
-__all__ = ["Study", "StudyOptions", "find_study", "run", "studies"]
+__all__ = ["GROUPS", "Study", "StudyOptions", "find_study", "run", "studies"]
+
+#: The studies that come with the package, in groups: what each gives in one line.
+GROUPS: Mapping[str, Mapping[str, str]] = {
+    "How large is the contact?": {
+        "area": "contact area against the load, every field kept",
+        "pressure": "area, gap, stiffness, energy, patches over the load",
+        "hurst": "kappa = (A/A0)/p* against the Hurst exponent",
+        "magnification": "contact area as shorter and shorter waves are added",
+        "archard": "bumps on bumps: does area grow as the load does?",
+        "macroasperities": "patches of contact, and where contact percolates",
+        "reference": "the table that fem-contact reference looks up",
+    },
+    "How good is Persson's theory?": {
+        "theory-verdict": "the theory and its variants, quantity by quantity",
+        "autopsy": "which terms of its diffusion equation fail, and where",
+        "stress-near-zero": "does P(sigma) vanish at sigma = 0, with which slope?",
+        "energy": "energy, gap and stiffness beside every theory",
+        "heights": "are heights Gaussian, and does it decide the contact?",
+        "graded": "the modulus that a wave feels, against the exact one",
+    },
+    "What else acts in a contact?": {
+        "adhesion": "how much attraction enlarges the contact",
+        "adhesive-magnification": "adhesive contact as shorter waves are added",
+        "hardness": "how much of the contact has yielded",
+        "conductance": "conductance and stiffness, from light to full contact",
+        "leak": "does the gap percolate, how much leaks through it?",
+        "sliding": "friction and contact area on rubber over the velocity",
+        "large-slope": "up to which slope does linear theory hold?",
+    },
+    "How far can the numbers be trusted?": {
+        "refinement": "what a grid overestimates, and what is left of it",
+        "cross": "do solvers agree, the better the finer the grid?",
+        "depth": "how deep a block must be, and which elements it takes",
+        "stability": "how far each method can be pushed before it breaks",
+        "accuracy-cost": "what each digit of the contact area costs",
+        "scaling": "time and memory of one more decade of lengths",
+    },
+}
 
 
 @cache

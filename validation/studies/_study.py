@@ -111,12 +111,14 @@ class StudyOptions(Table):
     def help_lines(cls) -> Iterator[str]:
         """Yield two lines for each option: flag, kind and default; what it means."""
         for flag, field in cls.flags().items():
-            default = _default_words(field.default)
-            said = "may be left out" if default is None else f"default: {default}"
-            unit = _unit_of(field)
-            kind = _kind_words(field) + ("" if unit == "1" else f" in {unit}, or with a unit")
-            off = f", {flag.replace('--', '--no-', 1)}" if field.annotation is bool else ""
-            yield f"    {flag} {kind}{off} ({said})"
+            if field.annotation is bool:
+                off = flag.replace("--", "--no-", 1)
+                yield f"    {flag}, {off} (default: {flag if field.default else off})"
+            else:
+                default, unit = _default_words(field.default), _unit_of(field)
+                about = "may be left out" if default is None else f"default: {default}"
+                kind = _kind_words(field) + ("" if unit == "1" else f" in {unit}, or with a unit")
+                yield f"    {flag} {kind} ({about})"
             yield f"        {field.description}"
 
 
@@ -244,9 +246,10 @@ def _pairs(arguments: Sequence[str], flags: Mapping[str, FieldInfo]) -> Iterator
     waiting = list(arguments)
     while waiting:
         flag, equals, text = waiting.pop(0).partition("=")
-        plain = flag.replace("--no-", "--", 1)
-        if not equals and plain != flag and plain in flags and flags[plain].annotation is bool:
-            yield plain, "false"
+        plain = flag if flag in flags else flag.replace("--no-", "--", 1)
+        if not equals and plain in flags and flags[plain].annotation is bool:
+            named = plain == flag and waiting and waiting[0] in ("true", "false")
+            yield plain, waiting.pop(0) if named else str(plain == flag)
             continue
         if flag not in flags:
             hint = did_you_mean(flag, flags)
@@ -266,7 +269,7 @@ def _bare(kind: Any) -> Any:
 
 def _kind_words(field: FieldInfo) -> str:
     kind = _bare(field.annotation)
-    words = {int: "a whole number", float: "a number", str: "a text", bool: "true or false"}
+    words = {int: "a whole number", float: "a number", str: "a text"}
     if typing.get_origin(kind) is typing.Literal:
         return "one of " + ", ".join(map(str, typing.get_args(kind)))
     if typing.get_origin(kind) is not tuple:

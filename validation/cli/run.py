@@ -1,0 +1,223 @@
+"""The commands `fem-contact run`, `explain`, `calibrate` and `report`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from validation.cli.options import (
+    AccuracyOption,
+    DryRunOption,
+    JsonOption,
+    MemoryOption,
+    MpiOption,
+    OutputOption,
+    PicturesOption,
+    QuietOption,
+    ReportOption,
+    SceneArgument,
+    SchedulerOption,
+    SetOption,
+    StoreOption,
+    TimeLimitOption,
+    WorkersOption,
+    chosen_accuracy,
+    chosen_execution,
+    naming,
+    print_plan,
+    show,
+    stopping_cleanly,
+)
+from validation.errors import UsageError
+
+if TYPE_CHECKING:
+    from validation.execution.solve import Solve
+    from validation.scenes.scene import Scene
+    from validation.scenes.sweep import Sweep
+
+__all__ = ["calibrate", "explain", "report", "run"]
+
+
+def run(
+    scene: SceneArgument = "quickstart",
+    settings: SetOption = None,
+    output: OutputOption = None,
+    store: StoreOption = None,
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
+    memory: MemoryOption = None,
+    dry_run: DryRunOption = False,
+    accuracy: AccuracyOption = None,
+    time_limit: TimeLimitOption = None,
+    pictures: PicturesOption = None,
+    with_report: ReportOption = True,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+    mpi: MpiOption = False,
+) -> None:
+    """Press one scene: solve, compare with the theory, write a report.
+
+    Solves that are finished are used again: an interrupted run continues where it stopped. A scene with a
+    table 'sweep' is run at every value of the keys it lists, into one report. With --accuracy the command
+    chooses grids, tolerance and number of surfaces. Options of where and how to run may also stand in the
+    scene, in its table 'run'.
+    """
+    from validation.cli.progress import Bar
+    from validation.cli.results import print_page
+    from validation.execution.store import Store
+    from validation.scenes.sweep import Sweep, load_asked
+
+    loaded = load_asked(scene, settings or (), grids_chosen=accuracy is not None)
+    said = loaded.run
+    folder, store_folder = _folders(loaded, output, store, accurate=accuracy is not None)
+    alone: dict[str, Any] = {"--accuracy": accuracy, "--time-limit": time_limit}
+    if mpi:
+        from validation.cli.parallel import run_parallel
+
+        unfit = {"--workers": workers, "--scheduler": scheduler, "--dry-run": dry_run, **alone}
+        run_parallel(loaded, folder / "mpi", as_json=as_json, unfit=unfit)
+        return
+    execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
+    for flag, value in {**alone, "--pictures": pictures}.items():
+        if value and isinstance(loaded, Sweep):
+            raise UsageError(
+                f"{flag}: not together with the table [sweep] of {scene}; run one scene of it by --set"
+            )
+    chosen = chosen_accuracy(accuracy, time_limit=time_limit, dry_run=dry_run, execution=execution)
+    with naming(scene):
+        drawn = with_report and (said.pictures if pictures is None else pictures)
+        solves, solve = _prepared(loaded, folder, chosen=chosen, pictures=drawn)
+    if dry_run:
+        print_plan(solves(), Store(folder=store_folder), as_json=as_json)
+        return
+    with stopping_cleanly(), Bar(quiet=quiet or said.quiet or as_json) as bar:
+        done = solve(progress=bar, execution=execution, store_folder=store_folder, report=with_report)
+    outputs, reached = getattr(done, "outputs", done), getattr(done, "reached", None)
+    if as_json:
+        typer.echo(json.dumps(outputs.page.summary, indent=2))
+    else:
+        solved, reused = (
+            (outputs.solved, outputs.reused) if reached is None else (reached.solves, reached.reused)
+        )
+        words = f"{solved} solves done, {reused} found finished. Written:"
+        print_page(
+            outputs.page, outputs.files, more=tuple(reached.sentences()) if reached else (), done=words
+        )
+    outputs.check()
+
+
+def _prepared(
+    loaded: Scene | Sweep, folder: Path, *, chosen: dict[str, Any] | None, pictures: bool
+) -> tuple[Callable[[], Sequence[Solve]], Callable[..., Any]]:
+    """Check what is asked, and return what lists its solves and what does them."""
+    from validation.comparison.accuracy import run_accurate
+    from validation.comparison.run import run_scene
+    from validation.comparison.sweep import problems_of, run_sweep, solves_of_sweep
+    from validation.execution.press import solves_of
+    from validation.scenes.checks import check_scene
+    from validation.scenes.problem import realise
+    from validation.scenes.sweep import Sweep
+
+    if isinstance(loaded, Sweep):
+        cases = problems_of(loaded)
+        return partial(solves_of_sweep, loaded, cases), partial(run_sweep, loaded, folder, cases=cases)
+    problem = realise(loaded)
+    check_scene(loaded, problem)
+    run_one: Callable[..., Any] = partial(run_scene, problem=problem)
+    if chosen is not None:
+        run_one = partial(run_accurate, **chosen)
+    return partial(solves_of, loaded, problem), partial(run_one, loaded, folder, pictures=pictures)
+
+
+def _folders(
+    asked: Scene | Sweep, output: Path | None, store: Path | None, *, accurate: bool
+) -> tuple[Path, Path]:
+    """Return the folders of results and of solves: the command line goes before the scene."""
+    from validation.scenes.run_options import not_led_out
+
+    said, results = asked.run, Path("results")
+    plain = (
+        output or said.folder("output") or not_led_out(results / asked.name, of=results, option="--output")
+    )
+    folder = plain
+    if accurate and not (output or said.output):
+        # Beside the results of a plain run, whose solves it shares.
+        folder = not_led_out(plain.with_name(f"{plain.name}-accuracy"), of=results, option="--output")
+    return folder, store or said.folder("store") or not_led_out(plain / "solves", of=plain, option="--store")
+
+
+def explain(
+    scene: SceneArgument = "quickstart", settings: SetOption = None, as_json: JsonOption = False
+) -> None:
+    """Say what a scene would run, at what cost, and what it leaves out."""
+    from validation.comparison.explain import explain as explain_scene
+    from validation.comparison.sweep import explain_sweep
+    from validation.scenes.sweep import Sweep, load_asked
+
+    loaded = load_asked(scene, settings or ())
+    with naming(scene):
+        explanation = explain_sweep(loaded) if isinstance(loaded, Sweep) else explain_scene(loaded)
+    if as_json:
+        typer.echo(json.dumps(explanation.summary(), indent=2))
+    else:
+        for part in explanation.parts():
+            show(part)
+
+
+def calibrate(
+    points: Annotated[
+        int, typer.Option("--points", metavar="N", min=32, help="Along a side of the grid.")
+    ] = 256,
+    as_json: JsonOption = False,
+) -> None:
+    """Measure what effects cost on this machine, for better predictions.
+
+    explain and --dry-run predict from it.
+    """
+    from validation.execution.calibration import cache_file
+    from validation.execution.calibration import calibrate as measure
+
+    with stopping_cleanly():
+        found = measure(points=points, tell=None if as_json else typer.echo)
+    if as_json:
+        typer.echo(json.dumps({"factors": dict(found.factors), "source": found.source}, indent=2))
+    else:
+        typer.echo(f"Kept in {cache_file()}")
+
+
+def report(
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Results folder of a run, a sweep or a study.")
+    ],
+    pictures: PicturesOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Write the report of finished results again, from what is stored."""
+    from validation.cli.progress import under_way
+    from validation.comparison.run import report_scene
+    from validation.execution.results import check_results, holds_result
+    from validation.studies._outputs import is_study, report_study
+
+    check_results(folder)
+    with under_way("drawing figures, writing the report", quiet=as_json):
+        if holds_result(folder, "claims"):
+            from validation.cases._result import report_claims
+
+            files = report_claims(folder)[1]
+        elif holds_result(folder, "paper"):
+            from validation.paper.reproduce import report as report_paper
+
+            files = report_paper(folder)[1]
+        elif is_study(folder):
+            files = report_study(folder).files
+        else:
+            files = report_scene(folder, pictures=pictures).files
+    if as_json:
+        typer.echo(json.dumps([str(path) for path in files], indent=2))
+    else:
+        typer.echo("\n".join(f"  {path}" for path in files))

@@ -1,0 +1,168 @@
+"""The command `fem-contact study`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from validation.cli.options import (
+    DryRunOption,
+    JsonOption,
+    MemoryOption,
+    OutputOption,
+    QuietOption,
+    ReportOption,
+    SchedulerOption,
+    SetOption,
+    StoreOption,
+    WorkersOption,
+    chosen_execution,
+    print_plan,
+    scene_names,
+    stopping_cleanly,
+)
+from validation.errors import UsageError
+
+if TYPE_CHECKING:
+    from validation.scenes.scene import Scene
+    from validation.studies import Study
+
+__all__ = ["study"]
+
+
+def _study_names(incomplete: str) -> list[str]:
+    """Complete the name of a study."""
+    from validation.studies import studies
+
+    return [name for name in studies() if name.startswith(incomplete)]
+
+
+def study(
+    context: typer.Context,
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="NAME", help="A study; see --list.", autocompletion=_study_names),
+    ] = None,
+    list_all: Annotated[bool, typer.Option("--list", metavar="", help="List the studies.")] = False,
+    scene: Annotated[
+        str | None,
+        typer.Option(
+            "--scene",
+            metavar="SCENE",
+            help="Scene that a study is asked about; or after NAME.",
+            autocompletion=scene_names,
+        ),
+    ] = None,
+    settings: SetOption = None,
+    output: OutputOption = None,
+    store: StoreOption = None,
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
+    memory: MemoryOption = None,
+    dry_run: DryRunOption = False,
+    with_report: ReportOption = True,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+    wants_help: Annotated[
+        bool,
+        typer.Option("--help", "-h", metavar="", help="Show this; after a NAME, its options."),
+    ] = False,
+) -> None:
+    """Ask one question of many surfaces; study --list names the studies.
+
+    Each study has options of its own, --option VALUE, which fem-contact study NAME --help lists. With a SCENE
+    after NAME the surface, solid, load, effects and grids are those of the scene. All studies keep their
+    solves in results/solves, so that they share them, unless --store says otherwise.
+    """
+    from validation.cli.progress import Bar
+    from validation.cli.results import print_page
+    from validation.execution.bench import DEFAULT_STORE, Bench, PlannedOnly
+    from validation.execution.store import Store
+    from validation.files import prepare_folder
+    from validation.scenes.scene import RunOptions
+    from validation.studies import find_study, studies
+    from validation.studies._outputs import run_study
+
+    if wants_help:
+        _help_study(context, name)
+        return
+    if list_all or name is None:
+        _list_studies(studies(), as_json=as_json)
+        return
+    chosen = find_study(name)
+    extra = list(context.args)
+    if extra and not extra[0].startswith("-") and scene is None:
+        scene = extra.pop(0)
+    loaded = _scene_of_study(scene, settings or ())
+    options = chosen.parse(extra, scene=loaded)
+    said = RunOptions() if loaded is None else loaded.run
+    execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
+    folder, store_folder = (
+        output or Path("results") / (name if loaded is None else f"{name}-{loaded.name}"),
+        store or said.folder("store") or DEFAULT_STORE,
+    )
+    if dry_run:
+        try:
+            chosen.compute(options, bench=Bench(store=Store(folder=store_folder), plan_only=True))
+        except PlannedOnly as plan:
+            print_plan(plan.solves, plan.store, as_json=as_json)
+        return
+    with stopping_cleanly(), Bar(quiet=quiet or said.quiet or as_json) as bar:
+        bench = Bench(
+            store=Store(folder=store_folder),
+            execution=execution,
+            progress=bar,
+        )
+        outputs = run_study(chosen, options, prepare_folder(folder), bench=bench, report=with_report)
+    if as_json:
+        typer.echo(json.dumps(outputs.data.to_dict(), indent=2, default=str))
+        return
+    print_page(outputs.page, outputs.files)
+
+
+def _scene_of_study(scene: str | None, settings: Sequence[str]) -> Scene | None:
+    """Read the one scene that a study is asked about."""
+    from validation.scenes.sweep import Sweep, load_asked
+
+    if scene is None:
+        if settings:
+            raise UsageError(f"--set {settings[0]}: sets a key of a scene; name one after the study")
+        return None
+    loaded = load_asked(scene, settings)
+    if isinstance(loaded, Sweep):
+        raise UsageError(f"{scene}: [sweep] makes it many scenes; a study is asked about one")
+    return loaded
+
+
+def _list_studies(known: Mapping[str, Study], *, as_json: bool) -> None:
+    """Print one line for each study, in groups; those of other packages last."""
+    if as_json:
+        typer.echo(json.dumps({name: list(study.options.flags()) for name, study in known.items()}, indent=2))
+        return
+    from validation.studies import GROUPS
+
+    listed = {name for group in GROUPS.values() for name in group}
+    further = {name: study.question for name, study in known.items() if name not in listed}
+    for title, group in (*GROUPS.items(), ("Of other packages", further)):
+        if group:
+            typer.echo(f"{title}")
+        for name, words in group.items():
+            star = "*" if known[name].options.takes_scene() else " "
+            typer.echo(f" {star} {name:23s} {words}")
+    typer.echo("\n* can be asked about a scene of yours: fem-contact study NAME SCENE")
+    typer.echo("Question and options of one: fem-contact study NAME --help")
+
+
+def _help_study(context: typer.Context, name: str | None) -> None:
+    """Print the options of one study, or the help of the command."""
+    from validation.studies import find_study
+
+    if name is None:
+        typer.echo(context.get_help())
+        return
+    typer.echo("\n".join(find_study(name).help_lines()))
+    typer.echo("\nOptions of all studies, where and how they run: fem-contact study --help")
