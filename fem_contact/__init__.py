@@ -1,6 +1,13 @@
 """Frictionless contact of a rigid rough surface with an elastic solid, by boundary and by finite elements.
 
->>> from fem_contact import HalfSpace, HeightField, Solid, bem, contact_areas, random_surface
+>>> import fem_contact as fc
+>>> surface = fc.self_affine(
+...     length="100 um", hurst=0.8, lambda_long="50 um", lambda_short="10 um", rms_gradient=0.1, seed=1
+... )
+>>> fc.press(surface, young="1 GPa", poisson=0.3, reduced_pressure=0.05).area
+A/A0 = 0.11
+
+The solvers themselves: `bem`, `block`, `adhesion`, `random_surface`, `HeightField`, `Solid`, ...
 
 The public names stand in `__init__.pyi`; each is imported when first asked for.
 """
@@ -19,6 +26,4 @@ def __getattr__(name: str) -> object:
         from importlib.metadata import version
 
         return version("fem-contact")
-    if name == "press":
-        raise AttributeError("fem_contact.press is called fem_contact.press_yielding")
     return _attribute(name)

@@ -26,6 +26,13 @@ from .export import write_subsurface as write_subsurface
 from .extrapolation import Limit as Limit
 from .extrapolation import located_limit as located_limit
 from .extrapolation import perimeter_limit as perimeter_limit
+from .face import measured as measured
+from .face import press as press
+from .face import reference as reference
+from .face import self_affine as self_affine
+from .face import study as study
+from .face import table as table
+from .face import theory as theory
 from .graded import ExponentialSolid as ExponentialSolid
 from .graded import LayeredSolid as LayeredSolid
 from .hardness import Hardness as Hardness

@@ -113,7 +113,7 @@ def test_the_console_command_is_declared(distribution):
     scripts = {
         entry.name: entry.value for entry in distribution.entry_points if entry.group == "console_scripts"
     }
-    assert scripts == {"fem-contact": "validation.cli:main"}
+    assert scripts == {"fem-contact": "fem_contact.face:main"}
 
 
 def test_the_command_line_starts_without_solvers_and_pictures(tmp_path):

@@ -7,6 +7,8 @@ import pytest
 
 import fem_contact
 import persson
+from fem_contact import face
+from validation import notebook
 
 PROBE = """
 import sys, {package}
@@ -20,7 +22,7 @@ both = pytest.mark.parametrize("package", [fem_contact, persson], ids=lambda pac
 
 @both
 def test_every_public_name_is_there_and_listed(package):
-    for name in package.__all__:
+    for name in set(package.__all__) - set(face.__all__):
         value = getattr(package, name)
         assert getattr(value, "__name__", name).rpartition(".")[2] == name
     assert set(package.__all__) <= set(dir(package))
@@ -41,9 +43,23 @@ def test_an_unknown_name_is_an_attribute_error(package):
         _ = package.no_such_thing
 
 
-def test_the_old_name_of_pressing_a_solid_that_yields_says_the_new_one():
-    with pytest.raises(AttributeError, match=r"fem_contact\.press_yielding"):
-        _ = fem_contact.press
+@pytest.mark.parametrize("name", sorted({*face.__all__} - {"main"}))
+def test_the_names_of_a_notebook_are_those_of_the_package(name):
+    assert getattr(fem_contact, name) is getattr(notebook, name)
+    assert name in fem_contact.__all__
+
+
+@pytest.mark.parametrize("line", ["fem_contact.press", "fem_contact.face.main()"])
+def test_another_package_called_validation_is_refused_with_the_remedy(tmp_path, line):
+    (tmp_path / "validation").mkdir()
+    (tmp_path / "validation" / "__init__.py").write_text("def validate(): ...")
+    code = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import fem_contact.face; {line}"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=60
+    )
+    last = done.stderr.strip().splitlines()[-1]
+    assert str(tmp_path) in last
+    assert "pip uninstall validation" in last
 
 
 @pytest.mark.parametrize(

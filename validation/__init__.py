@@ -1,6 +1,6 @@
 """The comparison of theory and simulation: the only package that knows both.
 
->>> from validation import measured, press, self_affine, study, table, theory
+What a notebook calls is best had by ``import fem_contact as fc``: fc.press, fc.self_affine, fc.study ...
 """
 
 from __future__ import annotations
@@ -12,6 +12,9 @@ from validation import _renamed
 
 if TYPE_CHECKING:
     from validation.notebook import Contact, Surface, measured, press, self_affine, study, table, theory
+
+#: By which `fem_contact` tells it from another package of this name.
+belongs_to_fem_contact = True
 
 __all__ = ["Contact", "Surface", "measured", "press", "self_affine", "study", "table", "theory"]
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+import pint
 import pytest
+from matplotlib.figure import Figure
 
 import fem_contact
 import persson
@@ -12,9 +14,11 @@ from fem_contact import HalfSpace, HeightField, Solid
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from validation import measured, press, self_affine, table, theory
 from validation.comparison.run import run_scene
+from validation.comparison.sweep import run_sweep
 from validation.errors import NoLimit, UsageError
 from validation.report.estimates import total_error
 from validation.scenes.scene import Scene
+from validation.scenes.sweep import load_asked
 
 WAVES = {
     "length": "100 um",
@@ -25,6 +29,8 @@ WAVES = {
 }
 SOLID = {"young": "2 GPa", "poisson": 0.25}
 SURFACE = self_affine(**WAVES, seed=7)
+CONTACT = press(SURFACE, **SOLID, reduced_pressure=0.08, grid=32)
+NODE = {"hurst": 0.8, "bandwidth": 8, "reduced_pressure": 0.05}
 
 
 def test_its_numbers_are_those_of_a_run(tmp_path):
@@ -49,6 +55,84 @@ def test_its_numbers_are_those_of_a_run(tmp_path):
     assert float(contact.plot("grids").data.area_own) == pytest.approx(float(run.area_own), rel=0.02)
     assert float(contact.data.area_own) == pytest.approx(float(first.area_located), rel=1e-12)
     assert any("A/A0 = " in text for text in contact.findings)
+
+
+def test_one_number_stands_behind_every_door(tmp_path):
+    """Façade, run, sweep of one, theory alone, by value, error and unit."""
+    case = {
+        "name": "same",
+        "surface": {"kind": "self-affine", **WAVES, "seed": 7},
+        "solid": SOLID,
+        "load": {"reduced_pressure": 0.08},
+        "methods": {"bem": {"grids": [32]}, "theory": {}},
+    }
+    run = run_scene(Scene.model_validate(case), tmp_path / "run", report=False).data
+    keys = "\n".join(f"{name} = {value!r}" for name, value in WAVES.items())
+    (tmp_path / "sweep.toml").write_text(
+        f"[surface]\nkind = 'self-affine'\n{keys}\n[solid]\nyoung = '2 GPa'\npoisson = 0.25\n"
+        "[load]\nreduced_pressure = 0.08\n[methods.bem]\ngrids = [32]\n[methods.theory]\n"
+        "[sweep]\nsurface.seed = [7, 8]\n"
+    )
+    both = run_sweep(load_asked(str(tmp_path / "sweep.toml")), tmp_path / "sweep", report=False).data
+    sweep = both.isel({both["area"].dims[0]: 0})
+    names = {"max_pressure": "largest_pressure"}
+    for name in ("area", "kappa", "mean_gap", "approach", "max_pressure", "stiffness"):
+        value, variable = getattr(CONTACT, name), names.get(name, name)
+        assert value.value == run[variable].item() == sweep[variable].item(), name
+        assert value.unit == run[variable].attrs["units"]
+        assert np.isnan(value.error) == np.isnan(float(total_error(run, variable)))
+    alone = theory(SURFACE, **SOLID, pressure=CONTACT.problem.pressure).area.item()
+    assert alone == pytest.approx(float(run.area_ensemble), rel=1e-12)
+    assert CONTACT.limit([32, 48, 64]).error > 0
+    assert repr(CONTACT.mean_gap) == "mean gap = 358 nm"
+
+
+def test_a_load_may_be_a_force_or_a_distance_and_the_rough_body_elastic():
+    pressure, area = 0.08 * CONTACT.problem.pressure_scale, CONTACT.areas().perimeter
+    by_force = press(SURFACE, **SOLID, force=f"{pressure * 1e-8 * 1e3!r} mN", grid=32)
+    assert by_force.areas().perimeter == pytest.approx(area, rel=1e-6)
+    held = press(SURFACE, **SOLID, mean_gap=CONTACT.mean_gap.value, grid=32)
+    assert held.areas().perimeter == pytest.approx(area, rel=1e-5)
+    assert held.theory.area == pytest.approx(CONTACT.theory.area, rel=1e-5)
+    assert "p* = 0.08" in repr(held)
+    two = press(SURFACE, **SOLID, second_young="2 GPa", second_poisson=0.25, pressure=pressure / 2, grid=32)
+    assert two.areas().perimeter == pytest.approx(area, rel=1e-6)
+    patch = measured(SURFACE.heights(32).values, length=1e-4, unit=1.0, edges="free")
+    free = press(patch, **SOLID, pressure=pressure, free_boundary=True, grid=32)
+    assert 0 < free.areas().pixel < 1
+
+
+def test_quantities_of_pint_are_read():
+    unit = pint.UnitRegistry()
+    assert self_affine(**{**WAVES, "length": 100 * unit.um}).table == self_affine(**WAVES).table
+    contact = press(SURFACE, young=2000 * unit.MPa, poisson=0.25, pressure=17.5 * unit.MPa, grid=32)
+    assert contact.problem.pressure == 17.5e6
+    with pytest.raises(UsageError, match="'3 m': is not a pressure"):
+        press(SURFACE, **SOLID, pressure=3 * unit.m)
+
+
+def test_a_surface_knows_its_size_in_numbers_and_pictures():
+    exact = np.sqrt(np.mean(SURFACE.heights().values ** 2) - np.mean(SURFACE.heights().values) ** 2)
+    assert SURFACE.rms_height == pytest.approx(exact, rel=1e-9)
+    q = SURFACE.spectrum.wavevector.values
+    assert SURFACE.spectrum.dims == ("wavevector",)
+    assert 2 * np.pi * np.sum(SURFACE.spectrum.values * q) * q[1] == pytest.approx(exact**2, rel=0.2)
+    wave = measured(np.cos(2 * np.pi * np.arange(32) / 32)[:, None] * np.ones(32), length=1.0, unit=1e-3)
+    # The Laplacian of a wave of amplitude a is a k^2 in amplitude.
+    assert wave.rms_curvature == pytest.approx(1e-3 * (2 * np.pi) ** 2 / np.sqrt(2) / 2, rel=1e-9)
+    assert wave.pixel_size == (1 / 32, 1 / 32)
+    drawn = SURFACE.plot()
+    assert float(drawn.data.heights.std()) == pytest.approx(exact, rel=0.01)
+
+
+def test_a_figure_goes_into_axes_that_are_there():
+    figure = Figure()
+    axes = figure.subplots(1, 2)
+    gap = CONTACT.plot("gap", ax=axes[0])
+    CONTACT.plot("grids", ax=axes[1])
+    assert gap.figure is figure
+    np.testing.assert_array_equal(gap.data.gap_map.values, CONTACT.result.gap)
+    assert axes[1].get_legend() is not None
 
 
 def test_a_finite_element_contact_is_corrected_by_the_constant_of_its_element():
@@ -163,8 +247,26 @@ def test_what_is_shown_is_short():
         (lambda: measured(np.zeros((8, 6)), length=1e-5, unit=1), "one length for 8 x 6 points; give both"),
         (lambda: measured(3, length=1e-5, unit=1), "heights of type int: .*give a file, a 2-D array"),
         (lambda: self_affine(lengths=1e-5), "unknown key 'lengths'; did you mean 'length'"),
-        (lambda: press(SURFACE, **SOLID, reduced_pressure=0.05, grid=32).against("bem"), "another method"),
-        (lambda: press(SURFACE, **SOLID, reduced_pressure=0.05, grid=32).plot("heat"), "one of: 'pressure'"),
+        (lambda: press(SURFACE, **SOLID, pressure=1e6, options=7), "options = 7: give a table"),
+        (lambda: press(SURFACE, **SOLID, pressure=1e6, method={}), "method = {}: give its name; one of: bem"),
+        (lambda: press(SURFACE, **SOLID, pressure=1e6, force=1.0), "exactly one of .* found pressure and"),
+        (lambda: table(None), "table: None: give a list of contacts"),
+        (lambda: measured(np.zeros((8, 8)), length=1e-5, unit=[1, 2]), r"unit = \[1, 2\]: must be a length"),
+        (lambda: fem_contact.study("hurts"), "did you mean 'hurst'"),
+        (lambda: fem_contact.study("hurst", hurst=0.5), "no option 'hurst'; did you mean 'hursts'"),
+        (lambda: fem_contact.study("hurst", hursts=5), "hursts = 5: must be a list"),
+        (lambda: fem_contact.study("area", bench=3), "give a Bench"),
+        (lambda: fem_contact.reference(**NODE, gradient=[1]), "must be one of surface, spectrum"),
+        (lambda: CONTACT.limit(-1), r"give several grids, as limit\(\[32, 48, 64\]\)"),
+        (lambda: CONTACT.limit([3.5]), "grid = 3.5: give points along the sides"),
+        (lambda: CONTACT.plot([0, 0]), "is not drawn; one of: 'pressure'"),
+        (lambda: CONTACT.plot(ax=3), "ax = 3: one axes of matplotlib"),
+        (lambda: CONTACT.against("bem"), "another method"),
+        (lambda: CONTACT.plot("heat"), "one of: 'pressure'"),
+        (
+            lambda: press(SURFACE, **SOLID, reduced_pressure=0.08, method="fem", grid=18).stiffness,
+            "follows from",
+        ),
     ],
 )
 def test_what_is_wrong_is_said_in_one_line(wrong, words):

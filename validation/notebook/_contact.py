@@ -15,18 +15,20 @@ from validation.comparison.reductions import grid_name
 from validation.effects.base import ContactModel
 from validation.errors import NoLimit, UsageError
 from validation.execution.press import Press, solves_of
-from validation.notebook._tables import GridLike, as_html, checked, fast_grid
-from validation.report.quantities import labelled
+from validation.notebook._tables import GridLike, as_html, checked, fast_grid, map_of, on_places, pair
+from validation.report.quantities import in_prefixed_unit, labelled
 from validation.report.values import Value, value_of
 from validation.report.words import significant
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
+from validation.scenes.tables import Load
 from validation.solvers.base import Solved
 from validation.solvers.theory import Prediction, predict
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
 
     from fem_contact.patches import Patches
     from fem_contact.subsurface import Subsurface
@@ -66,6 +68,46 @@ class Contact:
         """Fields, status, residuals and cost of that solve."""
         return self.solved[self.solve].contact
 
+    @property
+    def area(self) -> Value:
+        """A/A0, as a report says it; one grid says no error, `limit` presses on more."""
+        return value_of(self.data, "area")
+
+    @property
+    def kappa(self) -> Value:
+        """A/A0 over p*."""
+        return value_of(self.data, "kappa")
+
+    @property
+    def mean_gap(self) -> Value:
+        """Mean gap [m], where there is contact included."""
+        return value_of(self.data, "mean_gap")
+
+    @property
+    def approach(self) -> Value:
+        """How far the bodies approached since the mean planes met [m]."""
+        return value_of(self.data, "approach")
+
+    @property
+    def max_pressure(self) -> Value:
+        """Largest contact pressure [Pa]."""
+        return value_of(self.data, "largest_pressure")
+
+    @property
+    def stiffness(self) -> Value:
+        """Contact stiffness K h_rms / p0, of the contact set as it is.
+
+        Raises
+        ------
+        UsageError
+            Where it does not follow from the contact set: finite elements, adhesion, full contact.
+        """
+        if "stiffness" not in self.data:
+            raise UsageError(
+                "stiffness: it follows from the contact set of boundary elements without adhesion alone"
+            )
+        return value_of(self.data, "stiffness")
+
     def areas(self) -> ContactAreas:
         """Return A/A0 counted, and corrected at the edge by the constant of the discretisation."""
         return contact_areas(self.result, edge_constant=self.solve.solver.edge_constant(self.result))
@@ -83,7 +125,9 @@ class Contact:
         NoLimit
             Where these grids tell none, with the reason.
         """
-        data = self._on(grids or [self._grid(n) for n in _LADDER]).data
+        if not isinstance(grids or [], Sequence) or isinstance(grids, str):
+            raise UsageError(f"limit: {grids!r}: give several grids, as limit([32, 48, 64])")
+        data = self._on([pair(grid) for grid in grids or map(self._grid, _LADDER)]).data
         if why := str(data.no_limit.item()):
             raise NoLimit(why)
         return value_of(data, "area_own")
@@ -121,7 +165,14 @@ class Contact:
     def theory(self) -> Prediction | None:
         """What Persson's theory says of this surface; None where it does not know an effect."""
         options = self.scene.methods.options("theory")
-        return None if options is None else predict(self.problem, self.scene.effects, options)
+        return None if options is None else predict(self._loaded, self.scene.effects, options)
+
+    @property
+    def _loaded(self) -> ContactProblem:
+        """The problem under the load that the solve took, where a distance was held."""
+        if not self.problem.load.held:
+            return self.problem
+        return self.problem.under(Load(pressure=self.result.mean_pressure))
 
     def patches(self) -> Patches:
         """Return the connected patches of the contact and their areas [m^2]."""
@@ -173,24 +224,36 @@ class Contact:
     def _slots(self) -> ContactModel:
         return ContactModel.filled(self.problem.elastic, self.scene.effects)
 
-    def plot(self, what: Literal["pressure", "distribution", "grids"] = "pressure") -> Drawing:
-        """Draw the map of pressure, P(sigma) beside the theory, or area against grid spacing.
+    def plot(
+        self,
+        what: Literal["pressure", "gap", "distribution", "grids"] = "pressure",
+        *,
+        ax: Axes | None = None,
+    ) -> Drawing:
+        """Draw the map of pressure or gap, P(sigma) beside the theory, or area against grid spacing.
 
-        A notebook shows it; ``.figure.savefig(...)`` writes it, ``.data`` has its numbers.
+        A notebook shows it; ``.figure.savefig(...)`` writes it, ``.data`` has its numbers. With `ax` it is
+        drawn into axes of matplotlib.
         """
         from validation.comparison import fields, run_views
         from validation.report.marks import draw
 
         own = {self.solve: self.result}
-        if what == "pressure":
-            data = fields.with_maps(self.data, own)
-            return draw(run_views.maps_figure(data), labelled(data))
-        if what == "distribution":
-            data = fields.with_distribution(self.data, own, self.scene, self.problem)
-            return draw(run_views.pressure_figure(), labelled(data))
-        if what == "grids":
-            return draw(run_views.area_figure(), self._on([self._grid(n) for n in _LADDER]).data)
-        raise UsageError(f"plot: {what!r} is not drawn; one of: 'pressure', 'distribution', 'grids'")
+        match what if isinstance(what, str) else None:
+            case "pressure":
+                data = fields.with_maps(self.data, own)
+                return draw(run_views.maps_figure(data), labelled(data), axes=ax)
+            case "gap":
+                result = self.result
+                data = on_places(self.data, result.spacing, gap_map=result.gap)
+                return draw(map_of("gap_map", "Gap between the surfaces."), data, axes=ax)
+            case "distribution":
+                data = fields.with_distribution(self.data, own, self.scene, self._loaded)
+                return draw(run_views.pressure_figure(), labelled(data), axes=ax)
+            case "grids":
+                data = self._on([self._grid(n) for n in _LADDER]).data
+                return draw(run_views.area_figure(), data, axes=ax)
+        raise UsageError(f"plot: {what!r} is not drawn; one of: 'pressure', 'gap', 'distribution', 'grids'")
 
     def _grid(self, points_per_wave: float) -> tuple[int, int]:
         return fast_grid(self.problem.lengths, self.problem.shortest, points_per_wave)
@@ -209,10 +272,10 @@ class Contact:
 
     @property
     def _facts(self) -> dict[str, str]:
-        areas, theory = self.areas(), self.theory
+        areas, theory, loaded = self.areas(), self.theory, self._loaded
         facts = {
             "solve": self.solve.label,
-            "p0": f"{self.problem.pressure:.4g} Pa (p* = {self.problem.reduced_pressure:.4g})",
+            "p0": f"{in_prefixed_unit(loaded.pressure, 'Pa')} (p* = {loaded.reduced_pressure:.4g})",
             "A/A0": f"{significant(areas.perimeter)} (counted {significant(areas.pixel)})",
         }
         if theory is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Iterable, Mapping
+from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -39,8 +40,13 @@ def press(
     *,
     young: Quantity | None = None,
     poisson: float | None = None,
+    second_young: Quantity | None = None,
+    second_poisson: float | None = None,
     pressure: Quantity | None = None,
     reduced_pressure: float | None = None,
+    force: Quantity | None = None,
+    mean_gap: Quantity | None = None,
+    offset: Quantity | None = None,
     grid: GridLike | None = None,
     method: str = "bem",
     options: Mapping[str, Any] | None = None,
@@ -55,10 +61,13 @@ def press(
     solid : Solid, optional
         In place of `young` and `poisson`.
     young : quantity
-        Young's modulus, a number in Pa or a text such as "1 GPa".
+        Young's modulus: a number in Pa, a text such as "1 GPa", or a quantity of pint.
     poisson : float
-    pressure, reduced_pressure : quantity or float
-        p0, or p* = p0 / (E* h'_rms) with the realised gradient; one of the two.
+    second_young, second_poisson : quantity, float, optional
+        Of the rough body, where it is elastic, too.
+    pressure, reduced_pressure, force, mean_gap, offset : quantity or float
+        One of: p0; p* = p0 / (E* h'_rms) with the realised gradient; p0 times the nominal area; or a distance
+        that is held: the mean gap, or that of the mean planes before deformation.
     grid : int or (int, int), optional
         Points along the sides; 8 per shortest wave if not given, 4 by finite elements and of a
         measured surface, whose shortest wave is two of its spacings.
@@ -68,7 +77,7 @@ def press(
         More of the table ``[methods.NAME]`` of a scene, such as ``{"tolerance": 1e-10}``.
     effects
         Effects by name, each a table or its chief quantity: ``hardness="2 GPa"``,
-        ``adhesion={"work": "50 mJ/m^2", "reach": "2 nm"}``.
+        ``adhesion={"work": "50 mJ/m^2", "reach": "2 nm"}``, ``free_boundary=True``.
 
     Raises
     ------
@@ -77,11 +86,25 @@ def press(
     FemContactError
         When the solve fails.
     """
-    tables, listed = _tables(surface, solid, young=young, poisson=poisson), _effects(effects)
-    if np.ndim(pressure) or np.ndim(reduced_pressure):  # type: ignore[arg-type]
+    tables = _tables(
+        surface,
+        solid,
+        young=young,
+        poisson=poisson,
+        second_young=second_young,
+        second_poisson=second_poisson,
+    )
+    listed = _effects(effects)
+    load = {"pressure": pressure, "reduced_pressure": reduced_pressure, "force": force}
+    load |= {"mean_gap": mean_gap, "offset": offset}
+    if any(np.ndim(value) for value in load.values()):  # type: ignore[arg-type]
         raise UsageError(
             "press: takes one load; for several write table([press(..., reduced_pressure=p) for p in loads])"
         )
+    if not isinstance(method, str):
+        raise UsageError(f"press: method = {method!r}: give its name; one of: {', '.join(methods())}")
+    if not isinstance(options or {}, Mapping):
+        raise UsageError(f'press: options = {options!r}: give a table, such as {{"tolerance": 1e-10}}')
     chosen = {**(options or {}), "grids": [_default_grid(surface, method) if grid is None else grid]}
     known = all(effect_kinds()[effect["kind"]].has_theory() for effect in listed)
     scene = checked(
@@ -89,7 +112,7 @@ def press(
         "press",
         {
             **tables,
-            "load": _without_none(pressure=pressure, reduced_pressure=reduced_pressure),
+            "load": _without_none(**load),
             "methods": {method: chosen, **({"theory": {}} if known else {})},
             "effects": listed,
         },
@@ -146,7 +169,9 @@ def table(contacts: Iterable[Contact], *, along: str = "reduced_pressure", limit
     """
     import xarray as xr
 
-    pressed_ones = list(contacts)
+    pressed_ones = list(contacts) if isinstance(contacts, Iterable) else [contacts]
+    if wrong := [one for one in pressed_ones if not isinstance(one, Contact)]:
+        raise UsageError(f"table: {wrong[0]!r}: give a list of contacts, as [press(...), press(...)]")
     said = [_said(contact) for contact in pressed_ones]
     known = dict.fromkeys(name for one in said for name in one)
     if any(along not in one for one in said) or not said:
@@ -212,7 +237,7 @@ def _without_none(**said: Any) -> dict[str, Any]:
 
 
 def _tables(
-    surface: object, solid: object, *, young: Quantity | None, poisson: float | None
+    surface: object, solid: object, *, young: Quantity | None, poisson: float | None, **second: Any
 ) -> dict[str, Any]:
     """Return name, surface and solid as a scene has them.
 
@@ -232,35 +257,28 @@ def _tables(
         raise UsageError(f"surface: found {what}; {remedy}")
     found: dict[str, Any] = {"name": "notebook", "surface": surface.table}
     if solid is None:
-        return {**found, "solid": _without_none(young=young, poisson=poisson)}
+        return {**found, "solid": _without_none(young=young, poisson=poisson, **second)}
     if not isinstance(solid, Solid):
         what = type(solid).__name__
         remedy = "give its Solid, half_space.solid" if hasattr(solid, "solid") else "give a Solid"
         raise UsageError(f'solid: found {what}; {remedy}, or young="1 GPa", poisson=0.3')
     if young is not None or poisson is not None:
         raise UsageError("solid: given twice; leave young and poisson out, or the Solid")
-    return {**found, "solid": {"young": solid.young, "poisson": solid.poisson}}
+    return {**found, "solid": {"young": solid.young, "poisson": solid.poisson, **_without_none(**second)}}
 
 
 def _effects(said: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return effects as a scene lists them: a table, or the field that bears the name of the effect."""
     kinds, listed = effect_kinds(), []
-    for name, value in said.items():
+    for name, value in ((name.replace("_", "-"), value) for name, value in said.items()):
         if name not in kinds:
-            allowed = (
-                "young",
-                "poisson",
-                "pressure",
-                "reduced_pressure",
-                "grid",
-                "method",
-                "options",
-                *kinds,
-            )
+            allowed = [name for name in (*signature(press).parameters, *kinds) if name != "effects"]
             close = difflib.get_close_matches(name, allowed, n=1)
             hint = f"did you mean {close[0]!r}? " if close else ""
             raise UsageError(f"{name}: no such argument or effect; {hint}Allowed: {', '.join(allowed)}")
-        if isinstance(value, Mapping):
+        if value is True:
+            listed.append({"kind": name})
+        elif isinstance(value, Mapping):
             listed.append({"kind": name, **value})
         elif name in kinds[name].model_fields:
             listed.append({"kind": name, name: value})

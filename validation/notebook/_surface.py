@@ -6,24 +6,39 @@ import hashlib
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_contact.surface import HeightField
+from fem_contact.surface import HeightField, radial_spectrum
 from validation.errors import UsageError
-from validation.notebook._tables import GridLike, Quantity, as_html, checked, pair, plain, shown
+from validation.notebook._tables import (
+    GridLike,
+    Quantity,
+    as_html,
+    checked,
+    fast_grid,
+    map_of,
+    on_places,
+    pair,
+    plain,
+    shown,
+)
 from validation.scenes import surfaces
 from validation.scenes.scene import sized
 from validation.scenes.tables import FileSurface, SelfAffineSurface
 from validation.scenes.tables import Surface as SurfaceTable
 from validation.scenes.topography import Measured, Topography
 from validation.scenes.topography.raw import check_shape, real
-from validation.units import metres
+from validation.units import metres, unit_of
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
+
+    from validation.report.drawing import Drawing
 
 __all__ = ["Surface", "measured", "self_affine"]
 
@@ -58,10 +73,61 @@ class Surface:
         words = {"units": "m", "long_name": "height, positive towards the elastic body"}
         return xr.DataArray(field.heights, dims=("x", "y"), coords=axes, name="heights", attrs=words)
 
+    @cached_property
+    def field(self) -> HeightField:
+        """Heights on the smallest grid that resolves them, or as they were measured."""
+        if self.given is not None:
+            return surfaces.measured_field(self.given)
+        return surfaces.height_field(self.table, None)
+
+    @property
+    def rms_height(self) -> float:
+        """h_rms [m] of the heights."""
+        return self.field.rms_height
+
+    @property
+    def rms_gradient(self) -> float:
+        """h'_rms of the heights, both directions together."""
+        return self.field.rms_gradient
+
+    @property
+    def rms_curvature(self) -> float:
+        """Half the rms of the Laplacian of the heights [1/m]."""
+        return float(np.sqrt(self.field.moments[2])) / 2
+
+    @property
+    def pixel_size(self) -> tuple[float, float]:
+        """Steps between heights [m]."""
+        return self.field.spacing
+
+    @property
+    def spectrum(self) -> xr.DataArray:
+        """C(q) [m^4] of the heights, averaged over directions, over |q| [1/m]."""
+        import xarray as xr
+
+        radial = radial_spectrum(self.field)
+        q = ("wavevector", radial.q, {"units": "1/m", "long_name": "wave number |q|"})
+        about = {"units": "m^4", "long_name": "power spectrum C(q)"}
+        return xr.DataArray(radial.power, dims="wavevector", coords={"wavevector": q}, name="C", attrs=about)
+
+    def plot(self, *, ax: Axes | None = None) -> Drawing:
+        """Draw the map of the heights; with `ax` into axes of matplotlib."""
+        import xarray as xr
+
+        from validation.report.marks import draw
+
+        field = self.field
+        if self.given is None:  # finer than it takes to resolve it
+            grid = fast_grid(field.lengths, self.table.lambda_short, 8.0)
+            field = surfaces.height_field(self.table, grid)
+        data = on_places(xr.Dataset(), field.spacing, heights=field.heights - field.heights.mean())
+        return draw(map_of("heights", "Heights of the rough surface.", cmap="gray"), data, axes=ax)
+
     @property
     def _facts(self) -> dict[str, str]:
+        kinds = type(self.table).model_fields
         said = self.table.model_dump(exclude_none=True, exclude={"kind", "path"})
-        facts = {name: shown(value) for name, value in said.items()}
+        facts = {name: shown(value, unit_of(kinds[name])) for name, value in said.items()}
         if self.given is not None:
             facts["what was done"] = "; ".join(self.given.raw.history)
         return facts

@@ -5,17 +5,33 @@ from __future__ import annotations
 import html
 import math
 from collections.abc import Mapping
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from pydantic import ValidationError
 from scipy.fft import next_fast_len
 
-from validation.errors import SceneError
+from validation.errors import SceneError, UsageError
+from validation.report.marks import Figure, Image, Panel
+from validation.report.quantities import in_prefixed_unit, labelled
 from validation.scenes.mistakes import problems
 from validation.units import Table
 
-__all__ = ["GridLike", "Quantity", "as_html", "checked", "fast_grid", "pair", "plain", "shown"]
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "GridLike",
+    "Quantity",
+    "as_html",
+    "checked",
+    "fast_grid",
+    "map_of",
+    "on_places",
+    "pair",
+    "plain",
+    "shown",
+]
 
 Quantity = float | str
 GridLike = int | tuple[int, int]
@@ -28,6 +44,9 @@ def plain(value: Any) -> Any:
     >>> plain({"load": np.array([0.1, 0.2]), "seed": np.int64(3)})
     {'load': [0.1, 0.2], 'seed': 3}
     """
+    if hasattr(value, "magnitude") and hasattr(value, "units"):  # of pint
+        sizes, unit = np.asarray(value.magnitude), f"{value.units:~}"
+        return [f"{size} {unit}" for size in sizes.tolist()] if sizes.ndim else f"{sizes.item()} {unit}"
     if isinstance(value, (np.ndarray, np.generic)):
         return value.tolist()
     if isinstance(value, Mapping):
@@ -53,7 +72,10 @@ def checked(kind: type[T], source: str, said: Mapping[str, Any]) -> T:
 
 def pair(grid: GridLike) -> tuple[int, int]:
     """Return a grid; one number stands for both sides."""
-    return (grid, grid) if isinstance(grid, int) else grid
+    sides = (grid, grid) if isinstance(grid, int) else tuple(grid) if isinstance(grid, (tuple, list)) else ()
+    if len(sides) != 2 or not all(isinstance(n, int) and n > 0 for n in sides):
+        raise UsageError(f"grid = {grid!r}: give points along the sides, as 256 or (256, 128)")
+    return sides
 
 
 def fast_grid(lengths: tuple[float, float], shortest: float, points_per_wave: float) -> tuple[int, int]:
@@ -63,15 +85,15 @@ def fast_grid(lengths: tuple[float, float], shortest: float, points_per_wave: fl
     return nx, ny
 
 
-def shown(value: Any) -> str:
+def shown(value: Any, unit: str = "1") -> str:
     """Write a value of a table briefly.
 
-    >>> shown(1e-4), shown((1e-4, 2e-4)), shown("sharp")
-    ('0.0001', '(0.0001, 0.0002)', 'sharp')
+    >>> shown(1e-4, "m"), shown((1e-4, 2e-4)), shown("sharp")
+    ('100 um', '(0.0001, 0.0002)', 'sharp')
     """
     if isinstance(value, (tuple, list)):
-        return f"({', '.join(map(shown, value))})"
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+        return f"({', '.join(shown(item, unit) for item in value)})"
+    return in_prefixed_unit(value, unit) if isinstance(value, float) else str(value)
 
 
 def as_html(title: str, facts: Mapping[str, str]) -> str:
@@ -82,3 +104,17 @@ def as_html(title: str, facts: Mapping[str, str]) -> str:
         for name, value in facts.items()
     )
     return f"<table><caption>{html.escape(title)}</caption>{rows}</table>"
+
+
+def on_places(data: xr.Dataset, spacing: tuple[float, float], **maps: Any) -> xr.Dataset:
+    """Add maps over x and y, the middles of cells [m], to a dataset."""
+    nx, ny = next(iter(maps.values())).shape
+    dx, dy = spacing
+    data = data.assign_coords(x=("x", (np.arange(nx) + 0.5) * dx), y=("y", (np.arange(ny) + 0.5) * dy))
+    return labelled(data.assign({name: (("x", "y"), values) for name, values in maps.items()}))
+
+
+def map_of(name: str, caption: str, *, cmap: str = "viridis") -> Figure:
+    """Declare the figure of one map."""
+    panel = Panel(marks=[Image(y=name, rows="y", cmap=cmap)], x="x")
+    return Figure(name=name.replace("_", "-"), caption=caption, panels=[panel], width=4.6, height=3.6)

@@ -10,7 +10,7 @@ import itertools
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -152,20 +152,28 @@ def panels_along(data: xr.Dataset, dim: str, panel: Panel) -> tuple[Panel, ...]:
     )
 
 
-def draw(figure: Figure, data: xr.Dataset) -> Drawing:
-    """Draw a figure of a dataset."""
+def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawing:
+    """Draw a figure of a dataset; one of a single panel may go into axes that are there."""
     from validation.report.figure import new_figure
 
     drawn: list[Drawn] = []
-    canvas, axes = new_figure(width=figure.width, height=figure.height, columns=len(figure.panels))
-    for panel, on in zip(figure.panels, axes, strict=True):
+    if axes is None:
+        canvas, places = new_figure(width=figure.width, height=figure.height, columns=len(figure.panels))
+    elif len(figure.panels) == 1 and hasattr(axes, "errorbar"):
+        canvas, places = cast("Any", axes.figure), [axes]
+    else:
+        raise UsageError(f"ax = {axes!r}: one axes of matplotlib, for a figure of one panel; leave it out")
+    for panel, on in zip(figure.panels, places, strict=True):
         drawn += _draw_panel(panel, on, data)
-    bottoms = [on.get_ylim() for on in axes]
-    if len(axes) > 1 and len({panel.y or panel.marks[0].y for panel in figure.panels}) == 1:
-        for on, panel in zip(axes, figure.panels, strict=True):
+    bottoms = [on.get_ylim() for on in places]
+    if len(places) > 1 and len({panel.y or panel.marks[0].y for panel in figure.panels}) == 1:
+        for on, panel in zip(places, figure.panels, strict=True):
             low = min(b[0] for b in bottoms) if panel.bottom is None else panel.bottom
             on.set_ylim(low, max(b[1] for b in bottoms) if panel.top is None else panel.top)
-    _legend(canvas, list(axes))
+    if axes is None:
+        _legend(canvas, list(places))
+    elif axes.get_legend_handles_labels()[0]:
+        axes.legend(fontsize=7)
     names = list(
         dict.fromkeys(n for one in drawn for n in (one.mark.y, one.x, getattr(one.mark, "high", "")) if n)
     )

@@ -11,7 +11,7 @@ import numpy as np
 
 from validation.errors import UsageError
 from validation.report.estimates import total_error
-from validation.report.quantities import in_prefixed_unit, quantity
+from validation.report.quantities import in_prefixed_unit, prefixed_unit, quantity
 from validation.report.words import significant, with_error
 
 if TYPE_CHECKING:
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 __all__ = ["Value", "combined", "place_of", "value_of", "values_of", "with_places"]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Value:
-    """A number as it is said: with its 95 % interval where it has one.
+    """A number as it is said: with its 95 % interval where it has one, and shown with symbol and unit.
 
     Attributes
     ----------
@@ -40,12 +40,32 @@ class Value:
     >>> kappa = Value(value=2.1563, error=0.019)
     >>> f"{kappa}, {kappa:%}, {kappa:~}, {Value(value=0.05)}"
     '2.156 +- 0.019, (215.6 +- 1.9) %, 2.156, 0.05'
+    >>> Value(value=3.583e-7, error=1.2e-9, name="mean_gap")
+    mean gap = (358.3 +- 1.2) nm
     """
 
     value: float | str
     error: float | None = None
     name: str = ""
     at: Mapping[str, int] | None = None
+
+    @property
+    def unit(self) -> str:
+        """SI unit of value and error; "1" for a plain number."""
+        return quantity(self.name).unit if self.name else "1"
+
+    def __float__(self) -> float:
+        return float(self.value)
+
+    def __repr__(self) -> str:
+        if isinstance(self.value, str) or not self.name:
+            return f"{self}"
+        factor, unit = prefixed_unit(self.unit, abs(self.value))
+        text = f"{Value(value=factor * self.value, error=factor * self.error if self.error else self.error)}"
+        bare = unit == "1" or "(" in text or "+-" not in text
+        return f"{quantity(self.name).symbol} = {text if bare else f'({text})'}" + (
+            f" {unit}" if unit != "1" else ""
+        )
 
     def __format__(self, spec: str) -> str:
         """Return it in words: ``%`` in per cent, ``+`` with sign, ``~`` without error, ``u`` with unit.

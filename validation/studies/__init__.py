@@ -21,8 +21,11 @@ from collections.abc import Mapping
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
+from pydantic import ValidationError
+
 from validation.errors import UsageError, did_you_mean
 from validation.registry import entries
+from validation.scenes.mistakes import problems
 from validation.studies._study import Study, StudyOptions
 
 if TYPE_CHECKING:
@@ -101,9 +104,9 @@ def find_study(name: str) -> Study:
         For an unknown name.
     """
     known = studies()
-    if name not in known:
+    if not isinstance(name, str) or name not in known:
         raise UsageError(
-            f"study {name!r}: no such study{did_you_mean(name, known)}; one of: {', '.join(known)}"
+            f"study {name!r}: no such study{did_you_mean(str(name), known)}; one of: {', '.join(known)}"
         )
     return known[name]
 
@@ -118,8 +121,30 @@ def run(name: str, *, bench: Bench | None = None, **options: Any) -> xr.Dataset:
         Where the solves run and are kept; in this process and in results/solves if not given.
     options
         Those of ``fem-contact study NAME --help``, with underscores for hyphens.
+
+    Raises
+    ------
+    UsageError
+        For an unknown study or option, and a line for each value that is not allowed.
+
+    Examples
+    --------
+    >>> run("hurst", hurst=0.5)
+    Traceback (most recent call last):
+    validation.errors.UsageError: study hurst: no option 'hurst'; did you mean 'hursts'?
     """
     from validation.execution.bench import Bench
 
-    found = find_study(name)
-    return found.compute(found.options(**options), bench=bench or Bench.at())
+    if bench is not None and not isinstance(bench, Bench):
+        raise UsageError(f'study: bench = {bench!r}: give a Bench, as Bench.at("results/solves")')
+    study = find_study(name)
+    for option in options.keys() - study.options.model_fields.keys():
+        hint = did_you_mean(option, study.options.model_fields)
+        raise UsageError(
+            f"study {name}: no option {option!r}{hint or '; fem-contact study NAME --help lists them'}"
+        )
+    try:
+        parsed = study.options(**options)
+    except ValidationError as error:
+        raise UsageError(f"study {name}: " + "\n".join(problems(error))) from None
+    return study.compute(parsed, bench=bench or Bench.at())
