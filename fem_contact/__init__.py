@@ -5,7 +5,7 @@
 ...     length="100 um", hurst=0.8, lambda_long="50 um", lambda_short="10 um", rms_gradient=0.1, seed=1
 ... )
 >>> fc.press(surface, young="1 GPa", poisson=0.3, reduced_pressure=0.05).area
-A/A0 = 0.11
+A/A0 = 0.110
 
 The solvers themselves: `bem`, `block`, `adhesion`, `random_surface`, `HeightField`, `Solid`, ...
 

@@ -117,9 +117,10 @@ class Surface:
         from validation.report.marks import draw
 
         field = self.field
-        if self.given is None:  # finer than it takes to resolve it
-            grid = fast_grid(field.lengths, self.table.lambda_short, 8.0)
-            field = surfaces.height_field(self.table, grid)
+        table = self.table
+        if not isinstance(table, FileSurface):  # finer than it takes to resolve it
+            grid = fast_grid(field.lengths, table.lambda_short, 8.0)
+            field = surfaces.height_field(table, grid)
         data = on_places(xr.Dataset(), field.spacing, heights=field.heights - field.heights.mean())
         return draw(map_of("heights", "Heights of the rough surface.", cmap="gray"), data, axes=ax)
 
