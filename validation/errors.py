@@ -35,7 +35,9 @@ def did_you_mean(word: str, known: Iterable[str], meant: Mapping[str, str] | Non
     >>> did_you_mean("yung", ["young", "poisson"])
     "; did you mean 'young'?"
     """
-    close = difflib.get_close_matches(word, (*known, *(meant or ())), n=1)
+    # Without the hyphens of options, which are alike in all of them.
+    words = {name.lstrip("-"): name for name in (*known, *(meant or ()))}
+    close = [words[name] for name in difflib.get_close_matches(word.lstrip("-"), words, n=1)]
     return f"; did you mean {(meant or {}).get(close[0], close[0])!r}?" if close else ""
 
 

@@ -26,7 +26,7 @@ from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.report.figure import new_figure, save_figure
 from validation.report.page import Answer, Page, render, write_page
-from validation.report.table import ResultTable, WordTable, shown
+from validation.report.table import ResultTable, WordTable, shown, write_dataset
 from validation.report.words import mathematics
 from validation.scenes.scene import load_scene
 from validation.studies import find_study
@@ -102,6 +102,16 @@ def test_a_page_writes_every_digit_and_shows_five(tmp_path):
     assert (tmp_path / "table.csv").read_text().splitlines()[1] == f"a,{1 / 3!r}"
     assert "0.33333</td>" in (tmp_path / "report.html").read_text()
     assert not (tmp_path / "figures").exists()
+
+
+def test_numbers_of_a_figure_stand_at_values_not_at_places(tmp_path):
+    data = xr.Dataset(
+        {"kappa": (("hurst", "load", "end"), np.arange(8.0).reshape(2, 2, 2))},
+        coords={"hurst": [0.3, 0.8], "reduced_pressure": ("load", [0.05, 0.1])},
+    )
+    (path,) = write_dataset(data, tmp_path / "kappa.csv")
+    header, first, *_ = path.read_text().splitlines()
+    assert (header, first) == ("hurst,end,reduced_pressure,kappa", "0.3,0,0.05,0.0")
 
 
 def test_what_looks_like_markup_is_shown_and_not_obeyed():
@@ -190,7 +200,7 @@ def test_columns_that_decide_stay_whole_at_every_width(small_run, width):
     console.print(shown)
     text = console.file.getvalue()
     assert max(map(len, text.splitlines())) <= width
-    for words in ("method", "grid", table.rows[0][1]):
+    for words in ("method", "grid", "edge located inside the cells", table.rows[0][1]):
         assert words in text
     for name in table.columns:
         assert (name in text) != (name in left_out)

@@ -147,14 +147,31 @@ def test_a_measured_map_without_its_short_waves_is_a_lower_magnification(scene, 
     np.testing.assert_allclose(waves[kept], whole[kept], atol=1e-9 * whole.max())
 
 
+def test_a_scene_is_refined_on_other_grids_than_its_own_and_on_one_surface(scene):
+    text = small_scene("shifts = 2\n[ensemble]\nrealisations = 3\ngrids = [24, 36]")
+    told = ["--points-per-wave", "4,8,16", "--surfaces", "1"]
+    options = find_study("refinement").parse(told, scene=scene(text))
+    assert options.scene.methods.bem.grids == options.grids_for(()) == ((16, 16), (32, 32), (64, 64))
+    assert (options.points_per_wave, options.surfaces, options.shifts) == ((4, 8, 16), 1, 2)
+    assert find_study("refinement").parse([], scene=scene(text)).surfaces == 3
+    oblong = find_study("area").parse(["--grids", "64,96"], scene=scene(MAP))
+    assert oblong.ladder == ((64, 48), (96, 72))
+
+
 @pytest.mark.parametrize(
     ("study", "option", "words"),
     [
-        ("pressure", {"hurst": 0.4}, "--hurst: the scene 'mine' says it; leave --hurst out, or the scene"),
-        ("pressure", {"points_per_wave": (4.0, 8.0)}, "--points-per-wave: the scene 'mine' says it"),
-        ("stress-near-zero", {"reduced_pressure": 0.1}, "--reduced-pressure: the scene 'mine' says it"),
-        ("cross", {"methods": ("bem", "fem")}, "--methods: the scene 'mine' says it"),
-        ("theory-verdict", {"surfaces": 3}, "--surfaces: the scene 'mine' says it"),
+        (
+            "pressure",
+            {"hurst": 0.4},
+            "--hurst: the scene 'mine' says it; set it there, by --set surface.hurst=",
+        ),
+        (
+            "stress-near-zero",
+            {"reduced_pressure": 0.1},
+            "--reduced-pressure: the scene 'mine' says it; set it",
+        ),
+        ("cross", {"methods": ("bem", "fem")}, "--methods: the scene 'mine' says it; leave --methods out"),
     ],
 )
 def test_what_a_scene_and_an_option_both_say_is_refused(scene, study, option, words):

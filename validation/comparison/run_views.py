@@ -73,9 +73,9 @@ def run_views(data: xr.Dataset) -> Views:
             columns=(
                 "solver",
                 "grid",
-                "area_pixel",
+                "area_located",  # the best first: the last leave where there is no room for all
                 "area_perimeter",
-                "area_located",
+                "area_pixel",
                 "kappa_perimeter",
                 "area_plastic_pixel",
                 "density_at_zero",

@@ -309,7 +309,10 @@ def _frame(data: xr.Dataset, dims: tuple[str, ...], group: Mapping[str, Any]) ->
         if name not in dims and along.ndim and set(along.dims) <= set(dims)
     ]
     frame = data[told].assign(group).to_dataframe(dim_order=list(dims)).reset_index()
-    return frame[[*dims, *told, *group]]
+    # A place along a dimension is told by its value, or counted where it has none.
+    valued = {data[name].dims for name in told}
+    counted = [dim for dim in dims if dim in data.indexes or (dim,) not in valued]
+    return frame[[*counted, *told, *group]]
 
 
 def _in_words(columns: Sequence[str], rows: Iterable[Sequence[Any]], *, title: str, note: str) -> WordTable:

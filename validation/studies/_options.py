@@ -36,7 +36,8 @@ _MOST = 10_000
 
 def _with_scatter(count: int, others: ValidationInfo) -> int:
     """Refuse a single surface of a spectrum; that of a scene may be asked about itself."""
-    if count < 2 and others.data.get("scene") is None:
+    on_scene = others.data.get("scene") is not None or (others.context or {}).get("on_scene")
+    if count < 2 and not on_scene:
         raise wrong("must be greater than or equal to 2")
     return count
 

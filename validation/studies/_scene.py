@@ -76,17 +76,40 @@ class PressedOptions(StudyOptions):
             scene = load_scene(scene)
         cls._check(scene)
         first = replace(realise(scene), drawn=True)
+        scene = cls._on_grids(scene, first, data)
         check_scene(scene, first)
         taken = cls.taken(scene, first)
+        if not isinstance(scene.surface, FileSurface) and "surfaces" in data:
+            taken.pop("surfaces", None)
         for name in data:
-            if name in taken or name in _SPECTRUM:
+            if (name in taken and name not in (*cls.grids_of, "grids")) or name in _SPECTRUM:
                 flag = "--" + name.replace("_", "-")
-                raise wrong(f"{flag}: the scene {scene.name!r} says it; leave {flag} out, or the scene")
+                key = _KEYS.get(name)
+                remedy = f"set it there, by --set {key}=..., or leave" if key else "leave"
+                raise wrong(f"{flag}: the scene {scene.name!r} says it; {remedy} {flag} out")
         path = {}
         if "reduced_pressures" in cls.model_fields:
             given = data.get("reduced_pressures", cls.model_fields["reduced_pressures"].default)
             path = {"reduced_pressures": _merged(given, _reduced(first))}
         return {**data, **taken, **path, "scene": scene}
+
+    @classmethod
+    def _on_grids(cls, scene: Scene, first: ContactProblem, data: Mapping[str, Any]) -> Scene:
+        """Return the scene with the grids that options name in place of its own."""
+        tables: dict[str, Any] = {}
+        for option, method in {**cls.grids_of, "grids": "bem"}.items():
+            table, values = scene.methods.options(method), data.get(option)
+            if option not in cls.model_fields or values is None or table is None:
+                continue
+            if not all(isinstance(value, (int, float)) and value > 0 for value in values):
+                continue  # which the option is refused for
+            (lx, ly), points = first.lengths, values
+            if option == "grids":
+                grids = tuple((int(n), round(n * ly / lx)) for n in points)
+            else:
+                grids = tuple(grid_for(first, n) for n in points)
+            tables[method] = table.model_copy(update={"grids": grids})
+        return scene.model_copy(update={"methods": scene.methods.model_copy(update=tables)})
 
     @classmethod
     def _check(cls, scene: Scene) -> None:
@@ -266,6 +289,15 @@ class PressedOptions(StudyOptions):
         return frozenset({"bem", *self.grids_of.values(), *solvers})
 
 
+#: Options that a scene stands in for, and the keys by which it says the same.
+_KEYS = {
+    "hurst": "surface.hurst",
+    "seed": "surface.seed",
+    "periods": "surface.length",
+    "bandwidth": "surface.lambda_short",
+    "reduced_pressure": "load.reduced_pressure",
+    "shifts": "methods.bem.shifts",
+}
 #: Options that make a surface.
 _SPECTRUM = frozenset({"hurst", "periods", "bandwidth", "seed"})
 

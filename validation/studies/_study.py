@@ -91,7 +91,7 @@ class StudyOptions(Table):
             values[flag.removeprefix("--").replace("-", "_")] = parts if several else text
         try:
             # Strings are numbers here, and quantities may carry units as in a scene.
-            parsed = cls.model_validate_strings(values)
+            parsed = cls.model_validate_strings(values, context={"on_scene": scene is not None})
             if scene is None:
                 return parsed
             said = {name: getattr(parsed, name) for name in parsed.model_fields_set}
