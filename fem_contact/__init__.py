@@ -26,4 +26,6 @@ def __getattr__(name: str) -> object:
         from importlib.metadata import version
 
         return version("fem-contact")
+    if name == "initial_slope":
+        raise AttributeError("fem_contact.initial_slope is called window_slope: it is no limit")
     return _attribute(name)

@@ -61,11 +61,11 @@ from .stress import contact_stiffness as contact_stiffness
 from .stress import density_at_zero as density_at_zero
 from .stress import elastic_energy as elastic_energy
 from .stress import gap_distribution as gap_distribution
-from .stress import initial_slope as initial_slope
 from .stress import limit_density as limit_density
 from .stress import loading_work as loading_work
 from .stress import pressure_distribution as pressure_distribution
 from .stress import von_mises as von_mises
+from .stress import window_slope as window_slope
 from .subsurface import AtDepth as AtDepth
 from .subsurface import Strongest as Strongest
 from .subsurface import Subsurface as Subsurface

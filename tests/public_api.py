@@ -168,7 +168,7 @@ def solver_doors() -> dict[str, Door]:
         (stress.gap_distribution, {"edges": [0.0, 0.1, 0.2]}),
         (stress.density_at_zero, {"factor": 0.2}),
         (stress.limit_density, {"densities": densities}),
-        (stress.initial_slope, {"window": (0.1, 0.4), "bins": 5}),
+        (stress.window_slope, {"window": (0.1, 0.4), "bins": 5}),
         (stress.refined_edges, {"top": 1.0, "bins": 5, "power": 2.0}),
         *(stress.elastic_energy, stress.loading_work, stress.contact_stiffness),
         (stress.von_mises, {"tensor": np.ones((4, 6))}),

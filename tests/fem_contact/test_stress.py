@@ -16,11 +16,11 @@ from fem_contact.stress import (
     density_at_zero,
     elastic_energy,
     gap_distribution,
-    initial_slope,
     limit_density,
     loading_work,
     pressure_distribution,
     refined_edges,
+    window_slope,
 )
 from fem_contact.surface import HeightField
 
@@ -109,7 +109,7 @@ def test_initial_slope_of_one_hertzian_contact_is_the_closed_form() -> None:
         heights = -(x[:, None] ** 2 + x[None, :] ** 2) / 2
         result = solve(HeightField(heights=heights, lengths=(1.0, 1.0)), SOFT, mean_pressure=4 * 0.1**3 / 3)
         stress = HeightField(heights=heights, lengths=(1.0, 1.0)).rms_gradient
-        slope = initial_slope(result, window=(0.015 / stress, 0.055 / stress), bins=4)
+        slope = window_slope(result, window=(0.015 / stress, 0.055 / stress), bins=4)
         assert slope.slope == pytest.approx(np.pi**3 / 2, rel=0.04)
         assert slope.reduced == pytest.approx(slope.slope * stress**2)
         assert slope.patches == 1

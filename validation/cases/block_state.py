@@ -13,7 +13,7 @@ from fem_contact.area import ContactAreas, mean_areas, subgrid_shifts
 from fem_contact.extrapolation import PlannedGrid, located_limit, perimeter_limit, predicted_uncertainty
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
-from fem_contact.stress import elastic_energy, initial_slope
+from fem_contact.stress import elastic_energy, window_slope
 from fem_contact.surface import HeightField, random_surface
 from validation.cases import Check, below, case, relative, within
 from validation.cases._closed_forms import HertzInPeriod
@@ -140,7 +140,7 @@ def _planned() -> Iterator[Check]:
     stress = HeightField(heights=found.heights, lengths=(1.0, 1.0)).rms_gradient
     slope = 2 * math.pi * case.radius**2 / case.peak**2
     window = 0.2 * case.peak / stress, 0.8 * case.peak / stress
-    start = initial_slope(found, window=window)
+    start = window_slope(found, window=window)
     shifts = np.array(subgrid_shifts(3))
     areas = [
         ContactAreas(

@@ -14,7 +14,7 @@ from fem_contact.conductance import frozen_contact
 from fem_contact.contact import ContactResult
 from fem_contact.extrapolation import Limit, located_limit, perimeter_limit
 from fem_contact.patches import find_patches
-from fem_contact.stress import density_at_zero, elastic_energy, initial_slope
+from fem_contact.stress import density_at_zero, elastic_energy, window_slope
 from fem_contact.surface import HeightField
 from validation.arrays import Array, Grid
 from validation.effects.base import ContactModel
@@ -213,7 +213,7 @@ def press_on_grids(
                 frozen = 1e-3 if "slope" in keep else 1e-9
                 found["stiffness"] = _stiffness(result, problem, tolerance=frozen)
             if "slope" in keep:
-                found["slope"] = initial_slope(result).reduced
+                found["slope"] = window_slope(result).reduced
             for name, value in found.items():
                 values[name][i, j, k] = value
             if "distributions" in keep:
