@@ -38,7 +38,8 @@ def _block(match: re.Match[str]) -> str:
 def _mathml(match: re.Match[str]) -> str:
     if match[1]:
         return f"<div>{convert(' '.join(match[1].split()), display='block')}</div>"
-    return convert(match[2]) if match[2] else match[0]
+    # A line that begins with an element of MathML would be taken for a block.
+    return f"<span>{convert(match[2])}</span>" if match[2] else match[0]
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
