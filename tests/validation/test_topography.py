@@ -6,6 +6,7 @@ import hashlib
 import io
 import math
 import os
+import re
 import sys
 
 import numpy as np
@@ -28,6 +29,7 @@ from validation.scenes.topography import (
     write_topography,
 )
 from validation.scenes.topography.formats import read_plain
+from validation.scenes.topography.statistics import height_statistics
 
 LENGTH = 1e-5
 SPECTRUM = SelfAffine.from_rms_gradient(
@@ -40,6 +42,10 @@ def npy(array: np.ndarray) -> bytes:
     file = io.BytesIO()
     np.save(file, array)
     return file.getvalue()
+
+
+#: A table of a scene that names no treatment.
+AS_IT_IS = {"tilt": None, "missing": "refuse", "edges": None}
 
 
 def patch(n: int = 96, *, seed: int = 31) -> np.ndarray:
@@ -152,8 +158,7 @@ def test_a_plane_is_found_from_the_known_points_alone():
 def test_holes_are_refused_or_filled_by_choice():
     heights, holes = measured_patch()
     levelled = Topography(heights=heights, lengths=(LENGTH, LENGTH)).levelled("plane")
-    with pytest.raises(UsageError, match=r"of 9216 heights are NaN or infinite: say how to fill them"):
-        levelled.filled("refuse")
+    assert "of 9216 heights are NaN or infinite" in levelled.faults(**AS_IT_IS)["missing"][0]
     truth = Topography(heights=patch(), lengths=(LENGTH, LENGTH)).levelled("plane").heights
     error = {}
     for choice in ("nearest", "harmonic"):
@@ -179,8 +184,8 @@ def test_the_membrane_continues_a_plane_exactly():
 def test_edges_that_do_not_match_are_refused_unless_a_taper_is_named():
     rough = Topography(heights=patch(), lengths=(LENGTH, LENGTH)).levelled("plane")
     assert rough.edge_jump > 4
-    with pytest.raises(UsageError, match=r"opposite edges differ .* choose edges = 'tukey' or 'hann'"):
-        rough.made_periodic(None)
+    assert set(rough.faults(**AS_IT_IS)) == {"edges"}
+    assert rough.faults(**AS_IT_IS)["edges"][1] == "tukey"
     for edges in ("tukey", "hann"):
         periodic = rough.made_periodic(edges, margin=0.15)
         assert periodic.edge_jump < 1.5
@@ -357,10 +362,10 @@ def test_a_plane_of_many_blocks_is_that_of_one(monkeypatch):
 def test_more_holes_than_a_membrane_is_stretched_over_are_refused(monkeypatch):
     heights, holes = measured_patch()
     monkeypatch.setattr("validation.scenes.topography.patch._MOST_HOLES", 20)
-    with pytest.raises(
-        UsageError, match=rf"{holes.sum()} heights are missing, .* choose missing = 'nearest'"
-    ):
-        Topography(heights=heights, lengths=(LENGTH, LENGTH)).filled("harmonic")
+    patch = Topography(heights=heights, lengths=(LENGTH, LENGTH))
+    words, remedy = patch.faults(**AS_IT_IS | {"missing": "harmonic"})["missing"]
+    assert remedy == "nearest"
+    assert f"{holes.sum()} of 9216 heights are NaN or infinite, and 'harmonic' fills at most 20" in words
 
 
 @pytest.mark.parametrize(
@@ -405,6 +410,91 @@ def test_a_file_that_no_scene_can_press_is_refused_before_anything_is_solved(
             command(load_scene(str(tmp_path / "scene.toml")))
         assert str(caught.value).count("\n") == 0
     assert not list((tmp_path / "results").rglob("*.nc"))
+
+
+def tilted_map(folder) -> str:
+    """One period of a rough surface as an instrument gives it: tilted, in um, with a hole; a scene of it."""
+    waves = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1.3e6, q_short=1.2e7)
+    whole = random_surface(waves, q_short=1.2e7, lengths=(2e-5, 1.2e-5), shape=(160, 96), seed=9)
+    x, y = np.arange(160)[:, None] / 160 * 20, np.arange(96)[None, :] / 96 * 12
+    heights = whole.heights * 1e6 + 0.21 * x - 0.12 * y
+    heights[30:36, 40:47] = np.nan
+    np.savetxt(folder / "afm.txt", heights, fmt="%.6f")
+    return '[surface]\nkind = "file"\npath = "afm.txt"\nlength = ["20 um", "12 um"]\nunit = "1 um"\n'
+
+
+REST = """
+[solid]
+young = "2 MPa"
+poisson = 0.3
+[load]
+reduced_pressure = 0.1
+[methods.bem]
+grids = [[160, 96]]
+"""
+
+
+def test_a_tilt_and_a_hole_come_at_once_with_the_table_that_mends_them(tmp_path):
+    text = tilted_map(tmp_path)
+    (tmp_path / "scene.toml").write_text(text + REST)
+    with pytest.raises(UsageError, match=r"tilt: a plane holds 9\d\.?\d* % of the variance") as caught:
+        explain(load_scene(str(tmp_path / "scene.toml")))
+    said = str(caught.value)
+    assert "missing: 42 of 15360 heights are NaN or infinite" in said
+    # The plane made the edges differ: without it they match, and no taper is called for.
+    assert "edges" not in said
+    pasted = said[said.index("[surface]") :] + text.partition('"afm.txt"')[2]
+    (tmp_path / "scene.toml").write_text(pasted + REST)
+    found = measured_surface(load_scene(str(tmp_path / "scene.toml")).surface)
+    assert found.period.missing == 0
+    assert found.faults == {}
+    # Without a size all faults come before the first is mended.
+    (tmp_path / "scene.toml").write_text('[surface]\nkind = "file"\npath = "afm.txt"\n' + REST)
+    with pytest.raises(UsageError, match=r"surface\.length: missing") as caught:
+        load_scene(str(tmp_path / "scene.toml"))
+    for words in ("surface.unit: missing", 'tilt = "plane"', 'missing = "harmonic"', 'unit = "..."'):
+        assert words in str(caught.value)
+
+
+def test_a_plane_under_a_taper_is_said(tmp_path):
+    text = tilted_map(tmp_path) + 'missing = "nearest"\nedges = "tukey"\n'
+    for tilt in ("", 'tilt = "keep"\n', 'tilt = "plane"\n'):
+        (tmp_path / "scene.toml").write_text(text + tilt + REST)
+        history = measured_surface(load_scene(str(tmp_path / "scene.toml")).surface).period.history
+        warned = any("a plane that was not taken out holds" in words for words in history)
+        assert warned == ("plane" not in tilt)
+
+
+@pytest.mark.parametrize(
+    ("lengths", "words"),
+    [
+        ((160.0, 160.0), "no instrument measures 160 m x 160 m"),
+        ((1e-9, 1e-9), "slopes of .* are no surface's"),
+    ],
+)
+def test_sizes_and_slopes_that_cannot_be_are_told(tmp_path, lengths, words):
+    np.save(tmp_path / "scan.npy", patch(96) * 1e6)
+    history = "; ".join(read_topography(tmp_path / "scan.npy", lengths=lengths, unit=1e-6).history)
+    assert re.search(words, history)
+    history = read_topography(tmp_path / "scan.npy", lengths=(1e-5, 1e-5), unit=1e-6).history
+    assert len(history) == 1
+
+
+def test_a_gaussian_surface_is_as_the_theory_assumes_and_one_with_spikes_is_not():
+    waves = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=6e6, q_short=1e8)
+    field = random_surface(waves, q_short=1e8, lengths=(1e-5, 1e-5), shape=(1024, 1024), seed=8)
+    traits = height_statistics(field.heights, field.spacing)
+    assert traits.is_gaussian
+    assert traits.slope_kurtosis == pytest.approx(3, abs=0.15)
+    assert traits.steep_share == pytest.approx(0.0079, rel=0.1)
+    # Nayak (1971): m4 / (6 pi sqrt(3) m2) with the moments of a profile.
+    m2, m4 = field.moments[1] / 2, 3 / 8 * field.moments[2]
+    assert traits.summit_density == pytest.approx(m4 / m2 / (6 * math.pi * math.sqrt(3)), rel=0.1)
+    spiked = np.array(field.heights)
+    spiked[::90, ::90] += 30 * field.rms_height
+    traits = height_statistics(spiked, field.spacing)
+    assert not traits.is_gaussian
+    assert traits.steep_share > 0.2
 
 
 def test_heights_that_belong_to_no_surface_are_told(tmp_path):

@@ -53,6 +53,60 @@ def test_the_header_that_gwyddion_writes_says_size_and_unit(tmp_path, encoding):
     assert found.unit == 1e-9
 
 
+@pytest.mark.parametrize(
+    "header",
+    [
+        "# Channel: Topography\n# Width: 3.00 µm\n# Height: 5.00 µm\n# Value units: nm\n",
+        "# Kanal: Topographie\n# Breite: 3,00 µm\n# Höhe: 5,00 µm\n# Einheiten: nm\n",
+    ],
+)
+def test_a_map_three_points_wide_with_a_header_of_gwyddion_is_no_list_of_points(tmp_path, header):
+    (tmp_path / "narrow.txt").write_text(header + written(NUMBERS[:, :3]), encoding="utf-8")
+    found = read_topography(tmp_path / "narrow.txt")
+    np.testing.assert_allclose(found.heights, NUMBERS[:, :3] * 1e-9, rtol=1e-15)
+    np.testing.assert_allclose(found.lengths, (5e-6, 3e-6), rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("header", "factor"),
+    [
+        ("# h=5 w=4\n# pixel size=0.5 um\n# height conversion factor (-> nm) = 2.5\n", 2.5),
+        (
+            "# x-pixels = 4\n# y-pixels = 5\n# x-length = 2000\n# y-length = 2500\n# x-unit = nm\n"
+            "# y-unit = nm\n# z-unit = nm\n",
+            1,
+        ),
+    ],
+)
+def test_a_header_that_only_surfacetopography_understands_says_size_and_unit(tmp_path, header, factor):
+    pytest.importorskip("SurfaceTopography", reason="LOUD: SurfaceTopography is not installed")
+    (tmp_path / "scan.txt").write_text(header + written(NUMBERS))
+    found = read_topography(tmp_path / "scan.txt")
+    # It has x along the columns.
+    np.testing.assert_allclose(found.heights, NUMBERS.T * factor * 1e-9, rtol=1e-12)
+    np.testing.assert_allclose(found.lengths, (2e-6, 2.5e-6), rtol=1e-12)
+    (tmp_path / "scan.txt").write_text("# a header that nobody understands\n" + written(NUMBERS))
+    np.testing.assert_array_equal(file_says(tmp_path / "scan.txt").heights, NUMBERS)
+
+
+def test_hdf5_of_several_data_sets_takes_the_size_that_is_given_and_damage_has_words_of_ours(tmp_path):
+    pytest.importorskip("SurfaceTopography", reason="LOUD: SurfaceTopography is not installed")
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "two.h5", "w") as file:
+        file["a"], file["b"] = NUMBERS, 2 * NUMBERS
+    with pytest.raises(UsageError, match="does not say how large the patch is: give length"):
+        read_topography(tmp_path / "two.h5")
+    found = read_topography(tmp_path / "two.h5", lengths=(5e-6, 4e-6), unit=1e-9)
+    np.testing.assert_allclose(found.heights, NUMBERS * 1e-9, rtol=1e-15)
+    assert "of its 2 channels 'a' (a, b)" in found.history
+    for name in ("bad.opd", "bad.x3p", "bad.dat"):
+        (tmp_path / name).write_bytes(b"PK" + np.random.default_rng(4).bytes(2000))
+        with pytest.raises(
+            UsageError, match="damaged, cut short, or of no format that SurfaceTopography reads"
+        ):
+            read_topography(tmp_path / name)
+
+
 def points(heights: np.ndarray, *, digits: int = 4, order: int = 3) -> str:
     """Lines x y z of a map with steps of 1/3 and 1/7, in any order."""
     i, j = np.indices(heights.shape)

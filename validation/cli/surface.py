@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -32,7 +33,7 @@ LengthOption = Annotated[
     typer.Option("--length", help='Size, e.g. "100 um" or "100 um, 50 um", if the file does not say.'),
 ]
 UnitOption = Annotated[str | None, typer.Option("--unit", help='Unit of the heights, e.g. "1 nm".')]
-TiltOption = Annotated[str, typer.Option("--tilt", help="keep, plane or quadratic: what to take out.")]
+TiltOption = Annotated[str | None, typer.Option("--tilt", help="keep, plane or quadratic: what to take out.")]
 MissingOption = Annotated[
     str, typer.Option("--missing", help="refuse, nearest or harmonic: how to fill holes.")
 ]
@@ -79,7 +80,7 @@ def inspect(
     source: Annotated[str, typer.Argument(metavar="SCENE|FILE", help="A scene, or a file of heights.")],
     length: LengthOption = None,
     unit: UnitOption = None,
-    tilt: TiltOption = "keep",
+    tilt: TiltOption = None,
     missing: MissingOption = "refuse",
     as_json: JsonOption = False,
 ) -> None:
@@ -103,7 +104,7 @@ def convert(
     target: TargetArgument,
     length: LengthOption = None,
     unit: UnitOption = None,
-    tilt: TiltOption = "keep",
+    tilt: TiltOption = None,
     missing: MissingOption = "refuse",
     edges: EdgesOption = None,
     margin: MarginOption = 0.1,
@@ -114,10 +115,12 @@ def convert(
     table = _file_surface(
         source, length=length, unit=unit, tilt=tilt, missing=missing, edges=edges, margin=margin
     )
-    from validation.scenes.surfaces import check_fits, measured_surface
+    from validation.scenes.surfaces import check_fits, measured_surface, naming
 
     # Without a taper a conversion leaves the edges as they are, and does not ask whether they match.
     found = measured_surface(table)
+    with naming(table):
+        found.check("missing")
     patch = found.patch if edges is None else found.period
     for words in patch.history:
         typer.echo(words, err=True)
@@ -155,12 +158,14 @@ _LAY = 1.2
 
 
 def _inspected(
-    source: str, *, length: str | None, unit: str | None, tilt: str, missing: str
+    source: str, *, length: str | None, unit: str | None, tilt: str | None, missing: str
 ) -> dict[str, Any]:
     from fem_contact.surface import Patch, measured_lay
     from fem_contact.surface.spectra import estimate_spectrum
     from validation.scenes.scene import builtin_scenes, load_scene
     from validation.scenes.surfaces import height_field, measured_surface
+    from validation.scenes.topography import fault_lines
+    from validation.scenes.topography.statistics import GAUSSIAN_STEEP_SHARE, height_statistics
 
     facts: dict[str, Any] = {}
     surface: Surface
@@ -170,25 +175,42 @@ def _inspected(
         surface = _file_surface(Path(source), length=length, unit=unit, tilt=tilt, missing=missing)
     if surface.kind == "file":
         found = measured_surface(surface)
-        raw, patch = found.raw, found.patch
+        # Its numbers need heights everywhere, and are those of no plane.
+        remedies = {key: remedy for key, (_, remedy) in found.faults.items() if key != "edges"}
+        raw, patch = found.raw, replace(found, surface=surface.model_copy(update=remedies)).patch
         facts |= {"missing points": raw.missing, "slope along x": raw.slope[0]}
-        facts |= {"slope along y": raw.slope[1], "edge jump over typical step": patch.edge_jump}
-        facts["treatment"] = "; ".join(patch.history)
+        facts |= {"slope along y": raw.slope[1], "share of a plane in the variance": raw.plane_share}
+        facts |= {"edge jump over typical step": patch.edge_jump, "treatment": "; ".join(patch.history)}
+        if found.faults:
+            facts["before it is pressed"] = "\n".join(fault_lines(found.faults, surface.model_dump()))
         field = patch.height_field()
         window: Literal["none", "hann"] = "none" if patch.edge_jump < 4 else "hann"
     else:
         field, window = height_field(surface), "none"
+    traits = height_statistics(field.heights, field.spacing)
     facts |= {
         "points": f"{field.shape[0]} x {field.shape[1]}",
         "size [m]": f"{field.lengths[0]:.6g} x {field.lengths[1]:.6g}",
+        "pixel [m]": f"{field.spacing[0]:.6g} x {field.spacing[1]:.6g}",
         "h_rms [m]": field.rms_height,
     }
-    if window == "none":
-        facts |= {"h'_rms (spectral)": field.rms_gradient}
-        if field.rms_gradient > 0:
-            facts["Nayak parameter"] = field.nayak
     own = field if window == "none" else Patch(heights=field.heights, lengths=field.lengths)
     if own.rms_gradient > 0:
+        how = "spectral" if window == "none" else "differences"
+        facts[f"h'_rms ({how})"] = own.rms_gradient
+        facts[f"rms curvature [1/m] ({how})"] = math.sqrt(own.moments[2]) / 2
+        if window == "none":
+            facts["Nayak parameter"] = field.nayak
+        facts |= {
+            "kurtosis of heights (Gaussian: 3)": traits.kurtosis,
+            "kurtosis of slopes (Gaussian: 3)": traits.slope_kurtosis,
+            f"mean square slope in the steepest 0.1 % (Gaussian: {GAUSSIAN_STEEP_SHARE:.2g})": (
+                traits.steep_share
+            ),
+            "summits per area [1/m^2]": traits.summit_density,
+            "mean curvature of summits [1/m]": traits.summit_curvature,
+            "rms height of summits [m]": traits.summit_height,
+        }
         lay = measured_lay(own)
         turned = f", {math.degrees(lay.direction):.3g} degrees from x" if lay.ratio > _LAY else ""
         facts["lay (slope across over along)"] = f"{lay.ratio:.3g}{turned}"

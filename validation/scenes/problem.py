@@ -222,7 +222,7 @@ class ContactProblem:
         """Everything that determines surface, solid and load, as JSON-ready data."""
         surface = self.surface.model_dump(mode="json")
         if self.measured is not None:
-            surface["path"] = self.measured.digest
+            surface |= {"path": self.measured.digest, "tilt": surface["tilt"] or "keep"}
         else:
             assert not isinstance(self.surface, FileSurface)
             surface["seed"] = self.surface.seed_of(self.realisation)

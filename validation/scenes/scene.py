@@ -302,7 +302,7 @@ def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
     path = surface.get("path")
     if not isinstance(path, str):
         return data
-    from validation.scenes.topography import file_says
+    from validation.scenes.topography import Topography, fault_lines, file_says
 
     try:
         says = file_says(folder / path)
@@ -318,5 +318,16 @@ def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
         if known[key] is None
     ]
     if missing:
+        # All faults at once: none of the others needs size or unit.
+        patch = Topography(heights=says.heights, lengths=(1.0, 1.0))
+        treatment = {key: surface.get(key, FileSurface.model_fields[key].default) for key in _TREATMENT}
+        faults = patch.faults(**treatment)
+        if faults:
+            lacking = [f'{key} = "..."' for key in ("length", "unit") if known[key] is None]
+            missing.append("\n".join(("cannot be pressed as it is", *fault_lines(faults, surface), *lacking)))
         raise SceneError(scene, missing)
     return {**data, "surface": {"length": says.lengths, **surface}}
+
+
+#: Keys of a measured surface that say what is done to it before it is pressed.
+_TREATMENT = ("tilt", "missing", "edges")

@@ -177,8 +177,8 @@ class FileSurface(Table):
     unit: Length | None = Field(
         default=None, description='unit of the heights, e.g. "1 nm"; default: what the file says'
     )
-    tilt: Literal["keep", "plane", "quadratic"] = Field(
-        default="keep", description="what to take out before anything else"
+    tilt: Literal["keep", "plane", "quadratic"] | None = Field(
+        default=None, description="what to take out before anything else; default: nothing"
     )
     missing: Literal["refuse", "nearest", "harmonic"] = Field(
         default="refuse", description="what to do with points without a height"

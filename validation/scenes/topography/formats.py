@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import io
 import math
@@ -17,8 +18,8 @@ import numpy as np
 
 from validation.errors import UsageError, harmless
 from validation.scenes.topography.netcdf import read_netcdf
-from validation.scenes.topography.raw import MOST_BYTES, Raw, check_shape, plain_attribute, real
-from validation.scenes.topography.text import read_text
+from validation.scenes.topography.raw import MOST_BYTES, MOST_POINTS, Raw, check_shape, plain_attribute, real
+from validation.scenes.topography.text import NotText, read_text
 from validation.units import metres
 
 __all__ = ["one_line", "read_plain"]
@@ -112,12 +113,17 @@ def _read(path: str, data: bytes) -> Raw:
     if suffix not in (".txt", ".csv", ".dat", ".asc", ".xyz"):
         return _read_other(path, suffix)
     try:
-        return read_text(data)
+        raw = read_text(data)
     except ValueError as error:
         try:  # text of other programs, and binary data of the same suffix
             return _read_other(path, suffix)
-        except (ValueError, UsageError):
-            raise error from None
+        except (ValueError, UsageError) as other:
+            raise (other if isinstance(error, NotText) else error) from None
+    if raw.header:
+        with contextlib.suppress(ValueError, UsageError):
+            with_header = _read_other(path, suffix)
+            return raw if with_header.lengths is None else with_header
+    return raw
 
 
 def _read_npy(data: bytes) -> Raw:
@@ -140,25 +146,39 @@ def _read_npy(data: bytes) -> Raw:
     return Raw(heights=real(np.load(file, allow_pickle=False)))
 
 
+#: Formats of SurfaceTopography that may leave the size to be given, and know their own bytes.
+_WITHOUT_SIZE = ("h5", "mat", "asc", "xyz")
+
+
 def _read_other(path: str, suffix: str) -> Raw:
     try:
-        from SurfaceTopography import read_topography as read
+        from SurfaceTopography import open_topography
     except ImportError:
         raise UsageError(
             f"{suffix or 'no suffix'} is none of .npy, .txt, .csv, .dat, .asc, .xyz, .nc; for x3p and other "
             "formats install SurfaceTopography: pip install 'fem-contact[topography]'"
         ) from None
     try:
-        found: Any = read(path)
-        check_shape(tuple(found.nb_grid_pts))
-        heights = np.ma.filled(np.ma.asarray(found.heights()).astype(float), np.nan)
+        with open_topography(path) as reader:
+            channel: Any = reader.default_channel
+            shape, sizes = tuple(channel.nb_grid_pts), channel.physical_sizes
+            unsized = sizes is None or None in sizes
+            if unsized and reader.format() not in _WITHOUT_SIZE:
+                raise ValueError("a reader that takes any bytes for heights")
+            if len(shape) == 2 and math.prod(shape) <= MOST_POINTS:
+                surface: Any = reader.topography(**({"physical_sizes": shape} if unsized else {}))
+                heights = np.ma.filled(np.ma.asarray(surface.heights()).astype(float), np.nan)
+                unit, sizes = surface.unit, None if unsized else surface.physical_sizes
+            names = [one_line(each.name)[:40] for each in reader.channels]
     except MemoryError:
         raise
-    except Exception as error:  # every format reader of that library raises its own
-        raise ValueError(f"SurfaceTopography: {error or type(error).__name__}") from None
-    unit, sizes = plain_attribute(found.unit, "its unit"), found.physical_sizes
-    if sizes is None:
-        return Raw(heights=heights, unit=unit)
+    except Exception:  # every format reader of that library raises its own, and names formats it was not
+        raise ValueError("damaged, cut short, or of no format that SurfaceTopography reads") from None
+    check_shape(shape)
+    unit = plain_attribute(unit, "its unit")
+    others = ", ".join(names[:8])
+    notes = (f"of its {len(names)} channels {one_line(channel.name)!r} ({others})",) if len(names) > 1 else ()
+    lengths = None if sizes is None else (float(sizes[0]), float(sizes[1]))
     # Its sizes are in the unit of the heights.
-    units = None if unit is None else (unit, unit)
-    return Raw(heights=heights, lengths=(float(sizes[0]), float(sizes[1])), length_units=units, unit=unit)
+    units = None if unit is None or lengths is None else (unit, unit)
+    return Raw(heights=heights, lengths=lengths, length_units=units, unit=unit, notes=notes)

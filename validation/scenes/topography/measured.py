@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from validation.scenes.topography.patch import Topography
+from validation.errors import UsageError
+from validation.scenes.topography.patch import REMOVABLE, Topography
 from validation.scenes.topography.reading import read_topography
 
 if TYPE_CHECKING:
     from validation.scenes.tables import FileSurface
 
-__all__ = ["Measured", "measured"]
+__all__ = ["Measured", "fault_lines", "measured"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -30,12 +33,49 @@ class Measured:
     @cached_property
     def patch(self) -> Topography:
         """Levelled and filled; its edges are as they were."""
-        return _frozen(self.raw.levelled(self.surface.tilt).filled(self.surface.missing))
+        surface = self.surface
+        patch = self.raw.levelled(surface.tilt or "keep").filled(surface.missing)
+        share = self.raw.plane_share if surface.tilt in (None, "keep") else 0.0
+        if share > REMOVABLE and surface.edges is not None:
+            words = (
+                f"a plane that was not taken out holds {100 * share:.3g} % of the variance: with "
+                'tilt = "plane" the area may be another'
+            )
+            patch = replace(patch, history=(*patch.history, words))
+        return _frozen(patch)
+
+    def check(self, *keys: str) -> None:
+        """Raise a UsageError of all that keeps it from being pressed, or of what these keys mend."""
+        faults = {k: fault for k, fault in self.faults.items() if not keys or k in keys}
+        if faults:
+            table = self.surface.model_dump()
+            raise UsageError("\n".join(("cannot be pressed as it is", *fault_lines(faults, table))))
+
+    @cached_property
+    def faults(self) -> dict[str, tuple[str, str]]:
+        """What keeps it from being pressed, and the remedies, by key."""
+        return self.raw.faults(**self.surface.model_dump())
 
     @cached_property
     def period(self) -> Topography:
-        """The patch made periodic: what is pressed."""
+        """The patch made periodic: what is pressed. A UsageError of all that keeps it from being pressed."""
+        self.check()
         return _frozen(self.patch.made_periodic(self.surface.edges, margin=self.surface.margin))
+
+
+def fault_lines(faults: Mapping[str, tuple[str, str]], table: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return a line for each fault, and the table of the scene that mends them all, to be pasted."""
+    remedies = {key: json.dumps(remedy) for key, (_, remedy) in faults.items()}
+    block = [f"path = {json.dumps(str(table['path']))}"]
+    block += [f"{key} = {remedy}" for key, remedy in remedies.items()]
+    return (
+        *(f"  {key}: {words}" for key, (words, _) in faults.items()),
+        "paste into the scene (and choose anew what you know better):",
+        "",
+        "[surface]",
+        'kind = "file"',
+        *block,
+    )
 
 
 def _frozen(topography: Topography) -> Topography:

@@ -13,7 +13,7 @@ from fem_contact.surface.spectra import window_weights
 from validation.arrays import Array
 from validation.errors import UsageError
 
-__all__ = ["Edges", "Missing", "Tilt", "Topography"]
+__all__ = ["REMOVABLE", "Edges", "Missing", "Tilt", "Topography", "rms"]
 
 Tilt = Literal["keep", "plane", "quadratic"]
 Missing = Literal["refuse", "nearest", "harmonic"]
@@ -21,6 +21,8 @@ Edges = Literal["periodic", "tukey", "hann", "free"]
 
 #: A step between opposite edges of more than this many typical steps between neighbours is no period.
 _JUMP = 4.0
+#: Share of the variance that a plane holds from which on it is taken for the tilt of the instrument.
+REMOVABLE = 0.2
 #: Points of a block of rows that a plane is fitted to at a time.
 _BLOCK_POINTS = 2**18
 #: Most missing points that a membrane is stretched over; their equations are solved directly.
@@ -53,6 +55,13 @@ class Topography:
         return float(coefficients[1]) * nx / self.lengths[0], float(coefficients[2]) * ny / self.lengths[1]
 
     @property
+    def plane_share(self) -> float:
+        """Share of the variance of the heights that their least-squares plane holds."""
+        known = self.heights[np.isfinite(self.heights)]
+        before = float(np.var(known)) if known.size else 0.0
+        return 1 - rms(self.levelled("plane").heights) ** 2 / before if before else 0.0
+
+    @property
     def edge_jump(self) -> float:
         """Root mean square step between opposite edges over that between neighbours; about 1 if periodic."""
         h = self.heights
@@ -60,8 +69,8 @@ class Topography:
         for axis in (0, 1):
             rows = np.moveaxis(h, axis, 0)
             if rows.shape[0] > 2:
-                jumps.append(_rms(rows[0] - rows[-1]))
-                steps.append(_rms(np.diff(rows, axis=0)))
+                jumps.append(rms(rows[0] - rows[-1]))
+                steps.append(rms(np.diff(rows, axis=0)))
         ratios = [jump / step for jump, step in zip(jumps, steps, strict=True) if step > 0]
         return max(ratios, default=0.0)
 
@@ -76,38 +85,48 @@ class Topography:
         words = f"{tilt} taken out (slope {sx:.3g} along x, {sy:.3g} along y)"
         return replace(self, heights=heights, history=(*self.history, words))
 
-    def filled(self, missing: Missing) -> Topography:
-        """Give missing points a height, by choice; a UsageError where the choice is to refuse."""
-        count = self.missing
-        if count == 0:
-            return self
+    def faults(
+        self, *, tilt: Tilt | None, missing: Missing, edges: Edges | None, **others: object
+    ) -> dict[str, tuple[str, str]]:
+        """Return what keeps it from being pressed: why, and a remedy, by the key of the scene that mends it.
+
+        A plane is looked for first: it makes edges differ that match without it. Where the table names a tilt
+        or edges, the choice was made.
+        """
+        faults: dict[str, tuple[str, str]] = {}
+        count, level = self.missing, self
         if count == self.heights.size:
             raise UsageError("the topography has no known point")
-        if missing == "refuse":
-            raise UsageError(
-                f"{count} of {self.heights.size} heights are NaN or infinite: say how to fill them with "
-                "missing = 'nearest' or 'harmonic'"
+        if edges is None and tilt is None and self.edge_jump > _JUMP and self.plane_share > REMOVABLE:
+            words = f"a plane holds {100 * self.plane_share:.3g} % of the variance of its heights"
+            faults["tilt"], level = (words, "plane"), self.levelled("plane")
+        elif tilt is not None:
+            level = self.levelled(tilt)
+        if count and (missing == "refuse" or (missing == "harmonic" and count > _MOST_HOLES)):
+            words = f"{count} of {self.heights.size} heights are NaN or infinite"
+            if count > _MOST_HOLES:
+                words += f", and 'harmonic' fills at most {_MOST_HOLES}"
+            faults["missing"] = words, "nearest" if count > _MOST_HOLES else "harmonic"
+        if edges is None and level.edge_jump > _JUMP:
+            without = " without that plane" if "tilt" in faults else ""
+            words = (
+                f"opposite edges differ by {level.edge_jump:.3g} typical steps between neighbours{without}"
             )
-        if missing == "harmonic" and count > _MOST_HOLES:
-            raise UsageError(
-                f"{count} heights are missing, and missing = 'harmonic' fills at most {_MOST_HOLES}: choose "
-                "missing = 'nearest'"
-            )
+            faults["edges"] = f"{words}, so this is no period", "tukey"
+        return faults
+
+    def filled(self, missing: Missing) -> Topography:
+        """Give missing points a height, by choice."""
+        count = self.missing
+        if count == 0 or missing == "refuse":
+            return self
         fill: Callable[[Array], Array] = _nearest if missing == "nearest" else _harmonic
         words = f"{count} missing points ({100 * count / self.heights.size:.2g} %) filled: {missing}"
         return replace(self, heights=fill(self.heights), history=(*self.history, words))
 
     def made_periodic(self, edges: Edges | None, *, margin: float = 0.1) -> Topography:
-        """Bring opposite edges together by a named taper, or take the patch as one period, or with its edges.
-
-        A UsageError where nothing was chosen and opposite edges do not match.
-        """
+        """Bring opposite edges together by a taper, or take the patch as one period, or with its edges."""
         if edges is None:
-            if self.edge_jump > _JUMP:
-                raise UsageError(
-                    f"opposite edges differ by {self.edge_jump:.3g} typical steps between neighbours, so "
-                    "this is no period: choose edges = 'tukey' or 'hann', or 'periodic' to take it as it is"
-                )
             return self
         if edges == "periodic":
             words = f"taken as periodic (edges differ by {self.edge_jump:.3g} typical steps)"
@@ -117,10 +136,10 @@ class Topography:
         nx, ny = self.heights.shape
         weights = window_weights((nx, ny), window=edges, margin=margin)
         mean = float(np.mean(self.heights))
-        before = _rms(self.heights - mean)
+        before = rms(self.heights - mean)
         tapered = weights * (self.heights - mean)
         share = f" over {100 * margin:.3g} % of each side" if edges == "tukey" else ""
-        after = f"h_rms {before:.4g} m before, {_rms(tapered):.4g} m after"
+        after = f"h_rms {before:.4g} m before, {rms(tapered):.4g} m after"
         words = f"made periodic: {edges} taper{share} ({after})"
         return replace(self, heights=tapered, history=(*self.history, words))
 
@@ -129,7 +148,8 @@ class Topography:
         return HeightField(heights=self.heights, lengths=self.lengths)
 
 
-def _rms(values: Array) -> float:
+def rms(values: Array) -> float:
+    """Root mean square of the values that are known."""
     known = values[np.isfinite(values)]
     return float(np.sqrt(np.mean(known**2))) if known.size else 0.0
 

@@ -24,7 +24,8 @@ _UNEVEN = 0.02
 class Raw:
     """A file of heights as it is: NaN where there are none, in `unit`; None for what it does not say.
 
-    Without `length_units` only the ratio of the two lengths is known. Notes are for readers of the results.
+    Without `length_units` only the ratio of the two lengths is known. Notes are for readers of the results;
+    a header is text that was not understood.
     """
 
     heights: Array
@@ -32,6 +33,7 @@ class Raw:
     length_units: tuple[str, str] | None = None
     unit: str | None = None
     notes: tuple[str, ...] = ()
+    header: str = ""
 
 
 def check_shape(shape: tuple[int, ...]) -> None:

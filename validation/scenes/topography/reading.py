@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import os
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from validation import sandbox
 from validation.arrays import Array
 from validation.errors import UsageError
 from validation.scenes.topography.formats import one_line, read_plain
-from validation.scenes.topography.patch import Topography
+from validation.scenes.topography.patch import Topography, rms
 from validation.scenes.topography.raw import MOST_POINTS
 from validation.units import LARGEST
 
@@ -30,6 +31,8 @@ _MEMORY, _COPIES = 2**31 + 2**30, 4
 _RATIO = 0.02
 #: Heights farther from the median than this many times the distance of the quartiles are called spikes.
 _FAR = 100.0
+#: Sides of a patch and of its cells [m], and root mean square slopes, that no instrument goes beyond.
+_LARGEST_PATCH, _SMALLEST_CELL, _STEEPEST = 1.0, 1e-12, 10.0
 #: Heights that the quartiles are taken from, at least.
 _SAMPLED = 2**16
 #: A file that was changed less than this before it was read is read again: a later change may have the same
@@ -154,6 +157,19 @@ def read_topography(path: Path, *, lengths: Lengths | None = None, unit: float |
     cells = size[0] / nx, size[1] / ny
     if abs(cells[0] / cells[1] - 1) > _RATIO:
         words += f", oblong cells of {cells[0]:.4g} m x {cells[1]:.4g} m"
-    return Topography(
-        heights=heights, lengths=size, history=(words, *says.notes), unit=scale, digest=says.digest
-    )
+    notes = (words, *_impossible(heights, size), *says.notes)
+    return Topography(heights=heights, lengths=size, history=notes, unit=scale, digest=says.digest)
+
+
+def _impossible(heights: Array, size: Lengths) -> Iterator[str]:
+    """Yield what no instrument measures: more likely a unit that is missing, or another."""
+    cells = [side / n for side, n in zip(size, heights.shape, strict=True)]
+    if max(size) > _LARGEST_PATCH or min(cells) < _SMALLEST_CELL:
+        yield (
+            f"no instrument measures {size[0]:.3g} m x {size[1]:.3g} m in cells of {min(cells):.3g} m: check "
+            "the unit of length"
+        )
+    with np.errstate(over="ignore", invalid="ignore"):
+        slope = max(rms(np.diff(heights, axis=axis)) / cells[axis] for axis in (0, 1))
+    if slope > _STEEPEST:
+        yield f"root mean square slopes of {slope:.3g} are no surface's: check unit and length"

@@ -10,7 +10,7 @@ import numpy as np
 from validation.arrays import Array
 from validation.scenes.topography.raw import MOST_POINTS, Raw, check_shape, even_steps
 
-__all__ = ["read_text"]
+__all__ = ["NotText", "read_text"]
 
 #: A file is taken for text only if its numbers begin within these many bytes.
 _MOST_HEADER = 2**16
@@ -24,10 +24,20 @@ _NUMBER = re.compile(
 )
 _DECIMAL_COMMA = re.compile(r"[-+]?\d*(,\d+)?([eE][-+]?\d+)?")
 _SIDE = r"^\W*{}\s*[:=]\s*([-+0-9.,eE]+)\s*([^\s\d]\S*)\s*$"
-_WIDTH, _HEIGHT = (re.compile(_SIDE.format(name), re.M | re.I) for name in ("width", "height"))
-_VALUES = re.compile(r"^\W*value units?\s*[:=]\s*(\S+)\s*$", re.M | re.I)
+# As Gwyddion writes them, in English, German, French, Spanish and Czech.
+_WIDTH, _HEIGHT = (
+    re.compile(_SIDE.format(f"(?:{names})"), re.M | re.I)
+    for names in ("width|breite|largeur|anchura|šířka", "height|höhe|hauteur|altura|výška")
+)
+_VALUES = re.compile(
+    r"^\W*(?:value units?|einheiten|unités|unidades de valor|jednotky hodnot)\s*[:=]\s*(\S+)\s*$", re.M | re.I
+)
 _COLUMN_UNIT = r"\b{}\b\s*[\[(/]\s*([^\])\s,;]{{1,16}})\s*[\])]?"
 _REMEDY = "interpolate onto an even grid, or write a map three points wide as .npy"
+
+
+class NotText(ValueError):
+    """Binary data under a suffix of text."""
 
 
 def read_text(data: bytes) -> Raw:
@@ -36,7 +46,7 @@ def read_text(data: bytes) -> Raw:
         data = data.decode("utf-16").encode()
     head = data[:_MOST_HEADER]
     if b"\0" in head:
-        raise ValueError("binary data, not text")
+        raise NotText("binary data, not text")
     if b"\r" in head and b"\n" not in head:
         data = data.replace(b"\r", b"\n")
     data = data.removeprefix(b"\xef\xbb\xbf")
@@ -53,7 +63,7 @@ def read_text(data: bytes) -> Raw:
     values = _VALUES.search(header)
     unit = None if values is None else values[1][:64]
     if width is None or height is None:
-        return Raw(heights=table, unit=unit)
+        return Raw(heights=table, unit=unit, header=header.strip())
     # Rows run down the page: x runs along the height.
     lx, ly = (float(side[1].replace(",", ".")) for side in (height, width))
     if not (0 < lx < np.inf and 0 < ly < np.inf):
