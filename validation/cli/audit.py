@@ -35,9 +35,11 @@ def audit(
     definition; what is not computed again is listed. Exits with 1 where a number disagrees.
     """
     from validation.audit import audit as read
+    from validation.cli.progress import under_way
 
     try:
-        ledger = read(folder)
+        with under_way("computing the numbers again", quiet=as_json):
+            ledger = read(folder)
     except KeyError as error:
         raise UsageError(f"{folder}: cannot be audited: no {error} in it; run the scene again") from None
     except FileNotFoundError as error:

@@ -219,7 +219,7 @@ def stopping_cleanly() -> Iterator[None]:
         raise typer.Exit(130) from None
 
 
-#: Groups of a plan that are listed; the cheaper ones stand together in one line.
+#: Kinds of solves that a plan lists; the cheaper ones stand together in one line.
 _MOST_GROUPS = 6
 
 
@@ -238,31 +238,27 @@ def print_plan(solves: Sequence[Solve], store: Store, *, as_json: bool) -> None:
         typer.echo(json.dumps(rows, indent=2))
         return
     groups: dict[str, list[dict[str, Any]]] = {}
-    for row in rows:
-        groups.setdefault(row["solve"].partition(",")[0], []).append(row)
-    listed = sorted(groups.items(), key=lambda group: -sum(row["seconds"] for row in group[1]))
-    rest = [row for _, group in listed[_MOST_GROUPS:] for row in group]
-    if rest:
-        listed[_MOST_GROUPS:] = [(f"{len(listed) - _MOST_GROUPS} kinds of cheaper ones", rest)]
-    lines = [(f"{'each kind of solve, the dearest first':46s}", "solves", "stored", "seconds", "MiB")]
-    lines += [
-        (
-            f"{name[:46]:46s}",
-            str(len(group)),
-            str(sum(row["stored"] for row in group)),
-            f"{sum(row['seconds'] for row in group):.2g}",
-            f"{max(row['peak_bytes'] for row in group) / 2**20:.3g}",
-        )
-        for name, group in listed
-    ]
-    for name, *numbers in lines:
-        show(name + "".join(f"{number:>8s}" for number in numbers))
-    todo = [row for row in rows if not row["stored"]]
-    seconds = sum(row["seconds"] for row in todo)
+    for row in sorted(rows, key=lambda row: -row["seconds"]):
+        name = row["solve"].partition(",")[0]
+        few = name in groups or len(groups) < _MOST_GROUPS
+        groups.setdefault(name if few else "the cheaper ones", []).append(row)
+    heads = ("solves", "stored", "seconds", "MiB")
+    show(f"{'what would be solved, the dearest first':46s}" + "".join(f"{head:>8s}" for head in heads))
+    for name, group in groups.items():
+        stored, seconds = (sum(row[key] for row in group) for key in ("stored", "seconds"))
+        largest = max(row["peak_bytes"] for row in group) / 2**20
+        sizes = f"{_briefly(seconds):>8s}{_briefly(largest):>8s}"
+        show(f"{name[:45]:46s}{len(group):8d}{stored:8d}{sizes}")
+    left = [row["seconds"] for row in rows if not row["stored"]]
     show(
-        f"{len(todo)} of {len(rows)} solves are to be done, in about {seconds:.2g} s one after the "
+        f"{len(left)} of {len(rows)} solves are to be done, in about {_briefly(sum(left))} s one after the "
         "other (right within a factor of 2)."
     )
+
+
+def _briefly(number: float) -> str:
+    """Write a number with two digits, or without a fraction."""
+    return f"{number:.2g}" if number < 100 else f"{number:.0f}"
 
 
 #: Columns of a log or a pipe, which have no width of their own.

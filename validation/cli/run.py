@@ -10,29 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from validation.cli.options import (
-    AccuracyOption,
-    DryRunOption,
-    JsonOption,
-    MemoryOption,
-    MpiOption,
-    OutputOption,
-    PicturesOption,
-    QuietOption,
-    ReportOption,
-    SceneArgument,
-    SchedulerOption,
-    SetOption,
-    StoreOption,
-    TimeLimitOption,
-    WorkersOption,
-    chosen_accuracy,
-    chosen_execution,
-    naming,
-    print_plan,
-    show,
-    stopping_cleanly,
-)
+from validation.cli import options
 from validation.errors import UsageError
 
 if TYPE_CHECKING:
@@ -44,21 +22,21 @@ __all__ = ["calibrate", "explain", "report", "run"]
 
 
 def run(
-    scene: SceneArgument = "quickstart",
-    settings: SetOption = None,
-    output: OutputOption = None,
-    store: StoreOption = None,
-    workers: WorkersOption = None,
-    scheduler: SchedulerOption = None,
-    memory: MemoryOption = None,
-    dry_run: DryRunOption = False,
-    accuracy: AccuracyOption = None,
-    time_limit: TimeLimitOption = None,
-    pictures: PicturesOption = None,
-    with_report: ReportOption = True,
-    quiet: QuietOption = False,
-    as_json: JsonOption = False,
-    mpi: MpiOption = False,
+    scene: options.SceneArgument = "quickstart",
+    settings: options.SetOption = None,
+    output: options.OutputOption = None,
+    store: options.StoreOption = None,
+    workers: options.WorkersOption = None,
+    scheduler: options.SchedulerOption = None,
+    memory: options.MemoryOption = None,
+    dry_run: options.DryRunOption = False,
+    accuracy: options.AccuracyOption = None,
+    time_limit: options.TimeLimitOption = None,
+    pictures: options.PicturesOption = None,
+    with_report: options.ReportOption = True,
+    quiet: options.QuietOption = False,
+    as_json: options.JsonOption = False,
+    mpi: options.MpiOption = False,
 ) -> None:
     """Press one scene: solve, compare with the theory, write a report.
 
@@ -73,7 +51,7 @@ def run(
     from validation.scenes.sweep import Sweep, load_asked
 
     loaded = load_asked(scene, settings or (), grids_chosen=accuracy is not None)
-    said = loaded.run
+    how = loaded.run
     folder, store_folder = _folders(loaded, output, store, accurate=accuracy is not None)
     alone: dict[str, Any] = {"--accuracy": accuracy, "--time-limit": time_limit}
     if mpi:
@@ -82,32 +60,29 @@ def run(
         unfit = {"--workers": workers, "--scheduler": scheduler, "--dry-run": dry_run, **alone}
         run_parallel(loaded, folder / "mpi", as_json=as_json, unfit=unfit)
         return
-    execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
+    execution = options.chosen_execution(how, workers=workers, scheduler=scheduler, memory=memory)
     for flag, value in {**alone, "--pictures": pictures}.items():
         if value and isinstance(loaded, Sweep):
             raise UsageError(
                 f"{flag}: not together with the table [sweep] of {scene}; run one scene of it by --set"
             )
-    chosen = chosen_accuracy(accuracy, time_limit=time_limit, dry_run=dry_run, execution=execution)
-    with naming(scene):
-        drawn = with_report and (said.pictures if pictures is None else pictures)
+    chosen = options.chosen_accuracy(accuracy, time_limit=time_limit, dry_run=dry_run, execution=execution)
+    with options.naming(scene):
+        drawn = with_report and (how.pictures if pictures is None else pictures)
         solves, solve = _prepared(loaded, folder, chosen=chosen, pictures=drawn)
     if dry_run:
-        print_plan(solves(), Store(folder=store_folder), as_json=as_json)
+        options.print_plan(solves(), Store(folder=store_folder), as_json=as_json)
         return
-    with stopping_cleanly(), Bar(quiet=quiet or said.quiet or as_json) as bar:
+    with options.stopping_cleanly(), Bar(quiet=quiet or how.quiet or as_json) as bar:
         done = solve(progress=bar, execution=execution, store_folder=store_folder, report=with_report)
-    outputs, reached = getattr(done, "outputs", done), getattr(done, "reached", None)
+    outputs, accurate = getattr(done, "outputs", done), getattr(done, "reached", None)
     if as_json:
         typer.echo(json.dumps(outputs.page.summary, indent=2))
     else:
-        solved, reused = (
-            (outputs.solved, outputs.reused) if reached is None else (reached.solves, reached.reused)
-        )
-        words = f"{solved} solves done, {reused} found finished. Written:"
-        print_page(
-            outputs.page, outputs.files, more=tuple(reached.sentences()) if reached else (), done=words
-        )
+        solved, reused = (accurate.solves, accurate.reused) if accurate else (outputs.solved, outputs.reused)
+        line = f"{solved} solves done, {reused} found finished. Written:"
+        more = tuple(accurate.sentences()) if accurate else ()
+        print_page(outputs.page, outputs.files, more=more, done=line)
     outputs.check()
 
 
@@ -152,7 +127,9 @@ def _folders(
 
 
 def explain(
-    scene: SceneArgument = "quickstart", settings: SetOption = None, as_json: JsonOption = False
+    scene: options.SceneArgument = "quickstart",
+    settings: options.SetOption = None,
+    as_json: options.JsonOption = False,
 ) -> None:
     """Say what a scene would run, at what cost, and what it leaves out."""
     from validation.comparison.explain import explain as explain_scene
@@ -160,20 +137,20 @@ def explain(
     from validation.scenes.sweep import Sweep, load_asked
 
     loaded = load_asked(scene, settings or ())
-    with naming(scene):
+    with options.naming(scene):
         explanation = explain_sweep(loaded) if isinstance(loaded, Sweep) else explain_scene(loaded)
     if as_json:
         typer.echo(json.dumps(explanation.summary(), indent=2))
     else:
         for part in explanation.parts():
-            show(part)
+            options.show(part)
 
 
 def calibrate(
     points: Annotated[
         int, typer.Option("--points", metavar="N", min=32, help="Along a side of the grid.")
     ] = 256,
-    as_json: JsonOption = False,
+    as_json: options.JsonOption = False,
 ) -> None:
     """Measure what effects cost on this machine, for better predictions.
 
@@ -182,10 +159,10 @@ def calibrate(
     from validation.execution.calibration import cache_file
     from validation.execution.calibration import calibrate as measure
 
-    with stopping_cleanly():
-        found = measure(points=points, tell=None if as_json else typer.echo)
+    with options.stopping_cleanly():
+        measured = measure(points=points, tell=None if as_json else typer.echo)
     if as_json:
-        typer.echo(json.dumps({"factors": dict(found.factors), "source": found.source}, indent=2))
+        typer.echo(json.dumps({"factors": dict(measured.factors), "source": measured.source}, indent=2))
     else:
         typer.echo(f"Kept in {cache_file()}")
 
@@ -194,8 +171,8 @@ def report(
     folder: Annotated[
         Path, typer.Argument(metavar="DIR", help="Results folder of a run, a sweep or a study.")
     ],
-    pictures: PicturesOption = None,
-    as_json: JsonOption = False,
+    pictures: options.PicturesOption = None,
+    as_json: options.JsonOption = False,
 ) -> None:
     """Write the report of finished results again, from what is stored."""
     from validation.cli.progress import under_way

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from validation.cli.options import JsonOption, SceneArgument, examples, show
-from validation.errors import UsageError
+from validation.errors import UsageError, did_you_mean
 
 __all__ = ["scenes_app"]
 
@@ -34,10 +34,14 @@ def list_scenes(as_json: JsonOption = False) -> None:
 def list_keys(
     word: Annotated[str, typer.Argument(metavar="WORD", help="Part of a key or of its meaning.")] = "",
 ) -> None:
-    """List the keys that a scene may have: example, meaning, unit, default. As a page: docs/scene.md."""
-    from validation.scenes.keys import key_lines
+    """List the keys that a scene may have: example, meaning, unit, default."""
+    from validation.scenes.keys import key_lines, scene_keys
 
-    for line in key_lines(word):
+    lines = list(key_lines(word))
+    if not lines:
+        names = {part for key in scene_keys({}) for part in key.split(".")}
+        raise UsageError(f"{word}: no key of a scene, nor in what one means{did_you_mean(word, names)}")
+    for line in lines:
         show(line)
 
 

@@ -9,22 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from validation.cli.options import (
-    DryRunOption,
-    JsonOption,
-    MemoryOption,
-    OutputOption,
-    QuietOption,
-    ReportOption,
-    SchedulerOption,
-    SetOption,
-    StoreOption,
-    WorkersOption,
-    chosen_execution,
-    print_plan,
-    scene_names,
-    stopping_cleanly,
-)
+from validation.cli import options
 from validation.errors import UsageError
 
 if TYPE_CHECKING:
@@ -54,19 +39,19 @@ def study(
             "--scene",
             metavar="SCENE",
             help="Scene that a study is asked about; or after NAME.",
-            autocompletion=scene_names,
+            autocompletion=options.scene_names,
         ),
     ] = None,
-    settings: SetOption = None,
-    output: OutputOption = None,
-    store: StoreOption = None,
-    workers: WorkersOption = None,
-    scheduler: SchedulerOption = None,
-    memory: MemoryOption = None,
-    dry_run: DryRunOption = False,
-    with_report: ReportOption = True,
-    quiet: QuietOption = False,
-    as_json: JsonOption = False,
+    settings: options.SetOption = None,
+    output: options.OutputOption = None,
+    store: options.StoreOption = None,
+    workers: options.WorkersOption = None,
+    scheduler: options.SchedulerOption = None,
+    memory: options.MemoryOption = None,
+    dry_run: options.DryRunOption = False,
+    with_report: options.ReportOption = True,
+    quiet: options.QuietOption = False,
+    as_json: options.JsonOption = False,
     wants_help: Annotated[
         bool,
         typer.Option("--help", "-h", metavar="", help="Show this; after a NAME, its options."),
@@ -98,26 +83,22 @@ def study(
     if extra and not extra[0].startswith("-") and scene is None:
         scene = extra.pop(0)
     loaded = _scene_of_study(scene, settings or ())
-    options = chosen.parse(extra, scene=loaded)
-    said = RunOptions() if loaded is None else loaded.run
-    execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
-    folder, store_folder = (
-        output or Path("results") / (name if loaded is None else f"{name}-{loaded.name}"),
-        store or said.folder("store") or DEFAULT_STORE,
-    )
+    parsed = chosen.parse(extra, scene=loaded)
+    how = RunOptions() if loaded is None else loaded.run
+    execution = options.chosen_execution(how, workers=workers, scheduler=scheduler, memory=memory)
+    folder = output or Path("results") / (name if loaded is None else f"{name}-{loaded.name}")
+    store_folder = store or how.folder("store") or DEFAULT_STORE
     if dry_run:
         try:
-            chosen.compute(options, bench=Bench(store=Store(folder=store_folder), plan_only=True))
+            chosen.compute(parsed, bench=Bench(store=Store(folder=store_folder), plan_only=True))
         except PlannedOnly as plan:
-            print_plan(plan.solves, plan.store, as_json=as_json)
+            options.print_plan(plan.solves, plan.store, as_json=as_json)
+            if getattr(parsed, "ladders", False):
+                options.say("--no-ladders leaves out what is solved for the budget alone", prefix="note: ")
         return
-    with stopping_cleanly(), Bar(quiet=quiet or said.quiet or as_json) as bar:
-        bench = Bench(
-            store=Store(folder=store_folder),
-            execution=execution,
-            progress=bar,
-        )
-        outputs = run_study(chosen, options, prepare_folder(folder), bench=bench, report=with_report)
+    with options.stopping_cleanly(), Bar(quiet=quiet or how.quiet or as_json) as bar:
+        bench = Bench(store=Store(folder=store_folder), execution=execution, progress=bar)
+        outputs = run_study(chosen, parsed, prepare_folder(folder), bench=bench, report=with_report)
     if as_json:
         typer.echo(json.dumps(outputs.data.to_dict(), indent=2, default=str))
         return

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ValidationError
 
 from validation.effects import effect_kinds
 from validation.effects.base import effect_key
+from validation.errors import did_you_mean
 from validation.scenes.keys import scene_keys
 from validation.scenes.tables import SURFACES
 from validation.units import allowed, brief
@@ -87,7 +88,8 @@ def _problem(item: Any) -> str:
         named = ", ".join(repr(kind) for kind in sorted(_KINDS[location[0]]))
         return f"{kind}: missing; one of {named}"
     if item["type"] == "union_tag_invalid":
-        return f"{kind} = {brief(value.get('kind'))}: must be one of {item['ctx']['expected_tags']}"
+        hint = did_you_mean(str(value.get("kind")), _KINDS[location[0]])
+        return f"{kind} = {brief(value.get('kind'))}: must be one of {item['ctx']['expected_tags']}{hint}"
     if isinstance(value, (dict, BaseModel)):
         return f"{key}: {allowed(item)}" if key else allowed(item)
     return f"{key} = {brief(value)}: {allowed(item)}"

@@ -258,13 +258,13 @@ def checked_scene(data: Mapping[str, Any], folder: Path, scene: str, *, grids_ch
     """Return the scene that parsed tables say, with the path of a measured surface made absolute.
 
     Relative paths refer to `folder`; messages, one line for each problem, name the scene `scene`. Where grids
-    of boundary elements and ensemble, and its number of surfaces, will be chosen they may be missing, or too
-    coarse.
+    and number of surfaces will be chosen, the number may be missing and the grids may be too coarse.
     """
     try:
+        if grids_chosen and isinstance(data.get("ensemble"), dict):
+            data = {**data, "ensemble": {"realisations": 2, **data["ensemble"]}}
         context = _GRIDS_CHOSEN if grids_chosen else None
-        filled = with_usual_grids(_filled(data) if grids_chosen else data, folder)
-        checked = Scene.model_validate(_named(filled, scene), context=context)
+        checked = Scene.model_validate(_named(with_usual_grids(data, folder), scene), context=context)
     except ValidationError as error:
         raise SceneError(scene, problems(error)) from None
     except UsageError as error:
@@ -275,17 +275,6 @@ def checked_scene(data: Mapping[str, Any], folder: Path, scene: str, *, grids_ch
         surface = checked.surface.model_copy(update={"path": path})
         checked = checked.model_copy(update={"surface": surface})
     return checked
-
-
-def _filled(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Fill in what will be chosen, where tables leave it out."""
-    filled, usual = dict(data), {"grids": [8, 16]}
-    if isinstance(filled.get("ensemble"), dict):
-        filled["ensemble"] = {"realisations": 2, **usual, **filled["ensemble"]}
-    methods = filled.get("methods")
-    if isinstance(methods, dict) and isinstance(methods.get("bem"), dict):
-        filled["methods"] = {**methods, "bem": {**usual, **methods["bem"]}}
-    return filled
 
 
 def _named(data: Mapping[str, Any], scene: str) -> Mapping[str, Any]:
