@@ -247,8 +247,8 @@ def print_plan(solves: Sequence[Solve], store: Store, *, as_json: bool) -> None:
     for name, group in groups.items():
         stored, seconds = (sum(row[key] for row in group) for key in ("stored", "seconds"))
         largest = max(row["peak_bytes"] for row in group) / 2**20
-        sizes = f"{_briefly(seconds):>8s}{_briefly(largest):>8s}"
-        show(f"{name[:45]:46s}{len(group):8d}{stored:8d}{sizes}")
+        numbers = f"{_briefly(seconds):>8s}{_briefly(largest):>8s}"
+        show(f"{name[:45]:46s}{len(group):8d}{stored:8d}{numbers}")
     left = [row["seconds"] for row in rows if not row["stored"]]
     show(
         f"{len(left)} of {len(rows)} solves are to be done, in about {_briefly(sum(left))} s one after the "
