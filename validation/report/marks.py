@@ -88,10 +88,14 @@ class Band(_Mark):
 
 @dataclass(frozen=True, kw_only=True)
 class Image(_Mark):
-    """A map over the two dimensions of `y`, with its colour bar; `x` and `rows` are its axes."""
+    """A map over the two dimensions of `y`, with its colour bar; `x` and `rows` are its axes.
+
+    With `symmetric` the colours go as far below zero as above, to the largest number on any panel.
+    """
 
     rows: str = ""
     cmap: str = "viridis"
+    symmetric: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -214,6 +218,8 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
         numbers = _Numbers.of(mark, here, mark.x or panel.x, (scale_x[0], scale_y[0]))
         turn = k if mark.by else next(colours) if not quantity(mark.y).look else 0
         look = {**_look(mark, here, turn, several=id(mark) in many), **mark.look}
+        if isinstance(mark, Image) and mark.symmetric:
+            look["most"] = float(np.nanmax(abs(data[mark.y]))) * scale_y[0]
         if isinstance(mark, Line):
             # Bars of one colour lie over each other: later ones are thinner, and their ends longer.
             before = sum(one.mark is not mark and one.look["color"] == look["color"] for one in drawn)
@@ -240,7 +246,7 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
     axes.set_ylabel(_axis_label(quantity(y), scale_y[1]))
     axes.set_title(mathtext(panel.title), fontsize=9)
     bottom = panel.bottom
-    if "y" in panel.log and bottom is None:
+    if "y" in panel.log and bottom is None and not isinstance(panel.marks[0], Image):
         # Bars that reach beyond zero have no lower end on a logarithmic axis.
         least = min((_least(one) for one in drawn), default=np.inf)
         bottom = least if np.isfinite(least) else None
@@ -324,7 +330,8 @@ def _put(mark: _Mark, axes: Axes, n: _Numbers, look: dict[str, Any]) -> Any:
             )[0]
         return axes.fill_between(n.x, n.y, n.high, color=colour, alpha=0.12, lw=0, label=look["label"])
     if isinstance(mark, Image):
-        image = axes.pcolormesh(n.x, n.high, n.y, cmap=mark.cmap, rasterized=True)
+        ends = {"vmin": -look["most"], "vmax": look["most"]} if mark.symmetric else {}
+        image = axes.pcolormesh(n.x, n.high, n.y, cmap=mark.cmap, rasterized=True, **ends)
         axes.figure.colorbar(image, ax=axes, label=look["label"])
         if quantity(mark.rows).name == "y":  # a place, not a parameter
             axes.set_aspect("equal")
@@ -417,7 +424,7 @@ def _caption(text: str, drawn: Sequence[Drawn]) -> str:
     measured = set()
     for one in drawn:
         errors = one.data.get(f"{one.mark.y}_error")
-        if errors is not None:
+        if errors is not None and not isinstance(one.mark, Image):
             kept = errors.sel(source=list(shown_sources(errors)))
             there = (kept > 0).any([d for d in kept.dims if d != "source"])
             measured |= {str(s) for s in there.source.values[there.values]}

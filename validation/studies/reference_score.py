@@ -1,0 +1,176 @@
+"""How far is a theory, or somebody's numbers, from the computed areas of the reference table, cell by cell?"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from pydantic import Field
+
+from persson.spectrum import Moments, SelfAffine
+from validation.arrays import Array
+from validation.errors import UsageError
+from validation.measurements.theory import Waves
+from validation.reference import table as reference_table
+from validation.report.estimates import derive, total_error
+from validation.report.findings import Finding, finding
+from validation.report.marks import Figure, Image, Panel, panels_along
+from validation.report.table import Table
+from validation.report.views import Views
+from validation.studies._study import StudyOptions
+from validation.theories import Rough, Theory, find_theory
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from validation.execution.bench import Bench
+
+__all__ = ["Options", "run", "views"]
+
+#: A solid, and the longest wavelength [m] and rms slope of the surfaces, which no dimensionless area depends on.
+_MODULUS, _LONGEST, _SLOPE = 1e9, 1e-4, 0.1
+_CELL = ("hurst", "bandwidth", "reduced_pressure")
+
+
+class Options(StudyOptions):
+    """What is scored."""
+
+    theory: tuple[str, ...] = Field(
+        default=("persson", "yang-persson", "wang-mueser", "xu"),
+        description="theories by name, or your own, my_module:area; none to score numbers alone",
+    )
+    csv: Path | None = Field(
+        default=None,
+        description="areas of your own, a table with the columns hurst, bandwidth, reduced_pressure, area, and area_error (95 %) if you have it; cells without a row are left out",
+    )
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Put theories, told C(q), and areas of a file beside the table of exact amplitudes; nothing is solved.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (theory, hurst, bandwidth, reduced_pressure): the table's ``area``, ``area_scored``, their relative
+        distance ``theory_excess`` and ``z_score``, the distance over the standard error of the table.
+    """
+    import xarray as xr
+
+    data = reference_table().sel(amplitudes="exact", drop=True)[["area", "area_error"]]
+    theories = [find_theory(name) for name in options.theory]
+    scored = {theory.label: _areas(theory, data) for theory in theories}
+    errors = {label: np.zeros(areas.shape) for label, areas in scored.items()}
+    if options.csv is not None:
+        scored[options.csv.name], errors[options.csv.name] = _read(options.csv, data)
+    if not scored:
+        raise UsageError("study reference-score: nothing to score; name a theory or a csv")
+    over = ("theory", *_CELL)
+    data = data.assign(
+        area_scored=(over, np.array([*scored.values()]), {"reduction": "theory"}),
+        area_scored_interval=(over, np.array([*errors.values()])),
+    ).assign_coords(theory=[*scored])
+    data = derive(data.transpose("theory", *_CELL, "source"), theory_excess="area_scored / area - 1")
+    both = np.hypot(total_error(data, "area"), data.area_scored_interval)
+    z_score = (data.area_scored - data.area) / (both / 1.96)
+    return data.assign(z_score=z_score.transpose(*over)).drop_vars("area_scored_interval")
+
+
+def views(data: xr.Dataset) -> Views:
+    """Show where each theory is above and below the table, and its worst cell."""
+    figures = []
+    for k, label in enumerate(map(str, data.theory.values)):
+        image = Image(y="theory_excess", rows="bandwidth", cmap="RdBu_r", symmetric=True)
+        panel = Panel(marks=[image], x="reduced_pressure", log="xy", at={"theory": k})
+        known = data.theory_excess.isel(theory=k).notnull().any(("bandwidth", "reduced_pressure")).values
+        panels = [one for one in panels_along(data, "hurst", panel) if known[one.at["hurst"]]]
+        caption = f"Area of {label} over that of the table, less one. The colours end at the worst cell."
+        figures.append(
+            Figure(name=f"excess-{k}", caption=caption, panels=panels, width=3.0 * len(panels), height=2.8)
+        )
+    columns = ("theory", *_CELL, "area", "area_scored", "theory_excess", "z_score")
+    return Views(
+        table=Table(rows=("theory", *_CELL), columns=columns),
+        budget=("area",),
+        figures=figures,
+        findings=[_worst(data), _agreeing(data)],
+    )
+
+
+def _worst(data: xr.Dataset) -> Finding:
+    """The cell where each is farthest from the table."""
+    size = abs(data.theory_excess).fillna(-1.0)
+    worst = data.isel(size.argmax(_CELL))
+    return finding(
+        "comparison",
+        "Farthest from the table: {each}.",
+        worst,
+        item="{theory} lies {verdict} it, by {theory_excess:+%}, at H = {hurst}, bandwidth {bandwidth}, p* = {reduced_pressure}",
+        over="theory",
+        by="theory_excess",
+    )
+
+
+def _agreeing(data: xr.Dataset) -> Finding:
+    """Of how many cells the 95 % interval holds each."""
+    inside = abs(data.z_score) <= 1.96
+    known = data.z_score.notnull()
+    counted = data.assign(
+        cells_within=inside.where(known).sum(_CELL).astype(float), cells_scored=known.sum(_CELL).astype(float)
+    )
+    return finding(
+        "share",
+        "Within the 95 % interval of the table lie {each}.",
+        counted[["cells_within", "cells_scored"]],
+        item="{cells_within} of {cells_scored} cells of {theory}",
+        over="theory",
+    )
+
+
+def _areas(theory: Theory, data: xr.Dataset) -> Array:
+    """Area of a theory in every cell, told C(q) alone."""
+    areas = np.full(data.area.shape, np.nan)
+    for i, hurst in enumerate(data.hurst.values):
+        for j, bandwidth in enumerate(data.bandwidth.values):
+            q_long = 2 * np.pi / _LONGEST
+            spectrum = SelfAffine.from_rms_gradient(
+                _SLOPE, hurst=float(hurst), q_long=q_long, q_short=float(bandwidth) * q_long
+            )
+            moments = Moments(m0=float(spectrum.m0()), m2=float(spectrum.m2()), m4=float(spectrum.m4()))
+            waves = Waves.of_spectrum(spectrum)
+            rough = Rough(contact_modulus=_MODULUS, moments=moments, spectrum=spectrum, waves=waves)
+            areas[i, j] = theory.area(data.reduced_pressure.values * _MODULUS * moments.rms_gradient, rough)
+    return areas
+
+
+def _read(path: Path, data: xr.Dataset) -> tuple[Array, Array]:
+    """Areas and half widths of a file, in the cells of the table."""
+    import pandas as pd
+
+    try:
+        rows = pd.read_csv(path, comment="#")
+    except (OSError, ValueError) as error:
+        raise UsageError(f"--csv {path}: {error}") from None
+    if missing := [name for name in (*_CELL, "area") if name not in rows.columns]:
+        raise UsageError(f"--csv {path}: no column {', '.join(missing)}; it has {', '.join(map(str, rows.columns))}")
+    areas, errors = (np.full(data.area.shape, np.nan) for _ in range(2))
+    for number, row in enumerate(rows.to_dict("records"), start=2):
+        try:
+            values = [float(row[name]) for name in (*_CELL, "area")]
+            error = float(np.nan_to_num(float(row.get("area_error", 0.0))))
+        except (TypeError, ValueError):
+            raise UsageError(f"--csv {path}: line {number}: holds what is no number") from None
+        place = tuple(_place(data[name].values, value) for name, value in zip(_CELL, values, strict=False))
+        if None in place:
+            known = "; ".join(f"{name}: {', '.join(f'{v:g}' for v in data[name].values)}" for name in _CELL)
+            raise UsageError(f"--csv {path}: line {number}: no cell of the table, which has {known}")
+        if not 0 <= values[3] <= 1 or not error >= 0:
+            raise UsageError(f"--csv {path}: line {number}: area = {values[3]:g}: must lie in [0, 1]")
+        areas[place], errors[place] = values[3], error
+    return areas, errors
+
+
+def _place(nodes: Sequence[float], value: float) -> int | None:
+    near = np.flatnonzero(np.isclose(nodes, value, rtol=1e-6))
+    return int(near[0]) if near.size else None
