@@ -48,7 +48,10 @@ def _mark(one, data: xr.Dataset) -> Iterator[str]:
     kind = type(one.mark).__name__
     if kind == "Image":
         factor, shown = _factor(one.mark.y, ""), np.asarray(one.artist.get_array())
-        if not _same(np.sort(shown.ravel()), np.sort(data[one.mark.y].values.ravel()) * factor):
+        numbers = data[one.mark.y]
+        place = [dim for dim in numbers.dims if dim not in one.data[one.mark.y].dims]
+        numbers = numbers.sel({dim: one.data[dim].item() for dim in place if dim in data.coords})
+        if not _same(np.sort(shown.ravel()), np.sort(numbers.values.ravel()) * factor):
             yield "the map is not that of its variable"
         return
     factor_x, factor_y = _factor(one.x, one.axes.get_xlabel()), _factor(one.mark.y, one.axes.get_ylabel())

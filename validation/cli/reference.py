@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from validation.cli.options import JsonOption
+from validation.cli.options import JsonOption, OutputOption
+from validation.errors import UsageError
 
 __all__ = ["reference"]
 
@@ -19,13 +21,13 @@ def _of(*choices: str) -> Any:
 
 
 def reference(
-    hurst: Annotated[float, typer.Option("--hurst", metavar="H", help="Hurst exponent.")],
+    hurst: Annotated[float | None, typer.Option("--hurst", metavar="H", help="Hurst exponent.")] = None,
     bandwidth: Annotated[
-        float, typer.Option("--bandwidth", "--ratio", metavar="B", help="lambda_long / lambda_short.")
-    ],
+        float | None, typer.Option("--bandwidth", "--ratio", metavar="B", help="lambda_long / lambda_short.")
+    ] = None,
     reduced_pressure: Annotated[
-        float, typer.Option("--reduced-pressure", metavar="P", help="p* = p0 / (E* h'_rms).")
-    ],
+        float | None, typer.Option("--reduced-pressure", metavar="P", help="p* = p0 / (E* h'_rms).")
+    ] = None,
     amplitudes: Annotated[
         str,
         typer.Option(
@@ -40,30 +42,56 @@ def reference(
             autocompletion=_of("surface", "spectrum"),
         ),
     ] = "surface",
+    theory: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--theory", metavar="NAME", help="Score a theory on all cells; your own is module:function."
+        ),
+    ] = None,
+    csv: Annotated[
+        Path | None,
+        typer.Option(
+            "--csv", metavar="FILE", help="Score areas: columns hurst, bandwidth, reduced_pressure, area."
+        ),
+    ] = None,
+    output: OutputOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Look up the contact of a self-affine surface, beside Persson's theory.
 
     Contact area, kappa, mean gap, compliance, elastic energy: means over surfaces with their uncertainty,
-    between the computed values by interpolation.
+    between the computed values by interpolation. With --theory or --csv a theory, or your numbers, are scored
+    on all cells instead, as by the study reference-score.
     """
+    if theory or csv is not None:
+        _score(theory or [], csv, output, as_json=as_json)
+        return
     from validation.cli.results import print_table
     from validation.reference import lookup, persson_theory, table
     from validation.report.table import WordTable
     from validation.report.words import with_error
 
-    at = {"hurst": hurst, "bandwidth": bandwidth, "reduced_pressure": reduced_pressure}
-    values = lookup(**at, amplitudes=amplitudes, gradient=gradient)
-    theory = persson_theory(**at)
+    if hurst is None or bandwidth is None or reduced_pressure is None:
+        raise UsageError(
+            "reference: give --hurst, --bandwidth and --reduced-pressure; or a theory to score, --theory"
+        )
+    values = lookup(
+        hurst=hurst,
+        bandwidth=bandwidth,
+        reduced_pressure=reduced_pressure,
+        amplitudes=amplitudes,
+        gradient=gradient,
+    )
+    persson = persson_theory(hurst=hurst, bandwidth=bandwidth, reduced_pressure=reduced_pressure)
     if as_json:
-        record = {name: {**asdict(value), "persson": theory.get(name)} for name, value in values.items()}
+        record = {name: {**asdict(value), "persson": persson.get(name)} for name, value in values.items()}
         typer.echo(json.dumps(record, indent=2))
         return
     rows = [
         (
             name,
             with_error(value.value, value.uncertainty),
-            f"{theory[name]:.4g}" if name in theory else "-",
+            f"{persson[name]:.4g}" if name in persson else "-",
             f"{100 * round(value.interpolation / value.value, 6):.2g}",
             value.meaning,
         )
@@ -83,3 +111,21 @@ def reference(
             f"{parts} and interpolation{lacking}.",
         )
     )
+
+
+def _score(theory: list[str], csv: Path | None, output: Path | None, *, as_json: bool) -> None:
+    """Score theories and numbers on all cells, and leave a page."""
+    from validation.cli.results import print_page
+    from validation.execution.bench import Bench
+    from validation.files import prepare_folder
+    from validation.studies import find_study
+    from validation.studies._outputs import run_study
+    from validation.studies.reference_score import Options
+
+    folder = prepare_folder(output or Path("results") / "reference-score")
+    options = Options(theory=tuple(theory), csv=csv)
+    outputs = run_study(find_study("reference-score"), options, folder, bench=Bench.at())
+    if as_json:
+        typer.echo(json.dumps(outputs.data.to_dict(), indent=2, default=str))
+        return
+    print_page(outputs.page, outputs.files)

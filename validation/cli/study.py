@@ -95,6 +95,8 @@ def study(
             options.print_plan(plan.solves, plan.store, as_json=as_json)
             if getattr(parsed, "ladders", False):
                 options.say("--no-ladders leaves out what is solved for the budget alone", prefix="note: ")
+        else:
+            typer.echo("[]" if as_json else "Nothing is solved by this study.")
         return
     with options.stopping_cleanly(), Bar(quiet=quiet or how.quiet or as_json) as bar:
         bench = Bench(store=Store(folder=store_folder), execution=execution, progress=bar)

@@ -1,0 +1,79 @@
+"""Theories and numbers on the cells of the reference table: distances, counts and refusals are right."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+from persson import elastic
+from validation import study
+from validation.cli.commands import app
+from validation.errors import UsageError
+from validation.reference import table
+from validation.report.estimates import total_error
+from validation.studies import find_study
+
+CELLS = table().sel(amplitudes="exact")
+
+
+def numbers(path, factor=1.0, *, error=""):
+    rows = ["hurst,bandwidth,reduced_pressure,area,area_error"]
+    for h, b, p in ((0.8, 8.0, 0.05), (0.3, 32.0, 0.2), (1.0, 4.0, 0.01)):
+        area = factor * float(CELLS.area.sel(hurst=h, bandwidth=b, reduced_pressure=p))
+        rows.append(f"{h},{b},{p},{area!r},{error}")
+    path.write_text("\n".join(rows))
+    return path
+
+
+def test_persson_is_his_closed_form_in_every_cell():
+    data = study("reference-score", theory=("persson",))
+    exact = xr.apply_ufunc(lambda p: elastic.persson_kappa(p) * p, CELLS.reduced_pressure)
+    assert float(abs(data.area_scored / exact - 1).max()) < 1e-9
+    z_score = 1.96 * (exact - CELLS.area) / total_error(CELLS, "area")
+    for name, expected in (("theory_excess", exact / CELLS.area - 1), ("z_score", z_score)):
+        found = data[name].isel(theory=0).transpose(*CELLS.area.dims)
+        np.testing.assert_allclose(found, expected.transpose(*CELLS.area.dims), rtol=1e-9)
+
+
+def test_numbers_of_a_file_are_found_as_far_as_they_were_planted(tmp_path):
+    path = numbers(tmp_path / "mine.csv", 1.3)
+    data = study("reference-score", theory=(), csv=path)
+    assert data.theory_excess.notnull().sum() == 3
+    assert float(data.theory_excess.max()) == pytest.approx(0.3, rel=1e-12)
+    assert float(data.theory_excess.min()) == pytest.approx(0.3, rel=1e-12)
+    worst, within = find_study("reference-score").findings(data)
+    assert "mine.csv lies above it, by (+30.00" in worst
+    assert "0 of 3 cells of mine.csv" in within
+    same = study("reference-score", theory=(), csv=numbers(tmp_path / "same.csv"))
+    assert "3 of 3 cells of same.csv" in find_study("reference-score").findings(same)[1]
+    wide = study("reference-score", theory=(), csv=numbers(tmp_path / "wide.csv", 1.3, error="1.0"))
+    assert float(abs(wide.z_score).max()) < 1.96 * 0.3
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("hurst,bandwidth,area\n0.8,8,0.1", "no column reduced_pressure; it has hurst, bandwidth, area"),
+        ("hurst,bandwidth,reduced_pressure,area\n0.8,7,0.05,0.1", "line 2: no cell of the table, which has"),
+        ("hurst,bandwidth,reduced_pressure,area\n0.8,8,0.05,1.1", "line 2: area = 1.1: must lie in"),
+        ("hurst,bandwidth,reduced_pressure,area\n0.8,8,0.05,x", "line 2: holds what is no number"),
+        ("hurst,bandwidth,reduced_pressure,area\n0.8,8,0.05,nan", "line 2: area = nan: must lie in"),
+        ("", "it has none"),
+    ],
+)
+def test_a_file_that_is_no_table_of_areas_is_refused(tmp_path, text, words):
+    (tmp_path / "mine.csv").write_text(text)
+    with pytest.raises(UsageError, match=words):
+        study("reference-score", theory=(), csv=tmp_path / "mine.csv")
+
+
+def test_the_command_scores_a_theory_and_leaves_a_page(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(
+        app, ["reference", "--theory", "persson", "--csv", str(numbers(tmp_path / "m.csv"))]
+    )
+    assert done.exit_code == 0
+    assert "3 of 3 cells of m.csv" in done.output
+    assert (tmp_path / "results" / "reference-score" / "report.html").exists()
