@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import json
 import math
 import os
 import re
@@ -361,7 +362,7 @@ def test_a_plane_of_many_blocks_is_that_of_one(monkeypatch):
 
 def test_more_holes_than_a_membrane_is_stretched_over_are_refused(monkeypatch):
     heights, holes = measured_patch()
-    monkeypatch.setattr("validation.scenes.topography.patch._MOST_HOLES", 20)
+    monkeypatch.setattr("validation.scenes.topography.patch.MOST_HOLES", 20)
     patch = Topography(heights=heights, lengths=(LENGTH, LENGTH))
     words, remedy = patch.faults(**AS_IT_IS | {"missing": "harmonic"})["missing"]
     assert remedy == "nearest"
@@ -454,6 +455,73 @@ def test_a_tilt_and_a_hole_come_at_once_with_the_table_that_mends_them(tmp_path)
         load_scene(str(tmp_path / "scene.toml"))
     for words in ("surface.unit: missing", 'tilt = "plane"', 'missing = "harmonic"', 'unit = "..."'):
         assert words in str(caught.value)
+
+
+@pytest.fixture(scope="module")
+def treated(tmp_path_factory):
+    """A run of a tilted map with a hole and spikes under a taper, and its folder."""
+    folder = tmp_path_factory.mktemp("treated")
+    text = tilted_map(folder) + 'tilt = "plane"\nmissing = "nearest"\nedges = "tukey"\n'
+    heights = np.loadtxt(folder / "afm.txt")
+    heights[[20, 70, 110], [30, 60, 80]] += 40
+    np.savetxt(folder / "afm.txt", heights)
+    rest = REST.replace("[[160, 96]]", "[[160, 96], [320, 192]]")
+    (folder / "scene.toml").write_text(text + rest)
+    return folder, run_scene(load_scene(str(folder / "scene.toml")), folder / "results")
+
+
+def test_the_budget_of_the_treatment_is_what_a_scene_so_treated_says(treated, tmp_path):
+    folder, outputs = treated
+    data = outputs.data
+    names = data.variation.values.tolist()
+    assert names == [
+        "without the last octave of waves",
+        "spikes clipped",
+        "taper twice as wide",
+        "holes filled: harmonic",
+        "quadratic taken out",
+    ]
+    changes = data.treated_area_change.values
+    assert float(data.treatment_spread) == pytest.approx(math.sqrt(np.sum(changes**2)), rel=1e-12)
+    text = (folder / "scene.toml").read_text().replace('"afm.txt"', json.dumps(str(folder / "afm.txt")))
+    pressure = f"pressure = {float(data.pressure)!r}"
+    text = text.replace("reduced_pressure = 0.1", pressure).replace("[[160, 96], [320, 192]]", "[[160, 96]]")
+    areas = {}
+    treatments = {"": "", "spikes clipped": 'spikes = "clip"\n', names[0]: 'lambda_short = "0.5 um"\n'}
+    for name, line in treatments.items():
+        (tmp_path / "scene.toml").write_text(text.replace("tilt =", line + "tilt ="))
+        alone = run_scene(load_scene(str(tmp_path / "scene.toml")), tmp_path / f"r{len(areas)}", report=False)
+        assert "variation" not in alone.data.dims  # five more solves on its one grid are not cheap
+        areas[name] = float(alone.data.area_own)
+    for name in (names[0], "spikes clipped"):
+        change = float(data.treated_area_change.sel(variation=name))
+        assert change == pytest.approx(areas[name] / areas[""] - 1, abs=1e-6)
+        assert abs(change) > 1e-3
+
+
+def test_the_page_says_the_budget_and_that_the_premise_is_judged(treated):
+    _, outputs = treated
+    report = (outputs.folder / "report.html").read_text()
+    for words in (
+        "Budget of the treatment of the map",
+        "judges this premise, not the theory",
+        "rms curvature",
+    ):
+        assert words in report
+    assert float(outputs.data.pixel) == pytest.approx(1.25e-7, rel=1e-12)
+    assert float(outputs.data.steep_share) > 0.02
+
+
+def test_without_its_last_octave_a_map_has_no_waves_of_it(treated):
+    folder, _ = treated
+    surface = load_scene(str(folder / "scene.toml")).surface
+    full = measured_surface(surface)
+    half = full.variations["without the last octave of waves"]
+    assert half.shortest == pytest.approx(2 * full.shortest, rel=1e-12)
+    rings = estimate_spectrum(half.period.heights, half.period.lengths, window="none")
+    beyond = rings.q > 1.02 * 2 * math.pi / half.shortest
+    assert rings.power[beyond].max() < 1e-20 * rings.power.max()
+    assert measured_spectrum(half).q_short <= 2 * math.pi / half.shortest * (1 + 1e-9)
 
 
 def test_a_plane_under_a_taper_is_said(tmp_path):

@@ -82,7 +82,10 @@ class Run:
         asked = dict(self.surface)
         k = 0
         if self.measured:  # the recipe holds the digest of the file in place of its path
-            surface["path"] = asked["path"]
+            # It names no usual treatment of later versions.
+            surface = {"spikes": "keep", **surface, "path": asked["path"]}
+            asked = {"tilt": "keep", "spikes": "keep", **asked}
+            asked.pop("treatment", None)
         else:
             k = surface.pop("seed") - asked.pop("seed")
         same = (

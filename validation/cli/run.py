@@ -93,7 +93,7 @@ def _prepared(
     from validation.comparison.accuracy import run_accurate
     from validation.comparison.run import run_scene
     from validation.comparison.sweep import problems_of, run_sweep, solves_of_sweep
-    from validation.execution.press import solves_of
+    from validation.execution.press import run_solves, solves_of
     from validation.scenes.checks import check_scene
     from validation.scenes.problem import realise
     from validation.scenes.sweep import Sweep
@@ -106,7 +106,8 @@ def _prepared(
     run_one: Callable[..., Any] = partial(run_scene, problem=problem)
     if chosen is not None:
         run_one = partial(run_accurate, **chosen)
-    return partial(solves_of, loaded, problem), partial(run_one, loaded, folder, pictures=pictures)
+    listed = run_solves if chosen is None else solves_of
+    return partial(listed, loaded, problem), partial(run_one, loaded, folder, pictures=pictures)
 
 
 def _folders(

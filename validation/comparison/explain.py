@@ -17,7 +17,7 @@ from validation.effects.base import Judgement, Roughness, TheoryInputs
 from validation.errors import UsageError
 from validation.execution.calibration import effect_costs
 from validation.execution.cost import transform_seconds
-from validation.execution.press import Press, solves_of
+from validation.execution.press import Press, run_solves
 from validation.execution.solve import Prediction
 from validation.scenes.checks import check_scene
 from validation.scenes.grids import affordable, usual_grids
@@ -136,7 +136,7 @@ def explain(scene: Scene, problem: ContactProblem | None = None) -> Explanation:
 def _explained(scene: Scene, problem: ContactProblem) -> Explanation:
     pair = transform_seconds()
     groups: dict[tuple[str, tuple[int, int]], list[Press]] = {}
-    for solve in solves_of(scene, problem):
+    for solve in run_solves(scene, problem):
         groups.setdefault((solve.method, solve.grid), []).append(solve)
     grids = []
     for (method, grid), solves in groups.items():

@@ -36,7 +36,7 @@ def grid_name(grid: tuple[int, int]) -> str:
 
 def own_solves(scene: Scene, solves: Iterable[Press]) -> list[Press]:
     """Return the solves of the scene's own surface, on the grids that its methods list."""
-    first = [solve for solve in solves if solve.realisation == 0]
+    first = [solve for solve in solves if solve.realisation == 0 and not solve.problem.variation]
     return [solve for solve in first if solve.grid in scene.methods.options(solve.method).grids]
 
 

@@ -14,9 +14,10 @@ from validation.comparison.numbers import scene_data
 from validation.comparison.pages import effects_words, write_result_page
 from validation.comparison.subsurface_stress import write_below
 from validation.comparison.theory_alone import theory_data
+from validation.comparison.treatment import with_treatment
 from validation.errors import RunFailed
 from validation.execution.attempt import Progress
-from validation.execution.press import Press, solves_of
+from validation.execution.press import Press, run_solves, solves_of
 from validation.execution.provenance import SOLVES_MADE, made_words
 from validation.execution.results import Result, asked_of, clear_results, read_results, write_results
 from validation.execution.running import Execution, Solves, solve_all
@@ -109,13 +110,15 @@ def run_scene(
     written: tuple[Path, ...] = ()
     if scene.methods.solvers:
         results = solve_all(
-            solves_of(scene, problem),
+            run_solves(scene, problem) if accurate is None else solves_of(scene, problem),
             store,
             progress=progress,
             execution=execution,
             despite_failures=True,
         )
-        data = scene_data(scene, problem, results, failures=results.failures, accurate=accurate)
+        failures = {s: why for s, why in results.failures.items() if not s.problem.variation}
+        data = scene_data(scene, problem, results, failures=failures, accurate=accurate)
+        data = with_treatment(data, problem, results)
         data = with_fields(data, scene, problem, results)
         written = (*_link_blocks(results, folder / "fields"), *write_below(scene, results, folder / "fields"))
     else:

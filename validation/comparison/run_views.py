@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from validation.comparison.treatment import STATISTICS, treatment_findings, treatment_table
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Image, Level, Line, Panel
 from validation.report.table import Listing, Table
@@ -52,6 +53,7 @@ _NUMBERS = (
     "rms_gradient",
     "rms_gradient_spectrum",
     "nayak",
+    *STATISTICS,
 )
 _NOTE = (
     "Of the scene's own surface, on the finest grid that resolves it; +-: 95 %, of what follows from fields "
@@ -100,6 +102,7 @@ def run_views(data: xr.Dataset) -> Views:
 
 def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
     yield Listing(names=_NUMBERS, title="Contact in numbers", note=_NOTE)
+    yield from treatment_table(data)
     if "pressure_difference" in data:
         yield Table(
             rows=("solver", "grid"),
@@ -188,6 +191,7 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
             if several
             else ("95 %: grid and solver of one surface; the scatter between surfaces is unknown")
         )
+        words += "; the treatment of the map: {treatment_spread:.2%}" if "treatment_spread" in data else ""
         yield Card(question="How sure?", answer=_share(data), basis=finding("value", words, data))
     if "area_excess" in data and np.isfinite(data.area_persson_own):
         yield Card(
@@ -232,6 +236,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     if "failures" in data:
         yield finding("refusal", "Not all solves succeeded: {failures}.", data)
     yield from _area(data)
+    yield from treatment_findings(data)
     yield from _theory(data)
     if "area_plastic_pixel" in data:
         beside = "; {area_plastic_persson:.4} by the theory" if "area_plastic_persson" in data else ""

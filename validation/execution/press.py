@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
+from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +22,7 @@ from validation.solvers.base import Grid, Job, Settings, Shift, Size, Solved, So
 if TYPE_CHECKING:
     from fem_contact.surface import HeightField
 
-__all__ = ["Press", "solves_of"]
+__all__ = ["Press", "run_solves", "solves_of"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +63,7 @@ class Press(Solve):
     @property
     def is_own(self) -> bool:
         """Whether it presses the scene's own surface where it stands."""
-        return self.realisation == 0 and self.shift == (0.0, 0.0)
+        return self.realisation == 0 and self.shift == (0.0, 0.0) and not self.problem.variation
 
     @cached_property
     def recipe(self) -> dict[str, Any]:
@@ -96,6 +97,8 @@ class Press(Solve):
         text = f"{self.solver.label} {self.grid[0]}x{self.grid[1]}"
         if self.realisation:
             text += f", surface {self.realisation + 1}"
+        if self.problem.variation:
+            text += f", {self.problem.variation}"
         if self.problem.inverted:
             text += ", inverted"
         if self.shift != (0.0, 0.0):
@@ -214,3 +217,21 @@ def solves_of(scene: Scene, problem: ContactProblem | None = None) -> tuple[Pres
             for k, grid in product(range(scene.ensemble.realisations), sorted(scene.ensemble.grids)):
                 found.append(Press(grid=grid, problem=own.further(k), **told))
     return tuple({solve.key: solve for solve in found}.values())
+
+
+def run_solves(scene: Scene, problem: ContactProblem) -> tuple[Press, ...]:
+    """List the solves of a run: those of the scene, and those of its map treated otherwise.
+
+    The latter are on the coarsest grid of the first method that is quick, unless the scene wants none, or
+    they cost more than its own and it does not ask for them.
+    """
+    solves, solver = solves_of(scene, problem), scene.ensemble_solver
+    asked = getattr(scene.surface, "treatment", False)
+    if solver is None or asked is False:
+        return solves
+    first = min((s for s in solves if s.method == solver.name and s.is_own), key=lambda s: prod(s.grid))
+    variations = problem.variations
+    whole = sum(prod(s.grid) for s in solves if s.method == solver.name)
+    if not asked and len(variations) * prod(first.grid) > whole:
+        return solves
+    return (*solves, *(replace(first, problem=case) for case in variations))

@@ -100,4 +100,4 @@ def _waves(surface: object, folder: Path) -> dict[str, Any]:
 
     points = file_says(folder / table.path).heights.shape
     spacing = (length / n for length, n in zip(table.length, points, strict=True))
-    return {"lengths": table.length, "shortest": 2 * max(spacing)}
+    return {"lengths": table.length, "shortest": max(2 * max(spacing), table.lambda_short or 0.0)}

@@ -41,6 +41,8 @@ class ContactProblem:
     drawn : bool
         Whether a random surface is made of C(q); where the theory stands alone it is not, and h'_rms is that
         of C(q).
+    variation : str
+        What of the treatment of a measured surface is another than its scene says.
 
     Notes
     -----
@@ -54,6 +56,7 @@ class ContactProblem:
     inverted: bool = False
     given: Measured | None = None
     drawn: bool = True
+    variation: str = ""
 
     def __reduce__(self) -> Any:
         return partial(
@@ -197,9 +200,22 @@ class ContactProblem:
 
     @cached_property
     def shortest(self) -> float:
-        """lambda_short [m]; of a measured surface, two of its grid spacings."""
-        surface = self.surface
-        return 2 * max(self.field.spacing) if isinstance(surface, FileSurface) else surface.lambda_short
+        """lambda_short [m]; of a measured surface, see there."""
+        if self.measured is not None:
+            return self.measured.shortest
+        assert not isinstance(self.surface, FileSurface)
+        return self.surface.lambda_short
+
+    @cached_property
+    def variations(self) -> tuple[ContactProblem, ...]:
+        """The same pressure on the same map, treated otherwise; none for a surface that was not measured."""
+        if self.measured is None or self.load.held or self.variation:
+            return ()
+        load = Load(pressure=self.pressure)
+        return tuple(
+            replace(self, surface=case.surface, given=case, load=load, variation=name)
+            for name, case in self.measured.variations.items()
+        )
 
     @property
     def longest(self) -> float:
@@ -223,6 +239,8 @@ class ContactProblem:
         surface = self.surface.model_dump(mode="json")
         if self.measured is not None:
             surface |= {"path": self.measured.digest, "tilt": surface["tilt"] or "keep"}
+            usual = {"treatment": surface["treatment"], "spikes": "keep", "lambda_short": None}
+            surface = {k: v for k, v in surface.items() if k not in usual or v != usual[k]}
         else:
             assert not isinstance(self.surface, FileSurface)
             surface["seed"] = self.surface.seed_of(self.realisation)

@@ -258,7 +258,8 @@ def measured_spectrum(found: Measured) -> Tabulated:
         patch = found.patch
     periodic = found.surface.edges in (None, "periodic")
     rings = estimate_spectrum(patch.heights, patch.lengths, window="none" if periodic else "hann")
-    rough = rings.power > 0
+    cut = 2 * math.pi / found.shortest if found.surface.lambda_short else math.inf
+    rough = (rings.power > 0) & (rings.q <= cut * (1 + 1e-9))
     return Tabulated(wavevectors=rings.q[rough], power=rings.power[rough])
 
 

@@ -183,6 +183,14 @@ class FileSurface(Table):
     missing: Literal["refuse", "nearest", "harmonic"] = Field(
         default="refuse", description="what to do with points without a height"
     )
+    spikes: Literal["keep", "clip"] = Field(
+        default="keep",
+        description="what to do with heights more than 6 standard deviations of the middle half away",
+    )
+    lambda_short: Length | None = Field(
+        default=None,
+        description='waves shorter than this are taken out as noise, e.g. "50 nm"; default: none',
+    )
     edges: Literal["periodic", "tukey", "hann", "free"] | None = Field(
         default=None,
         description="taper that makes it periodic, not needed where opposite edges match; 'free' with the "
@@ -191,6 +199,16 @@ class FileSurface(Table):
     margin: Ratio = Field(
         default=0.1, gt=0, le=0.5, description="share of each side over which a tukey taper falls, e.g. 0.2"
     )
+    treatment: bool | None = Field(
+        default=None,
+        description="whether a run also treats the map otherwise; default: where that is cheap",
+    )
+
+    @model_validator(mode="after")
+    def _has_waves(self) -> Self:
+        if self.edges == "free" and self.lambda_short is not None:
+            raise wrong("lambda_short: takes waves out of a period, and edges = 'free' has none")
+        return self
 
 
 Surface = Annotated[SelfAffineSurface | CapillarySurface | FileSurface, Field(discriminator="kind")]

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from validation.errors import UsageError
-from validation.scenes.topography.patch import REMOVABLE, Topography
+from validation.scenes.topography.patch import MOST_HOLES, REMOVABLE, Topography
 from validation.scenes.topography.reading import read_topography
 
 if TYPE_CHECKING:
@@ -34,7 +34,8 @@ class Measured:
     def patch(self) -> Topography:
         """Levelled and filled; its edges are as they were."""
         surface = self.surface
-        patch = self.raw.levelled(surface.tilt or "keep").filled(surface.missing)
+        patch = self.raw.levelled(surface.tilt or "keep")
+        patch = (patch.clipped() if surface.spikes == "clip" else patch).filled(surface.missing)
         share = self.raw.plane_share if surface.tilt in (None, "keep") else 0.0
         if share > REMOVABLE and surface.edges is not None:
             words = (
@@ -60,7 +61,42 @@ class Measured:
     def period(self) -> Topography:
         """The patch made periodic: what is pressed. A UsageError of all that keeps it from being pressed."""
         self.check()
-        return _frozen(self.patch.made_periodic(self.surface.edges, margin=self.surface.margin))
+        period = self.patch.made_periodic(self.surface.edges, margin=self.surface.margin)
+        return _frozen(period.smoothed(self.surface.lambda_short))
+
+    @property
+    def shortest(self) -> float:
+        """Shortest wave [m]: two of its points, or what is left where shorter ones were taken out."""
+        nx, ny = self.raw.heights.shape
+        lx, ly = self.raw.lengths
+        spacing = float(max(lx / nx, ly / ny))
+        return max(2 * spacing, self.surface.lambda_short or 0.0)
+
+    @property
+    def variations(self) -> dict[str, Measured]:
+        """The same map treated otherwise, by what is changed: what that moves hangs on a choice."""
+        surface = self.surface
+        changes: dict[str, dict[str, Any]] = {}
+        if surface.edges != "free":
+            changes["without the last octave of waves"] = {"lambda_short": 2 * self.shortest}
+        if surface.spikes == "keep" and len(self.patch.clipped().history) > len(self.patch.history):
+            changes["spikes clipped"] = {"spikes": "clip"}
+        if surface.edges == "tukey":
+            changes["taper twice as wide"] = {"margin": min(0.5, 2 * surface.margin)}
+        elif surface.edges == "hann":
+            changes["tukey taper"] = {"edges": "tukey", "margin": 0.25}
+        if self.raw.missing and (self.raw.missing <= MOST_HOLES or surface.missing == "harmonic"):
+            other = "nearest" if surface.missing == "harmonic" else "harmonic"
+            changes[f"holes filled: {other}"] = {"missing": other}
+        if surface.tilt == "plane":
+            changes["quadratic taken out"] = {"tilt": "quadratic"}
+        elif surface.tilt == "quadratic" or surface.edges not in (None, "periodic"):
+            changes["plane taken out"] = {"tilt": "plane"}
+        cases = {
+            name: replace(self, surface=surface.model_copy(update=change)) for name, change in changes.items()
+        }
+        # Without a plane a period may be none.
+        return {name: case for name, case in cases.items() if not case.faults}
 
 
 def fault_lines(faults: Mapping[str, tuple[str, str]], table: Mapping[str, Any]) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from fem_contact.surface.spectra import window_weights
 from validation.arrays import Array
 from validation.errors import UsageError
 
-__all__ = ["REMOVABLE", "Edges", "Missing", "Tilt", "Topography", "rms"]
+__all__ = ["MOST_HOLES", "REMOVABLE", "Edges", "Missing", "Tilt", "Topography", "rms"]
 
 Tilt = Literal["keep", "plane", "quadratic"]
 Missing = Literal["refuse", "nearest", "harmonic"]
@@ -23,10 +23,12 @@ Edges = Literal["periodic", "tukey", "hann", "free"]
 _JUMP = 4.0
 #: Share of the variance that a plane holds from which on it is taken for the tilt of the instrument.
 REMOVABLE = 0.2
+#: Standard deviations beyond which heights are clipped, and the quartiles' distance in them.
+_CLIPPED, _QUARTILES = 6.0, 1.349
 #: Points of a block of rows that a plane is fitted to at a time.
 _BLOCK_POINTS = 2**18
 #: Most missing points that a membrane is stretched over; their equations are solved directly.
-_MOST_HOLES = 2**20
+MOST_HOLES = 2**20
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -102,11 +104,11 @@ class Topography:
             faults["tilt"], level = (words, "plane"), self.levelled("plane")
         elif tilt is not None:
             level = self.levelled(tilt)
-        if count and (missing == "refuse" or (missing == "harmonic" and count > _MOST_HOLES)):
+        if count and (missing == "refuse" or (missing == "harmonic" and count > MOST_HOLES)):
             words = f"{count} of {self.heights.size} heights are NaN or infinite"
-            if count > _MOST_HOLES:
-                words += f", and 'harmonic' fills at most {_MOST_HOLES}"
-            faults["missing"] = words, "nearest" if count > _MOST_HOLES else "harmonic"
+            if count > MOST_HOLES:
+                words += f", and 'harmonic' fills at most {MOST_HOLES}"
+            faults["missing"] = words, "nearest" if count > MOST_HOLES else "harmonic"
         if edges is None and level.edge_jump > _JUMP:
             without = " without that plane" if "tilt" in faults else ""
             words = (
@@ -123,6 +125,28 @@ class Topography:
         fill: Callable[[Array], Array] = _nearest if missing == "nearest" else _harmonic
         words = f"{count} missing points ({100 * count / self.heights.size:.2g} %) filled: {missing}"
         return replace(self, heights=fill(self.heights), history=(*self.history, words))
+
+    def clipped(self) -> Topography:
+        """Bring heights far from the middle half of all back to that distance."""
+        known = self.heights[np.isfinite(self.heights)]
+        low, middle, high = np.percentile(known, (25, 50, 75))
+        most = _CLIPPED * (high - low) / _QUARTILES
+        heights = np.clip(self.heights, middle - most, middle + most)
+        count = int(np.count_nonzero(np.abs(known - middle) > most))
+        if not count:
+            return self
+        words = f"{count} heights more than {_CLIPPED:g} standard deviations away clipped"
+        return replace(self, heights=heights, history=(*self.history, words))
+
+    def smoothed(self, shortest: float | None) -> Topography:
+        """Take waves shorter than this [m] out of one period."""
+        if shortest is None:
+            return self
+        q = [np.fft.fftfreq(n, side / n) for n, side in zip(self.heights.shape, self.lengths, strict=True)]
+        waves = np.fft.fft2(self.heights)
+        waves[np.hypot(q[0][:, None], q[1]) * shortest > 1 + 1e-9] = 0
+        words = f"waves shorter than {shortest:.4g} m taken out"
+        return replace(self, heights=np.fft.ifft2(waves).real, history=(*self.history, words))
 
     def made_periodic(self, edges: Edges | None, *, margin: float = 0.1) -> Topography:
         """Bring opposite edges together by a taper, or take the patch as one period, or with its edges."""

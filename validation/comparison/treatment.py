@@ -1,0 +1,121 @@
+"""What a measured map is like, and how far its contact moves when it is treated otherwise."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_contact.contact import ContactResult
+from validation.comparison.reductions import Reading
+from validation.execution.press import Press
+from validation.report.findings import Finding, finding, note
+from validation.report.table import Table
+from validation.scenes.problem import ContactProblem
+from validation.scenes.topography.statistics import height_statistics
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["STATISTICS", "treatment_findings", "treatment_table", "with_treatment"]
+
+#: What is said of a measured surface beside its moments.
+STATISTICS = (
+    "pixel",
+    "rms_curvature",
+    "kurtosis",
+    "slope_kurtosis",
+    "steep_share",
+    "summit_density",
+    "summit_curvature",
+    "summit_height",
+    "treatment_spread",
+)
+
+
+def with_treatment(
+    data: xr.Dataset, problem: ContactProblem, results: Mapping[Press, ContactResult]
+) -> xr.Dataset:
+    """Add statistics of a measured surface, and what each other treatment changes at the same pressure.
+
+    Changes are relative to the scene's own treatment on the same grid; ``treatment_spread`` is the root sum
+    of their squares.
+    """
+    if problem.measured is None:
+        return data
+    import xarray as xr
+
+    patch = problem.measured.patch.height_field()
+    traits = height_statistics(patch.heights, patch.spacing)
+    data = data.assign(
+        **asdict(traits),
+        pixel=max(patch.spacing),
+        rms_curvature=math.sqrt(problem.field.moments[2]) / 2,
+    ).assign_attrs(premise=int(traits.is_gaussian))
+    others = [solve for solve in results if solve.problem.variation]
+    if not others:
+        return data
+    own = next(
+        solve
+        for solve in results
+        if solve.is_own and (solve.method, solve.grid) == (others[0].method, others[0].grid)
+    )
+    rows = []
+    for solve in (own, *others):
+        reading = Reading.of(solve, results[solve], bare=not solve.effects, shown=False)
+        area = reading.areas.perimeter if reading.areas.subcell is None else reading.areas.subcell
+        rows.append((area, solve.problem.field.rms_gradient, solve.problem.field.rms_height))
+    changes = np.array(rows[1:]) / np.array(rows[0]) - 1
+    names = ("treated_area_change", "treated_gradient_change", "treated_height_change")
+    data = data.assign_coords(variation=[solve.problem.variation for solve in others]).assign(
+        {name: ("variation", values) for name, values in zip(names, changes.T, strict=True)}
+    )
+    return data.assign(
+        solve_variation=("variation", [solve.key for solve in others]),
+        treatment_spread=xr.DataArray(float(np.sqrt(np.sum(changes[:, 0] ** 2)))),
+        treatment_grid=f"{own.label}",
+    )
+
+
+def treatment_table(data: xr.Dataset) -> Iterator[Table]:
+    """Yield the budget of the treatment, where it was asked for."""
+    if "treated_area_change" in data:
+        yield Table(
+            rows=("variation",),
+            columns=(
+                "variation",
+                "treated_area_change",
+                "treated_gradient_change",
+                "treated_height_change",
+            ),
+            title="Budget of the treatment of the map",
+            note="Each row treats the map otherwise and presses it with the same p0 "
+            f"({data.treatment_grid.item()}). Changes are relative to the treatment of the scene on that "
+            "grid; they are no part of the +- of the area.",
+            file="treatment",
+        )
+
+
+def treatment_findings(data: xr.Dataset) -> Iterator[Finding]:
+    """Yield how far the area hangs on the treatment, and whether the theory's premise holds."""
+    if "treatment_spread" in data:
+        worst = data.isel(variation=int(np.argmax(np.abs(data.treated_area_change.values))))
+        yield finding(
+            "value",
+            "Other treatments of the map move the area by {treatment_spread:.2%} together, most of it "
+            "{variation}: {treated_area_change:+.2%}.",
+            worst,
+        )
+    if data.attrs.get("premise") == 0:
+        yield finding(
+            "value",
+            "The map is not what the theory assumes: the kurtosis of its slopes is {slope_kurtosis:.3} "
+            "(Gaussian: 3), and the steepest 0.1 % of the points hold {steep_share:.2%} of the mean square "
+            "slope (Gaussian: 0.79 %). The distance from the theory judges this premise, not the theory.",
+            data,
+        )
+    elif "premise" in data.attrs:
+        yield note("Its slopes are near to Gaussian, as the theory assumes.")
