@@ -44,7 +44,7 @@ def test_names_are_unique_and_claims_are_sentences():
 def test_a_case_is_chosen_by_name_or_by_the_beginning_of_its_name():
     names = {f"hertz{part}-{solver}" for part in ("", "-radius") for solver in ("bem", "fem", "reduced")}
     assert {case.name for case in chosen_cases(["hertz"], quick=True)} == names
-    with pytest.raises(UsageError, match=r"case 'hert': no such case; one of: .*hertz-bem"):
+    with pytest.raises(UsageError, match=r"case 'hert': no such case; did you mean 'hertz'"):
         chosen_cases(["hert"], quick=False)
     with pytest.raises(UsageError, match="case 'bem-grids': is called nested-grids-bem now"):
         chosen_cases(["bem-grids"], quick=False)

@@ -41,67 +41,53 @@ def check(
 
     Exits with 1 where a file is damaged and not set aside, or cannot be read.
     """
+    from validation.execution.cost import memory_words
+    from validation.execution.provenance import made_words
     from validation.execution.store import check_store
 
-    place = _store_in(folder)
-    found: list[Checked] = []
-    with stopping_cleanly():
-        for one in check_store(place, set_aside=set_aside):
-            found.append(one)
-            if not as_json and (list_all or one.problem is not None):
-                show(_line(one))
-    if as_json:
-        typer.echo(json.dumps([_summary(one) for one in found], indent=2))
-    wrong = [one for one in found if one.problem is not None and not (one.damaged and set_aside)]
-    if not as_json:
-        _sum_up(found, place, set_aside=set_aside)
-    if wrong:
-        remedy = "--set-aside renames what is damaged, and the next run repeats it"
-        raise RunFailed(
-            f"{place}: {len(wrong)} of {len(found)} files are damaged or cannot be read; {remedy}"
-        )
-
-
-def _store_in(folder: Path) -> Path:
-    """Return the store of a results folder, or the folder itself."""
     if not folder.is_dir():
         raise UsageError(f"{folder}: is no folder; name the folder of a store, such as results/solves")
     inner = folder / "solves"
-    ours = (folder / "result.json").exists()
-    return inner if inner.is_dir() and ours else folder
+    place = inner if inner.is_dir() and (folder / "result.json").exists() else folder
+    files: list[Checked] = []
+    with stopping_cleanly():
+        for file in check_store(place, set_aside=set_aside):
+            files.append(file)
+            if not as_json and (list_all or file.problem is not None):
+                show(_line(file))
+    damaged, intact = sum(file.damaged for file in files), [file for file in files if file.problem is None]
+    if as_json:
+        typer.echo(json.dumps([_summary(file) for file in files], indent=2))
+    else:
+        size = memory_words(sum(file.size for file in intact))
+        show(f"{place}: {len(intact)} of {len(files)} solves are intact ({size}).")
+        for sentence in made_words(file.made for file in intact if file.made is not None):
+            show(sentence)
+        if damaged and set_aside:
+            show(f"{damaged} set aside as *.corrupt; the next run that needs them repeats them.")
+        aside = len(list(place.glob("*.corrupt")))
+        if aside:
+            say(f"{place}: {aside} set aside as *.corrupt; remove them when you have looked", prefix="note: ")
+    wrong = sum(file.problem is not None and not (file.damaged and set_aside) for file in files)
+    if wrong:
+        remedy = "--set-aside renames what is damaged, and the next run repeats it"
+        raise RunFailed(f"{place}: {wrong} of {len(files)} files are damaged or cannot be read; {remedy}")
 
 
-def _line(one: Checked) -> str:
-    if one.problem is not None:
-        return f"{one.path.name}: {'damaged: ' if one.damaged else ''}{one.problem}"
-    made = one.made
+def _line(file: Checked) -> str:
+    if file.problem is not None:
+        return f"{file.path.name}: {'damaged: ' if file.damaged else ''}{file.problem}"
+    made = file.made
     how = "" if made is None else f", {made.finished[:16]} UTC on {made.host}, {made.seconds:.3g} s"
-    return f"{one.path.name}: intact, {one.size} bytes{how}"
+    return f"{file.path.name}: intact, {file.size} bytes{how}"
 
 
-def _summary(one: Checked) -> dict[str, object]:
+def _summary(file: Checked) -> dict[str, object]:
     return {
-        "file": str(one.path),
-        "bytes": one.size,
-        "intact": one.problem is None,
-        "problem": one.problem,
-        "made": None if one.made is None else one.made.as_json(),
-        "recipe": None if one.recipe is None else json.loads(one.recipe),
+        "file": str(file.path),
+        "bytes": file.size,
+        "intact": file.problem is None,
+        "problem": file.problem,
+        "made": None if file.made is None else file.made.as_json(),
+        "recipe": None if file.recipe is None else json.loads(file.recipe),
     }
-
-
-def _sum_up(found: list[Checked], place: Path, *, set_aside: bool) -> None:
-    from validation.execution.cost import memory_words
-    from validation.execution.provenance import made_words
-
-    intact = [one for one in found if one.problem is None]
-    size = memory_words(sum(one.size for one in intact))
-    show(f"{place}: {len(intact)} of {len(found)} solves are intact ({size}).")
-    for sentence in made_words(one.made for one in intact if one.made is not None):
-        show(sentence)
-    damaged = sum(one.damaged for one in found)
-    if damaged and set_aside:
-        show(f"{damaged} set aside as *.corrupt; the next run that needs them repeats them.")
-    aside = len(list(place.glob("*.corrupt")))
-    if aside:
-        say(f"{place}: {aside} set aside as *.corrupt; remove them when you have looked", prefix="note: ")

@@ -6,7 +6,7 @@ import json
 import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -53,22 +53,28 @@ def validate(
     solver is written instead; further ones stand beside the first.
     """
     from validation.cases import chosen_cases, run_cases
-    from validation.cases._result import write_claims
+    from validation.cases._result import write_claims, write_scorecards
+    from validation.cases.scorecard import Subject, score
     from validation.cli.results import print_page
     from validation.files import prepare_folder
+    from validation.solvers import chosen_solver
 
+    tell = None if as_json else lambda line: say(line, prefix="")
     if method:
         if names:
             raise UsageError(f"--method scores a solver by all rows; leave out {', '.join(names)}")
-        _score(
-            method,
-            quick=quick,
-            tolerance=tolerance,
-            seconds=seconds,
-            output=output,
-            as_json=as_json,
-            report=with_report,
-        )
+        limits: dict[str, Any] = {"tolerance": tolerance, "quick": quick, "seconds": seconds}
+        chosen = {name: chosen_solver(name) for name in method}
+        plain = re.sub(r"[^A-Za-z0-9._-]", "-", method[0])
+        folder = prepare_folder(output or Path("results") / f"scorecard-{plain}")
+        cards = []
+        with stopping_cleanly():
+            for name, (solver, settings) in chosen.items():
+                if not as_json:
+                    typer.echo(f"{name}:")
+                subject = Subject(name=name, solver=solver, settings=settings, **limits)
+                cards.append(score(subject, tell=tell))
+        show_scorecards(cards, write_scorecards(folder, cards, report=with_report), as_json=as_json)
         return
     cases = chosen_cases(names or [], quick=quick)
     if list_all:
@@ -77,10 +83,10 @@ def validate(
         return
     folder = prepare_folder(output or Path("results") / "validation")
     with stopping_cleanly():
-        verdicts = tuple(run_cases(cases, tell=None if as_json else lambda line: say(line, prefix="")))
+        verdicts = tuple(run_cases(cases, tell=tell))
     failed_first = sorted(verdicts, key=lambda verdict: verdict.passed)
-    asked = {"cases": list(names or []), "quick": quick}
-    page, files = write_claims(folder, failed_first, name="validate", asked=asked, report=with_report)
+    record = {"cases": list(names or []), "quick": quick}
+    page, files = write_claims(folder, failed_first, name="validate", asked=record, report=with_report)
     if as_json:
         typer.echo(json.dumps([verdict.summary() for verdict in verdicts], indent=2))
     else:
@@ -90,43 +96,11 @@ def validate(
         raise RunFailed(f"{len(failed)} of {len(verdicts)} cases failed: {', '.join(failed)}")
 
 
-def _score(
-    names: list[str],
-    *,
-    quick: bool,
-    tolerance: float,
-    seconds: float,
-    output: Path | None,
-    as_json: bool,
-    report: bool,
-) -> None:
-    """Write the scorecards of solvers; fail where the first of them does."""
-    from validation.cases._result import write_scorecards
-    from validation.cases.scorecard import Subject, score
-    from validation.files import prepare_folder
-    from validation.solvers import chosen_solver
-
-    chosen = {name: chosen_solver(name) for name in names}
-    plain = re.sub(r"[^A-Za-z0-9._-]", "-", names[0])
-    folder = prepare_folder(output or Path("results") / f"scorecard-{plain}")
-    cards = []
-    with stopping_cleanly():
-        for name, (solver, settings) in chosen.items():
-            subject = Subject(
-                name=name, solver=solver, settings=settings, tolerance=tolerance, quick=quick, seconds=seconds
-            )
-            if not as_json:
-                typer.echo(f"{name}:")
-            cards.append(score(subject, tell=None if as_json else lambda line: say(line, prefix="")))
-    files = write_scorecards(folder, cards, report=report)
-    show_scorecards(cards, files, as_json=as_json)
-
-
 def show_scorecards(cards: Sequence[Scorecard], files: Iterable[Path], *, as_json: bool) -> None:
     """Print what scorecards come to; fail where the first of them does."""
     if as_json:
-        said = json_ready({"scorecards": [card.summary() for card in cards]})
-        typer.echo(json.dumps(said, indent=2))
+        record = json_ready({"scorecards": [card.summary() for card in cards]})
+        typer.echo(json.dumps(record, indent=2))
     else:
         for path in files:
             typer.echo(f"  {path}")
