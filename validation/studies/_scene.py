@@ -260,27 +260,9 @@ class PressedOptions(StudyOptions):
 
     def words(self) -> Iterator[str]:
         """Say what a scene was asked for, and what of it is not used."""
-        if self.scene is None:
-            return
-        own, taken = self.first, self.taken(self.scene, self.first)
-        surface = self.scene.surface
-        what = str(surface.path) if isinstance(surface, FileSurface) else surface.kind
-        listed = "".join(f", {effect.kind}" for effect in self.effects)
-        shown = {name: value for name, value in taken.items() if name not in self.off}
-        said = "; ".join(f"{name.replace('_', ' ')} {_shown(value)}" for name, value in shown.items())
-        yield (
-            f"Surface ({what}), solid and load (p* = {own.reduced_pressure:.4g}{listed}) are those of the scene "
-            f"{self.scene.name!r}, and so are: {said}."
-        )
-        unused = [f"[methods.{name}]" for name in self.scene.methods.solvers if name not in self.used]
-        if unused:
-            yield f"Not used of the scene, for this study presses by boundary elements: {', '.join(unused)}."
-        keys = _unheard(self.scene, type(self))
-        if keys:
-            yield f"Keys of the scene that this study has no use for: {', '.join(keys)}."
-        if self.off:
-            names = ", ".join(name.replace("_", " ") for name in self.off)
-            yield f"Parts of the study that a scene turns off: {names}."
+        from validation.studies._scene_words import scene_words
+
+        return iter(()) if self.scene is None else scene_words(self, self.scene)
 
     @property
     def used(self) -> frozenset[str]:
@@ -302,14 +284,6 @@ _KEYS = {
 _SPECTRUM = frozenset({"hurst", "periods", "bandwidth", "seed"})
 
 
-def _unheard(scene: Scene, options: type[StudyOptions]) -> list[str]:
-    """Name the keys that a scene says and a study has no use for."""
-    table = scene.methods.options("bem")
-    shifts = "shifts" in table.model_fields_set and "shifts" not in options.model_fields
-    keys = {"methods.bem.shifts": shifts, "ensemble.grids": scene.ensemble is not None}
-    return [name for name, unheard in keys.items() if unheard]
-
-
 def _reduced(problem: ContactProblem) -> tuple[float, ...]:
     """p* of each load, as given where it is given so."""
     if problem.load.reduced_pressure is not None:
@@ -324,8 +298,3 @@ def _merged(path: Any, own: Sequence[float]) -> tuple[float, ...]:
     (load,) = own
     others = [float(p) for p in path if abs(float(p) / load - 1) > _SAME]
     return tuple(sorted([*others, load]))
-
-
-def _shown(value: Any) -> str:
-    values = value if isinstance(value, tuple) else (value,)
-    return ", ".join(f"{v:.6g}" if isinstance(v, float) else str(v) for v in values)
