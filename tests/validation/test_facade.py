@@ -19,6 +19,7 @@ from validation.errors import NoLimit, UsageError
 from validation.report.estimates import total_error
 from validation.scenes.scene import Scene
 from validation.scenes.sweep import load_asked
+from validation.studies import GROUPS
 
 WAVES = {
     "length": "100 um",
@@ -273,6 +274,14 @@ def test_what_is_wrong_is_said_in_one_line(wrong, words):
     with pytest.raises(UsageError, match=words) as caught:
         wrong()
     assert "\n" not in str(caught.value)
+
+
+def test_study_names_are_completed():
+    names = {name.replace("-", "_") for group in GROUPS.values() for name in group}
+    assert names <= set(dir(fem_contact.study))
+    for name in names:
+        with pytest.raises(UsageError, match=f"study {name.replace('_', '-')}: no option 'no_such'"):
+            getattr(fem_contact.study, name)(no_such=1)
 
 
 def test_the_three_packages_have_one_version():

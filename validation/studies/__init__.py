@@ -18,7 +18,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
@@ -113,7 +113,7 @@ def find_study(name: str) -> Study:
 
 
 def run(name: str, *, bench: Bench | None = None, **options: Any) -> xr.Dataset:
-    """Run a study from Python and return its dataset.
+    """Run a study from Python and return its dataset; ``study.hurst(...)`` is ``study("hurst", ...)``.
 
     Parameters
     ----------
@@ -149,3 +149,8 @@ def run(name: str, *, bench: Bench | None = None, **options: Any) -> xr.Dataset:
     except ValidationError as error:
         raise UsageError(f"study {name}: " + "\n".join(problems(error))) from None
     return study.compute(parsed, bench=bench or Bench.at())
+
+
+# Attributes of the function, so that a notebook completes their names: study.hurst(...) is run("hurst", ...).
+for _name in (name for group in GROUPS.values() for name in group):
+    setattr(run, _name.replace("-", "_"), partial(run, _name))
