@@ -9,6 +9,7 @@ import math
 import os
 import re
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -522,6 +523,25 @@ def test_without_its_last_octave_a_map_has_no_waves_of_it(treated):
     beyond = rings.q > 1.02 * 2 * math.pi / half.shortest
     assert rings.power[beyond].max() < 1e-20 * rings.power.max()
     assert measured_spectrum(half).q_short <= 2 * math.pi / half.shortest * (1 + 1e-9)
+
+
+def test_the_map_of_the_docs_is_made_and_gets_the_table_that_they_show(tmp_path, monkeypatch):
+    page = (Path(__file__).parents[2] / "docs" / "my_afm_map.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```(\w+)\n(.*?)```", page, re.S)
+    monkeypatch.chdir(tmp_path)
+    exec(next(text for kind, text in blocks if kind == "python"), {})
+    shown = next(text for kind, text in blocks if kind == "text").partition("before it is pressed: ")[2]
+    scene = next(text for kind, text in blocks if kind == "toml")
+    bare = re.sub("(tilt|missing|edges) = .*\n", "", scene)
+    (tmp_path / "scene.toml").write_text(bare)
+    with pytest.raises(UsageError) as caught:
+        explain(load_scene("scene.toml"))
+    refusal = str(caught.value).partition("cannot be pressed as it is\n")[2]
+    assert refusal.replace(str(tmp_path / "afm.txt"), "afm.txt").strip() == shown.strip()
+    (tmp_path / "scene.toml").write_text(scene)
+    explanation = explain(load_scene("scene.toml"))
+    # Its own two solves, and four of other treatments on the coarser grid.
+    assert [grid.solves for grid in explanation.grids] == [5, 1]
 
 
 def test_a_plane_under_a_taper_is_said(tmp_path):
