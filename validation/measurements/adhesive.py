@@ -6,10 +6,16 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
+import xarray as xr
 
+from fem_contact import adhesion, bem
+from fem_contact.adhesion import GapLaw
+from fem_contact.contact import ContactResult
+from fem_contact.response import HalfSpace
+from fem_contact.surface import HeightField
 from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
 from persson.elastic import contact_area, stress_variance
 from persson.errors import PerssonError
@@ -21,32 +27,10 @@ from validation.effects.base import full_contact_energy
 from validation.effects.hardness import Hardness
 from validation.execution.measurement import Call, measurement
 from validation.execution.press import Press
+from validation.execution.running import Solves
 from validation.measurements.yielding import yielded_by_theory
 from validation.report.estimates import claim, derive
 from validation.scenes.problem import ContactProblem
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from fem_contact.adhesion import GapLaw
-    from fem_contact.contact import ContactResult
-    from fem_contact.surface import HeightField
-    from validation.execution.running import Solves
-
-__all__ = [
-    "READINGS",
-    "STRESS_EDGES",
-    "Cut",
-    "Reading",
-    "Solutions",
-    "Sticking",
-    "interface_energy",
-    "readings",
-    "shares_by_shell",
-    "sticky_contact",
-    "with_pooled_stress",
-    "without_adhesion",
-]
 
 Reading = Literal["improved", "old"]
 #: Readings of the elastic energy (Persson 2006, Eqs. 44-49 and 43).
@@ -118,8 +102,6 @@ class Sticking:
 
     def measured(self, solved: Solves) -> xr.Dataset:
         """Return areas on every grid, what the interface gains on the finest, and what the theory says."""
-        import xarray as xr
-
         sticky, plain = ([solved[s].checked() for s in self.solves(sticky=held)] for held in (True, False))
         work, own = self.adhesion.work, self.problem
         counted = {
@@ -165,18 +147,11 @@ def sticky_contact(
 
     Parameters
     ----------
-    problem : ContactProblem
-    grid : tuple of int
     work, reach : float
         w [J/m^2] and range [m] of the attraction.
     shells : tuple of float
         Wavevectors [1/m], rising, between which the elastic energy is summed.
     """
-    import xarray as xr
-
-    from fem_contact import adhesion, bem
-    from fem_contact.response import HalfSpace
-
     field, law = problem.heights(grid), adhesion.Exponential(work=work, reach=reach)
     half_space = HalfSpace(solid=problem.elastic)
     told: dict[str, Any] = {"mean_pressure": problem.pressure, "threads": 1}
@@ -237,7 +212,6 @@ class Cut:
         ----------
         points : float
             Along a side, rounded up to an even number.
-        shells : tuple of float
         finer : int
             By how much the grid is finer than that.
         reach : float
@@ -254,8 +228,6 @@ class Cut:
 
     def reduced(self, grids: Sequence[xr.Dataset]) -> xr.Dataset:
         """Return what is read off the solves on each grid, and what the theory says."""
-        import xarray as xr
-
         counted = {"area_pixel": "area", "area_plain_pixel": "plain", "area_parted_pixel": "parted"}
         counted |= {"force_inside_grid": "force", "tension_grid": "tension"}
         found = {f"{name}_each": ("grid", [float(one[of]) for one in grids]) for name, of in counted.items()}
@@ -285,8 +257,6 @@ def shares_by_shell(
     whole: xr.Dataset, theory: Solutions, *, problem: ContactProblem, edges: Array
 ) -> xr.Dataset:
     """Return P~ of the waves of a solve between its shells, whose edges [1/m] are given from the first on, and the theory's."""
-    import xarray as xr
-
     found = {
         f"energy_share_{r}_each": ("shell", _stored_shares(one, edges, problem)) for r, one in theory.items()
     }

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
+
+import xarray as xr
 
 from fem_contact.area import contact_areas
 from validation.arrays import Grid
@@ -10,11 +12,6 @@ from validation.execution.measurement import measurement
 from validation.execution.solve import Prediction
 from validation.measurements.by_solver import compared, difference
 from validation.scenes.problem import ContactProblem
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["block_beside_bem"]
 
 
 def _predicted(
@@ -58,7 +55,6 @@ def block_beside_bem(
         Surface nodes.
     method : {"full", "reduced"}
         The whole system, which shares no contact algorithm with the boundary elements, or its exact reduction.
-    element : str
     depth : float
         In periods.
     growth : float
@@ -71,8 +67,6 @@ def block_beside_bem(
     xarray.Dataset
         Areas, gaps and pressure differences of the three solves (`compared`).
     """
-    import xarray as xr
-
     from fem_contact import bem, block
     from fem_contact.response import BondedLayer, HalfSpace
 

@@ -24,19 +24,6 @@ from numpy.typing import NDArray
 from persson import elastic
 from validation.arrays import Array
 
-__all__ = [
-    "BINS",
-    "PROFILE_EDGES",
-    "Memory",
-    "Pressed",
-    "bins_of",
-    "composed_inflow",
-    "diffused_area",
-    "flows",
-    "mean_of",
-    "profile",
-]
-
 #: Bins of p/sqrt(V) and their edges, crowded near zero; what lies above counts in the last.
 BINS = 40
 PROFILE_EDGES = 6.0 * np.linspace(0.0, 1.0, BINS + 1) ** 2

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import scipy.ndimage
+import xarray as xr
 
 from fem_contact.area import TRAITS, contact_areas
 from fem_contact.contact import ContactResult, Status
@@ -19,13 +21,6 @@ from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import EffectSpec
 from validation.solvers import find_solver
 from validation.solvers.base import Job, Settings, Solver
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    import xarray as xr
-
-__all__ = ["beside_bem", "compared", "difference"]
 
 #: Points closer than this to the edge of either contact, in cells, are left out of the second pressure difference.
 _EDGE_CELLS = 1.5
@@ -63,8 +58,6 @@ def beside_bem(
 
     Parameters
     ----------
-    problem : ContactProblem
-    grid : tuple of int
     method : str
         Name of a solver.
     settings : tuple of (str, value)
@@ -82,8 +75,6 @@ def beside_bem(
     NotConverged
         Where nothing comes of the method, or boundary elements themselves fail.
     """
-    import xarray as xr
-
     field, solver = problem.heights(grid), find_solver(method)
 
     def solved(by: Solver, told: Mapping[str, Any]) -> ContactResult:

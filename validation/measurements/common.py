@@ -19,24 +19,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-__all__ = [
-    "BASE_SOLID",
-    "LEAST_POINTS_PER_WAVE",
-    "SHIFTS",
-    "Ladder",
-    "Rising",
-    "RisingGrids",
-    "RisingOrNone",
-    "base_case",
-    "base_surface",
-    "in_rising_order",
-    "named",
-    "persson_area",
-    "reduced_load",
-    "truncated_surface",
-]
-
-
 #: Grids coarser than this, as lambda_short/dx, are left out of every limit.
 LEAST_POINTS_PER_WAVE = 3.0
 
@@ -64,7 +46,6 @@ def base_surface(
         L / lambda_long.
     bandwidth : float
         lambda_long / lambda_short.
-    seed : int
     length : float
         Period [m].
     gradient : float

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import time
+from typing import Any
 
 import numpy as np
 import scipy.fft
+import xarray as xr
 
 from fem_contact.surface import HeightField
 from validation.arrays import Array, Grid
 from validation.execution.measurement import measurement
 from validation.scenes.problem import ContactProblem
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["statistics_of_pair", "unsolved_pairs", "unsolved_statistics"]
 
 #: Shares of the nominal area, for the highest heights and the highest pressures of full contact.
 _SHARES = (0.01, 0.03, 0.1, 0.3)
@@ -105,15 +102,9 @@ def unsolved_pairs(*, problem: ContactProblem, grid: Grid, first: int, count: in
 
     Parameters
     ----------
-    problem : ContactProblem
-    grid : (int, int)
     first, count : int
         Realisations.
     """
-    import time
-
-    import xarray as xr
-
     began = time.process_time()
     found = [statistics_of_pair(problem.further(k).heights(grid)) for k in range(first, first + count)]
     values = np.array([list(one.values()) for one in found])

@@ -13,8 +13,6 @@ from numpy.typing import ArrayLike
 from validation.arrays import Array
 from validation.measurements.statistics import Estimate
 
-__all__ = ["Controlled", "Known", "Level", "allocation", "chained_mean", "controlled_mean"]
-
 #: Samples from which on the coefficient of a coarser grid is fitted; below it is 1.
 _FITTED = 10
 #: Of the coefficients of many controls, each divided by its scatter, per sample. On 48 cases (H = .3, .8, bandwidths
@@ -188,7 +186,6 @@ def allocation(parts: Sequence[tuple[float, float]], error: float) -> tuple[int,
     ----------
     parts : sequence of (float, float)
         Variance V and cost C of one sample of each part.
-    error : float
 
     Notes
     -----

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import scipy.optimize
 import scipy.special
+import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from validation.errors import RunFailed, UsageError
@@ -30,23 +31,6 @@ from validation.report.estimates import (
 )
 from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = [
-    "LADDERS",
-    "SIZE_ORDER",
-    "Ladders",
-    "Line",
-    "at_equal",
-    "bandwidth_of",
-    "bandwidth_order",
-    "fitted_line",
-    "line",
-    "pressed_pairs",
-    "spectral_errors",
-]
 
 #: Order in lambda_long/L: the number of long waves on a period grows like (L/lambda_long)^2, and corrections to the
 #: mean of anything that depends on them fall with that number.
@@ -177,7 +161,6 @@ def line(
     ----------
     data : xarray.Dataset
         With ``<name>_each``, and ``<name>_error`` of its means where the grids leave one.
-    name : str
     x : str
         Variable along the axis, over `along` at least.
     along, over : str
@@ -195,8 +178,6 @@ def line(
         ``<name>_limit`` with its error, NaN where it is further off than two spans of the groups; ``<name>_slope`` with its
         error; ``<name>_reach``; the ends of the line, ``<name>_line`` over ``<x>_line`` (end).
     """
-    import xarray as xr
-
     values = data[f"{name}_each"]
     there = solved_places(data, values, over=over)
     dims = [str(dim) for dim in values.dims if dim not in (along, over)]
@@ -256,8 +237,6 @@ def at_equal(data: xr.Dataset, name: str, *, x: str, along: str) -> xr.Dataset:
     Linear in ln x; rows are the places along the other dimension of x. ``<x>_equal`` is that value; where the rows share
     none, values are NaN.
     """
-    import xarray as xr
-
     values, at = data[f"{name}_each"], data[x].transpose(..., along)
     common = float(at.isel({along: -1}).min())
     weights = xr.zeros_like(at) * np.nan
@@ -369,8 +348,6 @@ class Ladders:
         RunFailed
             For contacts too small for a limit of their area.
         """
-        import xarray as xr
-
         ladders = [self._ladder(kind, measured) for kind in LADDERS]
         data = xr.merge(ladders, compat="no_conflicts", combine_attrs="override")
         # H at equal alpha, and alpha at equal H.

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from persson import elastic
 from validation.execution.bench import Bench
@@ -19,19 +20,6 @@ from validation.measurements.limits import kept_of, solved
 from validation.measurements.measurement import area_limits
 from validation.measurements.rings import AREAS
 from validation.report.estimates import NORMAL, derive, error_of, gather, mean, nearest
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = [
-    "at_zero_step",
-    "budgets_of",
-    "exponents",
-    "of_probe",
-    "power_at_zero_step",
-    "two_grid_limit",
-    "with_diffusion_terms",
-]
 
 #: d ln A / d ln V of the theory from which on the contact is not full.
 TOUCHED = -0.05
@@ -85,8 +73,6 @@ def budgets_of(
     Limits over the grids stand in the place of the areas on each: ``area_each``, and ``area_negative_each`` with the
     negative ring.
     """
-    import xarray as xr
-
     measured = {place: kept_of(one) for place, one in solved(bench, cases).items()}
     data = gather(measured, **dims)
     finest = [next(case for place, case in cases.items() if place[-1] == n) for n in dims["grid"]]
@@ -181,8 +167,6 @@ def _ends(data: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.DataArray]:
 
 def _by_octave(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
     """Sum over the rings of each octave."""
-    import xarray as xr
-
     began = data.magnification.values[:-1] * (1 + 1e-9)
     octave = np.searchsorted(data.octave_start.values, began) - 1
     parts = [
@@ -267,8 +251,6 @@ def _with_restarts(data: xr.Dataset) -> xr.Dataset:
     ``area_ratio_diffused_each`` that over Persson's; ``loss_ratio_each`` how much faster it loses area than the truth,
     ln against ln, over half an octave.
     """
-    import xarray as xr
-
     zeta, area = data.magnification.values, data.area_each
     ratios, faster = [], []
     for row, began in enumerate(data.octave_start.values):
@@ -317,8 +299,6 @@ def _with_memory(data: xr.Dataset) -> xr.Dataset:
 
 def exponents(values: xr.DataArray, steps: xr.DataArray) -> xr.DataArray:
     """Exponent of a step between neighbouring ones, and over all of them (last): (..., pair)."""
-    import xarray as xr
-
     along = str(steps.dims[0])
     logarithm, x = _log(values.where(values > 0)), np.log(steps.values)
     pairs = [*itertools.pairwise(range(x.size)), (0, x.size - 1)]
@@ -332,8 +312,6 @@ def exponents(values: xr.DataArray, steps: xr.DataArray) -> xr.DataArray:
 
 def at_zero_step(values: xr.DataArray, steps: xr.DataArray) -> xr.DataArray:
     """Value at a vanishing step by a straight line in its root through all steps."""
-    import xarray as xr
-
     along = str(steps.dims[0])
     design = np.stack([np.ones(steps.size), np.sqrt(steps.values)], axis=1)
     weights = xr.DataArray(np.linalg.pinv(design)[0], dims=along)
@@ -345,8 +323,6 @@ def power_at_zero_step(powers: xr.DataArray, steps: xr.DataArray) -> xr.DataArra
 
     c sqrt(dV) (1 + a sqrt(dV)) has 1/2 + a sqrt(dV)/2.
     """
-    import xarray as xr
-
     if steps.size == 2:
         return powers.isel(step_pair=0)
     middles = xr.DataArray(np.sqrt(steps.values[1:] * steps.values[:-1]), dims="step_pair")
@@ -428,8 +404,6 @@ def _with_slopes(data: xr.Dataset) -> xr.Dataset:
 
 def _with_shares(data: xr.Dataset) -> xr.Dataset:
     """Add the area over Persson's where his own has given values, along zeta; NaN where it never has."""
-    import xarray as xr
-
     # His area falls along zeta.
     own, ratio = (data[name].isel(level=slice(None, None, -1)) for name in ("area_persson", "area_ratio"))
     found = xr.apply_ufunc(

@@ -11,16 +11,6 @@ from fem_contact.patches import find_patches
 from validation.arrays import Array
 from validation.scenes.problem import ContactProblem
 
-__all__ = [
-    "PATCH_EDGES",
-    "STRESS_EDGES",
-    "Distance",
-    "distance_to_reference",
-    "histograms_of",
-    "largest_difference",
-    "weighted_percentile",
-]
-
 #: Of surfaces, for the intervals of distances.
 _RESAMPLES = 1000
 

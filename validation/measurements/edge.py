@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import scipy.ndimage
+import xarray as xr
 
 from fem_contact.area import contact_areas
 from fem_contact.contact import ContactResult
@@ -23,18 +24,6 @@ from validation.report.estimates import gather
 from validation.scenes.problem import ContactProblem
 from validation.solvers import find_solver
 from validation.solvers.base import Job, Settings
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = [
-    "edge_limits",
-    "edge_of_contact",
-    "inverse_square_coefficient",
-    "slopes_of",
-    "start_of_pressure",
-    "window_slope",
-]
 
 Place = TypeVar("Place")
 
@@ -68,15 +57,11 @@ def edge_of_contact(
 
     Parameters
     ----------
-    problem : ContactProblem
-    grid : tuple of int
     method : str
         Name of a solver.
     settings : tuple of (str, value)
         What it is told.
     """
-    import xarray as xr
-
     unit, solver = problem.pressure_scale, find_solver(method)
     job = Job(
         field=problem.heights(grid),
@@ -138,7 +123,6 @@ def slopes_of(
 
     Parameters
     ----------
-    bench : Bench
     surfaces : mapping
         Surface, solid and load by place.
     points_per_wave : sequence of float
@@ -153,8 +137,6 @@ def slopes_of(
         ``pressure_slope_each`` in units of (E* h'_rms)^-2, by a polynomial of at most second degree in dx^(1/2), and its
         drift.
     """
-    import xarray as xr
-
     cases = {
         (place, n): edge_of_contact(problem=surface, grid=grid_for(surface, n))
         for place, surface in surfaces.items()
@@ -203,14 +185,11 @@ def start_of_pressure(
 
     Parameters
     ----------
-    measured : xarray.Dataset
     spacing : float
         dx / lambda_short.
     window, slope_window : float
         Ends of the windows of the density and of its mean slope, in units of E* h'_rms sqrt(dx/lambda_short).
     """
-    import xarray as xr
-
     upper = np.concatenate([[0], measured.upper.values])
     share = np.concatenate([[0], np.cumsum(measured.density.values) * float(np.diff(measured.upper[:2])[0])])
     ends = np.array([window, slope_window]) * np.sqrt(spacing)
@@ -258,7 +237,6 @@ def edge_limits(data: xr.Dataset) -> xr.Dataset:
 
 def _at_zero(values: xr.DataArray, x: xr.DataArray, *, degree: int) -> xr.DataArray:
     """Value at x = 0 by a polynomial over the grids, of at most two coefficients less than these."""
-    import xarray as xr
 
     def fit(y: Array, at: Array) -> float:
         most = min(degree, at.size - 2) if at.size > 2 else 1

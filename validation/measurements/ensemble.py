@@ -7,10 +7,11 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import scipy.special
+import xarray as xr
 
 from validation.arrays import Array, Grid
 from validation.errors import NoLimit
@@ -24,11 +25,6 @@ from validation.measurements.pairs import Areas, area_pairs
 from validation.measurements.statistics import Estimate, pair_means
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import EffectSpec
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["QUANTITIES", "Chained", "MeanArea", "Samples", "Watch", "mean_area"]
 
 #: Pairs of a first look, by the grid they end with, which then grow by blocks of the same size; and how often the
 #: numbers are chosen anew from what was found.
@@ -250,7 +246,6 @@ def mean_area(
         Surface, solid and one load; each surface meets it as it is said, p* of its own gradient or one pressure for all.
     half_width : float
         Half of the 95 % interval that is asked for, relative to the mean: surfaces, grids and solver.
-    bench : Bench
     grids : sequence of (int, int)
         Two or three, ascending; of 3, 6 and 12 points per shortest wave if not given.
     effects : sequence

@@ -7,10 +7,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
+from fem_contact import HalfSpace, bem
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
@@ -24,11 +26,6 @@ from validation.scenes.problem import ContactProblem
 from validation.solvers import chosen_solver, methods
 from validation.solvers.base import Claim, Job
 from validation.solvers.external import ExternalSolver, judged
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["OWN", "by_peer", "code_words", "installed_peers", "known_peers", "own_pressure"]
 
 #: Part of its grid error that a solver may leave in its area: equal error, not equal residual.
 _SOLVER_SHARE = 0.1
@@ -77,8 +74,6 @@ def own_pressure(
     tolerance: float,
 ) -> Array:
     """Solve with the boundary elements of this project, called as another code is."""
-    from fem_contact import HalfSpace, bem
-
     half_space = HalfSpace(solid=Solid(young=contact_modulus, poisson=0.0))
     surface = HeightField(heights=heights, lengths=lengths)
     told: dict[str, Any] = {"mean_pressure": mean_pressure, "tolerance": tolerance}
@@ -104,8 +99,6 @@ def by_peer(*, code: str, problem: ContactProblem, grid: Grid) -> xr.Dataset:
     ----------
     code : str
         Name of its package.
-    problem : ContactProblem
-    grid : tuple of int
 
     Returns
     -------
@@ -113,10 +106,6 @@ def by_peer(*, code: str, problem: ContactProblem, grid: Grid) -> xr.Dataset:
         Its areas, seconds of one thread, growth of its memory, and the tolerance it needed. The areas are read off its
         pressures by the code that reads ours, the located one among them.
     """
-    import xarray as xr
-
-    from fem_contact import HalfSpace, bem
-
     field, half_space = problem.heights(grid), HalfSpace(solid=problem.elastic)
     own = bem.solve(field, half_space, mean_pressure=problem.pressure, threads=1)
     ours = contact_areas(own.checked())

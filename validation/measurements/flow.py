@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
+import xarray as xr
 
+from fem_contact import bem
 from fem_contact.area import contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.leak import critical_gap, flow_conductance, open_gap, percolates
+from fem_contact.response import HalfSpace
 from fem_contact.stress import gap_distribution
 from persson.gaps import gap_distribution as theory_of_gaps
 from persson.leakage import effective_medium
@@ -18,21 +21,6 @@ from validation.arrays import Array, Grid
 from validation.execution.measurement import measurement
 from validation.measurements.theory import WITH_ENERGY, Waves
 from validation.scenes.problem import ContactProblem
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = [
-    "GAP_EDGES",
-    "GAP_THEORIES",
-    "NARROW",
-    "contact_is_apart",
-    "flow_of",
-    "gap_is_open",
-    "leaks",
-    "located_area",
-    "stiffness_of",
-]
 
 #: Edges over which gaps are counted, as u/h_rms: finer towards zero, where P(u) rises; one of them is 0.1.
 GAP_EDGES = 0.1 * (np.arange(39) / 6) ** 2
@@ -56,8 +44,6 @@ def stiffness_of(measured: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
         ``stiffness_each`` K h_rms / p0 with its step from the grid before; ``gap_each``, ``area_perimeter_each``; by
         every variant of the theory that stores an energy, told the surface, -h_rms / (d gap / d ln p0).
     """
-    import xarray as xr
-
     shifted = measured.drop_vars(["points", "cells", "points_per_wave"], errors="ignore").mean("shift")
     fine, before = (shifted.isel(grid=k) for k in (-1, -2))
     loads, height = measured.reduced_pressure.values, problem.field.rms_height
@@ -93,7 +79,6 @@ def leaks(*, problem: ContactProblem, grid: Grid, areas: tuple[float, ...]) -> x
     ----------
     problem : ContactProblem
         Surface and solid; the load is sought.
-    grid : tuple of int
     areas : tuple of float
         A/A0, located inside the cells.
 
@@ -102,8 +87,6 @@ def leaks(*, problem: ContactProblem, grid: Grid, areas: tuple[float, ...]) -> x
     xarray.Dataset
         What leaks there and how wide the gaps are, over (area, axis) and (area, gap_bin); thresholds (axis).
     """
-    import xarray as xr
-
     path = _Path(problem, grid)
     states = [path.at_area(area) for area in areas]
     flows = [[_flow(state, axis) for axis in ("x", "y")] for state in states]
@@ -137,8 +120,6 @@ def flow_of(measured: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
         Over (asked): conductance, Bruggeman's and that of the narrowest place, all over the cube of the mean gap; share
         of axes that are closed; P(u) h_rms and the share of narrow gaps. Over (phase, axis) and (phase): thresholds.
     """
-    import xarray as xr
-
     found = measured.rename(area="asked").rename(asked="area_asked").swap_dims(area_asked="asked")
     narrowest = found.constriction**3 / 12
     along = {
@@ -192,9 +173,6 @@ class _Path:
 
     def state(self, reduced: float) -> ContactResult:
         """Solve at p*, from the nearest load that is known."""
-        from fem_contact import bem
-        from fem_contact.response import HalfSpace
-
         near = min(self.known, key=lambda other: abs(np.log(other / reduced)), default=None)
         start = None if near is None else self.known[near].pressure
         if reduced not in self.known:

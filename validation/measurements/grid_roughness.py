@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
+from fem_contact import bem
 from fem_contact.area import contact_areas
+from fem_contact.response import HalfSpace
 from fem_contact.surface import HeightField, random_surface
 from validation.arrays import Grid
 from validation.execution.measurement import measurement
@@ -14,11 +17,6 @@ from validation.measurements.common import reduced_load
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["grid_roughness", "rms_slopes"]
 
 
 def _recipe(made: dict[str, Any]) -> dict[str, Any]:
@@ -39,11 +37,6 @@ def grid_roughness(*, problem: ContactProblem, grid: Grid) -> xr.Dataset:
     The surface gives H, lambda_long, period and seed; its lambda_short is replaced by two spacings. The reduced
     pressure is that of the spectral slope. Returns kappa for the three slopes.
     """
-    import xarray as xr
-
-    from fem_contact import bem
-    from fem_contact.response import HalfSpace
-
     surface, modulus = problem.surface, problem.contact_modulus
     assert isinstance(surface, SelfAffineSurface)
     # The Nyquist wave itself has no phase on the grid: stop one wave short of it.

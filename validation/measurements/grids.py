@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import scipy.special
+import xarray as xr
 
 from fem_contact.area import ContactAreas
 from fem_contact.extrapolation import limit_area
@@ -18,11 +19,6 @@ from validation.measurements.measurement import limit_over, stored_areas
 from validation.measurements.statistics import order_of_convergence
 from validation.report.estimates import NORMAL, change, claim, derive, error_of, gather, mean
 from validation.scenes.problem import ContactProblem
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["SMALL", "observed_order", "on_grids", "protocol", "with_blocks", "with_distances", "with_methods"]
 
 #: Stress, over E* h'_rms, that is small; distance from the limit that is close.
 SMALL, _CLOSE = 0.2, 0.05
@@ -126,8 +122,6 @@ _AVERAGED += ("residual", "seconds", "edge_fraction")
 
 def _block_limit(blocks: Mapping[float, xr.Dataset], element: str) -> xr.Dataset:
     """Reduce the blocks of one surface, by points per wave: areas over (fem_grid), and their limit with its interval."""
-    import xarray as xr
-
     from fem_contact.block import ELEMENTS
 
     constant = ELEMENTS[element].edge_constant
@@ -229,8 +223,6 @@ def with_methods(
     first : ContactProblem
         Any of the surfaces.
     """
-    import xarray as xr
-
     surfaces, cases = range(data.sizes["surface"]), [(m, g) for m in grids for g in range(len(grids[m]))]
     names = {
         "pixel": "area_other_pixel",
@@ -265,8 +257,6 @@ def with_methods(
 
 def _method_limit(answers: Sequence[xr.Dataset], grids: Sequence[Grid]) -> xr.Dataset:
     """Limit of one surface over the grids of a method, with its interval; NaN where they are too few."""
-    import xarray as xr
-
     areas = [
         stored_areas(answer, grid=grid, edge_constant=float(answer.edge_constant))
         for answer, grid in zip(answers, grids, strict=True)
@@ -312,8 +302,6 @@ def observed_order(
 
     Its 95 % interval is that of the jackknife over the surfaces. NaN where a value is.
     """
-    import xarray as xr
-
     rows = data[f"{name}_each"].transpose(over, along).values
     spacing, count = 1 / data[x].values, rows.shape[0]
 

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+import xarray as xr
 from scipy.special import ndtr
 
+from fem_contact import bem
+from fem_contact.response import HalfSpace
 from validation.arrays import Grid
 from validation.execution.measurement import measurement
 from validation.measurements.flow import located_area
 from validation.scenes.problem import ContactProblem
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["HEIGHT_EDGES", "height_statistics"]
 
 #: Edges of the bins of h/h_rms.
 HEIGHT_EDGES = np.linspace(-4.0, 4.0, 65)
@@ -40,15 +36,9 @@ def height_statistics(
     ----------
     problem : ContactProblem
         Surface and solid.
-    grid : tuple of int
     pressures : tuple of float
         p0 [Pa], rising; none for the heights alone.
     """
-    import xarray as xr
-
-    from fem_contact import bem
-    from fem_contact.response import HalfSpace
-
     field, start, areas = problem.heights(grid), None, []
     half_space = HalfSpace(solid=problem.elastic)
     for pressure in pressures:

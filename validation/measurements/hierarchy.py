@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
+from fem_contact import bem
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from fem_contact.response import HalfSpace
 from fem_contact.surface import HeightField
@@ -16,11 +17,6 @@ from validation.arrays import Array
 from validation.execution.measurement import measurement
 from validation.measurements.common import BASE_SOLID
 from validation.measurements.flow import located_area
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["archard_of", "bumps", "press_bumps", "radii_of"]
 
 #: Amplitude of the largest wave over the period: it scales out.
 _SLOPE = 0.01
@@ -58,10 +54,6 @@ def press_bumps(
     points : int
         Along a side.
     """
-    import xarray as xr
-
-    from fem_contact import bem
-
     field, start, areas = bumps(waves, heights, places, points=points), None, []
     half_space = HalfSpace(solid=BASE_SOLID.elastic)
     for load in loads:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
 
 from fem_contact.area import contact_areas
+from fem_contact.contact import ContactResult
 from validation.arrays import Grid
 from validation.errors import UsageError
 from validation.execution.bench import Bench
@@ -18,25 +21,6 @@ from validation.measurements.common import LEAST_POINTS_PER_WAVE
 from validation.measurements.measurement import area_limits, has_square_cells, limit_over
 from validation.report.estimates import NORMAL, error_of, evaluated
 from validation.scenes.problem import ContactProblem
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from numpy.typing import NDArray
-
-    from fem_contact.contact import ContactResult
-
-__all__ = [
-    "ABSENT",
-    "grid_drift",
-    "kept_of",
-    "limit_of",
-    "limits_of",
-    "read_off",
-    "resolved_grids",
-    "solved",
-    "solver_error",
-    "straight_limit",
-]
 
 Case = TypeVar("Case")
 
@@ -49,8 +33,6 @@ def solved(bench: Bench, cases: Mapping[Case, Solve]) -> dict[Case, xr.Dataset]:
 
 def read_off(one: xr.Dataset, **expressions: str) -> xr.Dataset:
     """Return what is taken of a solve: variables by expressions of what it keeps, as attributes or variables."""
-    import xarray as xr
-
     said = {n: xr.DataArray(v) for n, v in one.attrs.items() if isinstance(v, int | float)}
     kept = {**said, **{str(n): one[n] for n in one.variables}}
     data = xr.Dataset(attrs={name: one.attrs[name] for name in ("solve",) if name in one.attrs})
@@ -70,7 +52,6 @@ def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
 
     Parameters
     ----------
-    measured : xarray.Dataset
     drift : bool
         Whether the limit without the coarsest grid is taken, too: the order of a fit is a systematic error.
 
@@ -80,8 +61,6 @@ def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
         ``area_each`` with its error and drift, ``area_pixel_each`` (grid, load) and ``area_perimeter_each`` on the
         finest grid, means over the shifts; p* is a coordinate.
     """
-    import xarray as xr
-
     value, error = area_limits(measured)
     plain = measured.drop_vars(["points", "cells"], errors="ignore")
     limit = xr.DataArray(value, dims="load", coords={"reduced_pressure": plain.reduced_pressure})
@@ -132,8 +111,6 @@ def limit_of(solved: Mapping[Press, ContactResult]) -> xr.Dataset:
 
     Edges are located inside the cells where their law is known: without effects, on square cells.
     """
-    import xarray as xr
-
     areas = [
         contact_areas(result, subcell=not solve.effects and has_square_cells(solve.problem, solve.grid))
         for solve, result in solved.items()
@@ -182,7 +159,6 @@ def straight_limit(
     ----------
     data : xarray.Dataset
         Over (grid), coarse first.
-    names : str
     of : str
         What tells the values on each grid apart.
     x : str

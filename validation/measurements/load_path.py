@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from validation.measurements.distributions import (
     PATCH_EDGES,
@@ -14,11 +15,6 @@ from validation.measurements.distributions import (
 )
 from validation.measurements.limits import ABSENT, limits_of
 from validation.report.estimates import NORMAL, error_of
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["SHARES", "moved_shares", "pooled_shares", "reduced_path", "second_order_limit"]
 
 #: Of the errors of energy and gap in the spacing, measured: 2 to 3; the smaller leaves more to the uncertainty.
 _ORDER = 2
@@ -65,7 +61,6 @@ def reduced_path(measured: xr.Dataset, *, shortest: float) -> xr.Dataset:
 
     Parameters
     ----------
-    measured : xarray.Dataset
     shortest : float
         lambda_short [m].
 

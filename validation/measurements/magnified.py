@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
+from fem_contact import bem
 from fem_contact.contact import ContactResult
 from fem_contact.patches import find_patches
+from fem_contact.response import HalfSpace
 from validation.arrays import Array, Grid
 from validation.execution.measurement import measurement
 from validation.measurements.flow import contact_is_apart, gap_is_open, located_area
 from validation.measurements.measurement import without_waves_beyond
 from validation.report.estimates import claim, derive, mean
 from validation.scenes.problem import ContactProblem
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["at_magnification", "magnified", "sharpest_bend", "with_macroasperities"]
 
 #: What is read off every state.
 _READ = ("area", "patch_density", "relative_patch_size", "largest_patch", "area_inside", "load_inside")
@@ -54,7 +52,6 @@ def magnified(
     ----------
     problem : ContactProblem
         Surface and solid; its longest wave is that of zeta = 1.
-    grid : tuple of int
     reduced_pressures : tuple of float
         p* with the gradient of all waves.
     magnifications : tuple of float
@@ -67,8 +64,6 @@ def magnified(
     xarray.Dataset
         Over (load, magnification); thresholds over (percolating, axis, phase).
     """
-    import xarray as xr
-
     values = {name: np.empty((len(reduced_pressures), len(magnifications))) for name in _READ}
     for j, load in enumerate(reduced_pressures):
         states = _States(problem, grid, load)
@@ -113,9 +108,6 @@ class _States:
 
     def at(self, zeta: float) -> ContactResult:
         """Solve with the waves up to q = zeta q_long, from the nearest state that is known."""
-        from fem_contact import bem
-        from fem_contact.response import HalfSpace
-
         if zeta not in self.known:
             near = min(self.known, key=lambda other: abs(np.log(other / zeta)), default=None)
             problem = self.problem
@@ -192,8 +184,6 @@ def with_macroasperities(data: xr.Dataset, *, theory: Sequence[float], same: flo
     same : float
         Relative change of the pressure, against the lightest load that has one, that counts as none.
     """
-    import xarray as xr
-
     along = [["magnification"], ["magnification"]]
     # That of the simulation is of the mean over the surfaces: the bend of a single one is noise.
     bend = xr.apply_ufunc(

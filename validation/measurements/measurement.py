@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from fem_contact import bem
 from fem_contact.area import EDGE_CONSTANTS, TRAITS, ContactAreas, contact_areas, subgrid_shifts
 from fem_contact.conductance import frozen_contact
 from fem_contact.contact import ContactResult
 from fem_contact.extrapolation import Limit, located_limit, perimeter_limit
 from fem_contact.patches import find_patches
+from fem_contact.response import HalfSpace
 from fem_contact.stress import density_at_zero, elastic_energy, window_slope
-from fem_contact.surface import HeightField
+from fem_contact.surface import HeightField, random_surface
 from validation.arrays import Array, Grid
 from validation.effects.base import ContactModel
 from validation.execution.cost import dearer_by
@@ -31,22 +33,6 @@ from validation.solvers.base import Job
 
 if TYPE_CHECKING:
     import xarray as xr
-
-__all__ = [
-    "TOLERANCE",
-    "TOLERANCES_LEFT",
-    "area_limits",
-    "areas_of",
-    "grid_for",
-    "grid_tolerance",
-    "has_square_cells",
-    "limit_over",
-    "press_on_grids",
-    "pressed_path",
-    "stored_areas",
-    "truncated_heights",
-    "without_waves_beyond",
-]
 
 #: How far the sides of a cell may differ for edges to be located inside it.
 _SQUARE = 0.05
@@ -176,7 +162,6 @@ def press_on_grids(
     ----------
     problem : ContactProblem
         Surface, solid and load.
-    grids : tuple of (int, int)
     reduced_pressures : tuple of float
         A path of ascending loads instead of the one of `realised`: p* = p0 / (E* h'_rms), with the realised gradient
         of the whole, untruncated surface.
@@ -186,7 +171,6 @@ def press_on_grids(
         Drop waves beyond this wavevector [1/m]: roughness up to a magnification.
     shifts : int
         Sub-grid shifts along each axis.
-    tolerance : float
     keep : tuple of str
         What else is read off: ``distributions``, histograms of P(sigma) and patch sizes; ``stiffness`` of the frozen
         contact; ``slope`` of P(sigma) at zero.
@@ -271,9 +255,6 @@ def pressed_path(
     effects: tuple[EffectSpec, ...] = (),
 ) -> Iterator[ContactResult]:
     """Solve the loads of one grid in order, each from the one before; only one result is held at a time."""
-    from fem_contact import bem
-    from fem_contact.response import HalfSpace
-
     response, start = HalfSpace(solid=problem.elastic), None
     for reduced in loads:
         pressure = reduced * problem.pressure_scale
@@ -302,8 +283,6 @@ def truncated_heights(
     truncation: float | None = None,
 ) -> HeightField:
     """Return the heights of a surface on a grid, without its waves beyond a wavevector [1/m]."""
-    from fem_contact.surface import random_surface
-
     if truncation is None:
         return problem.heights(grid, shift)
     surface = problem.surface
@@ -356,8 +335,6 @@ def _read_off(result: ContactResult, *, located: bool) -> dict[str, float]:
 
 def _stiffness(result: ContactResult, problem: ContactProblem, *, tolerance: float) -> float:
     """K h_rms / p0 of the frozen contact; endless for a half-space in full contact."""
-    from fem_contact.response import HalfSpace
-
     if result.in_contact.all():
         return math.inf
     frozen = frozen_contact(result, HalfSpace(solid=problem.elastic), tolerance=tolerance, threads=1)
@@ -411,7 +388,6 @@ def stored_areas(
     ----------
     numbers : mapping
         ``pixel``, ``perimeter``, ``edge_fraction``; ``subcell`` and `fem_contact.area.TRAITS` where they were measured.
-    grid : (int, int)
     lengths : (float, float)
         Periods [m], or in any unit.
     edge_constant : float

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from fem_contact.area import TRAITS, ContactAreas, contact_areas
 from fem_contact.extrapolation import Limit
@@ -18,11 +19,6 @@ from validation.measurements.control_variates import statistics_of_pair
 from validation.measurements.measurement import has_square_cells, limit_over, stored_areas
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import EffectSpec
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Areas", "area_pairs"]
 
 #: What is read off every solve; the located area is NaN where edges cannot be located.
 _READ = ("pixel", "perimeter", "subcell", "edge_fraction", "seconds", "peak_bytes", *TRAITS)
@@ -81,7 +77,6 @@ def area_pairs(
     ----------
     problem : ContactProblem
         Surface, solid and one load.
-    grids : tuple of (int, int)
     first, count : int
         Realisations. Each meets the load as a scene says it: p* of its own gradient, or one pressure for all.
     tolerance : float
@@ -94,7 +89,6 @@ def area_pairs(
     xarray.Dataset
         What is read off (quantity, pair, sign, grid), and on a single grid the statistics of each pair.
     """
-    import xarray as xr
 
     def read_off(grid: Grid, surface: ContactProblem) -> tuple[float, ...]:
         began = time.process_time()

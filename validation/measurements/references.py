@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
+
+import xarray as xr
 
 from validation.report.estimates import derive, total_error
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["PUBLISHED", "Published", "beside_published", "ladders_beside_published", "papers_of", "published"]
 
 
 class Published(NamedTuple):
@@ -57,8 +54,6 @@ def published(quantity: str) -> xr.Dataset:
     >>> published("kappa").kappa_published_high.values.tolist()
     [[2.2, 2.2], [1.8, 1.8]]
     """
-    import xarray as xr
-
     of = [one for one in PUBLISHED if one.quantity == quantity]
     dims = (f"paper_{quantity}", "end")
     return xr.Dataset(

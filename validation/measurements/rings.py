@@ -5,11 +5,14 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
+from fem_contact import bem
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
+from fem_contact.contact import ContactResult
 from fem_contact.response import HalfSpace
 from fem_contact.surface import HeightField
 from validation.arrays import Array
@@ -19,13 +22,6 @@ from validation.measurements.common import reduced_load
 from validation.scenes import surfaces
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import SelfAffineSurface
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from fem_contact.contact import ContactResult
-
-__all__ = ["AREAS", "RING", "chain", "chain_states", "even_points", "probe", "ring_ends"]
 
 #: What limits of the area are made of, as `validation.measurements.measurement` has them.
 AREAS = ("pixel", "perimeter", "edge_fraction", "subcell")
@@ -58,8 +54,6 @@ def _dataset(
     sums : sequence
         Of each step, means over both signs.
     """
-    import xarray as xr
-
     table = np.array(areas)
     made = dict(data) | {name: (("sign", "level"), table[:, :, k].T) for k, name in enumerate(AREAS)}
     for name in sums[0]:
@@ -132,8 +126,6 @@ class Rings:
 
     def press(self, heights: Array, *, load: float, start: Array | None = None) -> ContactResult:
         """Press these heights [m] at a nominal pressure [Pa], from a pressure field that is near."""
-        from fem_contact import bem
-
         return bem.solve(
             HeightField(heights=heights, lengths=self.problem.lengths),
             HalfSpace(solid=self.problem.elastic),

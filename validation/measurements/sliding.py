@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from fem_contact.sliding import SlidingContact, slide
 from fem_contact.viscoelastic import PronySolid, TabulatedSolid
@@ -15,11 +16,6 @@ from validation.execution.measurement import Call, measurement
 from validation.measurements.flow import located_area
 from validation.measurements.theory import VARIANTS
 from validation.scenes.problem import ContactProblem
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["SHARES", "Rubber", "slid_of", "slides"]
 
 Rubber = PronySolid | TabulatedSolid
 
@@ -49,18 +45,14 @@ def slides(
     ----------
     problem : ContactProblem
         Surface and load; its solid is the relaxed one.
-    rubber : PronySolid or TabulatedSolid
     velocities : tuple of float
         v [m/s] along x.
-    grids : tuple of (int, int)
 
     Returns
     -------
     xarray.Dataset
         `QUANTITIES` over (grid, velocity).
     """
-    import xarray as xr
-
     values = {name: np.empty((len(grids), len(velocities))) for name in QUANTITIES}
     for i, grid in enumerate(grids):
         heights, start = problem.heights(grid), None
@@ -98,8 +90,6 @@ def slid_of(measured: xr.Dataset, solve: Call) -> xr.Dataset:
         its step from the grid before; ``_grid_each`` over (grid, velocity); friction by the shares of the full energy and
         area by the variants of the theory, told the realised waves.
     """
-    import xarray as xr
-
     on_grids = {"friction": "friction", "friction_dissipated": "dissipation", "area": "area"}
     fine, before = (measured.isel(grid=k) for k in (-1, -2))
     numbers: dict[str, Any] = {f"{name}_grid_each": measured[of] for name, of in on_grids.items()}

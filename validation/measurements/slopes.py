@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import xarray as xr
 
 from fem_contact.errors import NotConverged
 from validation.arrays import Array, Grid
@@ -16,11 +17,7 @@ from validation.report.estimates import claim, derive, mean, total_error
 from validation.scenes.problem import ContactProblem
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from fem_contact.block import FiniteStrain
-
-__all__ = ["CHANGES", "changes_of", "first_crossing", "steepened", "with_differences"]
 
 #: What is measured of every slope.
 _NAMES = {
@@ -48,8 +45,6 @@ def steepened(
 
     Parameters
     ----------
-    problem : ContactProblem
-    grid : tuple of int
     slopes : tuple of float
         h'_rms to which the heights are scaled, rising.
     depth : float
@@ -62,7 +57,6 @@ def steepened(
     xarray.Dataset
         Areas and the mean square pressure by slope; NaN, with the reason, where Newton's method ends.
     """
-    import xarray as xr
     from threadpoolctl import threadpool_limits
 
     from fem_contact import block
@@ -133,12 +127,9 @@ def with_differences(data: xr.Dataset, *, differences: Sequence[float], straight
     data : xarray.Dataset
         ``x_grid_each`` of `CHANGES` over (..., surface, grid, slope), with the coordinate ``rms_gradient`` (slope). The
         step from the grid before is the error of the grid.
-    differences : sequence of float
     straight : float
         Slope up to which changes go with it: ``x_rate`` is that of a line through 0.
     """
-    import xarray as xr
-
     slopes = data.rms_gradient
     small = {"slope": np.flatnonzero(slopes.values <= straight)}
     data = data.assign_coords(difference=list(differences))

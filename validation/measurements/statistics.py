@@ -7,8 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Estimate", "order_of_convergence", "pair_means"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate:

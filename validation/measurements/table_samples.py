@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from validation.arrays import Array
@@ -21,19 +22,6 @@ from validation.report.estimates import LIMIT, claim, error_of
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = [
-    "BY_SPECTRUM",
-    "LoadedSamples",
-    "SampledSpectrum",
-    "at_loads",
-    "controlled_means",
-    "joined",
-    "with_size",
-]
 
 #: A quantity beside those of `Samples`: the area at p* = p0 / (E* h'_rms) with the gradient of C(q).
 BY_SPECTRUM = "area_by_spectrum"
@@ -96,8 +84,6 @@ def controlled_means(samples: LoadedSamples, *, tolerance: float) -> xr.Dataset:
     ``saving`` is the time of plain means of the same interval over the time spent; ``area_by_spectrum_reading`` what the
     interpolation to these loads leaves, a part of the grids' error.
     """
-    import xarray as xr
-
     at = {"reduced_pressure": samples.loads}
     data = xr.Dataset(coords=at)
     reading = xr.DataArray(samples.reading_errors(), dims="reduced_pressure", coords=at)
@@ -209,8 +195,6 @@ def joined(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     UsageError
         For parts that were not made alike.
     """
-    import xarray as xr
-
     for name in ("study", "periods", "tolerance"):
         found = sorted({str(part.attrs.get(name)) for part in parts})
         if len(found) != 1:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from fem_contact.surface import HeightField
@@ -16,21 +16,6 @@ from persson.variants import EnergyReading, Variant, corrected_contact_area, ene
 from validation.arrays import Array
 from validation.report.findings import Finding, finding, note
 from validation.report.quantities import registry
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = [
-    "RANKED",
-    "VARIANTS",
-    "WITH_ENERGY",
-    "Waves",
-    "ensemble_area",
-    "ensemble_stress_variance",
-    "modes_finding",
-    "with_ensemble",
-    "with_variants",
-]
 
 #: The theory and its variants, and how the registry calls them.
 VARIANTS: dict[Variant, str] = {

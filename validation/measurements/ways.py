@@ -13,8 +13,6 @@ import xarray as xr
 from validation.measurements.measurement import area_limits
 from validation.report.estimates import error_of
 
-__all__ = ["AREAS", "chosen_ways", "covered", "pareto_front", "way", "ways_of_bem"]
-
 #: Definitions of the area.
 AREAS = ("pixel", "perimeter", "subcell")
 #: Accuracies to which the cheapest way is named.

@@ -14,8 +14,6 @@ from persson.tabulated import smoothed
 from validation.arrays import Array
 from validation.scenes.problem import ContactProblem
 
-__all__ = ["kept_by_theory", "kept_waves", "yielded_by_theory"]
-
 
 def yielded_by_theory(problem: ContactProblem, hardness: float) -> tuple[float, float]:
     """A_pl/A0 and A_el/A0 for a constant hardness [Pa], with the gradient of this very surface."""

@@ -14,20 +14,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-__all__ = [
-    "Application",
-    "Claim",
-    "ClaimRow",
-    "Convention",
-    "Stated",
-    "Unjudged",
-    "claim",
-    "digit",
-    "factor",
-    "judge",
-    "percent",
-]
-
 
 class Stated(NamedTuple):
     """A number that the paper states, the range that counts as the same, and on what grounds."""

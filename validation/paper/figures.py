@@ -24,8 +24,6 @@ from validation.report.marks import Figure, Line, Panel
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["FIGURES", "PaperFigure"]
-
 #: Curves by label, each with the values of its quantities.
 Curves = Mapping[str, Mapping[str, Any]]
 

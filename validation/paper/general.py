@@ -21,8 +21,6 @@ from persson.tensile import adhesion_load
 from persson.viscoelastic import StandardSolid, crack_dissipation
 from validation.paper.claims import Application, Stated, claim, digit, factor, percent
 
-__all__ = ["GENERAL", "cut_gaussian_ratio"]
-
 
 def _kappa(asymptote: float, reduced: float = 1e-6) -> float:
     variance = elastic.stress_variance(0.01, contact_modulus=1e9)

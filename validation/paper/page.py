@@ -21,8 +21,6 @@ from validation.report.views import Card, Views
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["paper_dataset", "paper_page"]
-
 _PAPER = "B. N. J. Persson, Contact mechanics for randomly rough surfaces, Surf. Sci. Rep. 61, 201 (2006)."
 _COUNTED = {
     "claims_literal": "reproduced",

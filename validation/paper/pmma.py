@@ -13,8 +13,6 @@ from persson.sliding import adhesional_pressure, local_shear_stress, slip_energy
 from validation.paper import systems as s
 from validation.paper.claims import Application, Convention, Stated, claim, digit, factor, percent
 
-__all__ = ["PMMA", "pmma_area", "rough_pmma"]
-
 #: meV per square angstrom in J/m^2.
 _MEV = 1e-3 * 1.602176634e-19 / 1e-20
 

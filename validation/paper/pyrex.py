@@ -24,8 +24,6 @@ from validation.paper import systems as s
 from validation.paper.claims import Application, Convention, Stated, claim, factor, percent
 from validation.paper.rim import EnergyName
 
-__all__ = ["PYREX", "Pyrex", "smoothed_pyrex"]
-
 #: Radius of the sphere [m] and the force of the text [N].
 _RADIUS, _FORCE = 1.8e-3, 0.06**3
 

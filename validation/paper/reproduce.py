@@ -15,8 +15,6 @@ from validation.paper.page import paper_dataset, paper_page
 from validation.paper.table import APPLICATIONS
 from validation.report.page import Page, write_page
 
-__all__ = ["KIND", "report", "run"]
-
 KIND = "paper"
 
 

@@ -17,8 +17,6 @@ from persson.spectrum import area_factor
 from validation.paper import systems as s
 from validation.paper.claims import Application, Convention, Stated, claim, digit, factor, percent
 
-__all__ = ["RIM", "EnergyName", "Rim"]
-
 EnergyName = Literal["improved", "old", "as_printed"]
 AreaName = Literal["star", "projected"]
 

@@ -11,8 +11,6 @@ from persson.separation import macroasperity_magnification, macroasperity_pressu
 from validation.paper import systems as s
 from validation.paper.claims import Application, Stated, claim, percent
 
-__all__ = ["STEEL"]
-
 _ROLL_OFF = "a smooth roll-off at q_0 = 1e5 1/m, q_1 = 1e10 1/m"
 
 

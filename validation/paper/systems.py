@@ -12,25 +12,6 @@ from persson.capillary import CapillaryWaves
 from persson.scale import Scale
 from persson.spectrum import SelfAffine, Spectrum
 
-__all__ = [
-    "PMMA_MODULUS",
-    "PMMA_WORK",
-    "PYREX_HARDNESS",
-    "PYREX_MODULUS",
-    "PYREX_PRESSURE",
-    "PYREX_WORK",
-    "RIM_MODULUS",
-    "RIM_PRESSURE",
-    "RIM_WORK",
-    "STEEL_MODULUS",
-    "STEEL_PRESSURE",
-    "pmma",
-    "pyrex",
-    "rim",
-    "scale_of",
-    "steel",
-]
-
 #: Polished steel, Secs. 3.4, 3.6 and 6: E = 1e11 Pa, nu = 0.3, sigma_0 = 10 MPa.
 STEEL_MODULUS = 1e11 / (1 - 0.3**2)
 STEEL_PRESSURE = 10e6

@@ -9,8 +9,6 @@ from validation.paper.pyrex import PYREX
 from validation.paper.rim import RIM
 from validation.paper.steel import STEEL
 
-__all__ = ["APPLICATIONS", "UNJUDGED"]
-
 #: In the order of the table.
 APPLICATIONS: tuple[Application, ...] = (RIM, GENERAL, STEEL, PMMA, PYREX)
 

@@ -15,8 +15,6 @@ from validation.reference.interpolation import interpolated
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["at_equal_alpha", "bandwidth_at"]
-
 
 def bandwidth_at(*, hurst: float, alpha: float) -> float:
     """lambda_long/lambda_short of the self-affine C(q) that has a Nayak parameter, which grows with it.
@@ -40,7 +38,6 @@ def at_equal_alpha(table: xr.Dataset, alphas: Sequence[float]) -> xr.Dataset:
     ----------
     table : xarray.Dataset
         Of one kind of amplitudes, over (hurst, bandwidth, reduced_pressure).
-    alphas : sequence of float
 
     Returns
     -------

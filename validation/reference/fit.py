@@ -15,8 +15,6 @@ from validation.arrays import Array
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["FIT", "fitted", "fitted_area", "nayak"]
-
 #: c_0, c_1, p_1 and n of `fitted_area`: least squares of the relative distance from the table.
 FIT = (0.5651, 0.05505, 0.1882, 0.9733)
 

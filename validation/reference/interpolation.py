@@ -18,8 +18,6 @@ from validation.report.quantities import quantity
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["ReferenceValue", "interpolated"]
-
 _AXES = {"hurst": "H", "bandwidth": "lambda_long/lambda_short", "reduced_pressure": "p*"}
 
 

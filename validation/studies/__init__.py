@@ -117,7 +117,6 @@ def run(name: str, *, bench: Bench | None = None, **options: Any) -> xr.Dataset:
 
     Parameters
     ----------
-    name : str
     bench : Bench, optional
         Where the solves run and are kept; in this process and in results/solves if not given.
     options

@@ -9,20 +9,6 @@ from pydantic import AfterValidator, Field, ValidationInfo
 from validation.solvers import chosen_solver
 from validation.units import wrong
 
-__all__ = [
-    "AnyMethods",
-    "Bandwidth",
-    "Element",
-    "Hurst",
-    "Methods",
-    "Pairs",
-    "Periods",
-    "ReducedPressure",
-    "Seed",
-    "Shifts",
-    "Surfaces",
-]
-
 Hurst = Annotated[float, Field(ge=0, le=1, description="Hurst exponent H")]
 Periods = Annotated[float, Field(ge=1, description="L / lambda_long")]
 Bandwidth = Annotated[float, Field(gt=1, description="lambda_long / lambda_short")]

@@ -22,14 +22,6 @@ if TYPE_CHECKING:
 
     from validation.execution.bench import Bench
 
-__all__ = [
-    "StudyOutputs",
-    "is_study",
-    "report_study",
-    "run_study",
-    "study_page",
-]
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StudyOutputs:
@@ -68,7 +60,6 @@ def report_study(folder: Path, *, numbers_only: bool = False) -> StudyOutputs:
 
     Parameters
     ----------
-    folder : Path
     numbers_only : bool
         Whether to write tables and JSON alone.
 

@@ -24,8 +24,6 @@ from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surface
 from validation.studies._study import StudyOptions
 from validation.units import wrong
 
-__all__ = ["PressedOptions", "SolverRequest"]
-
 #: Loads closer than this, relative, are one.
 _SAME = 1e-9
 

@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from validation.report.table import ResultTable
     from validation.report.views import Views
 
-__all__ = ["Study", "StudyOptions"]
-
 
 #: Surfaces, pairs or shifts that a study is given at most: what they scatter by is long known.
 _MOST = 10_000

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 import xarray as xr
 from pydantic import Field
 
 from validation.execution.bench import Bench
+from validation.execution.measurement import Call
 from validation.measurements.block import block_beside_bem
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import Ladder, RisingOrNone
@@ -25,11 +26,6 @@ from validation.report.table import Table
 from validation.report.views import Views
 from validation.studies._options import Methods, ReducedPressure, Seed, Surfaces
 from validation.studies._scene import PressedOptions, SolverRequest
-
-if TYPE_CHECKING:
-    from validation.execution.measurement import Call
-
-__all__ = ["Options", "design", "run", "views"]
 
 _ELEMENTS = ("Hex1", "Hex2")
 

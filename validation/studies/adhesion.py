@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
+import xarray as xr
 from pydantic import Field, model_validator
 
 from fem_contact.adhesion import CELLS_NEEDED
@@ -32,11 +33,6 @@ from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
 from validation.studies._options import Bandwidth, Hurst, Periods
 from validation.studies._study import StudyOptions
 from validation.units import Positive, wrong
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Options", "design", "run", "views"]
 
 _Positives = Annotated[tuple[Positive, ...], Field(min_length=1)]
 

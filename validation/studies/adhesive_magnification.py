@@ -10,13 +10,15 @@ projected in both; A counts points whose gap is closed, and what F exceeds the l
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from pydantic import Field
 
 from validation.effects.base import full_contact_energy
 from validation.execution.bench import Bench
+from validation.execution.measurement import Call
 from validation.measurements.adhesive import (
     READINGS,
     Cut,
@@ -37,13 +39,6 @@ from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
 from validation.studies._options import Hurst, Periods, Seed, Surfaces
 from validation.studies._study import StudyOptions
 from validation.units import Positive
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from validation.execution.measurement import Call
-
-__all__ = ["Options", "run", "views"]
 
 _LENGTH, _GRADIENT = 1e-5, 0.1
 _SOLID = SolidSpec(young=1e7, poisson=0.5)

@@ -7,9 +7,10 @@ press it, and the power of the load that its area goes with stands beside Archar
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import numpy as np
+import xarray as xr
 from pydantic import Field, model_validator
 
 from validation.execution.bench import Bench
@@ -25,11 +26,6 @@ from validation.report.views import Views
 from validation.studies._options import Seed, Surfaces
 from validation.studies._study import StudyOptions
 from validation.units import Positive, wrong
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Options", "run", "views"]
 
 #: Points of a grid on the shortest wave, fewer than which tell nothing of its bumps.
 _LEAST = 4

@@ -7,9 +7,10 @@ smallest study, and the one to copy for a new one; `pressure` answers the questi
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
+import xarray as xr
 from pydantic import Field
 
 from validation.arrays import Grid
@@ -25,11 +26,6 @@ from validation.report.views import Views
 from validation.solvers.theory import predict
 from validation.studies._options import Bandwidth, Periods, Seed, Surfaces
 from validation.studies._scene import PressedOptions
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Options", "run", "views"]
 
 
 class Options(PressedOptions):

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
+import xarray as xr
 from pydantic import AfterValidator, Field
 
 from validation.execution.bench import Bench
@@ -30,11 +31,6 @@ from validation.scenes.problem import ContactProblem
 from validation.studies._options import Hurst, Seed, Surfaces
 from validation.studies._study import StudyOptions
 from validation.units import wrong
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Options", "run", "views"]
 
 
 def _rough(magnifications: tuple[float, ...]) -> tuple[float, ...]:

@@ -6,9 +6,8 @@ in other units (Barber 2003). A light contact of few long waves stands on few sp
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+import xarray as xr
 from pydantic import Field
 
 from validation.execution.bench import Bench
@@ -26,11 +25,6 @@ from validation.report.views import Views
 from validation.scenes.scene import SelfAffineSurface
 from validation.studies._options import Bandwidth, Hurst, Seed, Shifts, Surfaces
 from validation.studies._study import StudyOptions
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Options", "design", "run", "views"]
 
 #: Light load, as p*: there the stiffness should go with the load.
 _LIGHT = 0.05

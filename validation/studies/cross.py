@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 import xarray as xr
@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 
 from validation.effects.base import SlotName
 from validation.execution.bench import Bench
+from validation.execution.measurement import Call
 from validation.measurements.block import block_beside_bem
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import BASE_SOLID, Rising, RisingOrNone
@@ -27,11 +28,6 @@ from validation.scenes.scene import Scene, SolidSpec
 from validation.studies._options import Bandwidth, Element, Methods, Periods, ReducedPressure
 from validation.studies._scene import PressedOptions
 from validation.units import wrong
-
-if TYPE_CHECKING:
-    from validation.execution.measurement import Call
-
-__all__ = ["Options", "design", "run", "views"]
 
 
 class Options(PressedOptions):

@@ -5,8 +5,9 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
+import xarray as xr
 from pydantic import Field
 
 from validation.execution.bench import Bench
@@ -23,11 +24,6 @@ from validation.report.views import Views
 from validation.scenes.scene import SolidSpec
 from validation.studies._options import Element, ReducedPressure, Seed
 from validation.studies._study import StudyOptions
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Options", "design", "run", "views"]
 
 
 class Options(StudyOptions):

@@ -8,9 +8,10 @@ the tolerance leaves. The path of loads is that of `pressure`: with the same opt
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from pydantic import Field
 
 from validation.arrays import Array
@@ -29,11 +30,6 @@ from validation.studies._options import Shifts, Surfaces
 from validation.studies.pressure import AGREEMENT, design, measured_path
 from validation.theories.persson_variants import persson_readings
 from validation.theories.predicted import beside, distances, ranked
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Options", "run", "views"]
 
 #: How far the loads of the check are apart, relative.
 _NEAR = 1e-3

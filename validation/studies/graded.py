@@ -7,9 +7,10 @@ changes little over 1/q, E'/(E q) < 1. Boundary elements take the exact complian
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Annotated, Self
+from typing import Annotated, Self
 
 import numpy as np
+import xarray as xr
 from pydantic import Field, model_validator
 
 from fem_contact.graded import ExponentialSolid, LayeredSolid
@@ -25,11 +26,6 @@ from validation.report.table import Table
 from validation.report.views import Views
 from validation.studies._study import StudyOptions
 from validation.units import Positive, wrong
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Options", "run", "views"]
 
 
 class Options(StudyOptions):
@@ -63,8 +59,6 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         Over `modulus_ratio` and `reduced_wave` (q d, with the depth or thickness d): the modulus felt by the theory over the
         exact one for an exponential profile and for a coating, and the largest E'/(E q) of the profile.
     """
-    import xarray as xr
-
     if bench.plan_only:
         bench.solve([])
     q = np.geomspace(1 / options.shortest, options.shortest, options.waves)

@@ -8,14 +8,16 @@ gradient of the same surfaces; and the spectrum of the smoothed surface left beh
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Self
+from typing import Annotated, Self
 
+import xarray as xr
 from pydantic import Field, model_validator
 
 from fem_contact.hardness import yielded
 from validation.effects.hardness import Hardness
 from validation.execution.bench import Bench
 from validation.execution.press import Press
+from validation.execution.running import Solves
 from validation.measurements.common import truncated_surface
 from validation.measurements.limits import ABSENT, straight_limit
 from validation.measurements.yielding import kept_by_theory, kept_waves, yielded_by_theory
@@ -29,13 +31,6 @@ from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed
 from validation.studies._study import StudyOptions
 from validation.units import Positive, wrong
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from validation.execution.running import Solves
-
-__all__ = ["Options", "design", "run", "views"]
 
 _Positives = Annotated[tuple[Positive, ...], Field(min_length=1)]
 
@@ -170,8 +165,6 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 def _areas(solves: tuple[Press, ...], options: Options, solved: Solves) -> xr.Dataset:
     """Return the areas of one surface in one case, on every grid, and Persson's."""
-    import xarray as xr
-
     found = [yielded(solved[solve].checked()) for solve in solves]
     plastic, elastic = yielded_by_theory(solves[0].problem, options.limit)
     return xr.Dataset(
@@ -188,8 +181,6 @@ def _areas(solves: tuple[Press, ...], options: Options, solved: Solves) -> xr.Da
 
 def _smoothed(solve: Press, options: Options, solved: Solves) -> xr.Dataset:
     """Return what yielding leaves of one surface, beside Persson's."""
-    import xarray as xr
-
     own = solve.problem
     q, kept, gradient = kept_waves(solved[solve].checked(), own)
     return xr.Dataset(

@@ -7,8 +7,9 @@ samples of rising size; and two spectra that differ in their long waves alone, p
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import xarray as xr
 from pydantic import Field
 
 from persson.heights import height_distribution
@@ -27,11 +28,6 @@ from validation.scenes.problem import ContactProblem
 from validation.scenes.surfaces import spectrum_of
 from validation.studies._options import Bandwidth, Hurst, Seed, Surfaces
 from validation.studies._study import StudyOptions
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Options", "run", "views"]
 
 
 class Options(StudyOptions):

@@ -6,9 +6,10 @@ import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
+import xarray as xr
 from pydantic import Field
 
 from persson.elastic import KAPPA_BGT, KAPPA_PERSSON
@@ -26,11 +27,6 @@ from validation.report.table import Column, Table
 from validation.report.views import Views
 from validation.studies._options import Bandwidth, Hurst, Pairs, Periods, ReducedPressure, Seed, Shifts
 from validation.studies._study import StudyOptions
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Options", "design", "run", "views"]
 
 #: A/A0 below which kappa is published, a little more than the authors' 0.1; H of the published alpha(zeta).
 _LIGHT, _PUBLISHED = 0.12, 0.8

@@ -7,8 +7,9 @@ of them; a neo-Hookean block of finite strain, met by the rough surface where it
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
+import xarray as xr
 from pydantic import Field
 
 from validation.execution.bench import Bench
@@ -24,11 +25,6 @@ from validation.report.views import Views
 from validation.scenes.scene import SolidSpec
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
 from validation.studies._study import StudyOptions
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Options", "run", "views"]
 
 #: Relative differences whose slopes are looked for, and the slope up to which differences count as going with it.
 DIFFERENCES, STRAIGHT = (0.01, 0.05), 0.4

@@ -7,8 +7,9 @@ of the widest path; the distribution of gaps stands beside the theory's.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
+import xarray as xr
 from pydantic import Field
 
 from persson.percolation import SITE_THRESHOLD
@@ -26,11 +27,6 @@ from validation.report.views import Views
 from validation.scenes.scene import SelfAffineSurface
 from validation.studies._options import Hurst, Periods, Seed, Surfaces
 from validation.studies._study import StudyOptions
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Options", "design", "run", "views"]
 
 #: A/A0 of the tire rim as the paper prints it (Sec. 8.3), which it compares with its threshold.
 _RIM = 0.44

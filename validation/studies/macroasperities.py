@@ -6,9 +6,10 @@ of contact break up, contact and gap join up, and the regions seen where ln A be
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import numpy as np
+import xarray as xr
 from pydantic import Field
 
 from persson.errors import OutsideTheory
@@ -27,11 +28,6 @@ from validation.report.views import Views
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
 from validation.studies._study import StudyOptions
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Options", "run", "views"]
 
 
 class Options(StudyOptions):

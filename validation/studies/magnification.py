@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 from pydantic import Field
 
 from persson import elastic
@@ -22,11 +22,6 @@ from validation.report.table import Table
 from validation.report.views import Views
 from validation.studies._options import Bandwidth, Shifts, Surfaces
 from validation.studies._scene import PressedOptions
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Options", "design", "run", "views"]
 
 
 class Options(PressedOptions):

@@ -6,9 +6,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 from pydantic import Field
 
 from validation.execution.bench import Bench
@@ -29,21 +29,6 @@ from validation.studies._options import Shifts
 from validation.studies._scene import PressedOptions
 from validation.theories.persson_variants import persson_variants
 from validation.theories.predicted import COMPARED, beside, stress_shares
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = [
-    "AGREEMENT",
-    "LOADS",
-    "Options",
-    "by_theory",
-    "design",
-    "measured_path",
-    "picked_loads",
-    "run",
-    "views",
-]
 
 #: Reduced pressures from light load to full contact.
 LOADS = (0.001, 0.003, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2)

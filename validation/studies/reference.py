@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
+import xarray as xr
 from pydantic import Field, model_validator
 
 from validation.execution.bench import Bench
@@ -29,11 +30,6 @@ from validation.report.views import Views
 from validation.studies._options import Periods, Seed
 from validation.studies._study import StudyOptions
 from validation.units import wrong
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Options", "run", "spectra", "views"]
 
 #: Numbers of pairs are those of the options at this bandwidth, and in proportion to its inverse at others: surfaces with
 #: fewer waves scatter more and cost less.

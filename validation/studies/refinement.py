@@ -5,13 +5,15 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
+import xarray as xr
 from pydantic import Field, model_validator
 
 from validation.effects.base import SlotName
 from validation.execution.bench import Bench
+from validation.execution.measurement import Call
 from validation.measurements.block import block_beside_bem
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import SHIFTS, Ladder, RisingOrNone
@@ -32,13 +34,6 @@ from validation.solvers.theory import predict
 from validation.studies._options import Element, Methods, ReducedPressure, Surfaces
 from validation.studies._scene import PressedOptions, SolverRequest
 from validation.units import wrong
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from validation.execution.measurement import Call
-
-__all__ = ["Options", "design", "run", "views"]
 
 #: Tolerance of the finite elements that shows what their usual one leaves; finest grid of that check of boundary elements,
 #: as lambda_short/dx.

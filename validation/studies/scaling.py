@@ -8,9 +8,10 @@ bandwidth: each surface has waves down to the same number of grid spacings, so t
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Annotated, Self
+from typing import Annotated, Self
 
 import numpy as np
+import xarray as xr
 from pydantic import Field, model_validator
 
 from validation.arrays import Grid
@@ -28,11 +29,6 @@ from validation.scenes.problem import ContactProblem
 from validation.studies._options import Hurst, Periods, ReducedPressure, Seed, Surfaces
 from validation.studies._study import StudyOptions
 from validation.units import wrong
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Options", "cold_solve", "design", "run", "views"]
 
 _COSTS = ("seconds", "fft_pairs", "peak_bytes")
 #: Points along a side from which on powers are fitted, where three grids are that fine.
@@ -83,8 +79,6 @@ class Options(StudyOptions):
 )
 def cold_solve(*, problem: ContactProblem, grid: Grid) -> xr.Dataset:
     """Return seconds, pairs of transforms and bytes of one cold solve by boundary elements, and the located area."""
-    import xarray as xr
-
     from fem_contact import bem
     from fem_contact.response import HalfSpace
 

@@ -10,9 +10,10 @@ from __future__ import annotations
 import io
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Self
+from typing import Annotated, Self
 
 import numpy as np
+import xarray as xr
 from pydantic import AfterValidator, Field, model_validator
 
 from fem_contact.errors import InvalidInput
@@ -36,11 +37,6 @@ from validation.scenes.scene import SelfAffineSurface, SolidSpec
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
 from validation.studies._study import StudyOptions
 from validation.units import Duration, Length, Positive, Pressure, Velocity, wrong
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Options", "design", "run", "views"]
 
 #: Largest file of a modulus [byte].
 _LARGEST = 10**7

@@ -10,14 +10,16 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from pydantic import Field, ValidationInfo, field_validator
 
 from fem_contact.contact import Status
 from fem_contact.errors import FemContactError
 from persson.errors import PerssonError
+from validation.execution.bench import Bench
 from validation.measurements.hard_cases.blocks import BLOCKS, LARGE_BLOCK, YIELDING_BLOCK
 from validation.measurements.hard_cases.cases import HardCase
 from validation.measurements.hard_cases.effects import DIFFUSION, EFFECTS, YIELDING_UNDER_ADHESION
@@ -31,13 +33,6 @@ from validation.solvers import chosen_solver
 from validation.studies._options import AnyMethods
 from validation.studies._study import StudyOptions
 from validation.units import wrong
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from validation.execution.bench import Bench
-
-__all__ = ["CASES", "OUTCOMES", "Options", "run", "views"]
 
 CASES: tuple[HardCase, ...] = (
     *ELASTIC,
@@ -123,8 +118,6 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 def _outcome(case: HardCase, value: float, slowest: float) -> xr.Dataset:
     """Return what one value of the parameter came to."""
-    import xarray as xr
-
     clock = time.perf_counter()
     deviation, residual, message = math.nan, math.nan, ""
     try:

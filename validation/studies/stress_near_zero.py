@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
+import xarray as xr
 from pydantic import Field
 
 from persson import elastic
@@ -23,11 +23,6 @@ from validation.report.table import Table
 from validation.report.views import Views
 from validation.studies._options import Bandwidth, Methods, ReducedPressure, Surfaces
 from validation.studies._scene import PressedOptions, SolverRequest
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Options", "design", "limits", "run", "views"]
 
 
 class Options(PressedOptions):

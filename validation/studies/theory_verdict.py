@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
+import xarray as xr
 from pydantic import Field
 
 from persson import elastic
@@ -29,11 +30,6 @@ from validation.theories import Rough, Theory, find_theory
 from validation.theories.persson_variants import Persson, persson_variants
 from validation.theories.predicted import COMPARED, beside, distances, ranked, stress_shares
 from validation.units import Positive
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Options", "run", "views"]
 
 _WORDS = {
     "area": "Contact area",
@@ -114,8 +110,6 @@ def _solver_share(options: Options, bench: Bench) -> float:
 
 def _spectral_shares(options: Options, bench: Bench) -> dict[str, xr.DataArray]:
     """How far the area may be from that of endless sample and bandwidth, at the nearest load of the ladders."""
-    import xarray as xr
-
     loads = np.array(options.ladder_reduced_pressures)
     if not loads.size:
         return {}
@@ -138,8 +132,6 @@ def _spectral_shares(options: Options, bench: Bench) -> dict[str, xr.DataArray]:
 
 def edge_scores(edge: xr.Dataset, theories: tuple[Theory, ...], rough: Rough) -> xr.Dataset:
     """P(0+), and the slope of P(sigma) at zero over that of the theories that have one, (theory)."""
-    import xarray as xr
-
     load = float(edge.reduced_pressure)
     unit = rough.contact_modulus * rough.moments.rms_gradient
     slopes = [

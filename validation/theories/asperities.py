@@ -12,8 +12,6 @@ from persson.errors import InvalidInput
 from validation.arrays import Array
 from validation.theories.base import Rough, Theory
 
-__all__ = ["BushGibsonThomas", "CarboneBottiglione", "GreenwoodWilliamson"]
-
 #: Separations over h_rms between which pressures are sought, and how many.
 _SEPARATIONS = (-4.0, 7.0, 240)
 

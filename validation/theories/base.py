@@ -13,8 +13,6 @@ from validation.measurements.theory import Waves
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
 
-__all__ = ["Rough", "Theory"]
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Rough:

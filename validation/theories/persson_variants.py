@@ -14,8 +14,6 @@ from validation.measurements.theory import VARIANTS
 from validation.report.papers import PAPERS
 from validation.theories.base import Rough, Theory
 
-__all__ = ["Persson", "WangMueser", "Xu", "YangPersson", "persson_readings", "persson_variants"]
-
 
 class Persson(Theory):
     """Persson (2001): A/A0 = erf(p0 / sqrt(2 V)), V = E*^2 m2 / 4.

@@ -20,8 +20,6 @@ from validation.theories.base import Rough, Theory
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["COMPARED", "beside", "distances", "predictions", "ranked", "stress_shares"]
-
 #: Step in ln p0 by which a theory is differentiated.
 _STEP = 0.01
 #: Gauss points in each bin of the distribution of pressure.

@@ -15,8 +15,6 @@ from validation.errors import UsageError
 from validation.registry import with_own_folder
 from validation.theories.base import Rough, Theory
 
-__all__ = ["OwnTheory"]
-
 #: What functions of a module are asked for, and by which keywords they say what they need.
 _QUANTITIES = ("area", "pressure_distribution", "mean_gap", "elastic_energy")
 _TOLD = ("contact_modulus", "moments", "spectrum")

@@ -11,8 +11,6 @@ from fem_contact.response import BondedLayer
 from fem_contact.solid import Solid
 from validation.measurements.hard_cases.cases import HardCase, Measured, judged, load_errors, rough, wave
 
-__all__ = ["BLOCKS", "LARGE_BLOCK", "YIELDING_BLOCK"]
-
 _LOAD = 0.01
 
 

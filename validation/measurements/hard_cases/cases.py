@@ -13,8 +13,6 @@ from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 
-__all__ = ["HALF_SPACE", "HardCase", "Measured", "judged", "load_errors", "rough", "wave"]
-
 HALF_SPACE = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
 

@@ -18,8 +18,6 @@ from validation.measurements.hard_cases.cases import (
     rough,
 )
 
-__all__ = ["DIFFUSION", "EFFECTS", "YIELDING_UNDER_ADHESION"]
-
 _LOAD = 0.01
 
 

@@ -17,8 +17,6 @@ from validation.measurements.hard_cases.cases import HALF_SPACE, HardCase, Measu
 from validation.solvers import chosen_solver
 from validation.solvers.base import Job
 
-__all__ = ["ELASTIC", "SINGLE_PRECISION", "by_method"]
-
 #: Mean pressure over E* h'_rms where the gradient is turned.
 _LIGHT = 0.05
 
