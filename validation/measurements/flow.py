@@ -53,13 +53,13 @@ def stiffness_of(measured: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
     for variant in WITH_ENERGY:
         gaps = waves.mean_gap(around, variant)
         theory[f"stiffness_{variant}_each"] = ("load", height / ((gaps[0::2] - gaps[1::2]) / (2 * _STEP)))
-    own = {
+    simulated = {
         "stiffness_each": fine.stiffness.assign_attrs(reduction="shift mean", of="stiffness"),
         "stiffness_each_drift": fine.stiffness - before.stiffness,
         "gap_each": fine.mean_gap / measured.attrs["rms_height"],
         "area_perimeter_each": fine.perimeter.assign_attrs(reduction="shift mean", of="perimeter"),
     }
-    return xr.Dataset({**own, **theory}, attrs={"solve": measured.attrs["solve"]})
+    return xr.Dataset({**simulated, **theory}, attrs={"solve": measured.attrs["solve"]})
 
 
 @measurement(
@@ -87,18 +87,30 @@ def leaks(*, problem: ContactProblem, grid: Grid, areas: tuple[float, ...]) -> x
     xarray.Dataset
         What leaks there and how wide the gaps are, over (area, axis) and (area, gap_bin); thresholds (axis).
     """
-    path = _Path(problem, grid)
-    states = [path.at_area(area) for area in areas]
-    flows = [[_flow(state, axis) for axis in ("x", "y")] for state in states]
+    field, half_space = problem.heights(grid), HalfSpace(solid=problem.elastic)
+
+    def solve(load: float, start: Array | None) -> ContactResult:
+        pressure = load * problem.pressure_scale
+        return bem.solve(field, half_space, mean_pressure=pressure, start=start, threads=1).checked()
+
+    def threshold(passes: Callable[[ContactResult], bool]) -> float:
+        low = 0.05
+        while not passes(states(low)):
+            low /= 2
+        return states.threshold(passes, low, 1.0, area=_BRACKET)[0]
+
+    states = States(solve)
+    contacts = [states.at_area(area) for area in areas]
+    flows = [[_flow(contact, axis) for axis in ("x", "y")] for contact in contacts]
     height = problem.field.rms_height
-    gaps = [gap_distribution(state, GAP_EDGES * height).density * height for state in states]
-    loads = [state.mean_pressure / problem.pressure_scale for state in states]
+    gaps = [gap_distribution(contact, GAP_EDGES * height).density * height for contact in contacts]
+    loads = [contact.mean_pressure / problem.pressure_scale for contact in contacts]
     thresholds = {
-        name: ("axis", [path.threshold(open_at(axis)) for axis in ("x", "y")])
+        name: ("axis", [threshold(open_at(axis)) for axis in ("x", "y")])
         for name, open_at in (("contact_threshold", contact_is_apart), ("gap_threshold", gap_is_open))
     }
     return xr.Dataset(
-        {name: (("area", "axis"), [[one[name] for one in row] for row in flows]) for name in flows[0][0]}
+        {name: (("area", "axis"), [[along[name] for along in row] for row in flows]) for name in flows[0][0]}
         | thresholds
         | {"reduced_pressure": ("area", loads), "gap_density": (("area", "gap_bin"), gaps)},
         coords={"area": list(areas), "axis": ["x", "y"]},
@@ -120,26 +132,26 @@ def flow_of(measured: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
         Over (asked): conductance, Bruggeman's and that of the narrowest place, all over the cube of the mean gap; share
         of axes that are closed; P(u) h_rms and the share of narrow gaps. Over (phase, axis) and (phase): thresholds.
     """
-    found = measured.rename(area="asked").rename(asked="area_asked").swap_dims(area_asked="asked")
-    narrowest = found.constriction**3 / 12
+    data = measured.rename(area="asked").rename(asked="area_asked").swap_dims(area_asked="asked")
+    narrowest = data.constriction**3 / 12
     along = {
-        "area_located": found.located,
-        "gap_conductance": found.conductance,
-        "gap_conductance_bruggeman": found.effective_medium,
+        "area_located": data.located,
+        "gap_conductance": data.conductance,
+        "gap_conductance_bruggeman": data.effective_medium,
         "gap_conductance_constriction": narrowest,
-        "constriction": found.constriction,
-        "closed": found.closed,
-        "balance": found.balance,
+        "constriction": data.constriction,
+        "closed": data.closed,
+        "balance": data.balance,
     }
     numbers: dict[str, Any] = {f"{name}_axis_each": value for name, value in along.items()}
     numbers |= {f"{name}_each": value.mean("axis") for name, value in along.items()}
-    phases = [found.contact_threshold, found.gap_threshold]
+    phases = [data.contact_threshold, data.gap_threshold]
     thresholds = xr.concat(phases, "phase").assign_coords(phase=["contact", "gap"]).rename("thresholds")
     numbers |= {"percolation_area_axis_each": thresholds, "percolation_area_each": thresholds.mean("axis")}
     width = xr.DataArray(np.diff(GAP_EDGES), dims="gap_bin")
     narrow = xr.DataArray(GAP_EDGES[1:] <= NARROW * (1 + 1e-9), dims="gap_bin")
-    densities = {"": found.gap_density} | {
-        f"_{name}": found.gap_density.copy(data=_gap_theory(found.reduced_pressure.values, problem, ratio))
+    densities = {"": data.gap_density} | {
+        f"_{name}": data.gap_density.copy(data=_gap_theory(data.reduced_pressure.values, problem, ratio))
         for name, ratio in GAP_THEORIES.items()
     }
     for end, density in densities.items():
@@ -147,7 +159,7 @@ def flow_of(measured: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
         numbers[f"gap_share{end}_each"] = (density * width).cumsum("gap_bin")
         numbers[f"gap_narrow{end}_each"] = (density * width).where(narrow).sum("gap_bin")
     middle = {"local_gap": ("gap_bin", (GAP_EDGES[1:] + GAP_EDGES[:-1]) / 2)}
-    numbers["reduced_pressure_each"] = found.reduced_pressure
+    numbers["reduced_pressure_each"] = data.reduced_pressure
     return xr.Dataset(numbers, attrs={"solve": measured.attrs["solve"]}).assign_coords(middle)
 
 
@@ -156,62 +168,68 @@ def _gap_theory(loads: Array, problem: ContactProblem, ratio: float) -> Array:
     height = problem.field.rms_height
     scale = Scale(problem.own_spectrum, contact_modulus=problem.contact_modulus)
     points = np.stack([GAP_EDGES[:-1], (GAP_EDGES[1:] + GAP_EDGES[:-1]) / 2, GAP_EDGES[1:]]) * height
-    rows = []
-    for load in loads:
-        pressure = float(load) * problem.pressure_scale
-        density = theory_of_gaps(points.ravel(), pressure=pressure, scale=scale, energy_ratio=ratio)
-        rows.append(np.array([1, 4, 1]) / 6 @ density.reshape(points.shape) * height)
-    return np.array(rows)
+    densities = [
+        theory_of_gaps(points.ravel(), pressure=float(load), scale=scale, energy_ratio=ratio)
+        for load in loads * problem.pressure_scale
+    ]
+    simpson = np.array([1, 4, 1]) / 6
+    return np.array([simpson @ density.reshape(points.shape) * height for density in densities])
 
 
-class _Path:
-    """States of one surface on one grid, found by the load that makes them."""
+class States:
+    """Solved contacts by the positive number that tells them apart, each started from the nearest."""
 
-    def __init__(self, problem: ContactProblem, grid: Grid) -> None:
-        self.problem, self.field = problem, problem.heights(grid)
-        self.known: dict[float, ContactResult] = {}
+    def __init__(self, solve: Callable[[float, Array | None], ContactResult]) -> None:
+        self._solve = solve
+        self._contacts: dict[float, ContactResult] = {}
 
-    def state(self, reduced: float) -> ContactResult:
-        """Solve at p*, from the nearest load that is known."""
-        near = min(self.known, key=lambda other: abs(np.log(other / reduced)), default=None)
-        start = None if near is None else self.known[near].pressure
-        if reduced not in self.known:
-            half_space = HalfSpace(solid=self.problem.elastic)
-            pressure = reduced * self.problem.pressure_scale
-            solved = bem.solve(self.field, half_space, mean_pressure=pressure, start=start, threads=1)
-            self.known[reduced] = solved.checked()
-        return self.known[reduced]
+    def __call__(self, at: float) -> ContactResult:
+        """Return the contact there, solved once."""
+        if at not in self._contacts:
+            near = min(self._contacts, key=lambda other: abs(np.log(other / at)), default=None)
+            start = None if near is None else self._contacts[near].pressure
+            self._contacts[at] = self._solve(at, start)
+        return self._contacts[at]
 
     def at_area(self, area: float) -> ContactResult:
-        """Return the state whose located area is the one asked for, by secants in a bracket."""
+        """Return the contact whose located area is this one, by secants in a bracket of loads p*."""
         low, high = 0.0, 4.0
         load = area / 2
         for _ in range(_STEPS):
-            state = self.state(load)
-            miss = located_area(state) / area - 1
-            if abs(miss) * area < _AREA:
-                return state
-            low, high = (load, high) if miss < 0 else (low, load)
-            guess = load / (1 + miss) ** 1.2
+            contact = self(load)
+            excess = located_area(contact) / area - 1
+            if abs(excess) * area < _AREA:
+                break
+            low, high = (load, high) if excess < 0 else (low, load)
+            guess = load / (1 + excess) ** 1.2
             load = guess if low < guess < high else (low + high) / 2
-        return state
+        return contact
 
-    def threshold(self, passes: Callable[[ContactResult], bool]) -> float:
-        """Return the located area at which something no longer passes, from below and above."""
-        low, high = 0.05, 1.0
-        while not passes(self.state(low)):
-            low /= 2
-        while located_area(self.state(high)) - located_area(self.state(low)) > _BRACKET:
-            middle = np.sqrt(low * high)
-            low, high = (middle, high) if passes(self.state(middle)) else (low, middle)
-        return (located_area(self.state(low)) + located_area(self.state(high))) / 2
+    def threshold(
+        self,
+        passes: Callable[[ContactResult], bool],
+        low: float,
+        high: float,
+        *,
+        area: float,
+        ratio: float = 1.0,
+    ) -> tuple[float, float]:
+        """Return located area and place where it changes whether something passes.
+
+        The bracket is halved in the logarithm until its ends are within an area, or a ratio, of each other.
+        """
+        before = passes(self(low))
+        while abs(located_area(self(high)) - located_area(self(low))) > area and high / low > ratio:
+            middle = float(np.sqrt(low * high))
+            low, high = (middle, high) if passes(self(middle)) == before else (low, middle)
+        return (located_area(self(low)) + located_area(self(high))) / 2, float(np.sqrt(low * high))
 
 
 def located_area(state: ContactResult) -> float:
     """A/A0 with the edge located inside the cells."""
-    found = contact_areas(state, subcell=True).subcell
-    assert found is not None
-    return found
+    area = contact_areas(state, subcell=True).subcell
+    assert area is not None
+    return area
 
 
 def gap_is_open(axis: Literal["x", "y"]) -> Callable[[ContactResult], bool]:
@@ -228,13 +246,13 @@ def _flow(state: ContactResult, axis: Literal["x", "y"]) -> dict[str, float]:
     """Conductance along one axis over the cube of the mean gap, and what theories make of the same gap."""
     gap = open_gap(state)
     mean = float(gap.mean())
-    found = flow_conductance(gap, state.lengths, axis=axis)
+    flow = flow_conductance(gap, state.lengths, axis=axis)
     medium = effective_medium(gap.ravel() ** 3 / 12, np.full(gap.size, 1 / gap.size))
     return {
         "located": located_area(state),
-        "conductance": found.conductance / mean**3,
-        "closed": float(found.closed),
+        "conductance": flow.conductance / mean**3,
+        "closed": float(flow.closed),
         "effective_medium": medium / mean**3,
         "constriction": critical_gap(gap, axis) / mean,
-        "balance": found.balance,
+        "balance": flow.balance,
     }

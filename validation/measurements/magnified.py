@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -14,7 +14,7 @@ from fem_contact.patches import find_patches
 from fem_contact.response import HalfSpace
 from validation.arrays import Array, Grid
 from validation.execution.measurement import measurement
-from validation.measurements.flow import contact_is_apart, gap_is_open, located_area
+from validation.measurements.flow import States, contact_is_apart, gap_is_open, located_area
 from validation.measurements.measurement import without_waves_beyond
 from validation.report.estimates import claim, derive, mean
 from validation.scenes.problem import ContactProblem
@@ -23,6 +23,7 @@ from validation.scenes.problem import ContactProblem
 _READ = ("area", "patch_density", "relative_patch_size", "largest_patch", "area_inside", "load_inside")
 #: Located area, and magnification, up to which a threshold is bracketed.
 _AREA, _ZETA = 2e-3, 1.002
+_AXES: tuple[Literal["x", "y"], ...] = ("x", "y")
 
 
 @measurement(
@@ -64,23 +65,43 @@ def magnified(
     xarray.Dataset
         Over (load, magnification); thresholds over (percolating, axis, phase).
     """
+    heights, half_space = problem.heights(grid), HalfSpace(solid=problem.elastic)
+    q_long = 2 * np.pi / problem.longest
+
+    def states_at(load: float) -> States:
+        """Contacts by magnification."""
+
+        def solve(zeta: float, start: Array | None) -> ContactResult:
+            field, pressure = without_waves_beyond(heights, zeta * q_long), load * problem.pressure_scale
+            return bem.solve(field, half_space, mean_pressure=pressure, start=start, threads=1).checked()
+
+        return States(solve)
+
+    def threshold(states: States, passes: Callable[[ContactResult], bool]) -> tuple[float, float]:
+        low, high = magnifications[0], magnifications[-1]
+        if passes(states(low)) or not passes(states(high)):
+            return np.nan, np.nan
+        return states.threshold(passes, low, high, area=_AREA, ratio=_ZETA)
+
     values = {name: np.empty((len(reduced_pressures), len(magnifications))) for name in _READ}
     for j, load in enumerate(reduced_pressures):
-        states = _States(problem, grid, load)
-        last = states.at(magnifications[-1])
+        states = states_at(load)
+        last = states(magnifications[-1])
         for i in reversed(range(len(magnifications))):
-            for name, value in _read_off(states.at(magnifications[i]), last, unit=problem.longest**2).items():
+            for name, value in _read_off(states(magnifications[i]), last, unit=problem.longest**2).items():
                 values[name][j, i] = value
-    ends = magnifications[0], magnifications[-1]
-    found = np.array([_States(problem, grid, load).thresholds(ends) for load in percolating])
-    found = found.reshape(-1, 2, 2, 2)
+    thresholds = np.empty((len(percolating), 2, 2, 2))
+    for j, load in enumerate(percolating):
+        states = states_at(load)
+        for i, axis in enumerate(_AXES):
+            thresholds[j, i] = threshold(states, contact_is_apart(axis)), threshold(states, gap_is_open(axis))
     data: dict[str, Any] = {f"{name}_each": (("load", "magnification"), values[name]) for name in _READ}
     for i, name in enumerate(("area", "magnification")):
-        data[f"percolation_{name}_axis_each"] = (("percolating", "axis", "phase"), found[..., i])
-    whole, q_long = problem.field, 2 * np.pi / problem.longest
+        data[f"percolation_{name}_axis_each"] = (("percolating", "axis", "phase"), thresholds[..., i])
+    whole = problem.field
     gradients = [without_waves_beyond(whole, z * q_long).rms_gradient for z in magnifications]
     data["gradient_share_each"] = ("magnification", np.array(gradients) / whole.rms_gradient)
-    return xr.Dataset(data, coords={"axis": ["x", "y"], "phase": ["contact", "gap"]})
+    return xr.Dataset(data, coords={"axis": list(_AXES), "phase": ["contact", "gap"]})
 
 
 def _read_off(state: ContactResult, last: ContactResult, *, unit: float) -> dict[str, float]:
@@ -96,49 +117,6 @@ def _read_off(state: ContactResult, last: ContactResult, *, unit: float) -> dict
         "area_inside": float(inside.sum() / last.in_contact.sum()),
         "load_inside": float(last.pressure[inside].sum() / last.pressure.sum()),
     }
-
-
-class _States:
-    """One surface under one load, with more or fewer of its waves."""
-
-    def __init__(self, problem: ContactProblem, grid: Grid, load: float) -> None:
-        self.problem, self.load = problem, load
-        self.whole = problem.heights(grid)
-        self.known: dict[float, ContactResult] = {}
-
-    def at(self, zeta: float) -> ContactResult:
-        """Solve with the waves up to q = zeta q_long, from the nearest state that is known."""
-        if zeta not in self.known:
-            near = min(self.known, key=lambda other: abs(np.log(other / zeta)), default=None)
-            problem = self.problem
-            solved = bem.solve(
-                without_waves_beyond(self.whole, zeta * 2 * np.pi / problem.longest),
-                HalfSpace(solid=problem.elastic),
-                mean_pressure=self.load * problem.pressure_scale,
-                start=None if near is None else self.known[near].pressure,
-                threads=1,
-            )
-            self.known[zeta] = solved.checked()
-        return self.known[zeta]
-
-    def thresholds(self, ends: Sequence[float]) -> list[list[tuple[float, float]]]:
-        """For each axis: located area and magnification at which the contact comes apart, and the gap opens."""
-        return [
-            [self.threshold(contact_is_apart(axis), ends), self.threshold(gap_is_open(axis), ends)]
-            for axis in ("x", "y")
-        ]
-
-    def threshold(
-        self, passed: Callable[[ContactResult], bool], ends: Sequence[float]
-    ) -> tuple[float, float]:
-        """Return located area and magnification where something is passed; NaN where not between the ends."""
-        low, high = ends
-        if passed(self.at(low)) or not passed(self.at(high)):
-            return np.nan, np.nan
-        while located_area(self.at(low)) - located_area(self.at(high)) > _AREA and high / low > _ZETA:
-            middle = float(np.sqrt(low * high))
-            low, high = (low, middle) if passed(self.at(middle)) else (middle, high)
-        return (located_area(self.at(low)) + located_area(self.at(high))) / 2, float(np.sqrt(low * high))
 
 
 def sharpest_bend(zeta: Array, area: Array) -> float:
