@@ -47,25 +47,16 @@ def block_beside_bem(
 ) -> xr.Dataset:
     """Press a block of finite elements, the half-space, and the bonded layer as deep as the block.
 
+    Areas, gaps and pressure differences of the three solves (`compared`).
+
     Parameters
     ----------
-    problem : ContactProblem
-        Surface, solid and load.
-    grid : tuple of int
-        Surface nodes.
     method : {"full", "reduced"}
         The whole system, which shares no contact algorithm with the boundary elements, or its exact reduction.
     depth : float
         In periods.
-    growth : float
-        Of the layers with depth.
     tolerance : float, optional
         Of the finite-element solve, if not its own.
-
-    Returns
-    -------
-    xarray.Dataset
-        Areas, gaps and pressure differences of the three solves (`compared`).
     """
     from fem_contact import bem, block
     from fem_contact.response import BondedLayer, HalfSpace

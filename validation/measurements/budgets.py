@@ -109,8 +109,6 @@ def diffused_area(state: Pressed, added: Array) -> Array:
 
     Parameters
     ----------
-    state : Pressed
-        The truth at which the diffusion starts.
     added : (n,) array
         Delta V [Pa^2], positive.
     """

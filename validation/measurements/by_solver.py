@@ -56,19 +56,7 @@ def beside_bem(
 ) -> xr.Dataset:
     """Press one surface at one load on one grid by a method, beside boundary elements.
 
-    Parameters
-    ----------
-    method : str
-        Name of a solver.
-    settings : tuple of (str, value)
-        What it is told.
-    effects : tuple
-        Of a scene.
-
-    Returns
-    -------
-    xarray.Dataset
-        Areas, gap, pressure differences and cost; ``converged`` is 1 where its residuals allow it.
+    Areas, gap, pressure differences and cost; ``converged`` is 1 where its residuals allow it.
 
     Raises
     ------
@@ -106,8 +94,6 @@ def compared(
     ----------
     found, half : ContactResult
         Of the method, and of boundary elements.
-    edge_constant : float
-        That of the method.
     rms_height : float
         h_rms [m], the unit of the gap.
     """

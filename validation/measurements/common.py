@@ -36,20 +36,7 @@ def base_surface(
     length: float = 1e-3,
     gradient: float = 0.1,
 ) -> SelfAffineSurface:
-    """Return the surface of a study from ratios of lengths.
-
-    Parameters
-    ----------
-    hurst : float
-        H.
-    periods : float
-        L / lambda_long.
-    bandwidth : float
-        lambda_long / lambda_short.
-    length : float
-        Period [m].
-    gradient : float
-        h'_rms of C(q).
+    """Return the surface of a study: L = periods lambda_long = periods bandwidth lambda_short [m], h'_rms of C(q).
 
     Notes
     -----

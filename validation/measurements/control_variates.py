@@ -23,11 +23,6 @@ _LOADS = (0.1, 0.2, 0.4, 0.8, 1.5)
 def unsolved_statistics(field: HeightField) -> dict[str, float]:
     """Return statistics that the contact area of a surface follows, each the mean of h and -h.
 
-    Parameters
-    ----------
-    field : HeightField
-        On any grid that resolves it.
-
     Returns
     -------
     dict of str to float
@@ -98,13 +93,7 @@ def _recipe(made: dict[str, Any], problem: ContactProblem, first: int, grid: Gri
     compiled=lambda: (),
 )
 def unsolved_pairs(*, problem: ContactProblem, grid: Grid, first: int, count: int) -> xr.Dataset:
-    """Return `statistics_of_pair` of `count` surfaces of one spectrum; dimensions (surface, statistic).
-
-    Parameters
-    ----------
-    first, count : int
-        Realisations.
-    """
+    """Return `statistics_of_pair` of `count` surfaces of one spectrum; dimensions (surface, statistic)."""
     began = time.process_time()
     found = [statistics_of_pair(problem.further(k).heights(grid)) for k in range(first, first + count)]
     values = np.array([list(one.values()) for one in found])

@@ -160,15 +160,7 @@ class Level:
 
 
 def chained_mean(levels: Sequence[Level], known: Known) -> tuple[Controlled, ...]:
-    """Means on all levels, each controlled by the one before; the last is the one that is asked for.
-
-    Parameters
-    ----------
-    levels : sequence of Level
-        Coarsest first, each of samples of its own.
-    known : Known
-        Means of the controls of the coarsest.
-    """
+    """Means on all levels, coarsest first, each controlled by the one before, the coarsest by what is known."""
     found: list[Controlled] = []
     for level in levels:
         fitted = not found or level.values.size >= _FITTED

@@ -87,8 +87,6 @@ def fitted_line(samples: Sequence[ArrayLike], x: ArrayLike, *, common: bool = Fa
 
     Parameters
     ----------
-    samples : sequence of (n_i,) arrays
-        Samples of each group.
     x : (n,) array
         Where the groups are, towards 0.
     common : bool
@@ -157,6 +155,9 @@ def line(
 ) -> xr.Dataset:
     """Add the line through means, ``x_each`` against a variable that goes to zero: its limit and slope with intervals.
 
+    ``<name>_limit`` with its error, NaN where it is further off than two spans of the groups; ``<name>_slope`` with
+    its error; ``<name>_reach``; the ends of the line, ``<name>_line`` over ``<x>_line`` (end).
+
     Parameters
     ----------
     data : xarray.Dataset
@@ -171,12 +172,6 @@ def line(
         Whether surfaces 2k and 2k + 1 are +h and -h.
     drift : str
         Source of error to which it belongs how the line moves without its first group.
-
-    Returns
-    -------
-    xarray.Dataset
-        ``<name>_limit`` with its error, NaN where it is further off than two spans of the groups; ``<name>_slope`` with its
-        error; ``<name>_reach``; the ends of the line, ``<name>_line`` over ``<x>_line`` (end).
     """
     values = data[f"{name}_each"]
     there = solved_places(data, values, over=over)

@@ -95,10 +95,6 @@ def distance_to_reference(histograms: Array, reference: int, *, seed: int = 2006
     ----------
     histograms : (surfaces, loads, bins) array
         Counts or shares; those of the surfaces are pooled, never their distances.
-    reference : int
-        Index of the load that the others are compared with.
-    seed : int
-        Of the resampling.
     """
     surfaces = histograms.shape[0]
     pooled = histograms.sum(axis=0)

@@ -53,15 +53,7 @@ def _recipe(made: dict[str, Any], method: str, settings: Settings) -> dict[str, 
 def edge_of_contact(
     *, problem: ContactProblem, grid: Grid, method: str = "bem", settings: Settings = ()
 ) -> xr.Dataset:
-    """Return P(sigma) of one realisation at small pressure and the edge coefficient, in units of E* h'_rms, lambda_short.
-
-    Parameters
-    ----------
-    method : str
-        Name of a solver.
-    settings : tuple of (str, value)
-        What it is told.
-    """
+    """Return P(sigma) of one realisation at small pressure and the edge coefficient, in units of E* h'_rms, lambda_short."""
     unit, solver = problem.pressure_scale, find_solver(method)
     job = Job(
         field=problem.heights(grid),
@@ -121,21 +113,16 @@ def slopes_of(
 ) -> dict[Place, xr.Dataset]:
     """P'(0) of each surface at dx -> 0, and how far it moves without the coarsest of its grids.
 
+    ``pressure_slope_each`` in units of (E* h'_rms)^-2, by a polynomial of at most second degree in dx^(1/2), and
+    its drift.
+
     Parameters
     ----------
-    surfaces : mapping
-        Surface, solid and load by place.
     points_per_wave : sequence of float
         Grids, as lambda_short/dx, rising.
     window : float
         End of the window in which the mean slope of P is taken (`window_slope`), in units of E* h'_rms
         sqrt(dx/lambda_short): it closes with the grid.
-
-    Returns
-    -------
-    dict of xarray.Dataset
-        ``pressure_slope_each`` in units of (E* h'_rms)^-2, by a polynomial of at most second degree in dx^(1/2), and its
-        drift.
     """
     cases = {
         (place, n): edge_of_contact(problem=surface, grid=grid_for(surface, n))

@@ -95,16 +95,8 @@ def own_pressure(
 def by_peer(*, code: str, problem: ContactProblem, grid: Grid) -> xr.Dataset:
     """Press one surface at one load on one grid by another code, solved no further than its grid deserves.
 
-    Parameters
-    ----------
-    code : str
-        Name of its package.
-
-    Returns
-    -------
-    xarray.Dataset
-        Its areas, seconds of one thread, growth of its memory, and the tolerance it needed. The areas are read off its
-        pressures by the code that reads ours, the located one among them.
+    Its areas, seconds of one thread, growth of its memory, and the tolerance it needed. The areas are read off its
+    pressures by the code that reads ours, the located one among them.
     """
     field, half_space = problem.heights(grid), HalfSpace(solid=problem.elastic)
     own = bem.solve(field, half_space, mean_pressure=problem.pressure, threads=1)

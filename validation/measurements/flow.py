@@ -38,11 +38,8 @@ _STEP = 0.01
 def stiffness_of(measured: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
     """Reduce a path with its stiffness to numbers over (load) on its finest grid, means over the shifts, and the theory's.
 
-    Returns
-    -------
-    xarray.Dataset
-        ``stiffness_each`` K h_rms / p0 with its step from the grid before; ``gap_each``, ``area_perimeter_each``; by
-        every variant of the theory that stores an energy, told the surface, -h_rms / (d gap / d ln p0).
+    ``stiffness_each`` K h_rms / p0 with its step from the grid before; ``gap_each``, ``area_perimeter_each``; by
+    every variant of the theory that stores an energy, told the surface, -h_rms / (d gap / d ln p0).
     """
     shifted = measured.drop_vars(["points", "cells", "points_per_wave"], errors="ignore").mean("shift")
     fine, before = (shifted.isel(grid=k) for k in (-1, -2))
@@ -75,17 +72,12 @@ def stiffness_of(measured: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
 def leaks(*, problem: ContactProblem, grid: Grid, areas: tuple[float, ...]) -> xr.Dataset:
     """Seek the loads that make given areas, and where contact and gap percolate along x and along y.
 
+    What leaks there and how wide the gaps are, over (area, axis) and (area, gap_bin); thresholds (axis).
+
     Parameters
     ----------
-    problem : ContactProblem
-        Surface and solid; the load is sought.
     areas : tuple of float
         A/A0, located inside the cells.
-
-    Returns
-    -------
-    xarray.Dataset
-        What leaks there and how wide the gaps are, over (area, axis) and (area, gap_bin); thresholds (axis).
     """
     field, half_space = problem.heights(grid), HalfSpace(solid=problem.elastic)
 
@@ -126,11 +118,8 @@ NARROW = 0.1
 def flow_of(measured: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
     """Reduce what `leaks` left to means over both axes, one sample of a surface, beside the theories.
 
-    Returns
-    -------
-    xarray.Dataset
-        Over (asked): conductance, Bruggeman's and that of the narrowest place, all over the cube of the mean gap; share
-        of axes that are closed; P(u) h_rms and the share of narrow gaps. Over (phase, axis) and (phase): thresholds.
+    Over (asked): conductance, Bruggeman's and that of the narrowest place, all over the cube of the mean gap; share
+    of axes that are closed; P(u) h_rms and the share of narrow gaps. Over (phase, axis) and (phase): thresholds.
     """
     data = measured.rename(area="asked").rename(asked="area_asked").swap_dims(area_asked="asked")
     narrowest = data.constriction**3 / 12

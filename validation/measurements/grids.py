@@ -214,14 +214,8 @@ def with_methods(
 
     Parameters
     ----------
-    data : xarray.Dataset
-        With ``area_each`` over (surface).
     answers : mapping
         By name of the method, number of the surface, and number of the grid.
-    grids : mapping
-        By name of the method.
-    first : ContactProblem
-        Any of the surfaces.
     """
     surfaces, cases = range(data.sizes["surface"]), [(m, g) for m in grids for g in range(len(grids[m]))]
     names = {

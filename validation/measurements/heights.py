@@ -34,8 +34,6 @@ def height_statistics(
 
     Parameters
     ----------
-    problem : ContactProblem
-        Surface and solid.
     pressures : tuple of float
         p0 [Pa], rising; none for the heights alone.
     """

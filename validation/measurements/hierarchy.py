@@ -51,8 +51,6 @@ def press_bumps(
         By how much of a period each level is moved.
     loads : tuple of float
         p0 / (E* H_0 / L), rising.
-    points : int
-        Along a side.
     """
     field, start, areas = bumps(waves, heights, places, points=points), None, []
     half_space = HalfSpace(solid=BASE_SOLID.elastic)

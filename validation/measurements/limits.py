@@ -50,16 +50,13 @@ def kept_of(one: xr.Dataset) -> xr.Dataset:
 def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
     """Reduce what one of `press_on_grids` left to A/A0 over (load): its limit with the 95 % interval of the grids, and counts.
 
+    ``area_each`` with its error and drift, ``area_pixel_each`` (grid, load) and ``area_perimeter_each`` on the
+    finest grid, means over the shifts; p* is a coordinate.
+
     Parameters
     ----------
     drift : bool
         Whether the limit without the coarsest grid is taken, too: the order of a fit is a systematic error.
-
-    Returns
-    -------
-    xarray.Dataset
-        ``area_each`` with its error and drift, ``area_pixel_each`` (grid, load) and ``area_perimeter_each`` on the
-        finest grid, means over the shifts; p* is a coordinate.
     """
     value, error = area_limits(measured)
     plain = measured.drop_vars(["points", "cells"], errors="ignore")
@@ -157,10 +154,6 @@ def straight_limit(
 
     Parameters
     ----------
-    data : xarray.Dataset
-        Over (grid), coarse first.
-    of : str
-        What tells the values on each grid apart.
     x : str
         Coordinate over (grid) that goes as one over the spacing.
     most : float, optional

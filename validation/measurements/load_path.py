@@ -59,17 +59,9 @@ def second_order_limit(values: xr.DataArray, points: xr.DataArray) -> tuple[xr.D
 def reduced_path(measured: xr.Dataset, *, shortest: float) -> xr.Dataset:
     """Reduce a path that keeps distributions and stiffness to numbers over (load).
 
-    Parameters
-    ----------
-    shortest : float
-        lambda_short [m].
-
-    Returns
-    -------
-    xarray.Dataset
-        The areas of `limits_of`; ``gap_each`` over h_rms and ``energy_ratio_each``, limits over the grids with
-        their error, and the same on the finest grid (``_finest``); ``compliance_each``, p0/(K h_rms) there;
-        patches, and shares of the nominal area by pressure and patch size (load, bin) on the finest grid.
+    The areas of `limits_of`; ``gap_each`` over h_rms and ``energy_ratio_each``, limits over the grids with their
+    error, and the same on the finest grid (``_finest``); ``compliance_each``, p0/(K h_rms) there; patches, and
+    shares of the nominal area by pressure and patch size (load, bin) on the finest grid.
     """
     data = limits_of(measured)
     over_shifts = measured.drop_vars(["points", "cells", "points_per_wave"], errors="ignore").mean("shift")

@@ -49,6 +49,8 @@ def magnified(
 ) -> xr.Dataset:
     """Press one surface at given loads, with its waves up to each magnification.
 
+    Over (load, magnification); thresholds over (percolating, axis, phase).
+
     Parameters
     ----------
     problem : ContactProblem
@@ -59,11 +61,6 @@ def magnified(
         zeta = q/q_long of the last wave there is, rising.
     percolating : tuple of float
         p* at which the magnifications are sought where contact and gap join up.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over (load, magnification); thresholds over (percolating, axis, phase).
     """
     heights, half_space = problem.heights(grid), HalfSpace(solid=problem.elastic)
     q_long = 2 * np.pi / problem.longest

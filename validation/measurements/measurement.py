@@ -158,10 +158,10 @@ def press_on_grids(
 ) -> xr.Dataset:
     """Press one surface, at ascending loads, on nested grids, each on `shifts`^2 sub-grid shifts.
 
+    What `quantities_of` lists over (grid, shift, load); histograms (grid, load, bin), means over the shifts.
+
     Parameters
     ----------
-    problem : ContactProblem
-        Surface, solid and load.
     reduced_pressures : tuple of float
         A path of ascending loads instead of the one of `realised`: p* = p0 / (E* h'_rms), with the realised gradient
         of the whole, untruncated surface.
@@ -169,16 +169,9 @@ def press_on_grids(
         Of a scene; then each load is pressed by itself.
     truncation : float or None
         Drop waves beyond this wavevector [1/m]: roughness up to a magnification.
-    shifts : int
-        Sub-grid shifts along each axis.
     keep : tuple of str
         What else is read off: ``distributions``, histograms of P(sigma) and patch sizes; ``stiffness`` of the frozen
         contact; ``slope`` of P(sigma) at zero.
-
-    Returns
-    -------
-    xarray.Dataset
-        What `quantities_of` lists over (grid, shift, load); histograms (grid, load, bin), means over the shifts.
     """
     loads = reduced_pressures or (reduced_load(problem),)
     offsets = subgrid_shifts(shifts)
@@ -350,14 +343,7 @@ def limit_over(areas: Sequence[ContactAreas]) -> Limit:
 def areas_of(dataset: xr.Dataset, load: int, *, least_points_per_wave: float = 0.0) -> list[ContactAreas]:
     """Return the areas of a measurement at one load, one for each grid and shift, as `located_limit` takes them.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `press_on_grids`.
-    load : int
-        Which of its loads.
-    least_points_per_wave : float
-        Coarser grids are left out.
+    Grids of fewer points per shortest wave than a number are left out.
     """
     keep = np.flatnonzero(dataset.points_per_wave.values >= least_points_per_wave * (1 - 1e-9))
     points, cells = dataset.points.values, dataset.cells.values
@@ -390,8 +376,6 @@ def stored_areas(
         ``pixel``, ``perimeter``, ``edge_fraction``; ``subcell`` and `fem_contact.area.TRAITS` where they were measured.
     lengths : (float, float)
         Periods [m], or in any unit.
-    edge_constant : float
-        That of the method.
     """
     known = {name: float(numbers[name]) for name in (*_AREAS, *TRAITS) if name in numbers}
     subcell = known.pop("subcell", math.nan)

@@ -73,21 +73,14 @@ def area_pairs(
 ) -> xr.Dataset:
     """Press `count` pairs +h, -h on ascending grids.
 
+    What is read off (quantity, pair, sign, grid), and on a single grid the statistics of each pair.
+
     Parameters
     ----------
-    problem : ContactProblem
-        Surface, solid and one load.
     first, count : int
         Realisations. Each meets the load as a scene says it: p* of its own gradient, or one pressure for all.
-    tolerance : float
-        Of the solver.
     effects : tuple
         Of a scene. With any, edges are not located, and the corrected area stands for the area.
-
-    Returns
-    -------
-    xarray.Dataset
-        What is read off (quantity, pair, sign, grid), and on a single grid the statistics of each pair.
     """
 
     def read_off(grid: Grid, surface: ContactProblem) -> tuple[float, ...]:

@@ -43,17 +43,7 @@ def _dataset(
     areas: Sequence[Sequence[tuple[float, ...]]],
     sums: Sequence[Mapping[str, Array]],
 ) -> xr.Dataset:
-    """Put together what a chain or a probe leaves.
-
-    Parameters
-    ----------
-    data : mapping
-        Variables of their own.
-    areas : (levels, 2, 4) sequence
-        Numbers of `AREAS` of every state, with the ring and with its negative; first that without.
-    sums : sequence
-        Of each step, means over both signs.
-    """
+    """Put together what a chain or a probe leaves."""
     table = np.array(areas)
     made = dict(data) | {name: (("sign", "level"), table[:, :, k].T) for k, name in enumerate(AREAS)}
     for name in sums[0]:
@@ -171,23 +161,16 @@ def chain(
 ) -> xr.Dataset:
     """Press a surface with its waves up to rising magnifications, each ring with both signs, and keep the sums.
 
+    Over (sign, level), (step), (step, bin), (octave, level).
+
     Parameters
     ----------
-    problem : ContactProblem
-        The whole surface, solid and load.
-    points : int
-        Grid points along each axis.
     ends : tuple of float
         Magnifications q/q_long at which the rings end, rising.
     restarts : tuple of float
         Those among them at which absorbing diffusion is started from the truth.
     tolerance : float
         Of every solve; the area is off by less than that, relative, and every flow is much larger.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over (sign, level), (step), (step, bin), (octave, level).
     """
     variance: list[float] = []
     areas: list[list[tuple[float, ...]]] = []
@@ -255,19 +238,14 @@ def probe(
 
     The load p* counts in the gradient of the waves up to that magnification.
 
+    Over (), (step), (step, bin).
+
     Parameters
     ----------
-    problem, points, tolerance
-        As for a `chain`.
     magnification : float
         q/q_long of the last wave there is.
     steps : tuple of float
         Delta V / V of the ring.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over (), (step), (step, bin).
     """
     rings = Rings(problem, points, tolerance)
     heights = rings.heights(0.0, magnification)

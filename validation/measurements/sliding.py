@@ -41,17 +41,14 @@ def slides(
 ) -> xr.Dataset:
     """Let one surface slide under its load at rising velocities, each started from the one before, on nested grids.
 
+    `QUANTITIES` over (grid, velocity).
+
     Parameters
     ----------
     problem : ContactProblem
         Surface and load; its solid is the relaxed one.
     velocities : tuple of float
         v [m/s] along x.
-
-    Returns
-    -------
-    xarray.Dataset
-        `QUANTITIES` over (grid, velocity).
     """
     values = {name: np.empty((len(grids), len(velocities))) for name in QUANTITIES}
     for i, grid in enumerate(grids):
@@ -83,12 +80,9 @@ def _read_off(found: SlidingContact, *, gradient: float) -> dict[str, float]:
 def slid_of(measured: xr.Dataset, solve: Call) -> xr.Dataset:
     """Reduce what one of `slides` left to numbers over (velocity) on its finest grid, with what each grid gave, and the theory's.
 
-    Returns
-    -------
-    xarray.Dataset
-        ``friction_each``, whose drift is its distance to ``friction_dissipated_each``, and ``area_each``, whose drift is
-        its step from the grid before; ``_grid_each`` over (grid, velocity); friction by the shares of the full energy and
-        area by the variants of the theory, told the realised waves.
+    ``friction_each``, whose drift is its distance to ``friction_dissipated_each``, and ``area_each``, whose drift
+    is its step from the grid before; ``_grid_each`` over (grid, velocity); friction by the shares of the full
+    energy and area by the variants of the theory, told the realised waves.
     """
     on_grids = {"friction": "friction", "friction_dissipated": "dissipation", "area": "area"}
     fine, before = (measured.isel(grid=k) for k in (-1, -2))

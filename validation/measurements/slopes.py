@@ -43,19 +43,14 @@ def steepened(
 ) -> xr.Dataset:
     """Press a surface at one p0 / (E* h'_rms) with rising slopes, where the solid is neo-Hookean.
 
+    Areas and the mean square pressure by slope; NaN, with the reason, where Newton's method ends.
+
     Parameters
     ----------
     slopes : tuple of float
         h'_rms to which the heights are scaled, rising.
     depth : float
         Of the block, in periods.
-    growth : float
-        Of the layers with depth.
-
-    Returns
-    -------
-    xarray.Dataset
-        Areas and the mean square pressure by slope; NaN, with the reason, where Newton's method ends.
     """
     from threadpoolctl import threadpool_limits
 

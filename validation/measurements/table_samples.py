@@ -38,8 +38,6 @@ def at_loads(
         A/A0 at p*, rising.
     wanted : (m,) array
         p*; a little beyond the first and the last it is extrapolated.
-    interpolator : callable
-        Of SciPy.
     """
     ratio = areas / persson_area(loads)
     return np.asarray(persson_area(wanted) * interpolator(np.log(loads), ratio)(np.log(wanted)))

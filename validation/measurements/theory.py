@@ -118,8 +118,6 @@ def ensemble_stress_variance(spectrum: Spectrum | None, rms_gradients: ArrayLike
 
     Parameters
     ----------
-    spectrum : Spectrum or None
-        C(q).
     rms_gradients : (n,) array
         Realised h'_rms of the surfaces.
     """
@@ -143,8 +141,6 @@ def ensemble_area(
 
     Parameters
     ----------
-    spectrum : Spectrum or None
-        C(q).
     reduced_pressures : (loads,) array
         p* with the realised gradient of each surface.
     rms_gradients : (n,) array

@@ -49,33 +49,17 @@ class Convention:
 
 @dataclass(frozen=True, kw_only=True)
 class Claim:
-    """A number in the paper.
+    """A number in the paper."""
 
-    Attributes
-    ----------
-    text, section : str
-        What is claimed, and where.
-    stated : Stated
-    value : callable
-        Computes the number under a convention of the application.
-    fixed : bool
-        Whether no convention enters.
-    choice : str
-        What the paper does not state and was chosen here; empty if nothing.
-    failure : str
-        Why the claim does not hold, should it not agree.
-    note : callable, optional
-        Further numbers to report beside it.
-    """
-
-    text: str
+    text: str  # What is claimed, and where
     section: str
     stated: Stated
-    value: Callable[[Any], float]
-    fixed: bool = True
-    choice: str = ""
+    value: Callable[[Any], float]  # Computes the number under a convention of the application
+    fixed: bool = True  # Whether no convention enters
+    choice: str = ""  # What the paper does not state and was chosen here; empty if nothing
+    # Why the claim does not hold, should it not agree.
     failure: str = "the formulas and numbers of the paper do not give it"
-    note: Callable[[], str] | None = None
+    note: Callable[[], str] | None = None  # Further numbers to report beside it
 
     def agrees(self, value: float) -> bool:
         """Whether a number counts as the paper's."""
@@ -121,29 +105,16 @@ class Unjudged(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class ClaimRow:
-    """A claim and what became of it.
+    """A claim and what became of it."""
 
-    Attributes
-    ----------
-    claim, application, section : str
-        What is claimed, of which system, and where.
-    stated : Stated
-    computed, literal : float
-        Under the joint convention of the application, and under the literal one.
-    convention : str
-        The joint convention; "as stated" where none enters.
-    verdict, reason, note : str
-        Whether it holds, why not or what was chosen, and what else there is to say.
-    """
-
-    claim: str
+    claim: str  # What is claimed, of which system, and where
     application: str
     section: str
     stated: Stated
-    computed: float
+    computed: float  # Under the joint convention of the application, and under the literal one
     literal: float
-    convention: str
-    verdict: str
+    convention: str  # The joint convention; "as stated" where none enters
+    verdict: str  # Whether it holds, why not or what was chosen, and what else there is to say
     reason: str
     note: str
 

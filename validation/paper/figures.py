@@ -30,21 +30,11 @@ Curves = Mapping[str, Mapping[str, Any]]
 
 @dataclass(frozen=True, kw_only=True)
 class PaperFigure:
-    """One figure of the paper.
+    """One figure of the paper."""
 
-    Attributes
-    ----------
-    name : str
-        It tells its variables from those of others, as a qualifier of the registry.
-    title : str
-        What it shows, with the choices made.
-    panels : tuple of (str, str, str)
-        Quantity along the axis, quantity up the axis, and which axes are logarithmic.
-    curves : callable
-    """
-
-    name: str
-    title: str
+    name: str  # It tells its variables from those of others, as a qualifier of the registry
+    title: str  # What it shows, with the choices made
+    # Quantity along the axis, quantity up the axis, and which axes are logarithmic.
     panels: tuple[tuple[str, str, str], ...]
     curves: Callable[[], Curves]
 

@@ -30,24 +30,14 @@ _RADIUS, _FORCE = 1.8e-3, 0.06**3
 
 @dataclass(frozen=True, kw_only=True)
 class Pyrex:
-    """What Sec. 10.2 leaves open: how the roughness of two surfaces adds up, moduli, energies.
+    """What Sec. 10.2 leaves open: how the roughness of two surfaces adds up, moduli, energies."""
 
-    Attributes
-    ----------
-    multiple : float
-        Of C(q): 1 for one surface, 2 for two independent ones, 4 for two equal ones added coherently.
-    young : float
-        Composite Young's modulus [Pa]: 32 GPa as in the captions, or 16 if that is the modulus of each body.
-    work : float
-        Delta gamma [J/m^2]: .43 as in the caption, or twice that, as Eq. 53 wants.
-    energy : str
-        Elastic energy at partial contact.
-    """
-
+    # Of C(q): 1 for one surface, 2 for two independent ones, 4 for two equal ones added coherently.
     multiple: float = 1.0
+    # Composite Young's modulus [Pa]: 32 GPa as in the captions, or 16 if that is the modulus of each body.
     young: float = 32e9
-    work: float = s.PYREX_WORK
-    energy: EnergyName = "improved"
+    work: float = s.PYREX_WORK  # Delta gamma [J/m^2]: .43 as in the caption, or twice that, as Eq. 53 wants
+    energy: EnergyName = "improved"  # Elastic energy at partial contact
 
     @property
     def name(self) -> str:

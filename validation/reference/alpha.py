@@ -34,15 +34,12 @@ def bandwidth_at(*, hurst: float, alpha: float) -> float:
 def at_equal_alpha(table: xr.Dataset, alphas: Sequence[float]) -> xr.Dataset:
     """Interpolate the areas of a table to equal Nayak parameters of C(q), along the bandwidth.
 
+    `area`, `area_error` and `bandwidth` over (alpha, hurst, reduced_pressure); NaN outside of the table.
+
     Parameters
     ----------
     table : xarray.Dataset
         Of one kind of amplitudes, over (hurst, bandwidth, reduced_pressure).
-
-    Returns
-    -------
-    xarray.Dataset
-        `area`, `area_error` and `bandwidth` over (alpha, hurst, reduced_pressure); NaN outside of the table.
     """
     import xarray as xr
 

@@ -23,23 +23,13 @@ _AXES = {"hurst": "H", "bandwidth": "lambda_long/lambda_short", "reduced_pressur
 
 @dataclass(frozen=True, kw_only=True)
 class ReferenceValue:
-    """A number of the table, or between its nodes.
-
-    Attributes
-    ----------
-    quantity, meaning : str
-    value : float
-    uncertainty : float
-        Half of the 95 % interval: surfaces, grid, solver, and interpolation.
-    interpolation : float
-        Its part that interpolation has; 0 at a node.
-    """
+    """A number of the table, or between its nodes."""
 
     quantity: str
     meaning: str
     value: float
-    uncertainty: float
-    interpolation: float
+    uncertainty: float  # Half of the 95 % interval: surfaces, grid, solver, and interpolation
+    interpolation: float  # Its part that interpolation has; 0 at a node
 
 
 def interpolated(data: xr.Dataset, name: str, asked: Mapping[str, float]) -> ReferenceValue:

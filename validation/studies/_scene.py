@@ -39,20 +39,13 @@ class SolverRequest:
 
 
 class PressedOptions(StudyOptions):
-    """Options of a study that presses the surfaces of one spectrum: its own, or those of a scene.
+    """Options of a study that presses the surfaces of one spectrum: its own, or those of a scene."""
 
-    Attributes
-    ----------
-    grids_of : mapping
-        Which option says, as lambda_short/dx, the grids of which method.
-    off : mapping
-        Options of parts that make surfaces of their own, and their values on a scene.
-    slots, plain
-        Of the effects that its question allows, and why no others.
-    """
-
+    # Which option says, as lambda_short/dx, the grids of which method.
     grids_of: ClassVar[Mapping[str, str]] = {"points_per_wave": "bem"}
+    # Options of parts that make surfaces of their own, and their values on a scene.
     off: ClassVar[Mapping[str, Any]] = {}
+    # Of the effects that its question allows, and why no others.
     slots: ClassVar[frozenset[SlotName]] = frozenset()
     plain: ClassVar[str] = "it compares with the elastic half-space"
 

@@ -38,15 +38,9 @@ _MOST = 10_000
 
 
 class StudyOptions(Table):
-    """Options of a study: a table like those of a scene, with units, ranges and meanings; all have defaults.
+    """Options of a study: a table like those of a scene, with units, ranges and meanings; all have defaults."""
 
-    Attributes
-    ----------
-    own : str
-        Why it takes no scene, where it has no option of that name.
-    """
-
-    own: typing.ClassVar[str] = ""
+    own: typing.ClassVar[str] = ""  # Why it takes no scene, where it has no option of that name
 
     @field_validator("*", mode="after")
     @classmethod

@@ -122,11 +122,8 @@ def design(options: Options) -> dict[_Case, Call]:
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Measure error and time of every way to an area, against limits from grids that no way has seen.
 
-    Returns
-    -------
-    xarray.Dataset
-        Deviation from the reference (way, surface), its root mean square, seconds and bytes (way); for each
-        accuracy the fastest and the leanest way; the coverage of the intervals claimed by the coarse grids.
+    Deviation from the reference (way, surface), its root mean square, seconds and bytes (way); for each accuracy
+    the fastest and the leanest way; the coverage of the intervals claimed by the coarse grids.
 
     Notes
     -----

@@ -141,12 +141,9 @@ def _pressed(options: Options, case: Case, k: int, whole: ContactProblem) -> Sti
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Turn every dial, on two grids.
 
-    Returns
-    -------
-    xarray.Dataset
-        Over (case, surface) and their means over the surfaces: A/A0 with adhesion and without, by the theory with both
-        readings of its elastic energy, at the realised gradient; energy gained by the whole interface, and the theory's
-        gamma_eff, over w; yielded area.
+    Over (case, surface) and their means over the surfaces: A/A0 with adhesion and without, by the theory with both
+    readings of its elastic energy, at the realised gradient; energy gained by the whole interface, and the theory's
+    gamma_eff, over w; yielded area.
     """
     cases = design(options)
     solved = bench.solve(

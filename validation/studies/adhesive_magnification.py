@@ -77,12 +77,9 @@ class Options(StudyOptions):
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Solve every cut of every surface with its own work and with gamma_eff(zeta), on two grids.
 
-    Returns
-    -------
-    xarray.Dataset
-        Area, force, energy and tension over (told, surface, magnification), limits over grids, beside both readings of
-        the theory; stress in the contact as shares over bins, surfaces pooled; P~ of the waves between magnifications
-        (surface, shell) of the whole surface; what half the range changes.
+    Area, force, energy and tension over (told, surface, magnification), limits over grids, beside both readings of
+    the theory; stress in the contact as shares over bins, surfaces pooled; P~ of the waves between magnifications
+    (surface, shell) of the whole surface; what half the range changes.
     """
     wholes = [_whole(options, k) for k in range(options.surfaces)]
     along = [readings(whole, work=work, area="projected") for whole, work in wholes]

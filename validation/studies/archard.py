@@ -70,11 +70,8 @@ class Options(StudyOptions):
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Press hierarchies of one level, two, and so on, with the levels moved against each other.
 
-    Returns
-    -------
-    xarray.Dataset
-        Located A/A0 over (level, surface, grid, load), where surfaces differ in how the levels are moved; its power of the
-        load by least squares, and the local one; both of Archard's spheres.
+    Located A/A0 over (level, surface, grid, load), where surfaces differ in how the levels are moved; its power of
+    the load by least squares, and the local one; both of Archard's spheres.
     """
     cases = _cases(options)
     counts = range(1, len(options.waves) + 2)

@@ -100,11 +100,8 @@ class Options(StudyOptions):
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Build every surface up ring by ring, and probe single rings.
 
-    Returns
-    -------
-    xarray.Dataset
-        Over (hurst, load, surface, grid): the budgets of every ring (step), and of single rings of given Delta V / V
-        (``_probe``), and what `validation.measurements.diffusion` makes of them.
+    Over (hurst, load, surface, grid): the budgets of every ring (step), and of single rings of given Delta V / V
+    (``_probe``), and what `validation.measurements.diffusion` makes of them.
     """
     probes = {zeta: _probes(options, bench, zeta) for zeta in options.probes}
     data = _chains(options, bench).merge(gather(probes, probe=options.probes))

@@ -79,11 +79,8 @@ def design(options: Options) -> dict[tuple[float, int], Call]:
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Press every surface of every size along the path of loads, and move each frozen contact.
 
-    Returns
-    -------
-    xarray.Dataset
-        Stiffness K h_rms / p0, mean gap and area on the finest grid (periods, surface, load), beside the theory's; local
-        power of the load with which the stiffness goes (periods, surface, step), and its mean at light load.
+    Stiffness K h_rms / p0, mean gap and area on the finest grid (periods, surface, load), beside the theory's;
+    local power of the load with which the stiffness goes (periods, surface, step), and its mean at light load.
     """
     cases = design(options)
     parts = {case: stiffness_of(one, cases[case]["problem"]) for case, one in solved(bench, cases).items()}

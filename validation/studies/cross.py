@@ -112,10 +112,7 @@ def _others(options: Options) -> Iterator[tuple[str, float, Any]]:
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Press the same heights by both methods.
 
-    Returns
-    -------
-    xarray.Dataset
-        Differences (leg, points_per_wave, surface), their means, and the order in dx of that of the pressure.
+    Differences (leg, points_per_wave, surface), their means, and the order in dx of that of the pressure.
     """
     cases = design(options)
     parts = {place: _differences(data) for place, data in solved(bench, cases).items()}

@@ -94,10 +94,7 @@ def _solve(block: Block, options: Options) -> Call:
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Vary every parameter of the block.
 
-    Returns
-    -------
-    xarray.Dataset
-        Pressure differences to the half-space and to the bonded layer of the same depth, by case.
+    Pressure differences to the half-space and to the bonded layer of the same depth, by case.
     """
     parts = solved(bench, design(options))
     numbers = {

@@ -59,13 +59,10 @@ class Options(pressure.Options):
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Press every surface along the path of loads, and the first once more for the checks.
 
-    Returns
-    -------
-    xarray.Dataset
-        That of `pressure.measured_path` beside all readings of the energy; ``work_check`` (load), energy gained
-        over the work of the load between loads close to each, ``path_work_check`` along the path;
-        ``stiffness_check`` (load), difference quotient over the stiffness; ``left_*`` (tolerance, load), what a
-        tolerance of the solver leaves.
+    That of `pressure.measured_path` beside all readings of the energy; ``work_check`` (load), energy gained over
+    the work of the load between loads close to each, ``path_work_check`` along the path; ``stiffness_check``
+    (load), difference quotient over the stiffness; ``left_*`` (tolerance, load), what a tolerance of the solver
+    leaves.
     """
     first = design(options)[0]
     first = first.but(grids=first["grids"][-2:][:1], shifts=1)

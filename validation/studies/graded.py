@@ -53,11 +53,8 @@ class Options(StudyOptions):
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Compare the moduli wave by wave; nothing is solved.
 
-    Returns
-    -------
-    xarray.Dataset
-        Over `modulus_ratio` and `reduced_wave` (q d, with the depth or thickness d): the modulus felt by the theory over the
-        exact one for an exponential profile and for a coating, and the largest E'/(E q) of the profile.
+    Over `modulus_ratio` and `reduced_wave` (q d, with the depth or thickness d): the modulus felt by the theory
+    over the exact one for an exponential profile and for a coating, and the largest E'/(E q) of the profile.
     """
     if bench.plan_only:
         bench.solve([])

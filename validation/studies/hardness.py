@@ -133,11 +133,8 @@ def design(options: Options) -> dict[tuple[Case, int], tuple[Press, ...]]:
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Solve every surface at every load and magnification on every grid.
 
-    Returns
-    -------
-    xarray.Dataset
-        A_pl/A0 and A_el/A0 (case, surface, grid), their limits linear in dx and means, and the theory with the gradient of
-        the same surfaces; share of C(q) (surface, wave) that the smoothed surfaces keep, and Persson's.
+    A_pl/A0 and A_el/A0 (case, surface, grid), their limits linear in dx and means, and the theory with the gradient
+    of the same surfaces; share of C(q) (surface, wave) that the smoothed surfaces keep, and Persson's.
     """
     solves = design(options)
     solved = bench.solve([solve for several in solves.values() for solve in several])

@@ -70,11 +70,8 @@ class Options(StudyOptions):
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Read off the heights of every sample, and press the largest ones beside those with longer waves.
 
-    Returns
-    -------
-    xarray.Dataset
-        Density of heights and what deviates from the Gaussian over (sample, surface); area over (spectrum, surface, load)
-        of the two spectra at the same p0, and Persson's told each gradient.
+    Density of heights and what deviates from the Gaussian over (sample, surface); area over (spectrum, surface,
+    load) of the two spectra at the same p0, and Persson's told each gradient.
     """
     surfaces, middles = range(options.surfaces), (HEIGHT_EDGES[1:] + HEIGHT_EDGES[:-1]) / 2
     found = {place: kept_of(one) for place, one in solved(bench, _cases(options)).items()}

@@ -120,11 +120,9 @@ def design(options: Options) -> dict[_Case, Call]:
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Measure kappa for every spectrum, surface and load, and how it moves with the bandwidth and with the sample.
 
-    Returns
-    -------
-    xarray.Dataset
-        kappa (family, hurst, load), of each surface, counted and corrected, with all theories, by load; on the ladders, over
-        (ladder, rung), with its limits. Surfaces 2k and 2k + 1 are +h and -h; all spectra share their phases.
+    Returns kappa (family, hurst, load), of each surface, counted and corrected, with all theories, by load; on the
+    ladders, over (ladder, rung), with its limits. Surfaces 2k and 2k + 1 are +h and -h; all spectra share their
+    phases.
     """
     cases = design(options)
     measured = solved(bench, cases)

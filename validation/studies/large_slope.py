@@ -59,11 +59,8 @@ class Options(StudyOptions):
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Make every surface steeper, at every load and Poisson ratio, on every grid.
 
-    Returns
-    -------
-    xarray.Dataset
-        Areas and mean square pressure over those of the linear block less 1, over (nu, load, surface, grid, slope); NaN
-        where Newton's method found no equilibrium; their means on the finest grid, and from which slope on they count.
+    Areas and mean square pressure over those of the linear block less 1, over (nu, load, surface, grid, slope); NaN
+    where Newton's method found no equilibrium; their means on the finest grid, and from which slope on they count.
     """
     dims = {
         "nu": options.poissons,

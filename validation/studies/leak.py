@@ -69,12 +69,9 @@ def design(options: Options) -> dict[tuple[float, int], Call]:
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Press every surface of every spectrum to its areas and thresholds.
 
-    Returns
-    -------
-    xarray.Dataset
-        Conductance, what theories make of the same gap, and whether it is closed over (bandwidth, surface, asked), and by
-        axis; both percolation thresholds, as located A/A0, over (bandwidth, surface, phase), and of all bandwidths, whose
-        surfaces have common phases, as one sample; P(u), and that of the theory told the load of each surface.
+    Conductance, what theories make of the same gap, and whether it is closed over (bandwidth, surface, asked), and
+    by axis; both percolation thresholds, as located A/A0, over (bandwidth, surface, phase), and of all bandwidths,
+    whose surfaces have common phases, as one sample; P(u), and that of the theory told the load of each surface.
     """
     cases = design(options)
     parts = {case: flow_of(one, cases[case]["problem"]) for case, one in solved(bench, cases).items()}

@@ -65,12 +65,9 @@ class Options(StudyOptions):
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Press every surface with its waves up to each magnification.
 
-    Returns
-    -------
-    xarray.Dataset
-        Area, patches and what lies in the contact seen at zeta over (surface, load, magnification); thresholds over
-        (surface, phase, percolating, axis); ``macro_magnification`` where ln A bends most, in simulation and theory,
-        and area and pressure there (surface, load).
+    Area, patches and what lies in the contact seen at zeta over (surface, load, magnification); thresholds over
+    (surface, phase, percolating, axis); ``macro_magnification`` where ln A bends most, in simulation and theory,
+    and area and pressure there (surface, load).
     """
     first = options.first
     cases = {

@@ -63,11 +63,8 @@ def design(options: Options) -> dict[tuple[int, float], Call]:
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Press every surface with its waves up to each magnification, always at the same nominal pressures.
 
-    Returns
-    -------
-    xarray.Dataset
-        Area (surface, magnification, load), its mean over the surfaces, and the theory told the realised gradient of
-        the waves that are there, or C(q) alone up to that magnification.
+    Area (surface, magnification, load), its mean over the surfaces, and the theory told the realised gradient of
+    the waves that are there, or C(q) alone up to that magnification.
     """
     first, cases = options.first, design(options)
     q_long = 2 * np.pi / first.longest

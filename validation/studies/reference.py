@@ -139,12 +139,9 @@ class Options(StudyOptions):
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Solve all pairs of every spectrum, and take the controlled mean of each quantity.
 
-    Returns
-    -------
-    xarray.Dataset
-        Over (amplitudes, hurst, bandwidth, reduced_pressure), NaN where nobody asked, for each of `QUANTITIES` and for the
-        area at p* by the gradient of C(q): the mean with its errors by source; ``saving``; how far the theories are off;
-        areas of the exact amplitudes at equal Nayak parameter.
+    Over (amplitudes, hurst, bandwidth, reduced_pressure), NaN where nobody asked, for each of `QUANTITIES` and for
+    the area at p* by the gradient of C(q): the mean with its errors by source; ``saving``; how far the theories are
+    off; areas of the exact amplitudes at equal Nayak parameter.
     """
     made = _means(options, "exact", bench)
     if larger := options.larger_samples():

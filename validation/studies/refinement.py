@@ -136,12 +136,9 @@ def design(options: Options) -> dict[_Case, Call]:
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Measure the area on every grid, by boundary and by finite elements, and with roughness down to the grid scale.
 
-    Returns
-    -------
-    xarray.Dataset
-        Areas of each surface (surface, grid), means over the shifts, their limit and distances from it; moments of P(sigma)
-        and sizes of patches; areas of finite elements (element, surface, fem_grid) and of other methods; kappa of the
-        grid-scale protocol (surface, protocol_grid, slope).
+    Areas of each surface (surface, grid), means over the shifts, their limit and distances from it; moments of
+    P(sigma) and sizes of patches; areas of finite elements (element, surface, fem_grid) and of other methods; kappa
+    of the grid-scale protocol (surface, protocol_grid, slope).
     """
     found = solved(bench, design(options))
     data = _of_boundary_elements(options, found)

@@ -108,11 +108,8 @@ def design(options: Options) -> dict[tuple[int, int], Call]:
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Solve surfaces whose bandwidth grows with the grid, and measure what that costs.
 
-    Returns
-    -------
-    xarray.Dataset
-        Costs and located area (points, surface); the exponent of each cost in N, what one decade more costs, and how
-        far the memory that was free and an hour reach.
+    Costs and located area (points, surface); the exponent of each cost in N, what one decade more costs, and how
+    far the memory that was free and an hour reach.
     """
     from validation.execution.cost import available_memory
 

@@ -147,11 +147,8 @@ def _relaxed(rubber: Rubber) -> float:
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Let every surface slide at every velocity, on every grid.
 
-    Returns
-    -------
-    xarray.Dataset
-        mu / h'_rms by slopes and by losses, A/A0 and what the solves took over (surface, velocity), and over (grid); the
-        theory told the realised waves; |E(2 pi v / L)| / E_0 over velocity.
+    Returns mu / h'_rms by slopes and by losses, A/A0 and what the solves took over (surface, velocity), and over
+    (grid); the theory told the realised waves; |E(2 pi v / L)| / E_0 over velocity.
     """
     cases, rubber = design(options), options.rubber()
     parts = {k: slid_of(one, cases[k]) for k, one in solved(bench, cases).items()}

@@ -95,10 +95,7 @@ def _cases_of(names: Sequence[str]) -> tuple[HardCase, ...]:
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Vary every parameter; the bench runs no solve, since how a solve ends is what is studied.
 
-    Returns
-    -------
-    xarray.Dataset
-        By (row): case, method, value, deviation, bound, residual, outcome, seconds.
+    By (row): case, method, value, deviation, bound, residual, outcome, seconds.
     """
     if bench.plan_only:
         bench.solve([])

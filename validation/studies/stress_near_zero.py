@@ -63,12 +63,9 @@ def design(options: Options, asked: tuple[SolverRequest, ...]) -> dict[tuple[str
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Measure the density of small pressures on grids fine enough to see the edge.
 
-    Returns
-    -------
-    xarray.Dataset
-        Over (method, surface, grid) the density in a window that closes, its mean slope there after the counted
-        area in excess is taken out, and the slope that follows from the contour and the edge coefficient; over
-        (method, surface) their limits at dx -> 0, with means over the surfaces.
+    Over (method, surface, grid) the density in a window that closes, its mean slope there after the counted area in
+    excess is taken out, and the slope that follows from the contour and the edge coefficient; over (method,
+    surface) their limits at dx -> 0, with means over the surfaces.
 
     Raises
     ------

@@ -63,11 +63,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
     The cases run in stages, study by study: a dry run lists those of the first.
 
-    Returns
-    -------
-    xarray.Dataset
-        That of `pressure.measured_path` beside the theories: simulated over predicted values, told the realised
-        surfaces, over (theory, load), their mean distances from 1, and ``stress_distance`` of P(sigma).
+    That of `pressure.measured_path` beside the theories: simulated over predicted values, told the realised
+    surfaces, over (theory, load), their mean distances from 1, and ``stress_distance`` of P(sigma).
     """
     # What is unknown is refused before anything is solved.
     theories = (*persson_variants(), *map(find_theory, options.theory))

@@ -16,24 +16,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Rough:
-    """What a theory is told of a surface and the solid that it is pressed on.
+    """What a theory is told of a surface and the solid that it is pressed on."""
 
-    Attributes
-    ----------
-    contact_modulus : float
-        E* [Pa].
-    moments : persson.spectrum.Moments
-        m0 [m^2], m2 [-] and m4 [1/m^2] of the realised surface.
-    spectrum : persson.spectrum.Spectrum or None
-        C(q) [m^4] that it was drawn from; None where nobody knows it.
-    waves : Waves
-        Of the realised surface, in units of E*.
-    """
-
-    contact_modulus: float
-    moments: Moments
-    spectrum: Spectrum | None
-    waves: Waves
+    contact_modulus: float  # E* [Pa]
+    moments: Moments  # m0 [m^2], m2 [-] and m4 [1/m^2] of the realised surface
+    spectrum: Spectrum | None  # C(q) [m^4] that it was drawn from; None where nobody knows it
+    waves: Waves  # Of the realised surface, in units of E*
 
     @classmethod
     def of(cls, problem: ContactProblem) -> Rough:
@@ -51,18 +39,11 @@ class Theory(ABC):
     """A theory of the elastic contact of rough surfaces; a subclass is found by its class.
 
     Pressures are nominal, rising, of shape (n,) [Pa]. Where a theory says nothing of a pressure, NaN.
-
-    Attributes
-    ----------
-    name, label : str
-        By which it is asked for, and what tables call it.
-    papers : tuple of str
-        What to cite.
     """
 
-    name: ClassVar[str]
+    name: ClassVar[str]  # By which it is asked for, and what tables call it
     label: str
-    papers: ClassVar[tuple[str, ...]] = ()
+    papers: ClassVar[tuple[str, ...]] = ()  # What to cite
 
     @abstractmethod
     def area(self, pressure: Array, rough: Rough) -> Array:

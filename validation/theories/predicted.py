@@ -35,12 +35,9 @@ def predictions(
 ) -> xr.Dataset:
     """Return what theories say, means over the surfaces; NaN where one says nothing.
 
-    Returns
-    -------
-    xarray.Dataset
-        Over (theory, load) ``area_predicted``, ``gap_predicted`` (over h_rms), ``energy_ratio_predicted``
-        and ``compliance_predicted`` (p0/(K h_rms) = -d gap/d ln p0 / h_rms), told each realised surface;
-        and the same with ``_spectral``, told C(q) alone.
+    Over (theory, load) ``area_predicted``, ``gap_predicted`` (over h_rms), ``energy_ratio_predicted`` and
+    ``compliance_predicted`` (p0/(K h_rms) = -d gap/d ln p0 / h_rms), told each realised surface; and the
+    same with ``_spectral``, told C(q) alone.
     """
     import xarray as xr
 
