@@ -61,9 +61,9 @@ def readings(
 
     def solved(energy: Reading) -> AdhesiveContact | None:
         interface = Interface(work_of_adhesion=work, energy=energy, area=area)
-        told: dict[str, Any] = {"interface": interface, "yield_stress": hardness}
+        load: dict[str, Any] = {"interface": interface, "yield_stress": hardness}
         try:
-            return solve_adhesion(scale, pressure=problem.pressure, **told).checked()
+            return solve_adhesion(scale, pressure=problem.pressure, **load).checked()
         except PerssonError:
             return None
 
@@ -97,13 +97,13 @@ class Sticking:
         """Return the solves with adhesion or without, coarse grid first."""
         effects: tuple[Adhesion | Hardness, ...] = (self.adhesion,) if sticky else ()
         effects += () if self.hardness is None else (Hardness(hardness=self.hardness),)
-        told: dict[str, Any] = {"settings": (("tolerance", 1e-8),), "effects": effects}
-        return tuple(Press(method="bem", grid=(n, n), problem=self.problem, **told) for n in self.grids)
+        arguments: dict[str, Any] = {"settings": (("tolerance", 1e-8),), "effects": effects}
+        return tuple(Press(method="bem", grid=(n, n), problem=self.problem, **arguments) for n in self.grids)
 
     def measured(self, solved: Solves) -> xr.Dataset:
         """Return areas on every grid, what the interface gains on the finest, and what the theory says."""
         sticky, plain = ([solved[s].checked() for s in self.solves(sticky=held)] for held in (True, False))
-        work, own = self.adhesion.work, self.problem
+        work, problem = self.adhesion.work, self.problem
         counted = {
             "area": [contact.in_contact.mean() for contact in sticky],
             "area_plain": [contact.in_contact.mean() for contact in plain],
@@ -111,18 +111,20 @@ class Sticking:
         }
         if self.hardness is None:
             counted["area_plastic"] = [math.nan] * len(self.grids)
-        said = readings(own, work=work, hardness=self.hardness)
-        improved = said["improved"]
+        solutions = readings(problem, work=work, hardness=self.hardness)
+        improved = solutions["improved"]
         hard = self.hardness is not None and improved is not None
         numbers: dict[str, float] = {
-            "area_plain_persson": without_adhesion(own, self.hardness),
+            "area_plain_persson": without_adhesion(problem, self.hardness),
             "area_plastic_improved": float(improved.area_plastic[-1]) if hard and improved else math.nan,
             "interface_energy": interface_energy(sticky[-1], self.adhesion.gap_law()) / work,
-            "attraction_range": self.adhesion.gap_law().reach / own.field.rms_height,
+            "attraction_range": self.adhesion.gap_law().reach / problem.field.rms_height,
         }
-        for reading, one in said.items():
-            numbers[f"area_{reading}"] = math.nan if one is None else one.real_area
-            numbers[f"interface_energy_{reading}"] = math.nan if one is None else one.macroscopic_work / work
+        for reading, solution in solutions.items():
+            numbers[f"area_{reading}"] = math.nan if solution is None else solution.real_area
+            numbers[f"interface_energy_{reading}"] = (
+                math.nan if solution is None else solution.macroscopic_work / work
+            )
         return xr.Dataset(
             {f"{name}_pixel_each": ("grid", values) for name, values in counted.items()}
             | {f"{name}_each": value for name, value in numbers.items()}
@@ -154,10 +156,10 @@ def sticky_contact(
     """
     field, law = problem.heights(grid), adhesion.Exponential(work=work, reach=reach)
     half_space = HalfSpace(solid=problem.elastic)
-    told: dict[str, Any] = {"mean_pressure": problem.pressure, "threads": 1}
-    plain = bem.solve(field, half_space, **told).checked()
-    told["law"] = law
-    near = adhesion.solve(field, half_space, start=np.maximum(plain.gap, 0.0), **told)
+    load: dict[str, Any] = {"mean_pressure": problem.pressure, "threads": 1}
+    plain = bem.solve(field, half_space, **load).checked()
+    load["law"] = law
+    near = adhesion.solve(field, half_space, start=np.maximum(plain.gap, 0.0), **load)
     contact = near.contact.checked()
     inside = contact.in_contact
     stress = contact.pressure[inside] / problem.pressure_scale
@@ -167,7 +169,7 @@ def sticky_contact(
     parted = math.nan
     # Hardly any attraction is a long way from full contact, and holds nothing there.
     if work > _HOLDS * full.sum():
-        held = adhesion.solve(field, half_space, start=np.zeros(field.shape), **told).contact.checked()
+        held = adhesion.solve(field, half_space, start=np.zeros(field.shape), **load).contact.checked()
         parted = float(held.in_contact.mean())
     return xr.Dataset(
         {
@@ -218,10 +220,10 @@ class Cut:
             Over the range that gives this strength.
         """
         n = finer * 2 * math.ceil(points / 2 - 1e-9)
-        told: dict[str, Any] = {"contact_modulus": self.problem.contact_modulus}
-        told |= {"wavevector": 2 * np.pi / self.problem.shortest}
+        arguments: dict[str, Any] = {"contact_modulus": self.problem.contact_modulus}
+        arguments |= {"wavevector": 2 * np.pi / self.problem.shortest}
         interface = Interface(work_of_adhesion=self.work)
-        strength = float(detachment_stress(self.work, interface=interface, **told))
+        strength = float(detachment_stress(self.work, interface=interface, **arguments))
         range_of = reach * self.work / strength
         given: dict[str, Any] = {"problem": self.problem, "grid": (n, n)}
         return sticky_contact(**given, work=self.work, reach=range_of, shells=shells)
@@ -230,21 +232,24 @@ class Cut:
         """Return what is read off the solves on each grid, and what the theory says."""
         counted = {"area_pixel": "area", "area_plain_pixel": "plain", "area_parted_pixel": "parted"}
         counted |= {"force_inside_grid": "force", "tension_grid": "tension"}
-        found = {f"{name}_each": ("grid", [float(one[of]) for one in grids]) for name, of in counted.items()}
-        energies = [float(one.stored.sum() / one.full.sum()) for one in grids]
+        counted_each = {
+            f"{name}_each": ("grid", [float(measured[of]) for measured in grids])
+            for name, of in counted.items()
+        }
+        energies = [float(measured.stored.sum() / measured.full.sum()) for measured in grids]
         theory: dict[str, Any] = {"area_plain_persson_each": without_adhesion(self.problem)}
         for reading in READINGS:
             contact = self.theory.get(reading)
             seen = _NOTHING if contact is None else _seen(contact, self.problem)
             for name, value in seen.items():
                 theory[f"{name}_{reading}_each"] = ("stress_bin" if np.ndim(value) else (), value)
-        own = {
+        numbers = {
             "energy_ratio_grid_each": ("grid", energies),
             "stress_share_each": ("stress_bin", grids[-1].stress.values),
-            "solve": ("grid", [one.attrs["solve"] for one in grids]),
+            "solve": ("grid", [measured.attrs["solve"] for measured in grids]),
         }
         middle = (STRESS_EDGES[1:] + STRESS_EDGES[:-1]) / 2
-        return xr.Dataset({**found, **theory, **own}, coords={"stress": ("stress_bin", middle)})
+        return xr.Dataset({**counted_each, **theory, **numbers}, coords={"stress": ("stress_bin", middle)})
 
 
 #: What is read off the theory where it has no answer.
@@ -254,17 +259,18 @@ _NOTHING = dict.fromkeys(("area", "force_inside", "energy_ratio", "tension"), ma
 
 
 def shares_by_shell(
-    whole: xr.Dataset, theory: Solutions, *, problem: ContactProblem, edges: Array
+    measured: xr.Dataset, theory: Solutions, *, problem: ContactProblem, edges: Array
 ) -> xr.Dataset:
     """Return P~ of the waves of a solve between its shells, whose edges [1/m] are given from the first on, and the theory's."""
-    found = {
-        f"energy_share_{r}_each": ("shell", _stored_shares(one, edges, problem)) for r, one in theory.items()
+    shares = {
+        f"energy_share_{r}_each": ("shell", _stored_shares(solution, edges, problem))
+        for r, solution in theory.items()
     }
-    found["energy_share_each"] = ("shell", whole.stored.values[:-1] / whole.full.values[:-1])
-    beyond = float(whole.stored[-1] / whole.stored.sum())
+    shares["energy_share_each"] = ("shell", measured.stored.values[:-1] / measured.full.values[:-1])
+    beyond = float(measured.stored[-1] / measured.stored.sum())
     wave = {"wave": ("shell", edges[1:] / edges[0])}
     return xr.Dataset(
-        {**found, "energy_beyond_each": beyond}, coords=wave, attrs={"solve": whole.attrs["solve"]}
+        {**shares, "energy_beyond_each": beyond}, coords=wave, attrs={"solve": measured.attrs["solve"]}
     )
 
 

@@ -96,7 +96,9 @@ def bins_of(pressure: Array) -> NDArray[np.int64]:
 
 def mean_of(readings: Sequence[Mapping[str, Array | float]]) -> dict[str, Array]:
     """Average the readings of a ring and of its negative: what is odd in the ring drops out."""
-    return {name: np.mean([np.asarray(one[name]) for one in readings], axis=0) for name in readings[0]}
+    return {
+        name: np.mean([np.asarray(reading[name]) for reading in readings], axis=0) for name in readings[0]
+    }
 
 
 def diffused_area(state: Pressed, added: Array) -> Array:

@@ -65,53 +65,53 @@ def beside_bem(
     """
     field, solver = problem.heights(grid), find_solver(method)
 
-    def solved(by: Solver, told: Mapping[str, Any]) -> ContactResult:
+    def solved(by: Solver, options: Mapping[str, Any]) -> ContactResult:
         model, load = ContactModel.filled(problem.elastic, effects), {"mean_pressure": problem.pressure}
-        return by.solve(Job(field=field, load=load, model=model, settings=told, threads=1)).contact
+        return by.solve(Job(field=field, load=load, model=model, settings=options, threads=1)).contact
 
-    found, ours = solved(solver, dict(settings)), solved(find_solver("bem"), {}).checked()
-    constant = solver.edge_constant(found)
+    contact, ours = solved(solver, dict(settings)), solved(find_solver("bem"), {}).checked()
+    constant = solver.edge_constant(contact)
     located = solver.locates_edges and not effects and has_square_cells(problem, grid)
-    areas = contact_areas(found, edge_constant=constant, subcell=located)
-    data = compared(found, ours, edge_constant=constant, rms_height=problem.field.rms_height)
+    areas = contact_areas(contact, edge_constant=constant, subcell=located)
+    data = compared(contact, ours, edge_constant=constant, rms_height=problem.field.rms_height)
     data |= {
         "subcell": np.nan if areas.subcell is None else areas.subcell,
         "edge_fraction": areas.edge_fraction,
         **{name: getattr(areas, name) for name in TRAITS},
         "edge_constant": constant,
-        "converged": float(found.status is Status.CONVERGED),
-        "iterations": found.cost.iterations,
+        "converged": float(contact.status is Status.CONVERGED),
+        "iterations": contact.cost.iterations,
     }
     return xr.Dataset({name: ((), float(value)) for name, value in data.items()})
 
 
 def compared(
-    found: ContactResult, half: ContactResult, *, edge_constant: float, rms_height: float
+    contact: ContactResult, half: ContactResult, *, edge_constant: float, rms_height: float
 ) -> dict[str, float]:
     """Return areas, differences and cost of a solve beside boundary elements on the same points.
 
     Parameters
     ----------
-    found, half : ContactResult
+    contact, half : ContactResult
         Of the method, and of boundary elements.
     rms_height : float
         h_rms [m], the unit of the gap.
     """
-    areas, ours = contact_areas(found, edge_constant=edge_constant), contact_areas(half)
+    areas, ours = contact_areas(contact, edge_constant=edge_constant), contact_areas(half)
     return {
         "pixel": areas.pixel,
         "perimeter": areas.perimeter,
         "pixel_bem": ours.pixel,
         "perimeter_bem": ours.perimeter,
-        "pressure_half_space": difference(found, half),
-        "pressure_inside": difference(found, half, inside=True),
+        "pressure_half_space": difference(contact, half),
+        "pressure_inside": difference(contact, half, inside=True),
         # The mean gap is the offset less C(0) p0 and the mean height: it compares bodies of different depth.
-        "gap": float((found.gap.mean() - half.gap.mean()) / rms_height),
-        "residual": found.residuals.worst,
-        "seconds": found.cost.cpu_seconds,
-        "peak_bytes": found.cost.peak_bytes,
+        "gap": float((contact.gap.mean() - half.gap.mean()) / rms_height),
+        "residual": contact.residuals.worst,
+        "seconds": contact.cost.cpu_seconds,
+        "peak_bytes": contact.cost.peak_bytes,
         "seconds_bem": half.cost.cpu_seconds,
-        "unknowns": found.cost.unknowns,
+        "unknowns": contact.cost.unknowns,
     }
 
 

@@ -75,8 +75,8 @@ def reduced_load(problem: ContactProblem) -> float:
     """Return p* as it was given, or else from p0."""
     if problem.load.reduced_pressure is None:
         return problem.reduced_pressure
-    (said,) = problem.load.values
-    return said
+    (reduced,) = problem.load.values
+    return reduced
 
 
 def in_rising_order(values: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -140,7 +140,9 @@ def named(
     return dims, values, ({} if unit is None else {"units": unit}) | {"long_name": words}
 
 
-def truncated_surface(until: float, *, gradient: float, bandwidth: float, **told: Any) -> SelfAffineSurface:
+def truncated_surface(
+    until: float, *, gradient: float, bandwidth: float, **geometry: Any
+) -> SelfAffineSurface:
     """Return a surface with its waves up to q/q_long = until, unchanged by those that are left out.
 
     Parameters
@@ -152,9 +154,9 @@ def truncated_surface(until: float, *, gradient: float, bandwidth: float, **told
     told
         What else `base_surface` is told.
     """
-    whole = base_surface(bandwidth=bandwidth, gradient=gradient, **told)
+    full = base_surface(bandwidth=bandwidth, gradient=gradient, **geometry)
     if until == bandwidth:
-        return whole
-    spectrum = spectrum_of(whole)
+        return full
+    spectrum = spectrum_of(full)
     left = gradient * float(spectrum.m2(until * spectrum.q_long) / spectrum.m2()) ** 0.5
-    return base_surface(bandwidth=until, gradient=left, **told)
+    return base_surface(bandwidth=until, gradient=left, **geometry)

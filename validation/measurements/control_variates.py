@@ -35,7 +35,7 @@ def unsolved_statistics(field: HeightField) -> dict[str, float]:
     The contact area of a surface with few waves is larger than the mean where its summits are less steep than the rest.
     """
     height, slope, pressure = _unit_fields(field)
-    found: dict[str, float] = {}
+    statistics: dict[str, float] = {}
     counts = [max(1, round(share * height.size)) for share in _SHARES]
     parts = [*counts, *(height.size - count for count in counts)]
     for name, key in (("height", height), ("pressure", pressure)):
@@ -44,18 +44,18 @@ def unsolved_statistics(field: HeightField) -> dict[str, float]:
             sorted_by = values[order]
             for share, count in zip(_SHARES, counts, strict=True):
                 mean = (sorted_by[-count:].mean() + sign * sorted_by[:count].mean()) / 2
-                found[f"{of} on the top {share:g} of {name}"] = float(mean)
+                statistics[f"{of} on the top {share:g} of {name}"] = float(mean)
     for load in _LOADS:
         # The variance of the pressure at full contact is (E* h'_rms)^2 / 4.
         raised = pressure + 2 * load, -pressure + 2 * load
-        found[f"tension at {load:g}"] = float(np.mean([np.minimum(p, 0).mean() for p in raised]))
-        found[f"share in tension at {load:g}"] = float(np.mean([(p < 0).mean() for p in raised]))
+        statistics[f"tension at {load:g}"] = float(np.mean([np.minimum(p, 0).mean() for p in raised]))
+        statistics[f"share in tension at {load:g}"] = float(np.mean([(p < 0).mean() for p in raised]))
     h2, p2, hp = height**2, pressure**2, height * pressure
     moments = {
         "hp": hp, "h4": h2 * h2, "p4": p2 * p2, "h2 p2": h2 * p2, "h3 p": h2 * hp, "h p3": hp * p2,
         "s4": slope**2, "h2 s2": h2 * slope, "p2 s2": p2 * slope, "h p s2": hp * slope,
     }  # fmt: skip
-    return found | {name: float(values.mean()) for name, values in moments.items()}
+    return statistics | {name: float(values.mean()) for name, values in moments.items()}
 
 
 def statistics_of_pair(field: HeightField) -> dict[str, float]:
@@ -95,10 +95,10 @@ def _recipe(made: dict[str, Any], problem: ContactProblem, first: int, grid: Gri
 def unsolved_pairs(*, problem: ContactProblem, grid: Grid, first: int, count: int) -> xr.Dataset:
     """Return `statistics_of_pair` of `count` surfaces of one spectrum; dimensions (surface, statistic)."""
     began = time.process_time()
-    found = [statistics_of_pair(problem.further(k).heights(grid)) for k in range(first, first + count)]
-    values = np.array([list(one.values()) for one in found])
+    statistics = [statistics_of_pair(problem.further(k).heights(grid)) for k in range(first, first + count)]
+    values = np.array([list(row.values()) for row in statistics])
     return xr.Dataset(
         {"value": (("surface", "statistic"), values)},
         # Not a coordinate: to read one of text, xarray loads dask.
-        attrs={"seconds": time.process_time() - began, "statistics": "; ".join(found[0])},
+        attrs={"seconds": time.process_time() - began, "statistics": "; ".join(statistics[0])},
     )

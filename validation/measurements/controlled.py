@@ -112,10 +112,10 @@ def controlled_mean(
     coefficients = beta.mean(axis=0)
     n = y.size
     left = float(residuals.var(ddof=1))
-    own = left / n * (1 + 1 / (n - 2) if fitted else 1.0)
+    scatter = left / n * (1 + 1 / (n - 2) if fitted else 1.0)
     borrowed = float(coefficients @ known.covariance @ coefficients)
-    total, degrees = own + borrowed, float(n - 2 if fitted else n - 1)
-    freedom = total**2 / (own**2 / degrees + borrowed**2 / known.freedom) if total > 0 else degrees
+    total, degrees = scatter + borrowed, float(n - 2 if fitted else n - 1)
+    freedom = total**2 / (scatter**2 / degrees + borrowed**2 / known.freedom) if total > 0 else degrees
     error = float(np.sqrt(total))
     return Controlled(
         estimate=Estimate(
@@ -161,12 +161,12 @@ class Level:
 
 def chained_mean(levels: Sequence[Level], known: Known) -> tuple[Controlled, ...]:
     """Means on all levels, coarsest first, each controlled by the one before, the coarsest by what is known."""
-    found: list[Controlled] = []
+    means: list[Controlled] = []
     for level in levels:
-        fitted = not found or level.values.size >= _FITTED
-        found.append(controlled_mean(level.values, level.controls, known, fitted=fitted))
-        known = found[-1].known
-    return tuple(found)
+        fitted = not means or level.values.size >= _FITTED
+        means.append(controlled_mean(level.values, level.controls, known, fitted=fitted))
+        known = means[-1].known
+    return tuple(means)
 
 
 def allocation(parts: Sequence[tuple[float, float]], error: float) -> tuple[int, ...]:

@@ -182,8 +182,8 @@ def line(
     for place in np.ndindex(shape):
         at = dict(zip(dims, place, strict=True))
         rows = values.isel(at).transpose(along, over)
-        kept = xr.ones_like(rows, dtype=bool) if there is None else there.isel(_known(at, there))
-        samples = [row[k] for row, k in zip(rows.values, kept.transpose(along, over).values, strict=True)]
+        solved = xr.ones_like(rows, dtype=bool) if there is None else there.isel(_known(at, there))
+        samples = [row[k] for row, k in zip(rows.values, solved.transpose(along, over).values, strict=True)]
         if pairs:
             samples = [pair_means(sample) for sample in samples]
         fit = fitted_line(samples, data[x].isel(_known(at, data[x])).values, common=common)
@@ -319,16 +319,16 @@ class Ladders:
     @property
     def cases(self) -> dict[_Case, Call]:
         """All solves in order; surfaces 2k and 2k + 1 are +h and -h."""
-        found: dict[_Case, Call] = {}
+        calls: dict[_Case, Call] = {}
         for i, hurst in enumerate(self.hursts):
             for bandwidth in self.bandwidths:
                 solves = self._pressed(hurst, self.periods, bandwidth, self.pairs)
-                found |= {("by_bandwidth", i, bandwidth, k): solve for k, solve in enumerate(solves)}
+                calls |= {("by_bandwidth", i, bandwidth, k): solve for k, solve in enumerate(solves)}
             for size in self.sizes:
                 pairs = max(2, round(self.pairs * (self.sizes[-1] / size) ** 2))
                 solves = self._pressed(hurst, size, self.bandwidths[0], pairs)
-                found |= {("by_size", i, size, k): solve for k, solve in enumerate(solves)}
-        return found
+                calls |= {("by_size", i, size, k): solve for k, solve in enumerate(solves)}
+        return calls
 
     def _pressed(self, hurst: float, periods: float, bandwidth: float, pairs: int) -> list[Call]:
         surface = base_surface(hurst=hurst, periods=periods, bandwidth=bandwidth, seed=self.seed)
@@ -396,16 +396,16 @@ def spectral_errors(
     It is the shift along the ladder and its 95 % interval, over the limit; NaN where there is no ladder of this H, and
     where its limit is not determinable.
     """
-    found: dict[str, Any] = {}
+    shares: dict[str, Any] = {}
     for kind, (_, source) in LADDERS.items():
         name, value = f"kappa_{kind}", bandwidth if source == "bandwidth" else periods
         half = total_error(ladders, f"{name}_slope")
         assert half is not None
-        one = ladders[[f"{name}_limit", f"{name}_slope", f"order_{kind}"]].assign(half=half)
-        one = one.swap_dims(ladder="hurst_ladder").rename(hurst_ladder="hurst")
-        at = one.reindex(hurst=np.atleast_1d(hurst), method="nearest", tolerance=1e-9)
+        limit = ladders[[f"{name}_limit", f"{name}_slope", f"order_{kind}"]].assign(half=half)
+        limit = limit.swap_dims(ladder="hurst_ladder").rename(hurst_ladder="hurst")
+        at = limit.reindex(hurst=np.atleast_1d(hurst), method="nearest", tolerance=1e-9)
         if np.ndim(hurst) == 0:
             at = at.isel(hurst=0, drop=True)
         step = value ** -at[f"order_{kind}"]
-        found[source] = (abs(at[f"{name}_slope"]) + at.half) * step / at[f"{name}_limit"]
-    return found
+        shares[source] = (abs(at[f"{name}_slope"]) + at.half) * step / at[f"{name}_limit"]
+    return shares

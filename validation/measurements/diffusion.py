@@ -73,10 +73,10 @@ def budgets_of(
     Limits over the grids stand in the place of the areas on each: ``area_each``, and ``area_negative_each`` with the
     negative ring.
     """
-    measured = {place: kept_of(one) for place, one in solved(bench, cases).items()}
+    measured = {place: kept_of(item) for place, item in solved(bench, cases).items()}
     data = gather(measured, **dims)
     finest = [next(case for place, case in cases.items() if place[-1] == n) for n in dims["grid"]]
-    points, per_wave = [one["points"] for one in finest], [_points_per_wave(one) for one in finest]
+    points, per_wave = [item["points"] for item in finest], [_points_per_wave(item) for item in finest]
     others = [str(dim) for dim in data.pixel.dims if dim != "grid"]
     flat = {n: data[n].transpose("grid", *others).values.reshape(len(finest), 1, -1) for n in AREAS}
     areas = xr.Dataset({name: (("grid", "shift", "load"), values) for name, values in flat.items()}).assign(
@@ -178,7 +178,7 @@ def _by_octave(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
 
 def _added(data: xr.Dataset, **values: xr.DataArray) -> xr.Dataset:
     """Add what is computed here: how its parts were made says nothing of it."""
-    return data.assign({name: one.drop_attrs() for name, one in values.items()})
+    return data.assign({name: value.drop_attrs() for name, value in values.items()})
 
 
 def _with_square_budget(data: xr.Dataset) -> xr.Dataset:
@@ -189,9 +189,9 @@ def _with_square_budget(data: xr.Dataset) -> xr.Dataset:
     of the pressure alone, ``square_growth_path_each`` the change without the negative rings.
     """
     before, after = (part.isel(grid=-1) for part in _ends(data, "variance_share_each"))
-    own = _ends(data, "area_each")[0]
+    area = _ends(data, "area_each")[0]
     later = (_ends(data, "area_each")[1] + _ends(data, "area_negative_each")[1]) / 2
-    unit = _by_octave(data, 0.5 * (own + later) * (after - before))
+    unit = _by_octave(data, 0.5 * (area + later) * (after - before))
 
     def over_unit(values: xr.DataArray) -> xr.DataArray:
         share: xr.DataArray = _by_octave(data, values * before) / unit
@@ -202,7 +202,7 @@ def _with_square_budget(data: xr.Dataset) -> xr.Dataset:
 
     points = data.bin_contact_each.where(data.bin_contact_each > 0)
     crossed = (data.bin_pressure_each * data.bin_change_each / points).sum("bin")
-    told = data.bin_change_square_each.sum("bin") + 2 * crossed + data.square_entered_each
+    pressure_terms = data.bin_change_square_each.sum("bin") + 2 * crossed + data.square_entered_each
     total = two_grid_limit(data.mean_square_each * data.variance_share_each, data.grid_spacing)
     first, last = _ends(data.assign(total=total), "total")
     data = _added(
@@ -211,7 +211,7 @@ def _with_square_budget(data: xr.Dataset) -> xr.Dataset:
         square_diffusion_each=over_unit(limit("pressure_change_square")),
         square_drift_each=over_unit(2 * limit("pressure_cross_change")),
         square_reentry_each=over_unit(limit("square_entered")),
-        square_told_each=over_unit(two_grid_limit(told, data.grid_spacing)),
+        square_told_each=over_unit(two_grid_limit(pressure_terms, data.grid_spacing)),
         square_growth_path_each=_by_octave(data, last - first) / unit,
     )
     late = {f"{name}_late_each": data[f"{name}_each"].isel(_late(data)).mean("octave") for name in _TERMS}
@@ -223,14 +223,14 @@ def _with_area_budget(data: xr.Dataset) -> xr.Dataset:
     finest = "nominal_each.isel(grid=-1) / sqrt(2 * variance_share_each.isel(grid=-1))"
     data = derive(data, area_persson_each=f"erf({finest})")
     data = derive(data, area_ratio_each="area_each / area_persson_each")
-    (before, after), own = _ends(data, "variance_share_each"), _ends(data, "area_each")
+    (before, after), areas = _ends(data, "variance_share_each"), _ends(data, "area_each")
     theory = _ends(data, "area_persson_each")
     steps = _by_octave(data, _log((after / before).isel(grid=-1)))
     net = two_grid_limit(data.area_entered_each - data.area_lost_each, data.grid_spacing)
-    both = (own[1] + _ends(data, "area_negative_each")[1]) / 2
+    both = (areas[1] + _ends(data, "area_negative_each")[1]) / 2
     located, counted, persson = (
         _by_octave(data, _log(ratio)) / steps
-        for ratio in (both / own[0], 1 + net / own[0], theory[1] / theory[0])
+        for ratio in (both / areas[0], 1 + net / areas[0], theory[1] / theory[0])
     )
     partial = persson < TOUCHED
     late = [part.where(partial).isel(_late(data)).mean("octave") for part in (located, persson)]
@@ -306,8 +306,8 @@ def exponents(values: xr.DataArray, steps: xr.DataArray) -> xr.DataArray:
         (logarithm.isel({along: b}, drop=True) - logarithm.isel({along: a}, drop=True)) / (x[b] - x[a])
         for a, b in pairs
     ]
-    found: xr.DataArray = xr.concat(parts, dim="step_pair")
-    return found
+    powers: xr.DataArray = xr.concat(parts, dim="step_pair")
+    return powers
 
 
 def at_zero_step(values: xr.DataArray, steps: xr.DataArray) -> xr.DataArray:
@@ -387,8 +387,8 @@ def _with_slopes(data: xr.Dataset) -> xr.Dataset:
     load = data.reduced_pressure.values
     # p0 is 2 p* sqrt(V): the same on every surface, since p* counts in its own gradient.
     persson = elastic.initial_slope(load, stress_variance=elastic.stress_variance(1.0, contact_modulus=1.0))
-    own = elastic.initial_slope(nominal.values.ravel(), stress_variance=1.0)
-    data = data.assign(nominal=nominal, own=0.5 * nominal.copy(data=np.reshape(own, nominal.shape)))
+    slope_at_zero = elastic.initial_slope(nominal.values.ravel(), stress_variance=1.0)
+    data = data.assign(nominal=nominal, own=0.5 * nominal.copy(data=np.reshape(slope_at_zero, nominal.shape)))
     data["pressure_slope_persson"] = ("load", np.asarray(persson))
     first = data.area_probe.isel(probe_level=0), data.area_probe_error.isel(probe_level=0)
     data = data.assign(start=first[0], start_error=first[1])
@@ -405,13 +405,13 @@ def _with_slopes(data: xr.Dataset) -> xr.Dataset:
 def _with_shares(data: xr.Dataset) -> xr.Dataset:
     """Add the area over Persson's where his own has given values, along zeta; NaN where it never has."""
     # His area falls along zeta.
-    own, ratio = (data[name].isel(level=slice(None, None, -1)) for name in ("area_persson", "area_ratio"))
-    found = xr.apply_ufunc(
+    theory, ratio = (data[name].isel(level=slice(None, None, -1)) for name in ("area_persson", "area_ratio"))
+    ratios = xr.apply_ufunc(
         lambda x, y: np.interp(_SHARES, x, y, left=np.nan, right=np.nan),
-        own,
+        theory,
         ratio,
         input_core_dims=[["level"], ["level"]],
         output_core_dims=[["share"]],
         vectorize=True,
     )
-    return data.assign_coords(share=list(_SHARES)).assign(area_ratio_at_share=found)
+    return data.assign_coords(share=list(_SHARES)).assign(area_ratio_at_share=ratios)

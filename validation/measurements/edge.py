@@ -130,7 +130,7 @@ def slopes_of(
         for n in points_per_wave
     }
     measured = solved(bench, cases)
-    found = {}
+    slopes = {}
     for place, surface in surfaces.items():
         # A grid is even, and so a little finer than asked for.
         spacing = [1 / surface.points_per_wave(cases[place, n]["grid"]) for n in points_per_wave]
@@ -141,8 +141,8 @@ def slopes_of(
         data = edge_limits(gather(starts, grid=points_per_wave).assign_coords(spacing=("grid", spacing)))
         name = "initial_slope_window_each"
         drift = data.get(f"{name}_drift", 0.0)
-        found[place] = xr.Dataset({"pressure_slope_each": data[name], "pressure_slope_each_drift": drift})
-    return found
+        slopes[place] = xr.Dataset({"pressure_slope_each": data[name], "pressure_slope_each_drift": drift})
+    return slopes
 
 
 def inverse_square_coefficient(result: ContactResult) -> float:
@@ -217,7 +217,7 @@ def edge_limits(data: xr.Dataset) -> xr.Dataset:
         limit = _at_zero(values, x, degree=degree)
         data[f"{name}_each"] = limit.assign_attrs(made)
         if values.sizes["grid"] > 3:
-            finer = (one.isel(grid=slice(1, None)) for one in (values, x))
+            finer = (array.isel(grid=slice(1, None)) for array in (values, x))
             data[f"{name}_each_drift"] = _at_zero(*finer, degree=degree) - limit
     return data
 
@@ -229,7 +229,7 @@ def _at_zero(values: xr.DataArray, x: xr.DataArray, *, degree: int) -> xr.DataAr
         most = min(degree, at.size - 2) if at.size > 2 else 1
         return float(np.polyfit(at, y, most)[most])
 
-    found: xr.DataArray = xr.apply_ufunc(
+    limit: xr.DataArray = xr.apply_ufunc(
         fit, values.drop_attrs(), x.drop_attrs(), input_core_dims=[["grid"], ["grid"]], vectorize=True
     )
-    return found
+    return limit

@@ -101,13 +101,13 @@ class Chained(ABC):
         look = self.unsolved_seconds / count
         times = [2 * float(self.seconds(ending).sum(axis=1).mean()) for ending in range(self.levels)]
         slopes = chain[0].coefficients
-        told = float(slopes @ np.cov(self.further, rowvar=False) @ slopes)
+        explained = float(slopes @ np.cov(self.further, rowvar=False) @ slopes)
         # The mean of a level is multiplied by the coefficients of those above it.
         factors = [
-            float(np.prod([one.coefficients for one in chain[k + 1 :]])) ** 2 for k in range(len(chain))
+            float(np.prod([mean.coefficients for mean in chain[k + 1 :]])) ** 2 for k in range(len(chain))
         ]
-        solves = [(f * one.left, time) for f, one, time in zip(factors, chain, times, strict=True)]
-        return [(solves[0][0], solves[0][1] + look), *solves[1:], (factors[0] * told, look)]
+        solves = [(f * mean.left, time) for f, mean, time in zip(factors, chain, times, strict=True)]
+        return [(solves[0][0], solves[0][1] + look), *solves[1:], (factors[0] * explained, look)]
 
     def savings(self, chains: Sequence[Sequence[Controlled]]) -> Array:
         """Return the processor time of plain means over single surfaces, for the same intervals, over that spent, (load,).
@@ -116,9 +116,11 @@ class Chained(ABC):
         """
         coarse = self.values("area", 0, 0)
         seconds = [self.seconds(ending) for ending in range(self.levels)]
-        found = [chain[-1].estimate for chain in chains]
-        asked = np.array([one.half_width / one.value for one in found]) / scipy.special.ndtri(0.975)
-        plain = (coarse.std(axis=1, ddof=1) / coarse.mean(axis=1) / asked) ** 2 * seconds[-1].mean(axis=0)
+        estimates = [chain[-1].estimate for chain in chains]
+        errors = np.array(
+            [estimate.half_width / estimate.value for estimate in estimates]
+        ) / scipy.special.ndtri(0.975)
+        plain = (coarse.std(axis=1, ddof=1) / coarse.mean(axis=1) / errors) ** 2 * seconds[-1].mean(axis=0)
         spent = sum(group.sum(axis=0) for group in seconds) + self.unsolved_seconds
         return np.asarray(plain / spent)
 
@@ -273,14 +275,14 @@ def mean_area(
     drawn = _Drawn(base=base, grids=grids, tolerance=tolerance, effects=tuple(effects))
     known: dict[_Name, xr.Dataset] = solved(bench, drawn.cases())
     for rounds in itertools.count(1):
-        found, chain = _found(drawn, known)
-        asked = half_width * found.estimate.value
-        left = float(np.sqrt(max(asked**2 - found.grid**2, 0.0)))
-        enough = found.estimate.half_width <= left or found.grid >= _GRID_SHARE * asked
+        result, chain = _estimated(drawn, known)
+        target = half_width * result.estimate.value
+        left = float(np.sqrt(max(target**2 - result.grid**2, 0.0)))
+        enough = result.estimate.half_width <= left or result.grid >= _GRID_SHARE * target
         if enough or rounds == _ROUNDS:
             break
-        factor = found.estimate.half_width / found.estimate.standard_error
-        parts = found.samples.parts(chain)
+        factor = result.estimate.half_width / result.estimate.standard_error
+        parts = result.samples.parts(chain)
         # What Student's factor of few pairs adds goes with more of them.
         drawn.grow(allocation(parts, left / min(factor, _STUDENT)))
         missing = {name: case for name, case in drawn.cases().items() if name not in known}
@@ -288,12 +290,12 @@ def mean_area(
             drawn.grow(allocation(parts, left / factor))
             missing = {name: case for name, case in drawn.cases().items() if name not in known}
         if watch is not None:
-            watch(found, tuple(missing.values()))
+            watch(result, tuple(missing.values()))
         known |= solved(bench, missing)
-    return found
+    return result
 
 
-def _found(drawn: _Drawn, known: Mapping[_Name, xr.Dataset]) -> tuple[MeanArea, tuple[Controlled, ...]]:
+def _estimated(drawn: _Drawn, known: Mapping[_Name, xr.Dataset]) -> tuple[MeanArea, tuple[Controlled, ...]]:
     samples = drawn.samples(known)
     if samples.doubt:
         raise NoLimit(f"a surface of the ensemble has no limit: {samples.doubt}; all solves are stored")
@@ -330,11 +332,11 @@ class _Drawn:
 
     def cases(self) -> dict[_Name, Call]:
         """Return the blocks of pairs that end with each grid, and of those that are only looked at."""
-        found: dict[_Name, Call] = {}
+        calls: dict[_Name, Call] = {}
         for last, count in enumerate(self.counts):
             size = self._block(last)
             for k in range(0, count, size):
-                found[last, k] = area_pairs(
+                calls[last, k] = area_pairs(
                     problem=self.base,
                     grids=self.grids[: last + 1],
                     first=k + last * _APART,
@@ -344,10 +346,10 @@ class _Drawn:
                 )
         for k in range(0, self.further, _FIRST_UNSOLVED):
             first = k + len(self.grids) * _APART
-            found[len(self.grids), k] = unsolved_pairs(
+            calls[len(self.grids), k] = unsolved_pairs(
                 problem=self.base, grid=self.grids[0], first=first, count=_FIRST_UNSOLVED
             )
-        return found
+        return calls
 
     def _block(self, last: int) -> int:
         return _FIRST[0] if last == 0 else _FIRST[len(_FIRST) - len(self.grids) + last]

@@ -76,9 +76,9 @@ def own_pressure(
     """Solve with the boundary elements of this project, called as another code is."""
     half_space = HalfSpace(solid=Solid(young=contact_modulus, poisson=0.0))
     surface = HeightField(heights=heights, lengths=lengths)
-    told: dict[str, Any] = {"mean_pressure": mean_pressure, "tolerance": tolerance}
-    found: Array = bem.solve(surface, half_space, threads=1, **told).pressure
-    return found
+    arguments: dict[str, Any] = {"mean_pressure": mean_pressure, "tolerance": tolerance}
+    pressure: Array = bem.solve(surface, half_space, threads=1, **arguments).pressure
+    return pressure
 
 
 @measurement(
@@ -99,8 +99,8 @@ def by_peer(*, code: str, problem: ContactProblem, grid: Grid) -> xr.Dataset:
     pressures by the code that reads ours, the located one among them.
     """
     field, half_space = problem.heights(grid), HalfSpace(solid=problem.elastic)
-    own = bem.solve(field, half_space, mean_pressure=problem.pressure, threads=1)
-    ours = contact_areas(own.checked())
+    contact = bem.solve(field, half_space, mean_pressure=problem.pressure, threads=1)
+    ours = contact_areas(contact.checked())
     # Unit period, gradient and modulus: their tolerances need not be free of units.
     longest = max(problem.lengths)
     heights = field.heights / (longest * problem.field.rms_gradient)
@@ -114,25 +114,25 @@ def by_peer(*, code: str, problem: ContactProblem, grid: Grid) -> xr.Dataset:
     allowed = _SOLVER_SHARE * EDGE_CONSTANTS["bem"] * ours.edge_fraction
     done, claim, error = _solved(code, job, pixel=ours.pixel, allowed=allowed)
     areas = contact_areas(judged(claim, done, method=code), edge_constant=EDGE_CONSTANTS["bem"], subcell=True)
-    found = {
+    numbers = {
         "seconds": claim.cpu_seconds,
         "tolerance": done.settings["tolerance"],
         "solver_error": error,
         "peak_bytes": claim.peak_bytes,
         **{name: getattr(areas, name) for name in ("pixel", "perimeter", "subcell")},
     }
-    return xr.Dataset({name: ((), float(value)) for name, value in found.items()})
+    return xr.Dataset({name: ((), float(value)) for name, value in numbers.items()})
 
 
 def _solved(code: str, job: Job, *, pixel: float, allowed: float) -> tuple[Job, Claim, float]:
     """Tighten the tolerance by decades until the share of points in contact is within `allowed` of `pixel`."""
     by = f"{__name__}:{own_pressure.__name__}" if code == OWN else known_peers()[code]
-    solver, told = chosen_solver(by)
+    solver, options = chosen_solver(by)
     sandbox.end()  # its memory shall be its own
-    solver.rehearse((), {**told, "tolerance": 1e-3})
+    solver.rehearse((), {**options, "tolerance": 1e-3})
     most = 0
     for tolerance in _TOLERANCES:
-        job = replace(job, settings={**told, "tolerance": tolerance})
+        job = replace(job, settings={**options, "tolerance": tolerance})
         claim = solver.claim(job)
         most = max(most, claim.peak_bytes)
         error = abs(float(np.mean(claim.pressure > 0)) - pixel)

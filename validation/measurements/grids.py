@@ -83,8 +83,8 @@ def with_distances(data: xr.Dataset, *, theory: bool) -> xr.Dataset:
     data = change(data, "area_pixel", along="grid", first=-1, last=first)
     data = mean(data, *(f"{of}_{name}" for of in ("area", "distance") for name in areas), *_AVERAGED)
     for name in areas:
-        own = observed_order(data.isel(grid=resolved), f"distance_{name}", to=f"order_{name}")
-        data = data.assign({n: own[n] for n in (f"order_{name}", f"order_{name}_error")})
+        orders = observed_order(data.isel(grid=resolved), f"distance_{name}", to=f"order_{name}")
+        data = data.assign({n: orders[n] for n in (f"order_{name}", f"order_{name}_error")})
     data = derive(data, **{f"distance_{name}_size": f"abs(distance_{name})" for name in areas})
     # Above the last pressure at which the coarse grid has more, it must have less: the load is the same.
     coarse, fine = (f"stress_density.isel(grid={k})" for k in (first, -1))
@@ -136,14 +136,16 @@ def _block_limit(blocks: Mapping[float, xr.Dataset], element: str) -> xr.Dataset
         )
         for n, data in blocks.items()
     ]
-    found, finest = limit_area(areas), blocks[max(blocks)]
-    limit = xr.DataArray(found.value, attrs={"reduction": "limit", "of": "perimeter"})
+    limited, finest = limit_area(areas), blocks[max(blocks)]
+    limit = xr.DataArray(limited.value, attrs={"reduction": "limit", "of": "perimeter"})
     return xr.Dataset(
         {
             "area_fem_each": limit,
-            "area_fem_each_error": error_of(limit, grid=NORMAL * found.uncertainty, theory="it is simulated"),
-            "area_fem_pixel_each": ("fem_grid", [one.pixel for one in areas]),
-            "area_fem_perimeter_each": ("fem_grid", [one.perimeter for one in areas]),
+            "area_fem_each_error": error_of(
+                limit, grid=NORMAL * limited.uncertainty, theory="it is simulated"
+            ),
+            "area_fem_pixel_each": ("fem_grid", [area.pixel for area in areas]),
+            "area_fem_perimeter_each": ("fem_grid", [area.perimeter for area in areas]),
             # On the finest grid, where one node is least.
             "depth_share_each": abs(float(finest.pixel_layer / finest.pixel_bem) - 1),
         },
@@ -176,8 +178,8 @@ def with_blocks(
     parts = {
         (e, k): _block_limit({n: blocks[e, k, n] for n in points}, e) for e in elements for k in surfaces
     }
-    found = gather(parts, element=elements, surface=surfaces).rename(solve="solve_fem")
-    data = data.merge(found, combine_attrs="override")
+    elements_data = gather(parts, element=elements, surface=surfaces).rename(solve="solve_fem")
+    data = data.merge(elements_data, combine_attrs="override")
     data = derive(
         data,
         kappa_fem_each="area_fem_each / reduced_pressure",
@@ -198,10 +200,10 @@ def with_blocks(
     exact = {e: float(strict[e].pixel) for e in elements}
     solver = [max(abs(usual[e] - exact[e]), 1 / cells) / exact[e] for e in elements]
     # How far two discretisations of the same surfaces are apart in the limit is a part of their grids' error.
-    own = data.kappa_fem_error.sel(source="grid", drop=True)
-    grid = (own**2 + (data.distance_fem * data.kappa_fem) ** 2) ** 0.5
-    told = {"grid": grid, "solver": data.kappa_fem.copy(data=solver) * data.kappa_fem}
-    return claim(data, "kappa_fem", depth=depth * data.kappa_fem, **told)
+    grid_error = data.kappa_fem_error.sel(source="grid", drop=True)
+    grid = (grid_error**2 + (data.distance_fem * data.kappa_fem) ** 2) ** 0.5
+    errors = {"grid": grid, "solver": data.kappa_fem.copy(data=solver) * data.kappa_fem}
+    return claim(data, "kappa_fem", depth=depth * data.kappa_fem, **errors)
 
 
 def with_methods(
@@ -258,8 +260,8 @@ def _method_limit(answers: Sequence[xr.Dataset], grids: Sequence[Grid]) -> xr.Da
     located = all(area.subcell is not None for area in areas)
     value = half = np.nan
     if len({area.spacing for area in areas}) > 1 and (located or len(areas) > 2):
-        found = limit_over(areas)
-        value, half = found.value, NORMAL * found.uncertainty
+        limited = limit_over(areas)
+        value, half = limited.value, NORMAL * limited.uncertainty
     limit = xr.DataArray(value, attrs={"reduction": "limit", "of": "subcell" if located else "perimeter"})
     return xr.Dataset({"area_other_each": limit, "area_other_each_error": error_of(limit, grid=half)})
 
@@ -267,13 +269,13 @@ def _method_limit(answers: Sequence[xr.Dataset], grids: Sequence[Grid]) -> xr.Da
 def protocol(rough: Mapping[tuple[Any, ...], xr.Dataset], points: Sequence[int]) -> xr.Dataset:
     """Reduce the grid-scale protocol, by surface and grid: kappa by the way the slope is measured, and its spread."""
     surfaces = range(1 + max(k for k, _ in rough))
-    kept = {
-        case: one[["kappa"]]
+    kappas = {
+        case: measured[["kappa"]]
         .rename(kappa="kappa_protocol_each")
-        .assign_attrs(solve=one.attrs.get("solve", ""))
-        for case, one in rough.items()
+        .assign_attrs(solve=measured.attrs.get("solve", ""))
+        for case, measured in rough.items()
     }
-    data = gather(kept, surface=surfaces, protocol_grid=points).rename(solve="solve_protocol")
+    data = gather(kappas, surface=surfaces, protocol_grid=points).rename(solve="solve_protocol")
     data = mean(data.drop_vars("protocol_grid"), "kappa_protocol")
     last = data[["kappa_protocol"]].isel(protocol_grid=-1)
     spread = derive(last, kappa_protocol_spread="kappa_protocol.max() / kappa_protocol.min() - 1")

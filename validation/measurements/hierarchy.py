@@ -85,10 +85,10 @@ def archard_of(
     waves: Sequence[int], heights: Sequence[float], *, loads: Sequence[float]
 ) -> tuple[Array, float]:
     """A/A0 of Archard's spheres with these radii and densities, and the power of the load."""
-    found = archard_hierarchy(
+    spheres = archard_hierarchy(
         np.array(loads) * _SLOPE,
         radii=radii_of(waves, heights),
         densities=[float(count**2) for count in waves[1:]],
         contact_modulus=1.0,
     )
-    return np.asarray(found.area), found.exponent
+    return np.asarray(spheres.area), spheres.exponent

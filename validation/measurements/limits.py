@@ -33,12 +33,12 @@ def solved(bench: Bench, cases: Mapping[Case, Solve]) -> dict[Case, xr.Dataset]:
 
 def read_off(one: xr.Dataset, **expressions: str) -> xr.Dataset:
     """Return what is taken of a solve: variables by expressions of what it keeps, as attributes or variables."""
-    said = {n: xr.DataArray(v) for n, v in one.attrs.items() if isinstance(v, int | float)}
-    kept = {**said, **{str(n): one[n] for n in one.variables}}
+    attributes = {n: xr.DataArray(v) for n, v in one.attrs.items() if isinstance(v, int | float)}
+    variables = {**attributes, **{str(n): one[n] for n in one.variables}}
     data = xr.Dataset(attrs={name: one.attrs[name] for name in ("solve",) if name in one.attrs})
     for name, expression in expressions.items():
         made = {"reduction": "read", "expression": expression}
-        data[name] = xr.DataArray(evaluated(expression, kept)).assign_attrs(made)
+        data[name] = xr.DataArray(evaluated(expression, variables)).assign_attrs(made)
     return data
 
 
@@ -75,8 +75,8 @@ def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
     if drift:
         made["area_each_drift"] = ("load", grid_drift(measured), {"reduction": "drift", "of": "subcell"})
     data = xr.Dataset(made)
-    kept = {name: measured.attrs[name] for name in ("solve",) if name in measured.attrs}
-    return data.assign_attrs(kept)
+    names = {name: measured.attrs[name] for name in ("solve",) if name in measured.attrs}
+    return data.assign_attrs(names)
 
 
 def grid_drift(dataset: xr.Dataset) -> NDArray[np.float64]:
@@ -88,9 +88,9 @@ def grid_drift(dataset: xr.Dataset) -> NDArray[np.float64]:
     resolved = np.flatnonzero(dataset.points_per_wave.values >= LEAST_POINTS_PER_WAVE * (1 - 1e-9))
     if resolved.size < 3 or (resolved.size - 1) * dataset.sizes["shift"] < 3:
         return np.zeros(dataset.sizes["load"])
-    whole, _ = area_limits(dataset.isel(grid=resolved))
+    limits, _ = area_limits(dataset.isel(grid=resolved))
     finer, _ = area_limits(dataset.isel(grid=resolved[1:]))
-    return np.asarray(finer - whole)
+    return np.asarray(finer - limits)
 
 
 def solver_error(usual: xr.Dataset, strict: xr.Dataset) -> float:
@@ -99,8 +99,8 @@ def solver_error(usual: xr.Dataset, strict: xr.Dataset) -> float:
     The largest load counts. Less than one contact point on the finest grid cannot be seen, and counts as one.
     """
     first, second = area_limits(usual)[0], area_limits(strict)[0]
-    one = 1 / float(usual.cells[-1]) / usual.sizes["shift"]
-    return float(np.max(np.maximum(np.abs(first - second), one) / second))
+    point = 1 / float(usual.cells[-1]) / usual.sizes["shift"]
+    return float(np.max(np.maximum(np.abs(first - second), point) / second))
 
 
 def limit_of(solved: Mapping[Press, ContactResult]) -> xr.Dataset:
@@ -132,16 +132,16 @@ def resolved_grids(first: ContactProblem, grids: Sequence[Grid], *, located: boo
         Where they give no limit: two are needed where edges are `located` on square cells, else three.
     """
     least = LEAST_POINTS_PER_WAVE * (1 - 1e-9)
-    found = tuple(dict.fromkeys(grid for grid in grids if first.points_per_wave(grid) >= least))
+    fine = tuple(dict.fromkeys(grid for grid in grids if first.points_per_wave(grid) >= least))
     located = located and all(has_square_cells(first, grid) for grid in grids)
-    if len(found) < (2 if located else 3):
+    if len(fine) < (2 if located else 3):
         side = max(first.lengths) / first.shortest * LEAST_POINTS_PER_WAVE
         listed = ", ".join(f"{nx}" if nx == ny else f"{nx} x {ny}" for nx, ny in grids)
         raise UsageError(
             f"grids = {listed}: a limit needs {'two' if located else 'three'} grids of at least "
             f"{LEAST_POINTS_PER_WAVE:g} points per shortest wave; here that is {math.ceil(side - 1e-9)} or more along a side"
         )
-    return found
+    return fine
 
 
 def straight_limit(

@@ -114,14 +114,14 @@ def moved_shares(data: xr.Dataset) -> xr.Dataset:
     reference = int(enough[0]) if enough.size else data.sizes["load"] - 1
     made: dict[str, Any] = {}
     for name, share in SHARES.items():
-        found = distance_to_reference(data[f"{share}_each"].values, reference)
+        distance = distance_to_reference(data[f"{share}_each"].values, reference)
         how = {"reduction": "distance", "of": f"{share}_each", "reference": reference}
         parts: Mapping[str, Any] = {
-            "": found.value,
-            "_lower": found.low,
-            "_upper": found.high,
-            "_noise": found.noise,
-            "_beyond": found.value - found.noise,
+            "": distance.value,
+            "_lower": distance.low,
+            "_upper": distance.high,
+            "_noise": distance.noise,
+            "_beyond": distance.value - distance.noise,
         }
         made |= {f"moved_{name}{end}": ("load", values, how) for end, values in parts.items()}
     data = data.assign(made).assign_attrs(reference_load=reference)

@@ -95,9 +95,9 @@ def magnified(
     data: dict[str, Any] = {f"{name}_each": (("load", "magnification"), values[name]) for name in _READ}
     for i, name in enumerate(("area", "magnification")):
         data[f"percolation_{name}_axis_each"] = (("percolating", "axis", "phase"), thresholds[..., i])
-    whole = problem.field
-    gradients = [without_waves_beyond(whole, z * q_long).rms_gradient for z in magnifications]
-    data["gradient_share_each"] = ("magnification", np.array(gradients) / whole.rms_gradient)
+    field = problem.field
+    gradients = [without_waves_beyond(field, z * q_long).rms_gradient for z in magnifications]
+    data["gradient_share_each"] = ("magnification", np.array(gradients) / field.rms_gradient)
     return xr.Dataset(data, coords={"axis": list(_AXES), "phase": ["contact", "gap"]})
 
 

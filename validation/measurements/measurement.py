@@ -117,7 +117,7 @@ def _recipe(
     made: dict[str, Any], keep: tuple[str, ...], reduced_pressures: Any, problem: Any
 ) -> dict[str, Any]:
     """Name what is read off, too: a stored result that lacks a number is another one."""
-    (kind,) = (name for name, kept in _KEPT.items() if kept == keep)
+    (kind,) = (name for name, extras in _KEPT.items() if extras == keep)
     made = {name: value for name, value in made.items() if name not in ("load", "keep")}
     if not made["effects"]:
         del made["effects"]
@@ -184,19 +184,19 @@ def press_on_grids(
         located = not effects and has_square_cells(problem, grid)
         path = pressed_path(field, problem, loads, effects=effects, tolerance=tolerance)
         for k, result in enumerate(path):
-            found = _read_off(result, located=located)
+            numbers = _read_off(result, located=located)
             if "stiffness" in keep:
                 # Off by the square of the tolerance, .6 of that at worst.
                 frozen = 1e-3 if "slope" in keep else 1e-9
-                found["stiffness"] = _stiffness(result, problem, tolerance=frozen)
+                numbers["stiffness"] = _stiffness(result, problem, tolerance=frozen)
             if "slope" in keep:
-                found["slope"] = window_slope(result).reduced
-            for name, value in found.items():
+                numbers["slope"] = window_slope(result).reduced
+            for name, value in numbers.items():
                 values[name][i, j, k] = value
             if "distributions" in keep:
                 for name, counts in histograms_of(result, problem).items():
-                    whole = np.zeros((shape[0], shape[2], counts.size))
-                    histograms.setdefault(name, whole)[i, k] += counts
+                    zeros = np.zeros((shape[0], shape[2], counts.size))
+                    histograms.setdefault(name, zeros)[i, k] += counts
     histograms = {name: counts / len(offsets) for name, counts in histograms.items()}
     return _dataset(problem, grids, loads, quantities=quantities, values=values, histograms=histograms)
 
@@ -213,8 +213,8 @@ def _dataset(
     import xarray as xr
 
     data: dict[str, Any] = {
-        name: named(("grid", "shift", "load"), values[name], words, unit=unit)
-        for name, (unit, words) in quantities.items()
+        name: named(("grid", "shift", "load"), values[name], meaning, unit=unit)
+        for name, (unit, meaning) in quantities.items()
     }
     for name, counts in histograms.items():
         data[f"{name}_profile"] = (("grid", "load", f"{name}_bin"), counts)

@@ -40,8 +40,8 @@ def _predicted(
     pair_seconds: float,
 ) -> Prediction:
     """Predict two solves of each surface on each grid."""
-    told: dict[str, Any] = {"tolerance": tolerance, "effects": effects}
-    costs = [_press(grid, problem, **told).predict(pair_seconds=pair_seconds) for grid in grids]
+    settings: dict[str, Any] = {"tolerance": tolerance, "effects": effects}
+    costs = [_press(grid, problem, **settings).predict(pair_seconds=pair_seconds) for grid in grids]
     return Prediction(
         seconds=2 * count * sum(cost.seconds for cost in costs),
         peak_bytes=max(cost.peak_bytes for cost in costs),
@@ -89,21 +89,21 @@ def area_pairs(
         areas = contact_areas(result, subcell=not effects and has_square_cells(surface, grid))
         subcell = np.nan if areas.subcell is None else areas.subcell
         spent = time.process_time() - began
-        told = areas.pixel, areas.perimeter, subcell, areas.edge_fraction, spent, result.cost.peak_bytes
-        return (*told, *(getattr(areas, name) for name in TRAITS))
+        numbers = areas.pixel, areas.perimeter, subcell, areas.edge_fraction, spent, result.cost.peak_bytes
+        return (*numbers, *(getattr(areas, name) for name in TRAITS))
 
     read = np.empty((len(_READ), count, 2, len(grids)))
     statistics: list[dict[str, float]] = []
     for k in range(count):
-        own = problem.further(first + k)
-        for sign, surface in enumerate((own, replace(own, inverted=not own.inverted))):
+        drawn = problem.further(first + k)
+        for sign, surface in enumerate((drawn, replace(drawn, inverted=not drawn.inverted))):
             for i, grid in enumerate(grids):
                 read[:, k, sign, i] = read_off(grid, surface)
         if len(grids) == 1:
-            statistics.append(statistics_of_pair(own.heights(grids[0])))
+            statistics.append(statistics_of_pair(drawn.heights(grids[0])))
     data: dict[str, Any] = {"read": (("quantity", "pair", "sign", "grid"), read)}
     if statistics:
-        data["value"] = (("pair", "statistic"), [list(one.values()) for one in statistics])
+        data["value"] = (("pair", "statistic"), [list(row.values()) for row in statistics])
     return xr.Dataset(data)
 
 

@@ -54,15 +54,15 @@ def published(quantity: str) -> xr.Dataset:
     >>> published("kappa").kappa_published_high.values.tolist()
     [[2.2, 2.2], [1.8, 1.8]]
     """
-    of = [one for one in PUBLISHED if one.quantity == quantity]
+    of = [row for row in PUBLISHED if row.quantity == quantity]
     dims = (f"paper_{quantity}", "end")
     return xr.Dataset(
         {
-            f"{quantity}_published": (dims, [[one.low] * 2 for one in of]),
-            f"{quantity}_published_high": (dims, [[one.high] * 2 for one in of]),
-            "hurst_published": (dims, [one.hurst for one in of]),
+            f"{quantity}_published": (dims, [[row.low] * 2 for row in of]),
+            f"{quantity}_published_high": (dims, [[row.high] * 2 for row in of]),
+            "hurst_published": (dims, [row.hurst for row in of]),
         },
-        coords={dims[0]: [one.words for one in of]},
+        coords={dims[0]: [row.words for row in of]},
     )
 
 
@@ -88,5 +88,5 @@ def ladders_beside_published(climbed: xr.Dataset) -> xr.Dataset:
 
 def papers_of(*quantities: str) -> str:
     """Return the keys of their papers, for the attribute ``methods`` of a dataset."""
-    keys = (key for one in PUBLISHED if one.quantity in quantities for key in one.papers)
+    keys = (key for row in PUBLISHED if row.quantity in quantities for key in row.papers)
     return " ".join(dict.fromkeys(keys))

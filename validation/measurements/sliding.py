@@ -54,23 +54,23 @@ def slides(
     for i, grid in enumerate(grids):
         heights, start = problem.heights(grid), None
         for k, velocity in enumerate(velocities):
-            found = slide(
+            contact = slide(
                 heights, rubber, velocity=velocity, mean_pressure=problem.pressure, start=start, threads=1
             ).checked()
-            start = found.contact.pressure
-            for name, value in _read_off(found, gradient=problem.field.rms_gradient).items():
+            start = contact.contact.pressure
+            for name, value in _read_off(contact, gradient=problem.field.rms_gradient).items():
                 values[name][i, k] = value
     return xr.Dataset({name: (("grid", "velocity"), values[name]) for name in QUANTITIES})
 
 
-def _read_off(found: SlidingContact, *, gradient: float) -> dict[str, float]:
+def _read_off(sliding: SlidingContact, *, gradient: float) -> dict[str, float]:
     """Return every one of `QUANTITIES` of one solve."""
-    contact = found.contact
+    contact = sliding.contact
     return {
-        "friction": found.slopes / gradient,
-        "dissipation": found.dissipation / gradient,
+        "friction": sliding.slopes / gradient,
+        "dissipation": sliding.dissipation / gradient,
         "area": located_area(contact),
-        "contraction": found.contraction,
+        "contraction": sliding.contraction,
         "steps": contact.cost.iterations,
         "fft_pairs": contact.cost.fft_pairs,
         "residual": contact.residuals.worst,
@@ -110,7 +110,7 @@ def _theory(case: ContactProblem, rubber: Rubber, velocities: tuple[float, ...])
     area = np.empty((len(velocities), len(VARIANTS)))
     for k, velocity in enumerate(velocities):
         for j, share in enumerate(SHARES.values()):
-            said = friction_of_waves(
+            friction_of = friction_of_waves(
                 x,
                 y,
                 power=power[there],
@@ -120,9 +120,9 @@ def _theory(case: ContactProblem, rubber: Rubber, velocities: tuple[float, ...])
                 poisson=rubber.poisson,
                 energy_ratio=share,
             )
-            friction[k, j] = said.friction / field.rms_gradient
+            friction[k, j] = friction_of.friction / field.rms_gradient
         for j, variant in enumerate(VARIANTS):
             area[k, j] = corrected_contact_area(
-                case.pressure, stress_variance=said.stress_variance, variant=variant
+                case.pressure, stress_variance=friction_of.stress_variance, variant=variant
             )
     return friction, area

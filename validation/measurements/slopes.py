@@ -59,7 +59,7 @@ def steepened(
     field, solid = problem.heights(grid), problem.elastic
     pressure = problem.reduced_pressure * solid.contact_modulus * field.rms_gradient
     mesh: Any = {"depth": depth * max(field.lengths), "growth": growth}
-    found = {name: np.full(len(slopes), np.nan) for name in _NAMES}
+    values_of = {name: np.full(len(slopes), np.nan) for name in _NAMES}
     ended = ""
     with threadpool_limits(limits=1, user_api="blas"):
         linear = block.solve(field, solid, mean_pressure=pressure, **mesh).contact.checked()
@@ -67,11 +67,11 @@ def steepened(
             steeper = block.solve_slopes(field, solid, mean_pressure=pressure, slopes=slopes, **mesh)
             for k, each in enumerate(steeper):
                 for name, value in _read_off(each).items():
-                    found[name][k] = value
+                    values_of[name][k] = value
         except NotConverged as error:
             ended = str(error)
     return xr.Dataset(
-        {name: ("slope", values, {"long_name": _NAMES[name]}) for name, values in found.items()}
+        {name: ("slope", values, {"long_name": _NAMES[name]}) for name, values in values_of.items()}
         | {
             "linear_area": ((), float(np.mean(linear.in_contact))),
             "linear_square_pressure": ((), float(np.mean(linear.pressure**2)) / linear.mean_pressure**2),
@@ -81,14 +81,14 @@ def steepened(
     )
 
 
-def _read_off(found: FiniteStrain) -> dict[str, float]:
+def _read_off(block: FiniteStrain) -> dict[str, float]:
     return {
-        "area": found.area,
-        "material_area": found.material_area,
-        "true_area": found.true_area,
-        "square_pressure": float(np.mean(found.shares * found.pressure**2)) / found.mean_pressure**2,
-        "residual": found.residual,
-        "sideways": found.sideways,
+        "area": block.area,
+        "material_area": block.material_area,
+        "true_area": block.true_area,
+        "square_pressure": float(np.mean(block.shares * block.pressure**2)) / block.mean_pressure**2,
+        "residual": block.residual,
+        "sideways": block.sideways,
     }
 
 

@@ -87,12 +87,12 @@ def controlled_means(samples: LoadedSamples, *, tolerance: float) -> xr.Dataset:
     reading = xr.DataArray(samples.reading_errors(), dims="reduced_pressure", coords=at)
     for name in (*QUANTITIES, BY_SPECTRUM):
         chains = samples.chains(name)
-        found = [chain[-1].estimate for chain in chains]
+        estimates = [chain[-1].estimate for chain in chains]
         value, half, grid = (
             xr.DataArray(numbers, dims="reduced_pressure", coords=at)
             for numbers in (
-                [one.value for one in found],
-                [one.half_width for one in found],
+                [estimate.value for estimate in estimates],
+                [estimate.half_width for estimate in estimates],
                 samples.grid_errors(name),
             )
         )
@@ -134,7 +134,7 @@ class SampledSpectrum:
         order = sorted(range(len(self.pairs)), key=lambda g: _GREW.index(g) if g in _GREW else g)
         lasts = [last for last in order for _ in range(self.pairs[last])]
         grids = tuple(grid_for(self.base, points) for points in self.points_per_wave)
-        found: dict[tuple[Any, ...], Call] = {
+        calls: dict[tuple[Any, ...], Call] = {
             (last, k, inverted): press_on_grids(
                 problem=replace(self.base.further(k), inverted=inverted),
                 reduced_pressures=self.loads,
@@ -149,7 +149,7 @@ class SampledSpectrum:
         coarsest = self.pairs[0]
         further = {"first": len(lasts), "count": coarsest * self.unsolved}
         looked = {"coarsest": {"first": lasts.index(0), "count": coarsest}, "further": further}
-        return found | {
+        return calls | {
             (name,): unsolved_pairs(problem=self.base, grid=grids[0], **which)
             for name, which in looked.items()
         }
@@ -194,12 +194,12 @@ def joined(parts: Sequence[xr.Dataset]) -> xr.Dataset:
         For parts that were not made alike.
     """
     for name in ("study", "periods", "tolerance"):
-        found = sorted({str(part.attrs.get(name)) for part in parts})
-        if len(found) != 1:
-            raise UsageError(f"{name} = {', '.join(found)}: the parts of a table have one")
-    whole = xr.merge([part.drop_attrs(deep=False) for part in parts], join="outer", compat="no_conflicts")
-    whole["pairs"] = whole.pairs.fillna("")
-    return whole.sortby(["hurst", "bandwidth", "reduced_pressure"]).assign_attrs(parts[0].attrs)
+        values = sorted({str(part.attrs.get(name)) for part in parts})
+        if len(values) != 1:
+            raise UsageError(f"{name} = {', '.join(values)}: the parts of a table have one")
+    table = xr.merge([part.drop_attrs(deep=False) for part in parts], join="outer", compat="no_conflicts")
+    table["pairs"] = table.pairs.fillna("")
+    return table.sortby(["hurst", "bandwidth", "reduced_pressure"]).assign_attrs(parts[0].attrs)
 
 
 def with_size(table: xr.Dataset, larger: xr.Dataset) -> xr.Dataset:
@@ -212,14 +212,14 @@ def with_size(table: xr.Dataset, larger: xr.Dataset) -> xr.Dataset:
     """
     cells = ("hurst", "bandwidth")
     same = table.sel({name: larger[name] for name in cells})
-    whole = table
+    claimed = table
     for name in QUANTITIES:
-        own, other = same[name], larger[name]
+        small, other = same[name], larger[name]
         widths = [part[f"{name}_error"].sel(source="surfaces", drop=True) for part in (same, larger)]
         # Nothing gives way in full contact, on samples of any size.
-        scale = abs(own).where(own != 0, 1.0)
+        scale = abs(small).where(small != 0, 1.0)
         weight = ((widths[0] ** 2 + widths[1] ** 2) / scale**2).clip(min=_SURE**2) ** -1.0
-        mean = (weight * (other - own) / scale).sum(cells) / weight.sum(cells)
+        mean = (weight * (other - small) / scale).sum(cells) / weight.sum(cells)
         share = np.maximum(abs(mean), weight.sum(cells) ** -0.5)
-        whole = claim(whole, name, size=abs(table[name]) * share)
-    return whole.assign_attrs(larger_periods=larger.attrs["periods"])
+        claimed = claim(claimed, name, size=abs(table[name]) * share)
+    return claimed.assign_attrs(larger_periods=larger.attrs["periods"])

@@ -23,17 +23,17 @@ def ways_of_bem(measured: list[xr.Dataset]) -> Iterator[xr.Dataset]:
     """Yield single grids, shifts averaged, limits over two grids, and over three with shifts."""
     per_wave = measured[0].points_per_wave.values
     for i, name in itertools.product(range(per_wave.size), AREAS):
-        on = [one.isel(grid=i, load=0) for one in measured]
-        seconds = [float(one.seconds.mean()) for one in on]
-        size = [float(one.peak_bytes.max()) for one in on]
+        on = [result.isel(grid=i, load=0) for result in measured]
+        seconds = [float(result.seconds.mean()) for result in on]
+        size = [float(result.peak_bytes.max()) for result in on]
         label = f"BEM {name}, {per_wave[i]:g} per wave"
-        first = [float(one[name][0]) for one in on]
+        first = [float(result[name][0]) for result in on]
         yield way(first, label=label, seconds=seconds, peak_bytes=size)
-        shifted = [float(one[name].mean()) for one in on]
+        shifted = [float(result[name].mean()) for result in on]
         yield way(shifted, label=f"{label}, 4 shifts", seconds=[4 * s for s in seconds], peak_bytes=size)
     for count, shifts in ((2, 1), (3, 4)):
         for i in range(per_wave.size - count + 1):
-            parts = [one.isel(grid=slice(i, i + count), shift=slice(shifts)) for one in measured]
+            parts = [result.isel(grid=slice(i, i + count), shift=slice(shifts)) for result in measured]
             label = f"BEM limit, {per_wave[i]:g} to {per_wave[i + count - 1]:g} per wave"
             yield way(
                 [float(area_limits(part)[0][0]) for part in parts],
@@ -92,21 +92,21 @@ def pareto_front(data: xr.Dataset, cost: str) -> list[int]:
     process = data.process.values.astype(bool)
     alike = process if data.attrs.get("peers") and process.any() else ~process
     compared = alike if cost == "peak_bytes" else np.ones(price.size, dtype=bool)
-    best, kept = np.inf, []
+    best, front = np.inf, []
     for k in np.lexsort((deviation, price)):
         if deviation[k] < best and compared[k]:
             best = deviation[k]
-            kept.append(int(k))
-    return kept
+            front.append(int(k))
+    return front
 
 
 def chosen_ways(data: xr.Dataset) -> xr.Dataset:
     """Add the fastest and the leanest of our own ways to each accuracy, and the ways on the fronts."""
-    deviation, own = data.area_deviation_rms.values, data.process.values == 0
+    deviation, ours = data.area_deviation_rms.values, data.process.values == 0
     costs = {"fastest": ("seconds", "peak_bytes"), "leanest": ("peak_bytes", "seconds")}
     rows: dict[str, list[Any]] = {}
     for target, (which, (cost, other)) in itertools.product(_TARGETS, costs.items()):
-        good = np.flatnonzero((deviation <= target) & own)
+        good = np.flatnonzero((deviation <= target) & ours)
         k = int(good[np.lexsort((data[other].values[good], data[cost].values[good]))[0]]) if good.size else -1
         label = str(data.way.values[k]) if good.size else "none of the ways tried"
         if target < 2 * float(data.reference_rms):

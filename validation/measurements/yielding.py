@@ -38,9 +38,9 @@ def kept_waves(contact: ContactResult, problem: ContactProblem) -> tuple[Array, 
     after = yielded(contact).surface
     spectrum = problem.spectrum_shape
     rings, left = radial_spectrum(before), radial_spectrum(after)
-    own = (rings.q >= spectrum.q_long) & (rings.q <= spectrum.q_short)
+    band = (rings.q >= spectrum.q_long) & (rings.q <= spectrum.q_short)
     slopes = [_squared_gradient(field)[contact.at_bound].mean() for field in (before, after)]
-    return rings.q[own], left.power[own] / rings.power[own], float(slopes[1] / slopes[0])
+    return rings.q[band], left.power[band] / rings.power[band], float(slopes[1] / slopes[0])
 
 
 def kept_by_theory(problem: ContactProblem, hardness: float, wavevectors: Array) -> Array:

@@ -47,11 +47,11 @@ class PaperFigure:
         longest = max(np.size(one) for values in curves.values() for one in values.values())
         dims, made = (f"curve_{self.name}", f"point_{self.name}"), {}
         for name in names:
-            whole = np.full((len(curves), longest), np.nan)
-            for row, values in zip(whole, curves.values(), strict=True):
+            table = np.full((len(curves), longest), np.nan)
+            for row, values in zip(table, curves.values(), strict=True):
                 if name in values:
                     row[: np.size(values[name])] = values[name]
-            made[f"{name}_{self.name}"] = (dims, whole)
+            made[f"{name}_{self.name}"] = (dims, table)
         return xr.Dataset(made, coords={dims[0]: list(curves)})
 
     def declared(self) -> Figure:

@@ -86,9 +86,9 @@ def lookup(
             raise UsageError(f"{name} = {choice!r}: must be one of {', '.join(known)}")
     data = _columns(table(), amplitudes, gradient)
     names = [name for name in _QUANTITIES if f"{name}_error" in data.data_vars]
-    asked = {"hurst": hurst, "bandwidth": bandwidth, "reduced_pressure": reduced_pressure}
+    point = {"hurst": hurst, "bandwidth": bandwidth, "reduced_pressure": reduced_pressure}
     try:
-        values = {name: interpolated(data, name, asked) for name in names}
+        values = {name: interpolated(data, name, point) for name in names}
     except UsageError as error:
         raise UsageError(f"{error} (amplitudes = {amplitudes})") from None
     area = values.pop("area")

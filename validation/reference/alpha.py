@@ -45,16 +45,16 @@ def at_equal_alpha(table: xr.Dataset, alphas: Sequence[float]) -> xr.Dataset:
 
     hursts, loads = table.hurst.values, table.reduced_pressure.values
     bandwidths = np.array([[bandwidth_at(hurst=h, alpha=a) for h in hursts] for a in alphas])
-    found = np.full((2, *bandwidths.shape, loads.size), np.nan)
-    for (i, j, k), _ in np.ndenumerate(found[0]):
-        asked = {"hurst": hursts[j], "bandwidth": bandwidths[i, j], "reduced_pressure": loads[k]}
+    values = np.full((2, *bandwidths.shape, loads.size), np.nan)
+    for (i, j, k), _ in np.ndenumerate(values[0]):
+        point = {"hurst": hursts[j], "bandwidth": bandwidths[i, j], "reduced_pressure": loads[k]}
         try:
-            one = interpolated(table.isel(hurst=[j]), "area", asked)
+            value = interpolated(table.isel(hurst=[j]), "area", point)
         except UsageError:
             continue  # outside of the table, or beside a cell that it has not
-        found[:, i, j, k] = one.value, one.uncertainty
+        values[:, i, j, k] = value.value, value.uncertainty
     dims = ("alpha", "hurst", "reduced_pressure")
     return xr.Dataset(
-        {"area": (dims, found[0]), "area_error": (dims, found[1]), "bandwidth": (dims[:2], bandwidths)},
+        {"area": (dims, values[0]), "area_error": (dims, values[1]), "bandwidth": (dims[:2], bandwidths)},
         coords={"alpha": list(alphas), "hurst": hursts, "reduced_pressure": loads},
     )

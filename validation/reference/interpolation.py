@@ -32,7 +32,7 @@ class ReferenceValue:
     interpolation: float  # Its part that interpolation has; 0 at a node
 
 
-def interpolated(data: xr.Dataset, name: str, asked: Mapping[str, float]) -> ReferenceValue:
+def interpolated(data: xr.Dataset, name: str, point: Mapping[str, float]) -> ReferenceValue:
     """Interpolate a quantity of a table of one kind of amplitudes, as `lookup` describes.
 
     Parameters
@@ -41,7 +41,7 @@ def interpolated(data: xr.Dataset, name: str, asked: Mapping[str, float]) -> Ref
         Over (hurst, bandwidth, reduced_pressure).
     name : str
         Of a variable that has one named `_error` beside it.
-    asked : mapping
+    point : mapping
         hurst, bandwidth, reduced_pressure.
 
     Raises
@@ -49,7 +49,7 @@ def interpolated(data: xr.Dataset, name: str, asked: Mapping[str, float]) -> Ref
     UsageError
         Outside of the table, and beside cells that it has not.
     """
-    for axis, value in asked.items():
+    for axis, value in point.items():
         low, high = float(data[axis][0]), float(data[axis][-1])
         if not (isinstance(value, (int, float)) and low * (1 - 1e-12) <= value <= high * (1 + 1e-12)):
             raise UsageError(
@@ -57,7 +57,7 @@ def interpolated(data: xr.Dataset, name: str, asked: Mapping[str, float]) -> Ref
                 "and is not extrapolated"
             )
     return _looked_up(
-        _whole_part(data, **{axis: asked[axis] for axis in ("hurst", "bandwidth")}), name, asked
+        _whole_part(data, **{axis: point[axis] for axis in ("hurst", "bandwidth")}), name, point
     )
 
 
@@ -73,8 +73,8 @@ def _whole_part(data: xr.Dataset, *, hurst: float, bandwidth: float) -> xr.Datas
             f"{float(data.hurst[rows[i]]):g}, lambda_long/lambda_short = "
             f"{float(data.bandwidth[columns[j]]):g}, and is not extrapolated; it has {_cells(data, there)}"
         )
-    kept = there[rows].all(axis=0)
-    return data.isel(bandwidth=kept).isel(hurst=there[:, kept].all(axis=1))
+    nodes = there[rows].all(axis=0)
+    return data.isel(bandwidth=nodes).isel(hurst=there[:, nodes].all(axis=1))
 
 
 def _cells(data: xr.Dataset, there: Array) -> str:
@@ -96,13 +96,13 @@ def _around(nodes: Array, at: float) -> list[int]:
     return [above - 1, above]
 
 
-def _looked_up(data: xr.Dataset, name: str, asked: Mapping[str, float]) -> ReferenceValue:
+def _looked_up(data: xr.Dataset, name: str, point: Mapping[str, float]) -> ReferenceValue:
     values = data[name].transpose(*_AXES).values
     if name == "area":
-        smooth, straight = _both(data, values / _theory(data.reduced_pressure.values), asked)
-        value, other = (factor * float(_theory(asked["reduced_pressure"])) for factor in (smooth, straight))
+        smooth, straight = _both(data, values / _theory(data.reduced_pressure.values), point)
+        value, other = (factor * float(_theory(point["reduced_pressure"])) for factor in (smooth, straight))
     else:
-        value, other = (float(np.exp(logarithm)) for logarithm in _both(data, np.log(values), asked))
+        value, other = (float(np.exp(logarithm)) for logarithm in _both(data, np.log(values), point))
     error = total_error(data, name)
     assert error is not None
     relative = error.transpose(*_AXES).values / values
@@ -111,7 +111,7 @@ def _looked_up(data: xr.Dataset, name: str, asked: Mapping[str, float]) -> Refer
         quantity=name,
         meaning=quantity(name).meaning,
         value=value,
-        uncertainty=float(np.hypot(value * _both(data, relative, asked)[1], interpolation)),
+        uncertainty=float(np.hypot(value * _both(data, relative, point)[1], interpolation)),
         interpolation=interpolation,
     )
 
@@ -121,13 +121,13 @@ def _theory(reduced_pressure: float | Array) -> Array:
     return np.asarray(elastic.contact_area(reduced_pressure, stress_variance=0.25))
 
 
-def _both(data: xr.Dataset, values: Array, asked: Mapping[str, float]) -> tuple[float, float]:
+def _both(data: xr.Dataset, values: Array, point: Mapping[str, float]) -> tuple[float, float]:
     """Interpolate by monotone cubics and by straight lines, along one axis after the other.
 
     Where an axis has two nodes, by a straight line and by the nearest node.
     """
     smooth = straight = values
-    for name, at in asked.items():
+    for name, at in point.items():
         nodes = data[name].values.astype(float)
         if name != "hurst":
             nodes, at = np.log(nodes), float(np.log(at))

@@ -117,27 +117,27 @@ class PressedOptions(StudyOptions):
     @classmethod
     def taken(cls, scene: Scene, first: ContactProblem) -> dict[str, Any]:
         """Return the options that a scene says, with their values."""
-        found: dict[str, Any] = dict(cls.off)
+        options: dict[str, Any] = dict(cls.off)
         if "reduced_pressure" in cls.model_fields:
-            found["reduced_pressure"] = first.reduced_pressure
+            options["reduced_pressure"] = first.reduced_pressure
         for option, method in cls.grids_of.items():
             table = scene.methods.options(method)
             if table is not None:
-                found[option] = tuple(sorted(first.points_per_wave(grid) for grid in table.grids))
+                options[option] = tuple(sorted(first.points_per_wave(grid) for grid in table.grids))
         if "grids" in cls.model_fields:
             grids = sorted(scene.methods.options("bem").grids, key=first.points_per_wave)
-            found["grids"] = tuple(nx for nx, _ in grids)
+            options["grids"] = tuple(nx for nx, _ in grids)
         if "methods" in cls.model_fields:
             tables = {name: scene.methods.options(name) for name in scene.methods.solvers}
-            found["methods"] = tuple(getattr(table, "solver", name) for name, table in tables.items())
+            options["methods"] = tuple(getattr(table, "solver", name) for name, table in tables.items())
         table = scene.methods.options("bem")
         if "shifts" in cls.model_fields and "shifts" in table.model_fields_set:
-            found["shifts"] = table.shifts
+            options["shifts"] = table.shifts
         if isinstance(scene.surface, FileSurface):
-            found["surfaces"] = 1
+            options["surfaces"] = 1
         elif scene.ensemble is not None:
-            found["surfaces"] = scene.ensemble.realisations
-        return found
+            options["surfaces"] = scene.ensemble.realisations
+        return options
 
     @cached_property
     def first(self) -> ContactProblem:
@@ -207,8 +207,8 @@ class PressedOptions(StudyOptions):
             grids = self.grids_for(per_wave)
             chosen = {n: chosen_solver(n) for n in getattr(self, "methods", ()) if n not in left}
             return tuple(
-                SolverRequest(name=name, method=solver.name, settings=tuple(told.items()), grids=grids)
-                for name, (solver, told) in chosen.items()
+                SolverRequest(name=name, method=solver.name, settings=tuple(settings.items()), grids=grids)
+                for name, (solver, settings) in chosen.items()
             )
         left, methods = ("bem",) if without is None else without, self.scene.methods
         tables = {name: methods.options(name) for name in methods.solvers if name not in left}
@@ -232,12 +232,15 @@ class PressedOptions(StudyOptions):
     @property
     def spectrum_words(self) -> dict[str, float]:
         """H, L/lambda_long and lambda_long/lambda_short, for a dataset; H of a self-affine surface alone."""
-        own = self.first
-        said = {"periods": min(own.lengths) / own.longest, "bandwidth": own.longest / own.shortest}
+        problem = self.first
+        numbers = {
+            "periods": min(problem.lengths) / problem.longest,
+            "bandwidth": problem.longest / problem.shortest,
+        }
         if self.scene is None:
-            said = {"periods": self.periods, "bandwidth": self.bandwidth}
-        hurst = getattr(own.surface, "hurst", None)
-        return said if hurst is None else {"hurst": hurst, **said}
+            numbers = {"periods": self.periods, "bandwidth": self.bandwidth}
+        hurst = getattr(problem.surface, "hurst", None)
+        return numbers if hurst is None else {"hurst": hurst, **numbers}
 
     def record(self) -> dict[str, Any]:
         """Return what was asked, as JSON-ready data: a scene in full, and no option that it stands in for."""
@@ -246,8 +249,8 @@ class PressedOptions(StudyOptions):
         left = {"scene", *_SPECTRUM}
         made = self.model_dump(mode="json", exclude_none=True, exclude=left)
         seed = getattr(self.scene.surface, "seed", None)
-        told = {} if seed is None else {"seed": seed}
-        return {**made, **told, "scene": self.scene.model_dump(mode="json", exclude_none=True)}
+        seeds = {} if seed is None else {"seed": seed}
+        return {**made, **seeds, "scene": self.scene.model_dump(mode="json", exclude_none=True)}
 
     def words(self) -> Iterator[str]:
         """Say what a scene was asked for, and what of it is not used."""
@@ -282,10 +285,10 @@ def _reduced(problem: ContactProblem) -> tuple[float, ...]:
     return tuple(pressure / problem.pressure_scale for pressure in problem.pressures)
 
 
-def _merged(path: Any, own: Sequence[float]) -> tuple[float, ...]:
+def _merged(path: Any, loads: Sequence[float]) -> tuple[float, ...]:
     """Put the loads of a scene into a path of loads; a scene with several brings its own path."""
-    if len(own) > 1:
-        return tuple(sorted(set(own)))
-    (load,) = own
+    if len(loads) > 1:
+        return tuple(sorted(set(loads)))
+    (load,) = loads
     others = [float(p) for p in path if abs(float(p) / load - 1) > _SAME]
     return tuple(sorted([*others, load]))

@@ -86,8 +86,8 @@ class StudyOptions(Table):
             parsed = cls.model_validate_strings(values, context={"on_scene": scene is not None})
             if scene is None:
                 return parsed
-            said = {name: getattr(parsed, name) for name in parsed.model_fields_set}
-            return cls.model_validate({**said, "scene": scene})
+            given = {name: getattr(parsed, name) for name in parsed.model_fields_set}
+            return cls.model_validate({**given, "scene": scene})
         except ValidationError as error:
             raise UsageError("\n".join(problems(error, flags=True))) from None
 
@@ -129,8 +129,8 @@ class Study:
     @property
     def options(self) -> type[StudyOptions]:
         """Its table of options."""
-        found: type[StudyOptions] = self.module.Options
-        return found
+        options_class: type[StudyOptions] = self.module.Options
+        return options_class
 
     def compute(self, options: StudyOptions, *, bench: Bench) -> xr.Dataset:
         """Run it on a bench.
@@ -199,7 +199,7 @@ class Study:
 
     def findings(self, data: xr.Dataset) -> tuple[str, ...]:
         """Return its sentences on a dataset."""
-        return tuple(one.text for one in self.views(data).findings)
+        return tuple(unit.text for unit in self.views(data).findings)
 
 
 def _misnamed(module: ModuleType) -> Iterator[str]:
@@ -276,8 +276,8 @@ def _kind_words(field: FieldInfo) -> str:
 
 def _unit_of(field: FieldInfo) -> str:
     """SI unit of an option, of one value or of several; "1" for plain numbers."""
-    one = unit_of(field)
-    return unit_of(field.annotation) if one == "1" else one
+    unit = unit_of(field)
+    return unit_of(field.annotation) if unit == "1" else unit
 
 
 def _with_unit(text: str, unit: str) -> str:

@@ -104,17 +104,19 @@ def design(options: Options) -> dict[_Case, Call]:
         ("coarse", options.grids_for(options.points_per_wave), options.tolerance(_TOLERANCE)),
         ("fine", held_out, _FINE_TOLERANCE),
     ):
-        for k, own in pressed.items():
-            cases[part, k] = press_on_grids(problem=own, grids=grids, tolerance=tolerance)
-    for (element, n), (k, own) in itertools.product(_blocks(options), pressed.items()):
-        cases["FEM", element, n, k] = block_beside_bem(problem=own, grid=grid_for(first, n), element=element)
+        for k, problem in pressed.items():
+            cases[part, k] = press_on_grids(problem=problem, grids=grids, tolerance=tolerance)
+    for (element, n), (k, problem) in itertools.product(_blocks(options), pressed.items()):
+        cases["FEM", element, n, k] = block_beside_bem(
+            problem=problem, grid=grid_for(first, n), element=element
+        )
     for code, n, k in itertools.product(_codes(options), options.peer_points_per_wave, pressed):
         cases["peers", code, n, k] = by_peer(problem=pressed[k], grid=grid_for(first, n), code=code)
-    for asked, k in itertools.product(_others(options), pressed):
-        told = {"tolerance": _TOLERANCE, **dict(asked.settings)}
-        for g, grid in enumerate(asked.grids):
-            cases["others", asked.name, g, k] = beside_bem(
-                problem=pressed[k], grid=grid, method=asked.method, settings=tuple(told.items())
+    for solver, k in itertools.product(_others(options), pressed):
+        settings = {"tolerance": _TOLERANCE, **dict(solver.settings)}
+        for g, grid in enumerate(solver.grids):
+            cases["others", solver.name, g, k] = beside_bem(
+                problem=pressed[k], grid=grid, method=solver.method, settings=tuple(settings.items())
             )
     return cases
 
@@ -133,16 +135,16 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     its grid error of the converged count: equal error, not equal residual. A method that is asked for by name is told
     the tolerance that the boundary elements are told.
     """
-    found = solved(bench, design(options))
+    measured = solved(bench, design(options))
     surfaces = range(options.surfaces)
-    fine = [area_limits(found["fine", k]) for k in surfaces]
+    fine = [area_limits(measured["fine", k]) for k in surfaces]
     reference = np.array([value[0] for value, _ in fine])
     uncertainty = np.array([error[0] for _, error in fine]) / reference
-    ways = {one.attrs["way"]: one for one in _ways(options, found)}
+    ways = {way_data.attrs["way"]: way_data for way_data in _ways(options, measured)}
     data = gather(ways, way=list(ways)).set_coords(["kind", "process"])
     data = data.assign_coords(surface=list(surfaces))
     data = data.assign(area_deviation_each=data.area_each / reference - 1).drop_vars("area_each")
-    coarse = [area_limits(found["coarse", k]) for k in surfaces]
+    coarse = [area_limits(measured["coarse", k]) for k in surfaces]
     claimed = [NORMAL * error[0] / truth for (_, error), truth in zip(coarse, reference, strict=True)]
     missed = [value[0] / truth - 1 for (value, _), truth in zip(coarse, reference, strict=True)]
     data = data.assign(
@@ -157,18 +159,18 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     return chosen_ways(covered(data)).assign_attrs(
         study="accuracy-cost",
         reduced_pressure=options.reduced_pressure,
-        peers=" ".join([*codes, *(asked.name for asked in others)]),
+        peers=" ".join([*codes, *(solver.name for solver in others)]),
         absent="" if others else ", ".join(code for code in known if code not in codes),
         measured_by=code_words(_codes(options)) if codes else "",
-        unsettled=_unsettled(found),
+        unsettled=_unsettled(measured),
         methods=" ".join([*cited, *(known[code] for code in codes), "perimeter"]),
     )
 
 
-def _ways(options: Options, found: Mapping[_Case, xr.Dataset]) -> Iterator[xr.Dataset]:
+def _ways(options: Options, measured: Mapping[_Case, xr.Dataset]) -> Iterator[xr.Dataset]:
     """Yield every way to an area: single grids, shifts, limits, finite elements, other codes."""
     surfaces = range(options.surfaces)
-    yield from ways_of_bem([found["coarse", k] for k in surfaces])
+    yield from ways_of_bem([measured["coarse", k] for k in surfaces])
     singles: list[tuple[_Case, str, float, bool]] = [
         *((("FEM", element, n), f"FEM {element}", n, False) for element, n in _blocks(options)),
         *(
@@ -187,21 +189,25 @@ def _ways(options: Options, found: Mapping[_Case, xr.Dataset]) -> Iterator[xr.Da
         ),
     ]
     for place, name, per_wave, process in singles:
-        part = [found[(*place, k)] for k in surfaces]
+        part = [measured[(*place, k)] for k in surfaces]
         for area in AREAS:
-            if area in part[0] and np.isfinite([float(one[area]) for one in part]).all():
+            if area in part[0] and np.isfinite([float(result[area]) for result in part]).all():
                 yield way(
-                    [float(one[area]) for one in part],
+                    [float(result[area]) for result in part],
                     label=f"{name} {area}, {per_wave:g} per wave",
-                    seconds=[float(one.seconds) for one in part],
-                    peak_bytes=[float(one.peak_bytes) for one in part],
+                    seconds=[float(result.seconds) for result in part],
+                    peak_bytes=[float(result.peak_bytes) for result in part],
                     process=process,
                 )
 
 
-def _unsettled(found: Mapping[_Case, xr.Dataset]) -> str:
+def _unsettled(measured: Mapping[_Case, xr.Dataset]) -> str:
     """Name the methods with answers whose residuals are not what was asked for, and count these."""
-    missed = [str(case[1]) for case, one in found.items() if case[0] == "others" and float(one.converged) < 1]
+    missed = [
+        str(case[1])
+        for case, result in measured.items()
+        if case[0] == "others" and float(result.converged) < 1
+    ]
     return ", ".join(f"{name} {missed.count(name)}" for name in dict.fromkeys(missed))
 
 
@@ -271,21 +277,21 @@ def _against_peer(data: xr.Dataset, code: str) -> Finding:
     ours = [k for k, way in enumerate(labels) if way.startswith("BEM") and rms[k] <= rms[theirs]]
     seconds = data.seconds.values
     text = "{code}: {way} is off by {off:%} after {seconds:.3} s"
-    told: dict[str, Any] = {
+    values: dict[str, Any] = {
         "code": code,
         "way": labels[theirs].removeprefix(f"{code} "),
         "off": float(rms[theirs]),
         "seconds": float(seconds[theirs]),
     }
-    twin = f"{OWN} {told['way']}"
+    twin = f"{OWN} {values['way']}"
     if twin in labels:
         k = labels.index(twin)
         text += "; the same area on the same grid is off by {off_here:%} here and takes {ratio_twin:.3} of the time"
-        told |= {"off_here": float(rms[k]), "ratio_twin": float(seconds[k] / seconds[theirs])}
+        values |= {"off_here": float(rms[k]), "ratio_twin": float(seconds[k] / seconds[theirs])}
     if not ours:
-        return finding("cost", text + "; none of the ways here is as good.", **told)
+        return finding("cost", text + "; none of the ways here is as good.", **values)
     best = min(ours, key=lambda k: float(seconds[k]))
-    told |= {"best": labels[best], "ratio": float(seconds[best] / seconds[theirs])}
+    values |= {"best": labels[best], "ratio": float(seconds[best] / seconds[theirs])}
     return finding(
-        "cost", text + "; the cheapest way here to that error takes {ratio:.3} of it ({best}).", **told
+        "cost", text + "; the cheapest way here to that error takes {ratio:.3} of it ({best}).", **values
     )

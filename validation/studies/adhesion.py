@@ -83,9 +83,9 @@ class Options(StudyOptions):
     def surface(self, magnification: float | None = None, *, number: int = 0) -> SelfAffineSurface:
         """Return a surface with its waves up to a magnification; all of them if not given."""
         until = self.bandwidth if magnification is None else magnification
-        whole = {"length": _LENGTH, "gradient": _GRADIENT, "bandwidth": self.bandwidth}
+        surface_options = {"length": _LENGTH, "gradient": _GRADIENT, "bandwidth": self.bandwidth}
         return truncated_surface(
-            until, seed=self.seed + number, hurst=self.hurst, periods=self.periods, **whole
+            until, seed=self.seed + number, hurst=self.hurst, periods=self.periods, **surface_options
         )
 
 
@@ -121,10 +121,10 @@ def design(options: Options) -> dict[tuple[Case, int], Sticking]:
     return {(case, k): _pressed(options, case, k, wholes[k]) for case in cases for k in range(len(wholes))}
 
 
-def _pressed(options: Options, case: Case, k: int, whole: ContactProblem) -> Sticking:
+def _pressed(options: Options, case: Case, k: int, surface_options: ContactProblem) -> Sticking:
     """Return one surface of a case; load, work and hardness are shares of those of all its waves."""
-    unit, modulus = whole.pressure_scale, whole.contact_modulus
-    work = case.work_ratio * full_contact_energy(whole.field, modulus=modulus)
+    unit, modulus = surface_options.pressure_scale, surface_options.contact_modulus
+    work = case.work_ratio * full_contact_energy(surface_options.field, modulus=modulus)
     # The shortest range whose process zone spans the cells that are needed, and a little more.
     reach = math.sqrt(1.1 * CELLS_NEEDED * _LENGTH / options.grids[0] * work / modulus)
     load = Load(pressure=case.reduced_pressure * unit)
@@ -147,9 +147,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     cases = design(options)
     solved = bench.solve(
-        [s for one in cases.values() for held in (True, False) for s in one.solves(sticky=held)]
+        [s for sticking in cases.values() for held in (True, False) for s in sticking.solves(sticky=held)]
     )
-    parts = {place: one.measured(solved) for place, one in cases.items()}
+    parts = {place: sticking.measured(solved) for place, sticking in cases.items()}
     data = gather(parts, case=list(dict.fromkeys(case for case, _ in cases)), surface=range(options.surfaces))
     data = derive(
         straight_limit(data, "area", "area_plain", "area_plastic", most=1.0),
@@ -162,8 +162,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = mean(data, *_AREAS[:2], "area_plastic", "area_gain", "area_gain_excess", "interface_energy")
     data = same_of_all(mean(data, "interface_energy_excess"), *_THEORY)
     data = claim(data, "area", "area_plain", "area_plastic", "area_gain", "interface_energy", **ABSENT)
-    said = {"work": options.work, "reduced_pressure": options.reduced_pressure}
-    return data.assign_attrs(study="adhesion", methods="theory bem", **said)
+    attributes = {"work": options.work, "reduced_pressure": options.reduced_pressure}
+    return data.assign_attrs(study="adhesion", methods="theory bem", **attributes)
 
 
 #: What is drawn along every dial, the coordinate, and how it is called.

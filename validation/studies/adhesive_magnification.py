@@ -81,7 +81,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     the theory; stress in the contact as shares over bins, surfaces pooled; P~ of the waves between magnifications
     (surface, shell) of the whole surface; what half the range changes.
     """
-    wholes = [_whole(options, k) for k in range(options.surfaces)]
+    wholes = [_full_surface(options, k) for k in range(options.surfaces)]
     along = [readings(whole, work=work, area="projected") for whole, work in wholes]
     places = list(itertools.product((_OWN, _EFFECTIVE), range(options.surfaces), options.magnifications))
     cuts = {
@@ -98,15 +98,15 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     # Half the range takes four times the points: on the second magnification of the first surface.
     second = options.magnifications[1]
     cases["half"] = held[_OWN, 0, second].solve(points[0] * second, shells=shells, finer=4, reach=0.5)
-    found = solved(bench, cases)
-    half = found.pop("half")
+    measured = solved(bench, cases)
+    half = measured.pop("half")
     data = gather(
-        {at: cut.reduced([found[at, g] for g in range(len(points))]) for at, cut in held.items()},
+        {at: cut.reduced([measured[at, g] for g in range(len(points))]) for at, cut in held.items()},
         told=(_OWN, _EFFECTIVE),
         surface=range(options.surfaces),
         magnification=options.magnifications,
     ).assign(area_half_range=half.area, force_inside_half_range=half.force)
-    last = [found[(_OWN, k, options.magnifications[-1]), 1] for k in range(options.surfaces)]
+    last = [measured[(_OWN, k, options.magnifications[-1]), 1] for k in range(options.surfaces)]
     shares = {
         k: shares_by_shell(last[k], along[k], problem=whole, edges=edges)
         for k, (whole, _) in enumerate(wholes)
@@ -115,8 +115,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = data.assign_coords(points_per_wave=("grid", list(options.points_per_wave)))
     data = straight_limit(data, "area", "area_plain", "area_parted", x="points_per_wave")
     data = _compared(straight_limit(data, *_COMPARED[1:], of="grid", x="points_per_wave"))
-    said = {name: getattr(options, name) for name in ("hurst", "reduced_pressure", "work")}
-    return data.assign_attrs(study="adhesive-magnification", methods="theory bem adhesion", **said)
+    attributes = {name: getattr(options, name) for name in ("hurst", "reduced_pressure", "work")}
+    return data.assign_attrs(study="adhesive-magnification", methods="theory bem adhesion", **attributes)
 
 
 def _surface(options: Options, k: int, zeta: float) -> SelfAffineSurface:
@@ -124,7 +124,7 @@ def _surface(options: Options, k: int, zeta: float) -> SelfAffineSurface:
     return truncated_surface(zeta, seed=options.seed + k, length=_LENGTH, gradient=_GRADIENT, **told)
 
 
-def _whole(options: Options, k: int) -> tuple[ContactProblem, float]:
+def _full_surface(options: Options, k: int) -> tuple[ContactProblem, float]:
     """Return the surface with all waves, and the work of adhesion [J/m^2]."""
     load = Load(reduced_pressure=options.reduced_pressure)
     whole = ContactProblem(surface=_surface(options, k, options.magnifications[-1]), solid=_SOLID, load=load)
@@ -133,7 +133,7 @@ def _whole(options: Options, k: int) -> tuple[ContactProblem, float]:
 
 def _cut(options: Options, k: int, zeta: float, *, along: Solutions | None = None) -> Cut | None:
     """Return one surface up to zeta with w, or `along` the theory with gamma_eff(zeta); None where that holds nothing."""
-    whole, work = _whole(options, k)
+    whole, work = _full_surface(options, k)
     load = Load(pressure=whole.pressure)
     problem = ContactProblem(surface=_surface(options, k, zeta), solid=_SOLID, load=load)
     if along is None:

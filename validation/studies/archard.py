@@ -75,10 +75,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     cases = _cases(options)
     counts = range(1, len(options.waves) + 2)
-    measured = {place: kept_of(one) for place, one in solved(bench, cases).items()}
+    measured = {place: kept_of(call) for place, call in solved(bench, cases).items()}
     data = gather(measured, level=counts, surface=range(options.surfaces), grid=options.grids)
     finest = [cases[n, 0, options.grids[-1]] for n in counts]
-    theory = [archard_of(one["waves"], one["heights"], loads=options.loads) for one in finest]
+    theory = [archard_of(call["waves"], call["heights"], loads=options.loads) for call in finest]
     loads = np.array(options.loads)
     data = data.drop_vars(["level", "grid"]).assign_coords(
         levels=("level", list(counts)),
@@ -96,10 +96,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 def with_exponents(data: xr.Dataset) -> xr.Dataset:
     """Add the power of the load that areas go with, its rise from level to level, and what it falls short of 1."""
     # A contact of too few points has no area, and its path no power.
-    whole = data.area_each.notnull().all("load")
+    complete = data.area_each.notnull().all("load")
     data = power_law(data, "load_exponent_grid_each", of="area_each", x="relative_load", along=("load",))
     data = data.drop_vars(["load_exponent_grid_each_error", "load_exponent_grid_each_factor"])
-    data["load_exponent_grid_each"] = data.load_exponent_grid_each.where(whole)
+    data["load_exponent_grid_each"] = data.load_exponent_grid_each.where(complete)
     data = derive(
         data.assign(area_finest_each=data.area_each.isel(grid=-1)),
         load_exponent_each="load_exponent_grid_each.isel(grid=-1)",

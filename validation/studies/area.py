@@ -86,7 +86,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 def views(data: xr.Dataset) -> Views:
     """Area and kappa against load, simulation and theory."""
     last = data.sizes["reduced_pressure"] - 1
-    found = finding(
+    area_finding = finding(
         "comparison",
         "The area is {each} (lambda_long/lambda_short = {bandwidth}).",
         data.isel(reduced_pressure=sorted({0, last // 2, last})),
@@ -108,5 +108,5 @@ def views(data: xr.Dataset) -> Views:
             Figure(name="area", caption="Contact area against load, beside Persson's theory.", panels=[area]),
             Figure(name="kappa", caption=constant, panels=[kappa]),
         ],
-        findings=[found, *left_out],
+        findings=[area_finding, *left_out],
     )

@@ -117,8 +117,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     )
     stated = ("area_ratio", "square_growth_late", "edge_loss")
     data = claim(with_diffusion_terms(data), *stated, **ABSENT)
-    words = {name: getattr(options, name) for name in ("periods", "bandwidth", "surfaces")}
-    return data.assign_attrs(study="autopsy", methods="theory bem", **words)
+    attributes = {name: getattr(options, name) for name in ("periods", "bandwidth", "surfaces")}
+    return data.assign_attrs(study="autopsy", methods="theory bem", **attributes)
 
 
 def _chains(options: Options, bench: Bench) -> xr.Dataset:

@@ -83,7 +83,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     local power of the load with which the stiffness goes (periods, surface, step), and its mean at light load.
     """
     cases = design(options)
-    parts = {case: stiffness_of(one, cases[case]["problem"]) for case, one in solved(bench, cases).items()}
+    parts = {
+        case: stiffness_of(measured, cases[case]["problem"])
+        for case, measured in solved(bench, cases).items()
+    }
     data = gather(parts, periods=options.periods, surface=range(options.surfaces))
     loads = np.array(options.reduced_pressures)
     data = data.assign_coords(reduced_pressure_between=("step", np.sqrt(loads[1:] * loads[:-1])))
@@ -102,15 +105,15 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = mean(data, "stiffness_exponent_light").assign(stiffness_exponent_proportional=1.0)
     data = claim(data, "stiffness", "stiffness_exponent", "stiffness_exponent_light", **ABSENT)
     data = derive(data, stiffness_exponent_light_excess="stiffness_exponent_light - 1")
-    said = {"hurst": options.hurst, "bandwidth": options.bandwidth}
-    return data.assign_attrs(study="conductance", methods="theory bem", **said)
+    attributes = {"hurst": options.hurst, "bandwidth": options.bandwidth}
+    return data.assign_attrs(study="conductance", methods="theory bem", **attributes)
 
 
 def views(data: xr.Dataset) -> Views:
     """Stiffness over the load for every size, beside the theory, and its power of the load."""
     last = {"periods": data.sizes["periods"] - 1}
     theory = [f"stiffness_{variant}" for variant in WITH_ENERGY]
-    beside = [Line(y=name, at=last) for name in ("stiffness", *theory)]
+    lines = [Line(y=name, at=last) for name in ("stiffness", *theory)]
     power = [
         Line(y="stiffness_exponent", by="periods"),
         Level(y="stiffness_exponent_proportional", look=_THIN),
@@ -128,7 +131,7 @@ def views(data: xr.Dataset) -> Views:
                 "stiffness goes with the load. Few long waves make a light contact softer than many.",
                 panels=[
                     against("reduced_pressure", "stiffness", by="periods", log="xy"),
-                    Panel(marks=beside, x="reduced_pressure", log="xy"),
+                    Panel(marks=lines, x="reduced_pressure", log="xy"),
                     Panel(marks=power, x="reduced_pressure_between", log="x"),
                 ],
                 width=12.0,

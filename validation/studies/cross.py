@@ -78,9 +78,9 @@ class Options(PressedOptions):
 def design(options: Options) -> dict[tuple[str, float, int], Call]:
     """Return the solves by leg, points per shortest wave, and surface."""
     return {
-        (leg, per_wave, k): solve(problem=own)
+        (leg, per_wave, k): solve(problem=problem)
         for leg, per_wave, solve in (*_blocks(options), *_others(options))
-        for k, own in enumerate(options.pressed)
+        for k, problem in enumerate(options.pressed)
     }
 
 
@@ -99,14 +99,14 @@ def _blocks(options: Options) -> Iterator[tuple[str, float, Any]]:
 
 def _others(options: Options) -> Iterator[tuple[str, float, Any]]:
     """Yield all other solvers that are asked for; on a scene the finite elements as its table has them."""
-    for asked in options.others(options.method_points_per_wave):
+    for solver in options.others(options.method_points_per_wave):
         told: dict[str, Any] = {
-            "method": asked.method,
-            "settings": asked.settings,
+            "method": solver.method,
+            "settings": solver.settings,
             "effects": options.effects,
         }
-        for grid in asked.grids:
-            yield asked.name, options.first.points_per_wave(grid), partial(beside_bem, grid=grid, **told)
+        for grid in solver.grids:
+            yield solver.name, options.first.points_per_wave(grid), partial(beside_bem, grid=grid, **told)
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -132,8 +132,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         along=("points_per_wave", "surface"),
     )
     data = derive(data, order="-exponent", area_difference_size="abs(area_difference)")
-    asked = [one.method for one in options.others((), without=("bem",))]
-    cited = ["bem", *asked, *(effect.kind for effect in options.effects), "perimeter"]
+    solver = [one.method for one in options.others((), without=("bem",))]
+    cited = ["bem", *solver, *(effect.kind for effect in options.effects), "perimeter"]
     return data.assign_attrs(
         study="cross", reduced_pressure=options.reduced_pressure, methods=" ".join(cited)
     )
@@ -149,17 +149,17 @@ _COMPARED = (
 )
 
 
-def _differences(one: xr.Dataset) -> xr.Dataset:
+def _differences(measured: xr.Dataset) -> xr.Dataset:
     """Return what is compared of one solve."""
     return read_off(
-        one,
+        measured,
         pressure_difference_each="pressure_half_space",
         pressure_difference_inside_each="pressure_inside",
         area_difference_each="pixel / pixel_bem - 1",
         area_difference_perimeter_each="perimeter / perimeter_bem - 1",
         gap_difference_each="gap",
         residual_each="residual",
-        converged_each="converged" if "converged" in one else "pixel / pixel",
+        converged_each="converged" if "converged" in measured else "pixel / pixel",
         seconds_each="seconds",
         seconds_bem_each="seconds_bem",
     )

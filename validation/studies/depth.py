@@ -99,12 +99,12 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     parts = solved(bench, design(options))
     numbers = {
         block: read_off(
-            one,
+            result,
             pressure_difference="pressure_half_space",
             pressure_difference_layer="pressure_layer",
             area_difference="pixel / pixel_bem - 1",
         )
-        for block, one in parts.items()
+        for block, result in parts.items()
     }
     data = gather(numbers, case=list(parts))
     data = claim(data, "pressure_difference", "pressure_difference_layer", "area_difference")
@@ -134,18 +134,18 @@ def views(data: xr.Dataset) -> Views:
                 name="block-depth",
                 caption="Pressure of the block against depth (left) and growth of the layers (right), to the "
                 "half-space and to the bonded layer of the same depth, which is the error of the mesh alone.",
-                panels=[Panel(marks=lines(one), x=one, log="y") for one in ("depth", "growth")],
+                panels=[Panel(marks=lines(result), x=result, log="y") for result in ("depth", "growth")],
                 width=9.0,
             )
         ],
-        findings=[_said(data.isel(case=(data.element == e).values), str(e)) for e in elements],
+        findings=[_finding(data.isel(case=(data.element == e).values), str(e)) for e in elements],
     )
 
 
 _LOOKS = ({"color": "#0b5394", "marker": "o"}, {"color": "#b45f06", "marker": "s"})
 
 
-def _said(data: xr.Dataset, element: str) -> Finding:
+def _finding(data: xr.Dataset, element: str) -> Finding:
     """Say what depth and mesh cost with one element."""
     depths = data.isel(case=(data.varied == "depth").values)
     first, last = depths.isel(case=0), depths.isel(case=-1)

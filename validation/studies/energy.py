@@ -92,22 +92,22 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 def _checked(near: xr.Dataset, usual: xr.Dataset) -> dict[str, Any]:
     """Energy over work, and difference quotient over stiffness, between loads closely around each."""
-    own, at = (one.isel(grid=0, shift=0) for one in (usual, near))
+    contact, at = (result.isel(grid=0, shift=0) for result in (usual, near))
     load, gap, energy = (
         at[name].values.reshape(-1, 2) for name in ("reduced_pressure", "mean_gap", "energy")
     )
     scale = near.attrs["contact_modulus"] * near.attrs["rms_gradient"]
     fall, middle = gap[:, 0] - gap[:, 1], load.mean(axis=1)
-    stored = own.energy.values / usual.attrs["full_contact_energy"]
-    path = _path_work(own, usual.attrs) / usual.attrs["full_contact_energy"]
+    stored = contact.energy.values / usual.attrs["full_contact_energy"]
+    path = _path_work(contact, usual.attrs) / usual.attrs["full_contact_energy"]
     with np.errstate(divide="ignore", invalid="ignore"):
         found = {
             "work_check": np.diff(energy, axis=1)[:, 0] / (middle * scale * fall),
             "path_work_check": (stored - stored[0]) / path,
             "stiffness_check": np.diff(load, axis=1)[:, 0]
-            * (near.attrs["rms_height"] / fall / middle / own.stiffness.values),
+            * (near.attrs["rms_height"] / fall / middle / contact.stiffness.values),
         }
-    found |= {"energy_ratio_first": stored, "gap_first": own.mean_gap.values / usual.attrs["rms_height"]}
+    found |= {"energy_ratio_first": stored, "gap_first": contact.mean_gap.values / usual.attrs["rms_height"]}
     return {name: ("load", values) for name, values in found.items()}
 
 
@@ -125,9 +125,11 @@ def _left(checks: Mapping[Any, xr.Dataset]) -> dict[str, Any]:
     """Relative change of the first surface from a tolerance to the strictest, (tolerance, load)."""
     at = [checks[t].isel(grid=0, shift=0) for t in _STRICT]
     values = {
-        "energy_ratio": np.array([one.energy.values / one.attrs["full_contact_energy"] for one in at]),
-        "gap": np.array([one.mean_gap.values / one.attrs["rms_height"] for one in at]),
-        "compliance": np.array([1 / one.stiffness.values for one in at]),
+        "energy_ratio": np.array(
+            [result.energy.values / result.attrs["full_contact_energy"] for result in at]
+        ),
+        "gap": np.array([result.mean_gap.values / result.attrs["rms_height"] for result in at]),
+        "compliance": np.array([1 / result.stiffness.values for result in at]),
     }
     with np.errstate(divide="ignore", invalid="ignore"):
         return {

@@ -153,21 +153,24 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     )
     areas_of = [f"area_{part}" for part in ("plastic", "elastic")]
     data = mean(data, *(f"{name}{of}" for name in areas_of for of in ("", "_pixel", "_persson", "_excess")))
-    kept = ("spectrum_kept", "spectrum_kept_persson", "spectrum_kept_excess", "gradient_kept")
-    data = derive(mean(data, *kept), spectrum_kept_excess_largest="abs(spectrum_kept_excess).max('wave')")
+    names = ("spectrum_kept", "spectrum_kept_persson", "spectrum_kept_excess", "gradient_kept")
+    data = derive(mean(data, *names), spectrum_kept_excess_largest="abs(spectrum_kept_excess).max('wave')")
     data = claim(data, *areas_of, "spectrum_kept", "gradient_kept", **ABSENT)
-    said = {"hardness": options.hardness, "smoothing_reduced_pressure": options.smoothing_reduced_pressure}
-    return data.assign_attrs(study="hardness", methods="theory bem", **said)
+    attributes = {
+        "hardness": options.hardness,
+        "smoothing_reduced_pressure": options.smoothing_reduced_pressure,
+    }
+    return data.assign_attrs(study="hardness", methods="theory bem", **attributes)
 
 
 def _areas(solves: tuple[Press, ...], options: Options, solved: Solves) -> xr.Dataset:
     """Return the areas of one surface in one case, on every grid, and Persson's."""
-    found = [yielded(solved[solve].checked()) for solve in solves]
+    yields = [yielded(solved[solve].checked()) for solve in solves]
     plastic, elastic = yielded_by_theory(solves[0].problem, options.limit)
     return xr.Dataset(
         {
-            "area_plastic_pixel_each": ("grid", [one.plastic_area for one in found]),
-            "area_elastic_pixel_each": ("grid", [one.elastic_area for one in found]),
+            "area_plastic_pixel_each": ("grid", [result.plastic_area for result in yields]),
+            "area_elastic_pixel_each": ("grid", [result.elastic_area for result in yields]),
             "area_plastic_persson_each": plastic,
             "area_elastic_persson_each": elastic,
             "solve": ("grid", [solve.key for solve in solves]),
@@ -178,15 +181,15 @@ def _areas(solves: tuple[Press, ...], options: Options, solved: Solves) -> xr.Da
 
 def _smoothed(solve: Press, options: Options, solved: Solves) -> xr.Dataset:
     """Return what yielding leaves of one surface, beside Persson's."""
-    own = solve.problem
-    q, kept, gradient = kept_waves(solved[solve].checked(), own)
+    problem = solve.problem
+    q, names, gradient = kept_waves(solved[solve].checked(), problem)
     return xr.Dataset(
         {
-            "spectrum_kept_each": ("wave", kept),
-            "spectrum_kept_persson_each": ("wave", kept_by_theory(own, options.limit, q)),
+            "spectrum_kept_each": ("wave", names),
+            "spectrum_kept_persson_each": ("wave", kept_by_theory(problem, options.limit, q)),
             "gradient_kept_each": gradient,
         },
-        coords={"wave": q / own.spectrum_shape.q_long},
+        coords={"wave": q / problem.spectrum_shape.q_long},
         attrs={"solve": solve.key},
     )
 
@@ -214,7 +217,7 @@ def views(data: xr.Dataset) -> Views:
             ),
         ],
         findings=[
-            *(_said(data, part, varied) for varied in ("load", "waves") for part in parts),
+            *(_finding(data, part, varied) for varied in ("load", "waves") for part in parts),
             _left(data),
             *of_one_surface(data),
         ],
@@ -242,7 +245,7 @@ def _figure(part: str, finest: dict[str, int]) -> Figure:
     return Figure(name=f"{part}-area", caption=caption, panels=panels, width=9.0)
 
 
-def _said(data: xr.Dataset, part: str, varied: str) -> Finding:
+def _finding(data: xr.Dataset, part: str, varied: str) -> Finding:
     """Say how far Persson's area is from the limit at both ends."""
     here = data.isel(case=(data.varied == varied).values)
     at = "p* = {reduced_pressure}" + ("" if varied == "load" else ", zeta = {magnification}")

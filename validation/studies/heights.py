@@ -74,14 +74,14 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     load) of the two spectra at the same p0, and Persson's told each gradient.
     """
     surfaces, middles = range(options.surfaces), (HEIGHT_EDGES[1:] + HEIGHT_EDGES[:-1]) / 2
-    found = {place: kept_of(one) for place, one in solved(bench, _cases(options)).items()}
+    measured = {place: kept_of(result) for place, result in solved(bench, _cases(options)).items()}
     samples = gather(
-        {place[1:]: one for place, one in found.items() if place[0] == "size"},
+        {place[1:]: result for place, result in measured.items() if place[0] == "size"},
         sample=options.periods,
         surface=surfaces,
     )
     spectra = gather(
-        {place[1:]: one for place, one in found.items() if place[0] == "spectrum"},
+        {place[1:]: result for place, result in measured.items() if place[0] == "spectrum"},
         spectrum=_SPECTRA,
         surface=surfaces,
     )

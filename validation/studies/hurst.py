@@ -83,11 +83,11 @@ class Options(StudyOptions):
     def spectra(self) -> dict[tuple[str, float], float]:
         """Bandwidth by family and H: families of equal bandwidth, then that of equal Nayak parameter."""
         alpha, hursts = self.equal_nayak, sorted(set(self.hursts))
-        found = {(f"bandwidth {b:g}", h): b for b, h in itertools.product(self.bandwidths, hursts)}
+        bandwidths = {(f"bandwidth {b:g}", h): b for b, h in itertools.product(self.bandwidths, hursts)}
         if alpha is not None:
             of = partial(bandwidth_of, alpha, periods=self.periods)
-            found |= {(f"alpha {alpha:g}", h): of(hurst=h) for h in hursts}
-        return found
+            bandwidths |= {(f"alpha {alpha:g}", h): of(hurst=h) for h in hursts}
+        return bandwidths
 
     @property
     def climbed(self) -> Ladders | None:
@@ -135,7 +135,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         spectral = spectral_errors(data, hurst=data.hurst, bandwidth=data.bandwidth, periods=options.periods)
         data = claim(data, "kappa", **{source: part * data.kappa for source, part in spectral.items()})
     data = data.merge(published("kappa")).assign(kappa_bgt=KAPPA_BGT, kappa_persson_light=KAPPA_PERSSON)
-    seconds = sum(float(one.seconds.sum()) for one in measured.values())
+    seconds = sum(float(result.seconds.sum()) for result in measured.values())
     methods = f"{RANKED} {papers_of('kappa', 'kappa_ratio')}"
     return data.assign_attrs(study="hurst", methods=methods, periods=options.periods, seconds=seconds)
 

@@ -82,8 +82,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
                 slopes=options.slopes,
                 depth=1 / options.periods,
             )
-    found = {place: changes_of(measured) for place, measured in solved(bench, cases).items()}
-    data = gather(found, **dims).drop_vars(["nu", "load", "grid"])
+    changes = {place: changes_of(measured) for place, measured in solved(bench, cases).items()}
+    data = gather(changes, **dims).drop_vars(["nu", "load", "grid"])
     data = data.assign_coords(
         poisson=("nu", list(options.poissons)),
         reduced_pressure=("load", list(options.reduced_pressures)),
@@ -93,8 +93,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = with_differences(data, differences=DIFFERENCES, straight=STRAIGHT)
     data["paths_ended"] = data.path_ended_each.isel(grid=-1).sum()
     data = claim(data, *CHANGES, *(f"{name}_rate" for name in CHANGES), theory="it is simulated")
-    words = {"hurst": options.hurst, "bandwidth": options.bandwidth}
-    return data.assign_attrs(study="large-slope", methods="fem", **words)
+    attributes = {"hurst": options.hurst, "bandwidth": options.bandwidth}
+    return data.assign_attrs(study="large-slope", methods="fem", **attributes)
 
 
 def views(data: xr.Dataset) -> Views:

@@ -74,7 +74,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     whose surfaces have common phases, as one sample; P(u), and that of the theory told the load of each surface.
     """
     cases = design(options)
-    parts = {case: flow_of(one, cases[case]["problem"]) for case, one in solved(bench, cases).items()}
+    parts = {
+        case: flow_of(measured, cases[case]["problem"]) for case, measured in solved(bench, cases).items()
+    }
     data = gather(parts, bandwidth=options.bandwidths, surface=range(options.surfaces))
     pooled = "percolation_area_each.mean('bandwidth', skipna=False)"
     data = derive(data, percolation_area_pooled_each=pooled)
@@ -95,8 +97,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         **apart,
         **{f"gap_narrow_excess_{name}": f"gap_narrow - gap_narrow_{name}" for name in GAP_THEORIES},
     )
-    said = {name: getattr(options, name) for name in ("hurst", "periods", "points_per_wave")}
-    return claim(data, *apart).assign_attrs(study="leak", methods="theory bem", **said)
+    attributes = {name: getattr(options, name) for name in ("hurst", "periods", "points_per_wave")}
+    return claim(data, *apart).assign_attrs(study="leak", methods="theory bem", **attributes)
 
 
 def views(data: xr.Dataset) -> Views:

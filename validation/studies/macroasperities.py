@@ -80,7 +80,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         )
         for k in range(options.surfaces)
     }
-    measured = {k: kept_of(one) for k, one in solved(bench, cases).items()}
+    measured = {k: kept_of(result) for k, result in solved(bench, cases).items()}
     data = gather(measured, surface=range(options.surfaces)).assign_coords(
         reduced_pressure=("load", list(options.reduced_pressures)),
         magnification=list(options.magnifications),
@@ -192,7 +192,7 @@ def views(data: xr.Dataset) -> Views:
             *([_thresholds(data)] if percolates else []),
             _macroasperities(data, "", "the simulation"),
             _macroasperities(data, "_persson", "the theory"),
-            _kept(roll_off),
+            _remaining(roll_off),
             _inside(roll_off),
             _break_up(data),
         ],
@@ -253,7 +253,7 @@ def _macroasperities(data: xr.Dataset, which: str, of: str) -> Finding:
     )
 
 
-def _kept(data: xr.Dataset) -> Finding:
+def _remaining(data: xr.Dataset) -> Finding:
     """Say up to which load the pressure in the contact seen at the roll-off stays."""
     return finding(
         "equivalence",

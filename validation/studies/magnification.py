@@ -49,14 +49,14 @@ def design(options: Options) -> dict[tuple[int, float], Call]:
     q_long = 2 * np.pi / options.first.longest
     return {
         (k, zeta): press_on_grids(
-            problem=own,
+            problem=problem,
             truncation=zeta * q_long,
             reduced_pressures=options.reduced_pressures,
             grids=options.grids_for(options.points_per_wave),
             shifts=options.shifts,
             tolerance=options.tolerance(TOLERANCE),
         )
-        for (k, own), zeta in itertools.product(enumerate(options.pressed), options.magnifications)
+        for (k, problem), zeta in itertools.product(enumerate(options.pressed), options.magnifications)
     }
 
 

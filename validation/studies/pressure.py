@@ -57,14 +57,14 @@ def design(options: Options) -> dict[int, Call]:
     """Return the path of each surface."""
     return {
         k: press_on_grids(
-            problem=own,
+            problem=problem,
             reduced_pressures=options.reduced_pressures,
             grids=options.grids_for(options.points_per_wave),
             shifts=options.shifts,
             tolerance=options.tolerance(TOLERANCE),
             keep=("distributions", "stiffness"),
         )
-        for k, own in enumerate(options.pressed)
+        for k, problem in enumerate(options.pressed)
     }
 
 

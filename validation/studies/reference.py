@@ -171,8 +171,12 @@ def spectra(options: Options, amplitudes: str) -> dict[tuple[float, float], Samp
 def _means(options: Options, amplitudes: str, bench: Bench) -> xr.Dataset:
     """Return the controlled means over the surfaces with such amplitudes."""
     sampled = spectra(options, amplitudes)
-    measured = solved(bench, {(at, c): s for at, one in sampled.items() for c, s in one.cases.items()})
-    cells = {at: one.reduced({c: measured[at, c] for c in one.cases}) for at, one in sampled.items()}
+    measured = solved(
+        bench, {(at, c): s for at, spectrum in sampled.items() for c, s in spectrum.cases.items()}
+    )
+    cells = {
+        at: spectrum.reduced({c: measured[at, c] for c in spectrum.cases}) for at, spectrum in sampled.items()
+    }
     data = gather(cells, hurst=options.hursts, bandwidth=options.bandwidths)
     told = {name: getattr(options, name) for name in ("periods", "unsolved", "seed")}
     return data.expand_dims(amplitudes=[amplitudes]).assign_attrs(

@@ -100,8 +100,8 @@ class Options(PressedOptions):
     @property
     def climbed(self) -> Ladders:
         """The ladders of this H as `hurst` has them."""
-        own = {name: getattr(self, name) for name in ("periods", "reduced_pressure", "seed")}
-        return Ladders(hursts=(self.hurst,), **own)
+        shared = {name: getattr(self, name) for name in ("periods", "reduced_pressure", "seed")}
+        return Ladders(hursts=(self.hurst,), **shared)
 
 
 def design(options: Options) -> dict[_Case, Call]:
@@ -116,20 +116,22 @@ def design(options: Options) -> dict[_Case, Call]:
         keep=("distributions",),
     )
     few = max(2, sum(n <= _SOLVER_POINTS for n in options.points_per_wave))
-    cases: dict[_Case, Call] = {("grids", k): usual.but(problem=own) for k, own in enumerate(pressed)}
+    cases: dict[_Case, Call] = {("grids", k): usual.but(problem=problem) for k, problem in enumerate(pressed)}
     # What the stopping of a solver does shows on coarse grids, too.
     cases["strict",] = usual.but(grids=grids[:few], tolerance=usual["tolerance"] / 100)
-    for (k, own), points in itertools.product(enumerate(pressed), options.grid_scale_grids):
-        cases["protocol", k, points] = grid_roughness(problem=own, grid=(points, points))
+    for (k, problem), points in itertools.product(enumerate(pressed), options.grid_scale_grids):
+        cases["protocol", k, points] = grid_roughness(problem=problem, grid=(points, points))
     blocks = {n: grid_for(pressed[0], n) for n in options.fem_points_per_wave}
     for element in options.blocks:
-        for (k, own), (n, grid) in itertools.product(enumerate(pressed), blocks.items()):
-            cases["fem", element, k, n] = block_beside_bem(problem=own, grid=grid, element=element)
+        for (k, problem), (n, grid) in itertools.product(enumerate(pressed), blocks.items()):
+            cases["fem", element, k, n] = block_beside_bem(problem=problem, grid=grid, element=element)
         cases["strict", element] = cases["fem", element, 0, min(blocks)].but(tolerance=_STRICT)
-    for one, (k, own) in itertools.product(options.beside, enumerate(pressed)):
-        told: dict[str, Any] = {"settings": one.settings, "effects": options.effects}
-        for g, grid in enumerate(one.grids):
-            cases["other", one.name, k, g] = beside_bem(problem=own, grid=grid, method=one.method, **told)
+    for solver, (k, problem) in itertools.product(options.beside, enumerate(pressed)):
+        told: dict[str, Any] = {"settings": solver.settings, "effects": options.effects}
+        for g, grid in enumerate(solver.grids):
+            cases["other", solver.name, k, g] = beside_bem(
+                problem=problem, grid=grid, method=solver.method, **told
+            )
     return cases | (dict(options.climbed.cases) if options.ladders else {})
 
 
@@ -140,49 +142,49 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     P(sigma) and sizes of patches; areas of finite elements (element, surface, fem_grid) and of other methods; kappa
     of the grid-scale protocol (surface, protocol_grid, slope).
     """
-    found = solved(bench, design(options))
-    data = _of_boundary_elements(options, found)
+    measured = solved(bench, design(options))
+    data = _of_boundary_elements(options, measured)
     shares: dict[str, Any] = {}
     if options.ladders:
-        climbed = options.climbed.reduced({case: found[case] for case in options.climbed.cases})
+        climbed = options.climbed.reduced({case: measured[case] for case in options.climbed.cases})
         data = data.merge(climbed, combine_attrs="override")
-        told = {"hurst": options.hurst, "bandwidth": options.bandwidth, "periods": options.periods}
-        shares = spectral_errors(climbed, **told)
+        spectrum = {"hurst": options.hurst, "bandwidth": options.bandwidth, "periods": options.periods}
+        shares = spectral_errors(climbed, **spectrum)
         data = claim(data, "kappa", **{source: share * data.kappa for source, share in shares.items()})
 
     def part(name: str) -> dict[_Case, xr.Dataset]:
-        return {case[1:]: one for case, one in found.items() if case[0] == name}
+        return {case[1:]: result for case, result in measured.items() if case[0] == name}
 
     if options.grid_scale_grids:
         rough = protocol(part("protocol"), options.grid_scale_grids)
         data = beside_published(data.merge(rough, combine_attrs="override"))
     if options.blocks:
-        strict = {str(element): found["strict", element] for element in options.blocks}
+        strict = {str(element): measured["strict", element] for element in options.blocks}
         cells = math.prod(grid_for(options.first, options.fem_points_per_wave[0]))
         data = with_blocks(data, part("fem"), strict, cells=cells)
         data = claim(
             data, "kappa_fem", **{source: share * data.kappa_fem for source, share in shares.items()}
         )
     if options.beside:
-        grids = {asked.name: asked.grids for asked in options.beside}
+        grids = {solver.name: solver.grids for solver in options.beside}
         data = with_methods(data, part("other"), grids, options.first)
     used = ["fem"] if options.blocks else []
-    used += [*(asked.method for asked in options.beside), *(effect.kind for effect in options.effects)]
+    used += [*(solver.method for solver in options.beside), *(effect.kind for effect in options.effects)]
     methods = " ".join(["theory", "bem", *used, papers_of("kappa")])
-    said = {"study": "refinement", "shifts": options.shifts, "methods": methods}
-    return data.assign_attrs({**said, **options.spectrum_words})
+    attributes = {"study": "refinement", "shifts": options.shifts, "methods": methods}
+    return data.assign_attrs({**attributes, **options.spectrum_words})
 
 
-def _of_boundary_elements(options: Options, found: Mapping[_Case, xr.Dataset]) -> xr.Dataset:
+def _of_boundary_elements(options: Options, measured: Mapping[_Case, xr.Dataset]) -> xr.Dataset:
     """Reduce the grids: means, distances from the limit with their orders, what P(sigma) has too much of, the theory."""
     surfaces, load = range(options.surfaces), options.reduced_pressure
-    data = gather({k: on_grids(found["grids", k]) for k in surfaces}, surface=surfaces)
+    data = gather({k: on_grids(measured["grids", k]) for k in surfaces}, surface=surfaces)
     ensemble = ensemble_area(options.first.spectrum, [load], rms_gradients=data.rms_gradient_each.values)
     data = data.assign(reduced_pressure=load, area_persson=_theory(options))
     data["area_ensemble_each"] = "surface", ensemble[:, 0]
     data = with_distances(data, theory=not options.effects)
-    usual = found["grids", 0].isel(grid=slice(0, found["strict",].sizes["grid"]))
-    return claim(data, "kappa", solver=solver_error(usual, found["strict",]) * data.kappa)
+    usual = measured["grids", 0].isel(grid=slice(0, measured["strict",].sizes["grid"]))
+    return claim(data, "kappa", solver=solver_error(usual, measured["strict",]) * data.kappa)
 
 
 def _theory(options: Options) -> float:
@@ -247,25 +249,25 @@ def _of_areas(data: xr.Dataset, first: int) -> Iterator[Finding]:
     """Say what the limit is, what counting adds, and where in P(sigma)."""
     resolved = data.isel(grid=slice(first, None))
     limit = "In the limit kappa is {kappa} at p* = {reduced_pressure}, lambda_long/lambda_short = {bandwidth}"
-    told: dict[str, Any] = {"bandwidth": float(data.attrs["bandwidth"])}
+    values: dict[str, Any] = {"bandwidth": float(data.attrs["bandwidth"])}
     if np.isfinite(data.area_persson):
         form = ": {verdict} Persson's {kappa_persson:~} ({kappa_ensemble:~} from C(q) alone), by {area_excess:+%}. Of what "
         form = limit + form + "counting finds more than the theory the grid makes {each}."
         item = "{grid_part:%} at lambda_short/dx = {points_per_wave}"
-        yield finding("comparison", form, resolved, item=item, over="grid", by="area_excess", **told)
+        yield finding("comparison", form, resolved, item=item, over="grid", by="area_excess", **values)
     else:
-        yield finding("value", limit + "; Persson's theory knows nothing of these effects.", data, **told)
+        yield finding("value", limit + "; Persson's theory knows nothing of these effects.", data, **values)
     form = "Counting differs from the limit by {each}; observed order {order_pixel} (corrected {order_perimeter}, located "
     form += "{order_located})."
     if np.isfinite(data.points_per_wave_close):
         form += " It is within 5 % from lambda_short/dx = {points_per_wave_close} on, where half of the area lies in patches "
         form += "of at least {cells_per_patch_close:~} cells (Persson asks for 100 to 10000)."
     yield finding("order", form, resolved, item="{distance_pixel:+%} at {points_per_wave}", over="grid")
-    told = {"coarse": float(resolved.points_per_wave[0]), "fine": float(resolved.points_per_wave[-1])}
+    values = {"coarse": float(resolved.points_per_wave[0]), "fine": float(resolved.points_per_wave[-1])}
     form = "The first moment of P(sigma) is p0 on every grid; the zeroth, the area, is {area_pixel_change:+%} on {coarse} "
     form += "against {fine} points per wave. Of that excess {small_stress_part:%} lies at sigma < {small} E* h'_rms, and above "
     form += "it the coarse grid holds {large_stress_change:+%}."
-    yield finding("share", form, data, small=SMALL, **told)
+    yield finding("share", form, data, small=SMALL, **values)
 
 
 _AGREES = {"agree": "agrees", "differ": "does not agree", "?": "can neither be confirmed nor ruled out"}
@@ -277,14 +279,14 @@ def _of_others(data: xr.Dataset) -> Iterator[Finding]:
     if "slope" in data.dims:
         last = data.isel(protocol_grid=-1)
         slopes = ", ".join(f"{{s{k}}} ({name})" for k, name in enumerate(data.slope.values))
-        told: dict[str, Any] = {
+        values: dict[str, Any] = {
             f"s{k}": value_of(last.isel(slope=k), "kappa_protocol") for k in range(data.sizes["slope"])
         }
         form = f"With roughness to the grid scale kappa is {slopes}, a spread of {{kappa_protocol_spread:%}}; beside the "
         form += "converged {kappa} there was published: {each}."
         item = "{kappa_published} to {kappa_published_high} ({paper_kappa}), which {verdict}"
-        told |= {"by": "kappa_difference", "words": _AGREES}
-        yield finding("agreement", form, last, item=item, over="paper_kappa", **told)
+        values |= {"by": "kappa_difference", "words": _AGREES}
+        yield finding("agreement", form, last, item=item, over="paper_kappa", **values)
     form = "Beside the limit of the boundary elements, those of other methods lie {each}."
     for dim, by in (("element", "distance_fem"), ("other", "distance_other")):
         if dim in data.dims:

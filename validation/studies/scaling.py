@@ -116,7 +116,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     parts = solved(bench, design(options))
     taken = {"area_located_each": "area"} | {f"{name}_each": name for name in _COSTS}
     data = gather(
-        {case: read_off(one, **taken) for case, one in parts.items()},
+        {case: read_off(result, **taken) for case, result in parts.items()},
         points=list(options.grids),
         surface=range(options.surfaces),
     )

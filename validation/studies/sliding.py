@@ -151,7 +151,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     (grid); the theory told the realised waves; |E(2 pi v / L)| / E_0 over velocity.
     """
     cases, rubber = design(options), options.rubber()
-    parts = {k: slid_of(one, cases[k]) for k, one in solved(bench, cases).items()}
+    parts = {k: slid_of(measured, cases[k]) for k, measured in solved(bench, cases).items()}
     velocity = np.array(options.velocities)
     data = gather(parts, surface=range(options.surfaces)).assign_coords(
         velocity=velocity, points_per_wave=("grid", list(options.points_per_wave))
@@ -175,8 +175,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     excesses = {f"friction_excess_{name}": f"friction_ratio_{name} - 1" for name in SHARES}
     data = derive(same_of_all(data, *theory), **excesses)
     data = claim(data, "friction", "friction_dissipated", "area", **ABSENT)
-    said = {"solid": repr(rubber), "reduced_pressure": options.reduced_pressure}
-    return data.assign_attrs(study="sliding", methods=RANKED, **said)
+    attributes = {"solid": repr(rubber), "reduced_pressure": options.reduced_pressure}
+    return data.assign_attrs(study="sliding", methods=RANKED, **attributes)
 
 
 def views(data: xr.Dataset) -> Views:

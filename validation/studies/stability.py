@@ -88,8 +88,8 @@ def _cases_of(names: Sequence[str]) -> tuple[HardCase, ...]:
     own = {case.method for case in CASES}
     if not names:
         return CASES
-    found = tuple(case for case in CASES if case.method in names)
-    return (*found, *(case for name in names if name not in own for case in by_method(name)))
+    cases = tuple(case for case in CASES if case.method in names)
+    return (*cases, *(case for name in names if name not in own for case in by_method(name)))
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:

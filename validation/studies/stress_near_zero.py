@@ -51,12 +51,14 @@ class Options(PressedOptions):
     )
 
 
-def design(options: Options, asked: tuple[SolverRequest, ...]) -> dict[tuple[str, int, int], Call]:
+def design(options: Options, solvers: tuple[SolverRequest, ...]) -> dict[tuple[str, int, int], Call]:
     """Return the solves by method, surface and grid."""
     return {
-        (one.name, k, g): edge_of_contact(problem=own, grid=grid, method=one.method, settings=one.settings)
-        for one in asked
-        for (k, own), (g, grid) in itertools.product(enumerate(options.pressed), enumerate(one.grids))
+        (solver.name, k, g): edge_of_contact(
+            problem=problem, grid=grid, method=solver.method, settings=solver.settings
+        )
+        for solver in solvers
+        for (k, problem), (g, grid) in itertools.product(enumerate(options.pressed), enumerate(solver.grids))
     }
 
 
@@ -72,13 +74,15 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     UsageError
         For methods on different numbers of grids.
     """
-    asked = options.others(options.points_per_wave, without=())
-    if len({len(one.grids) for one in asked}) > 1:
-        listed = ", ".join(f"{one.name} {len(one.grids)}" for one in asked)
+    solvers = options.others(options.points_per_wave, without=())
+    if len({len(solver.grids) for solver in solvers}) > 1:
+        listed = ", ".join(f"{solver.name} {len(solver.grids)}" for solver in solvers)
         raise UsageError(f"grids of the methods: must be as many for each; found {listed}")
     # A grid is even, and so a little finer than asked for.
-    spacing = {one.name: [1 / options.first.points_per_wave(grid) for grid in one.grids] for one in asked}
-    measured = solved(bench, design(options, asked))
+    spacing = {
+        solver.name: [1 / options.first.points_per_wave(grid) for grid in solver.grids] for solver in solvers
+    }
+    measured = solved(bench, design(options, solvers))
     starts = {
         case: start_of_pressure(
             data,
@@ -95,7 +99,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         stress=("bin", next(iter(measured.values())).stress.values),
         reduced_pressure=options.reduced_pressure,
     )
-    methods = " ".join(["theory", *(one.method for one in asked)])
+    methods = " ".join(["theory", *(solver.method for solver in solvers)])
     windows = {"window": options.window, "slope_window": options.slope_window}
     return limits(data).assign_attrs(
         study="stress-near-zero", methods=methods, **windows, **options.spectrum_words

@@ -123,8 +123,8 @@ def _spectral_shares(options: Options, bench: Bench) -> dict[str, xr.DataArray]:
         )
         climbed.append([float(shares[source]) for source in ("size", "bandwidth")])
     near = np.abs(np.log(np.divide.outer(np.array(options.reduced_pressures), loads))).argmin(axis=1)
-    found = np.array(climbed)[near]
-    return {source: xr.DataArray(found[:, k], dims="load") for k, source in enumerate(("size", "bandwidth"))}
+    values = np.array(climbed)[near]
+    return {source: xr.DataArray(values[:, k], dims="load") for k, source in enumerate(("size", "bandwidth"))}
 
 
 def edge_scores(edge: xr.Dataset, theories: tuple[Theory, ...], rough: Rough) -> xr.Dataset:
@@ -138,12 +138,12 @@ def edge_scores(edge: xr.Dataset, theories: tuple[Theory, ...], rough: Rough) ->
         for theory in theories
     ]
     names = ("initial_density", "initial_density_error", "initial_slope_window", "initial_slope_window_error")
-    found = xr.Dataset({name: edge[name].drop_vars(["method"], errors="ignore") for name in names})
-    found = found.drop_vars("reduced_pressure", errors="ignore").assign(
+    values = xr.Dataset({name: edge[name].drop_vars(["method"], errors="ignore") for name in names})
+    values = values.drop_vars("reduced_pressure", errors="ignore").assign(
         edge_pressure=load, initial_slope_predicted=("theory", np.array(slopes))
     )
-    found = found.assign_coords(theory=[theory.label for theory in theories])
-    return derive(found, initial_slope_over="initial_slope_window / initial_slope_predicted")
+    values = values.assign_coords(theory=[theory.label for theory in theories])
+    return derive(values, initial_slope_over="initial_slope_window / initial_slope_predicted")
 
 
 def views(data: xr.Dataset) -> Views:

@@ -67,10 +67,10 @@ class GreenwoodWilliamson(Theory):
     def area(self, pressure: Array, rough: Rough) -> Array:
         """Return A/A0; NaN where no separation carries the load."""
         summits = nayak_asperities(rough.moments)
-        found = np.full(np.shape(pressure), np.nan)
+        values = np.full(np.shape(pressure), np.nan)
         for k, load in enumerate(np.asarray(pressure)):
             try:
-                found[k] = summits.contact_at(float(load), contact_modulus=rough.contact_modulus).area
+                values[k] = summits.contact_at(float(load), contact_modulus=rough.contact_modulus).area
             except InvalidInput:
                 continue
-        return np.where(found < 1, found, np.nan)
+        return np.where(values < 1, values, np.nan)

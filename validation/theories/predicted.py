@@ -44,21 +44,21 @@ def predictions(
     loads = np.asarray(reduced_pressures, dtype=float)
     # Without scatter of the amplitudes every surface has the same waves; no theory knows of phases.
     several = getattr(pressed[0].surface, "amplitudes", "") == "gaussian"
-    own = [Rough.of(case) for case in (pressed if several else pressed[:1])]
-    expected = _expected(own)
-    found = {name: np.full((2, len(theories), loads.size), np.nan) for name in COMPARED}
+    surfaces = [Rough.of(case) for case in (pressed if several else pressed[:1])]
+    expected = _expected(surfaces)
+    numbers = {name: np.full((2, len(theories), loads.size), np.nan) for name in COMPARED}
     for t, theory in enumerate(theories):
-        told = [[_along(theory, rough, loads, own=rough)] for rough in own]
+        told = [[_along(theory, rough, loads, own=rough)] for rough in surfaces]
         # Each surface meets its own nominal pressure; C(q) does not know which surface it is.
-        alone = [[_along(theory, rough, loads, own=one) for rough in expected] for one in own]
+        alone = [[_along(theory, rough, loads, own=one) for rough in expected] for one in surfaces]
         for name in COMPARED:
             for k, values in enumerate((told, alone)):
                 if values[0]:
-                    found[name][k, t] = np.mean([[one[name] for one in row] for row in values], axis=(0, 1))
+                    numbers[name][k, t] = np.mean([[one[name] for one in row] for row in values], axis=(0, 1))
     made = {"reduction": "theory"}
     data = {
         f"{name}_{ending}": (("theory", "load"), values[k], made)
-        for name, values in found.items()
+        for name, values in numbers.items()
         for k, ending in enumerate(("predicted", "spectral"))
     }
     return xr.Dataset(data, coords={"theory": [theory.label for theory in theories]})
@@ -137,8 +137,8 @@ def distances(data: xr.Dataset) -> xr.Dataset:
 def ranked(data: xr.Dataset, name: str) -> dict[str, Value]:
     """Return the distances of the theories that reach all loads, by what these are called."""
     places = {str(label): data.sel(theory=label) for label in data.theory.values}
-    found = {label: value_of(here, f"{name}_off") for label, here in places.items()}
-    return {label: value for label, value in found.items() if np.isfinite(float(value.value))}
+    numbers = {label: value_of(here, f"{name}_off") for label, here in places.items()}
+    return {label: value for label, value in numbers.items() if np.isfinite(float(value.value))}
 
 
 def stress_shares(theory: Theory, problem: ContactProblem, reduced_pressures: Sequence[float]) -> Array:

@@ -49,20 +49,20 @@ class OwnTheory(Theory):
         if module is None:
             return None
         names = {name: "area"} if colon else {quantity: quantity for quantity in _QUANTITIES}
-        found = {kind: getattr(module, have) for have, kind in names.items() if hasattr(module, have)}
-        if not callable(found.get("area")):
+        values = {kind: getattr(module, have) for have, kind in names.items() if hasattr(module, have)}
+        if not callable(values.get("area")):
             raise UsageError(f"theory {text!r}: module {home!r} has no function {name or 'area'!r}")
-        return cls(text, found)
+        return cls(text, values)
 
     def _call(self, quantity: str, *values: Any, rough: Rough) -> Any:
         function = self._functions.get(quantity)
         if function is None:
             return None
         wanted = inspect.signature(function).parameters
-        told = {name: getattr(rough, name) for name in _TOLD if name in wanted}
+        inputs = {name: getattr(rough, name) for name in _TOLD if name in wanted}
         shape = np.shape(values[0])
         try:
-            found = np.asarray(function(*values, **told), dtype=float)
+            found = np.asarray(function(*values, **inputs), dtype=float)
         except Exception as error:  # whatever it raises is its answer
             raise UsageError(
                 f"theory {self.label!r}: {quantity} raised {type(error).__name__}: {error}"
@@ -77,18 +77,18 @@ class OwnTheory(Theory):
 
     def pressure_distribution(self, stress: Array, pressure: float, rough: Rough) -> Array | None:
         """Return P(sigma) [1/Pa], if the module has it."""
-        found: Array | None = self._call("pressure_distribution", stress, pressure, rough=rough)
-        return found
+        values: Array | None = self._call("pressure_distribution", stress, pressure, rough=rough)
+        return values
 
     def mean_gap(self, pressure: Array, rough: Rough) -> Array | None:
         """Return the mean gap [m], if the module has it."""
-        found: Array | None = self._call("mean_gap", pressure, rough=rough)
-        return found
+        values: Array | None = self._call("mean_gap", pressure, rough=rough)
+        return values
 
     def elastic_energy(self, pressure: Array, rough: Rough) -> Array | None:
         """Return the elastic energy [J/m^2], if the module has it."""
-        found: Array | None = self._call("elastic_energy", pressure, rough=rough)
-        return found
+        values: Array | None = self._call("elastic_energy", pressure, rough=rough)
+        return values
 
 
 def _module(name: str) -> Any:

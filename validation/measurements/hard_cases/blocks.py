@@ -25,14 +25,14 @@ def _full_contact(points: int, *, poisson: float = 0.3, depth: float = 1.0, **se
         surface, solid, mean_pressure=1.5 * exact, depth=depth, growth=1.1, **settings
     ).contact
     cosine = np.cos(2 * np.pi * np.arange(points) / points)
-    found = 2 * float(np.mean(contact.pressure[:, 0] * cosine))
-    return judged(contact, abs(found / exact - 1))
+    amplitude = 2 * float(np.mean(contact.pressure[:, 0] * cosine))
+    return judged(contact, abs(amplitude / exact - 1))
 
 
 def _large_block(points: float) -> Measured:
     """Full contact on one wave by the full system; trilinear cells err with the square of the spacing, by 2 % at 32."""
-    found = _full_contact(int(points), depth=0.3, method="full")
-    return replace(found, error=found.error / (0.02 * (32 / points) ** 2))
+    amplitude = _full_contact(int(points), depth=0.3, method="full")
+    return replace(amplitude, error=amplitude.error / (0.02 * (32 / points) ** 2))
 
 
 def _yielding_block(ratio: float) -> Measured:

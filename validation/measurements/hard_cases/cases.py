@@ -68,7 +68,7 @@ def load_errors(result: ContactResult, *, load: float, hardness: float) -> float
     """By how much loads and bound are missed, relative to the load and the hardness."""
     from fem_contact.hardness import yielded
 
-    found = yielded(result)
-    missed = abs(found.elastic_load + found.plastic_load - load) / load
-    missed = max(missed, abs(found.plastic_load - hardness * found.plastic_area) / load)
+    unloaded = yielded(result)
+    missed = abs(unloaded.elastic_load + unloaded.plastic_load - load) / load
+    missed = max(missed, abs(unloaded.plastic_load - hardness * unloaded.plastic_area) / load)
     return max(missed, float(np.max(result.pressure)) / hardness - 1, 0.0)

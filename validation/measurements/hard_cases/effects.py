@@ -63,11 +63,11 @@ def _contrast(ratio: float) -> Measured:
 
     coating, q = Solid(young=ratio, poisson=0.3), np.geomspace(1e-2, 1e3, 200)
     base = Solid(young=1.0, poisson=0.3)
-    whole = LayeredSolid(layers=[coating], thicknesses=[0.1], base=base)
+    layered = LayeredSolid(layers=[coating], thicknesses=[0.1], base=base)
     cut = LayeredSolid(layers=[coating] * 3, thicknesses=[0.02, 0.05, 0.03], base=base)
-    one, two = whole.compliance(q, 0 * q), cut.compliance(q, 0 * q)
-    result = bem.solve(rough(), whole, mean_pressure=1e-4 * min(ratio, 1.0), threads=1)
-    return judged(result, float(np.max(np.abs(two / one - 1))))
+    compliance, two = layered.compliance(q, 0 * q), cut.compliance(q, 0 * q)
+    result = bem.solve(rough(), layered, mean_pressure=1e-4 * min(ratio, 1.0), threads=1)
+    return judged(result, float(np.max(np.abs(two / compliance - 1))))
 
 
 def _yielding_under_adhesion(ratio: float) -> Measured:
@@ -95,10 +95,10 @@ def _diffusion(ratio: float) -> Measured:
 
     pressure, hardness = 0.1, 1.0
     variance = np.array([ratio * hardness**2])
-    found = solve_diffusion(variance, pressure=pressure, yield_stress=hardness)
+    diffused = solve_diffusion(variance, pressure=pressure, yield_stress=hardness)
     exact = constant_hardness(pressure, stress_variance=variance, yield_stress=hardness)
-    error = abs(float(found.area_plastic[0] - exact.plastic[0]))
-    return Measured(error=error, residual=float(found.load_residual[0]))
+    error = abs(float(diffused.area_plastic[0] - exact.plastic[0]))
+    return Measured(error=error, residual=float(diffused.load_residual[0]))
 
 
 EFFECTS = (

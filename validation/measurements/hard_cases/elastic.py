@@ -177,11 +177,11 @@ def elastic_cases(method: str, press: Pressing) -> tuple[HardCase, ...]:
 
 def by_method(name: str) -> tuple[HardCase, ...]:
     """Return the same for a solver by name, or a function of the user's."""
-    solver, told = chosen_solver(name)
+    solver, options = chosen_solver(name)
 
     def press(surface: HeightField, load: float) -> ContactResult:
         model = ContactModel(solid=HALF_SPACE.solid)
-        job = Job(field=surface, load={"mean_pressure": load}, model=model, settings=told, threads=1)
+        job = Job(field=surface, load={"mean_pressure": load}, model=model, settings=options, threads=1)
         return solver.solve(job).contact
 
     return elastic_cases(name, press)
