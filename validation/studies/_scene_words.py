@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from validation.scenes.scene import Scene
 from validation.scenes.tables import FileSurface
 
-if TYPE_CHECKING:
-    from validation.scenes.scene import Scene
-    from validation.studies._scene import PressedOptions
 
-__all__ = ["scene_words"]
-
-
-def scene_words(options: PressedOptions, scene: Scene) -> Iterator[str]:
-    """Say what a scene was asked for, and what of it is not used."""
+def scene_words(options: Any, scene: Scene) -> Iterator[str]:
+    """Say what a scene was asked for, and what of it is not used; `options` are a study's that takes a scene."""
     first, taken, surface = options.first, options.taken(scene, options.first), scene.surface
     what = str(surface.path) if isinstance(surface, FileSurface) else surface.kind
     effects = "".join(f", {effect.kind}" for effect in options.effects)
