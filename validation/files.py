@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import contextvars
 import errno
 import functools
 import hashlib
@@ -21,10 +22,17 @@ from typing import Any
 
 from validation.errors import RunFailed, UsageError
 
+try:
+    import fcntl
+except ImportError:  # Windows, where runs into one folder are not kept apart
+    fcntl = None  # type: ignore[assignment]
+
 __all__ = [
     "NotWritten",
     "atomic_path",
+    "digest_of",
     "json_text",
+    "locked",
     "prepare_folder",
     "read_record",
     "read_whole",
@@ -86,6 +94,57 @@ def prepare_folder(folder: Path, *, option: str = "--output") -> Path:
     for inner in _INNER:
         remove_drafts(folder / inner)
     return folder
+
+
+#: Folders that this thread holds, which it may enter again.
+_HELD: contextvars.ContextVar[frozenset[Path]] = contextvars.ContextVar("held", default=frozenset())
+#: How long another process may write into a folder before who waits gives up [s].
+_PATIENCE = 120.0
+
+
+@contextlib.contextmanager
+def locked(folder: Path, *, shared: bool = False) -> Iterator[None]:
+    """Hold a results folder while dataset, record and page are written, or `shared` while they are read.
+
+    The system forgets the lock with the process. A folder that is not there, or whose file system has no
+    locks, is entered without.
+
+    Raises
+    ------
+    RunFailed
+        When another process writes there for minutes.
+    """
+    place = Path(os.path.realpath(folder))
+    if fcntl is None or place in _HELD.get():
+        yield
+        return
+    with contextlib.ExitStack() as stack:
+        try:
+            handle = os.open(place, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+            stack.callback(os.close, handle)
+            _wait_for(handle, folder, fcntl.LOCK_SH if shared else fcntl.LOCK_EX)
+        except OSError:
+            pass
+        token = _HELD.set(_HELD.get() | {place})
+        try:
+            yield
+        finally:
+            _HELD.reset(token)
+
+
+def _wait_for(handle: int, folder: Path, kind: int) -> None:
+    end = time.monotonic() + _PATIENCE
+    while True:
+        try:
+            fcntl.flock(handle, kind | fcntl.LOCK_NB)
+        except BlockingIOError:
+            if time.monotonic() > end:
+                raise RunFailed(
+                    f"{folder}: another run is writing there; wait for it, or name another folder"
+                ) from None
+            time.sleep(0.05)
+        else:
+            return
 
 
 @contextlib.contextmanager
@@ -163,6 +222,11 @@ def read_whole(path: Path, *, most: int | None = None) -> bytes:
         os.close(handle)
 
 
+def digest_of(path: Path) -> str:
+    """Return the SHA-256 of a regular file."""
+    return hashlib.sha256(read_whole(path)).hexdigest()
+
+
 def sync_folder(folder: Path) -> None:
     """Have the disk keep the names of a folder; where a file system cannot, it is left to it."""
     with contextlib.suppress(OSError):
@@ -200,6 +264,8 @@ def read_record(path: Path) -> dict[str, Any]:
         said = json.loads(read_whole(path, most=_MOST_RECORD))
     except RecursionError:
         raise ValueError(f"{path.name} is nested too deep") from None
+    except ValueError as error:
+        raise ValueError(f"{path.name} is not what was written ({error})") from None
     digest = said.pop(_DIGEST, None) if isinstance(said, dict) else None
     if digest is None or digest != _digest(said):
         raise ValueError(f"{path.name} is not what was written (SHA-256)")

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import importlib
 import inspect
+import os
 import pkgutil
+import signal
 import sys
+import threading
 from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
 from typing import Any, TypeVar
 
-from validation.errors import UsageError
+from validation.errors import UsageError, harmless
 
 __all__ = ["entries", "found_in", "with_own_folder"]
 
@@ -39,7 +43,8 @@ def found_in(package: str, base: type[T], *, group: str) -> tuple[type[T], ...]:
     Raises
     ------
     UsageError
-        For an entry point that cannot be loaded, is no such class, or has a name that is taken.
+        For an entry point whose name is taken. One that cannot be loaded or is no such class is a line on
+        stderr, and all else works.
     """
     found: list[type[T]] = []
     path = importlib.import_module(package).__path__
@@ -52,7 +57,8 @@ def found_in(package: str, base: type[T], *, group: str) -> tuple[type[T], ...]:
     taken = {_name(kind): kind for kind in found}
     for where, _, value in entries(group):
         if not (inspect.isclass(value) and issubclass(value, base)):
-            raise UsageError(f"{where}: must be a subclass of {base.__module__}.{base.__qualname__}")
+            _warn(f"{where}: left out: must be a subclass of {base.__module__}.{base.__qualname__}")
+            continue
         other = taken.setdefault(_name(value), value)
         if other is not value:
             raise UsageError(
@@ -66,19 +72,64 @@ def found_in(package: str, base: type[T], *, group: str) -> tuple[type[T], ...]:
 def entries(group: str) -> Iterator[tuple[str, str, Any]]:
     """Yield what other packages name in a group of entry points: where it stands, its name, the object.
 
-    Raises
-    ------
-    UsageError
-        For one that cannot be loaded.
+    One that raises, exits or hangs while it is imported is left out with a line on stderr.
     """
     for entry in sorted(metadata.entry_points(group=group), key=lambda entry: entry.name):
         where = f"entry point {entry.name} = {entry.value} of {group}"
         try:
-            with contextlib.redirect_stdout(sys.stderr):  # what it prints is no answer of a command
+            with _nothing_on_stdout(), _within(_PATIENCE):
                 value = entry.load()
-        except (Exception, SystemExit) as error:  # whatever it raises, its name is what the user needs
-            raise UsageError(f"{where}: cannot be loaded: {type(error).__name__}: {error}") from None
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # whatever it raises, its name is what the user needs
+            text = " ".join(str(error).split())[:200]
+            _warn(f"{where}: left out, cannot be loaded: {type(error).__name__}: {text}")
+            continue
         yield where, entry.name, value
+
+
+#: How long another package may take to be imported [s].
+_PATIENCE = 20.0
+
+
+@functools.cache
+def _warn(words: str) -> None:
+    """Say once what is left out."""
+    with contextlib.suppress(OSError, ValueError, AttributeError):
+        sys.stderr.write(f"fem-contact: {harmless(words)}\n")
+
+
+@contextlib.contextmanager
+def _nothing_on_stdout() -> Iterator[None]:
+    """Send to stderr what is printed, by libraries in C, too: it is no answer of a command."""
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError, ValueError, AttributeError):
+            sys.stdout.flush()
+            stdout = os.dup(1)
+            stack.callback(os.close, stdout)
+            stack.callback(os.dup2, stdout, 1)
+            os.dup2(2, 1)
+        with contextlib.redirect_stdout(sys.stderr):
+            yield
+
+
+@contextlib.contextmanager
+def _within(seconds: float) -> Iterator[None]:
+    """End what takes longer, in the main thread of a system with alarms, by an exception."""
+    if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def late(*_: object) -> None:
+        raise TimeoutError(f"still importing after {seconds:g} s")
+
+    before = signal.signal(signal.SIGALRM, late)
+    signal.setitimer(signal.ITIMER_REAL, seconds, 1.0)  # again, where the package catches the first
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def _name(kind: Any) -> str:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
-
 import pytest
 from small_scene import small_scene
 
 from validation.audit import audit
+from validation.files import read_record, write_record
 from validation.scenes.scene import load_scene
 from validation.studies import find_study
 from validation.studies._outputs import run_study
@@ -28,7 +27,7 @@ def test_a_study_agrees_and_without_its_store_its_solves_are_listed(folder):
     whole = audit(folder)
     assert whole.wrong == ()
     path = folder / "result.json"
-    path.write_text(json.dumps({**json.loads(path.read_text()), "store": "nowhere"}))
+    write_record(path, {**read_record(path), "store": "nowhere"})
     ledger = audit(folder)
     assert ledger.wrong == ()
     assert len(ledger.entries) < len(whole.entries)
@@ -48,7 +47,7 @@ def test_a_study_on_a_scene_is_computed_again_from_its_solves(tmp_path, bench):
     assert "data.nc: area_each" not in ledger.unread
 
 
-def test_a_record_that_is_no_table_ends_in_a_line(folder):
+def test_what_shows_a_result_and_was_changed_ends_in_a_line(folder):
     (folder / "summary.json").write_text("[]")
-    with pytest.raises(ValueError, match="holds no table"):
+    with pytest.raises(ValueError, match=r"summary\.json is not what was written \(SHA-256\)"):
         audit(folder)

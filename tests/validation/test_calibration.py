@@ -1,12 +1,11 @@
 """Costs of effects: measured on this machine where it was calibrated, on the reference machine otherwise."""
 
-import json
-
 import pytest
 
 from validation.comparison.explain import explain
 from validation.execution import calibration
 from validation.execution.press import solves_of
+from validation.files import write_record
 from validation.scenes.scene import load_scene
 
 EFFECT = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n[solid]'
@@ -43,7 +42,7 @@ def test_a_prediction_grows_with_the_factor_that_was_measured(cache, write_scene
     for factor in (1.0, 1e4):
         cache.parent.mkdir(parents=True, exist_ok=True)
         factors = dict(calibration.reference().factors) | {"hardness": factor}
-        cache.write_text(json.dumps({"date": "2026-01-01", "factors": factors}))
+        write_record(cache, {"date": "2026-01-01", "factors": factors})
         seconds.append(solve.predict().seconds)
     assert seconds[1] > 2 * seconds[0]
 
@@ -55,4 +54,6 @@ def test_a_prediction_grows_with_the_factor_that_was_measured(cache, write_scene
 def test_a_damaged_or_foreign_cache_is_as_none(cache, text):
     cache.parent.mkdir(parents=True)
     cache.write_text(text)
-    assert calibration.effect_costs() == calibration.reference()
+    costs = calibration.effect_costs()
+    assert costs.factors == calibration.reference().factors
+    assert f"{cache}: damaged, or of another version" in costs.source

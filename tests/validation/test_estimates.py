@@ -12,6 +12,8 @@ from validation.audit import dataset, values
 from validation.audit.ledger import Ledger
 from validation.errors import UsageError
 from validation.execution.bench import Bench
+from validation.execution.results import write_results
+from validation.files import digest_of, write_json, write_record
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.limits import limits_of, solved
 from validation.measurements.measurement import press_on_grids
@@ -91,9 +93,9 @@ def test_p_star_of_one_p0_is_that_of_each_solid_and_the_audit_knows_it(pressed, 
     for number, told in enumerate((data, first)):  # as it was before: that of the first case for all
         folder = tmp_path / str(number)
         folder.mkdir()
-        told.to_netcdf(folder / "data.nc", engine="netcdf4")
-        (folder / "summary.json").write_text("{}")
-        (folder / "result.json").write_text(f'{{"store": "{bench.store.folder}"}}')
+        write_results(folder, told, kind="study", name="x", asked={}, store=bench.store.folder)
+        summary = write_json(folder / "summary.json", {})
+        write_record(folder / "shown.json", {"files": {"summary.json": digest_of(summary)}})
         ledger = Ledger()
         values.judge_dataset(dataset.Result(folder), ledger)
         assert not any("reduced_pressure" in line or "poisson" in line for line in ledger.unread)

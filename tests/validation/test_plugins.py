@@ -5,13 +5,16 @@ import json
 import os
 import subprocess
 import sys
+from importlib import metadata
 from pathlib import Path
 
 import pytest
 from small_scene import small_scene
 
+from validation import registry
 from validation.errors import UsageError
 from validation.execution.results import read_results
+from validation.solvers import Solver
 from validation.studies import find_study
 
 ROOT = Path(__file__).parents[2]
@@ -247,9 +250,55 @@ def test_an_entry_point_that_cannot_be_loaded_is_named(command, toys, tmp_path):
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: broken\nVersion: 1.0\n")
     (info / "entry_points.txt").write_text("[fem_contact.studies]\nlost = no_such_module\n")
     # The command runs in that folder, which Python searches.
-    done = command("study", "--list")
-    assert done.returncode == 2
-    assert "entry point lost = no_such_module of fem_contact.studies: cannot be loaded" in done.stderr
+    done = command("study", "--list", "--json")
+    assert done.returncode == 0
+    assert {"area", "toy"} <= set(json.loads(done.stdout))
+    assert "entry point lost = no_such_module of fem_contact.studies: left out, cannot be load" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("module", "words"),
+    [
+        ("raise ValueError('two\\nlines')", "ValueError: two lines"),
+        ("raise SystemExit(3)", "SystemExit: 3"),
+        ("class Odd(BaseException): pass\nraise Odd('odd')", "Odd: odd"),
+        ("import time\ntime.sleep(60)", "TimeoutError: still importing after 1 s"),
+        ("while True:\n    try:\n        while True: pass\n    except ValueError: pass", "TimeoutError"),
+        ("x = (", "SyntaxError"),
+        ("import os\nprint('loud')\nos.system('echo louder')\nMine = 3", "must be a subclass of"),
+    ],
+    ids=["raises", "exits", "odd", "sleeps", "spins", "no Python", "prints"],
+)
+def test_a_package_that_misbehaves_at_import_is_a_warning_and_all_else_works(
+    tmp_path, monkeypatch, capfd, module, words
+):
+    (tmp_path / "bad_plugin.py").write_text(module)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(registry, "_PATIENCE", 1.0)
+    entry = metadata.EntryPoint(name="bad", value="bad_plugin:Mine", group="fem_contact.methods")
+    monkeypatch.setattr(registry.metadata, "entry_points", lambda group: [entry])
+    registry._warn.cache_clear()
+    try:
+        known = registry.found_in("validation.solvers", Solver, group="fem_contact.methods")
+    finally:
+        sys.modules.pop("bad_plugin", None)
+    said = capfd.readouterr()
+    assert said.out == ""
+    (line,) = [line for line in said.err.splitlines() if line.startswith("fem-contact: ")]
+    assert "entry point bad = bad_plugin:Mine of fem_contact.methods: left out" in line
+    assert words in line
+    assert {"bem", "fem"} <= {solver.name for solver in known}
+
+
+def test_a_name_that_is_taken_is_refused_by_both_names(tmp_path, monkeypatch):
+    (tmp_path / "taken_plugin.py").write_text(METHOD.replace('"descent"', '"bem"'))
+    monkeypatch.syspath_prepend(tmp_path)
+    entry = metadata.EntryPoint(name="x", value="taken_plugin:Descent", group="fem_contact.methods")
+    monkeypatch.setattr(registry.metadata, "entry_points", lambda group: [entry])
+    with pytest.raises(
+        UsageError, match=r"taken_plugin:Descent .* the name 'bem' is that of validation\.solv"
+    ):
+        registry.found_in("validation.solvers", Solver, group="fem_contact.methods")
 
 
 STUDIES = """

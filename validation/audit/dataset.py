@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import csv
+import hashlib
+import io
 import json
-import stat
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -13,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from validation.audit.stored import Array, Stored
+from validation.audit.stored import Array, Stored, regular_bytes, sealed_bytes
 
-__all__ = ["Labelled", "Result", "Variable", "read_json", "rows_of"]
+__all__ = ["Labelled", "Result", "Variable"]
 
 #: No file that a result consists of is larger.
 _LARGEST = 2**31
@@ -50,12 +52,11 @@ class Labelled:
     attrs: Mapping[str, Any]
 
     @classmethod
-    def of(cls, path: Path) -> Labelled:
-        """Read a file."""
+    def of(cls, content: bytes) -> Labelled:
+        """Read the bytes of a file."""
         import netCDF4
 
-        _regular(path)
-        with netCDF4.Dataset(path) as file:
+        with netCDF4.Dataset("memory", memory=content) as file:
             file.set_auto_maskandscale(False)
             variables = {
                 name: Variable(
@@ -94,34 +95,44 @@ class Result:
         self._read: dict[str, Any] = {}
         #: h'_rms by the pressure of solves, once they were looked at.
         self.gradients: dict[float, float] = {}
-        self.record = read_json(folder / "result.json")
-        self.data = Labelled.of(folder / "data.nc")
-        self.summary = read_json(folder / "summary.json")
+        self.record = _record(folder / "result.json")
+        self.data = Labelled.of(_bytes(folder / "data.nc", str(self.record["data"])))
+        self.digests: Mapping[str, str] = _record(folder / "shown.json")["files"]
+        self.summary = _table("summary.json", self._shown("summary.json"))
+
+    def _shown(self, name: str) -> bytes:
+        """Return the bytes of a file that shows the result, once they are those that were written."""
+        return _bytes(self.folder / name, str(self.digests[name]))
+
+    def _names(self, folder: str, suffix: str) -> list[str]:
+        """List the files of a kind: those that were written, and what lies beside them."""
+        there = (str(path.relative_to(self.folder)) for path in (self.folder / folder).glob(f"*{suffix}"))
+        written = {name for name in self.digests if name.endswith(suffix)}
+        return sorted({*there, *(name for name in written if str(Path(name).parent) == folder)})
 
     @cached_property
     def tables(self) -> dict[str, list[list[str]]]:
         """Lines of each CSV file by its name, its header first."""
-        return {path.name: rows_of(path) for path in sorted(self.folder.glob("*.csv"))}
+        return {
+            name: list(csv.reader(io.StringIO(self._shown(name).decode(), newline="")))
+            for name in self._names(".", ".csv")
+        }
 
     @cached_property
     def figures(self) -> dict[str, Labelled]:
         """Data behind each figure by the name of its file."""
-        return {path.name: Labelled.of(path) for path in sorted((self.folder / "figures").glob("*.nc"))}
+        return {Path(name).name: Labelled.of(self._shown(name)) for name in self._names("figures", ".nc")}
 
     @cached_property
     def page(self) -> str:
         """The report; empty where there is none."""
-        path = self.folder / "report.html"
-        if not path.exists():
-            return ""
-        _regular(path)
-        return path.read_text(encoding="utf-8")
+        return self._shown("report.html").decode() if "report.html" in self.digests else ""
 
     @cached_property
     def store(self) -> Path | None:
         """Folder of the stored solves; None where the record names none that is there."""
         said = self.record.get("store")
-        path = None if said is None else (self.folder / str(said)).resolve()
+        path = None if said is None else Path(os.path.realpath(self.folder / str(said)))
         return path if path is not None and path.is_dir() else None
 
     def solve(self, key: str) -> Labelled | None:
@@ -134,35 +145,40 @@ class Result:
         found: Stored | None = self._solve(key, Stored)
         return found
 
-    def _solve(self, key: str, kind: Callable[[Path], Any]) -> Any:
+    def _solve(self, key: str, kind: Callable[[bytes], Any]) -> Any:
         name = f"{kind.__qualname__} {key}"
         if name not in self._read:
             path = None if self.store is None else self.store / f"{key}.nc"
-            self._read[name] = kind(path) if path is not None and path.is_file() else None
+            there = path is not None and path.is_file()
+            self._read[name] = kind(sealed_bytes(path)) if path is not None and there else None
         return self._read[name]
 
 
-def _regular(path: Path) -> None:
-    """Refuse what is no plain file, or too large to be read."""
-    about = path.lstat()
-    if not stat.S_ISREG(about.st_mode) or about.st_size > _LARGEST:
-        raise ValueError(f"{path.name} is no file of a result")
+def _bytes(path: Path, digest: str) -> bytes:
+    """Return the bytes of a file that has this digest."""
+    content = regular_bytes(path)
+    if hashlib.sha256(content).hexdigest() != digest:
+        raise ValueError(f"{path.name} is not what was written (SHA-256)")
+    return content
 
 
-def read_json(path: Path) -> dict[str, Any]:
-    """Return what a JSON file says; a table, or it is refused."""
-    _regular(path)
+def _table(name: str, content: bytes) -> dict[str, Any]:
+    """Return what JSON says; a table, or it is refused."""
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        found = json.loads(content)
     except RecursionError:
-        raise ValueError(f"{path.name} is nested too deeply") from None
+        raise ValueError(f"{name} is nested too deeply") from None
+    except ValueError as error:
+        raise ValueError(f"{name} is not what was written ({error})") from None
     if not isinstance(found, dict):
-        raise ValueError(f"{path.name} holds no table")
+        raise ValueError(f"{name} holds no table")
     return found
 
 
-def rows_of(path: Path) -> list[list[str]]:
-    """Return the lines of a CSV file, its header first."""
-    _regular(path)
-    with path.open(newline="", encoding="utf-8") as file:
-        return list(csv.reader(file))
+def _record(path: Path) -> dict[str, Any]:
+    """Return a record that is what was written, by the digest in it."""
+    said = _table(path.name, regular_bytes(path))
+    digest = said.pop("sha256", None)
+    if hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest() != digest:
+        raise ValueError(f"{path.name} is not what was written (SHA-256)")
+    return said

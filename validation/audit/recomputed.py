@@ -13,7 +13,7 @@ import numpy as np
 
 from validation.audit.closed_forms import yielded_areas
 from validation.audit.limits import limit_over
-from validation.audit.stored import Stored
+from validation.audit.stored import Stored, sealed_bytes
 
 __all__ = ["Run"]
 
@@ -71,7 +71,7 @@ class Run:
         for path in sorted(store.glob("*.nc")):
             if not path.name.startswith(tuple(f"{name}-" for name in self.methods)):
                 continue
-            one = Stored(path)
+            one = Stored(sealed_bytes(path))
             k = self._realisation(one.recipe)
             if k is not None:
                 self.solves.setdefault((one.method, one.grid, one.shift, k), one)

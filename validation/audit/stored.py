@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
+import os
+import stat
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -11,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Array", "Stored", "moments", "wavevectors"]
+__all__ = ["Array", "Stored", "moments", "regular_bytes", "sealed_bytes", "wavevectors"]
 
 Array = NDArray[Any]
 
@@ -63,19 +66,43 @@ def moments(heights: Array, lengths: tuple[float, float]) -> tuple[float, float,
     return m0, m2, m4
 
 
+#: No file that a result consists of is larger.
+_LARGEST = 2**31
+
+
+def regular_bytes(path: Path) -> bytes:
+    """Return the bytes of a plain file; a link, a pipe, or what is too large is refused."""
+    handle = os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))
+    with open(handle, "rb") as file:
+        about = os.fstat(handle)
+        if not stat.S_ISREG(about.st_mode) or about.st_size > _LARGEST:
+            raise ValueError(f"{path.name} is no file of a result")
+        content: bytes = file.read()
+    return content
+
+
+def sealed_bytes(path: Path) -> bytes:
+    """Return the bytes of a stored solve, whose last line has the digest of those before it."""
+    content = regular_bytes(path)
+    body, foot = memoryview(content)[:-72], content[-72:]
+    if foot != b"sha256 %s\n" % hashlib.sha256(body).hexdigest().encode():
+        raise ValueError(f"{path.name} is not what was written (SHA-256)")
+    return content
+
+
 class Stored:
     """Fields of one solve.
 
     Parameters
     ----------
-    path : Path
-        Its netCDF file.
+    content : bytes
+        Of its netCDF file.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, content: bytes) -> None:
         import netCDF4
 
-        with netCDF4.Dataset(path) as file:
+        with netCDF4.Dataset("memory", memory=content) as file:
             file.set_auto_maskandscale(False)
             fields = {name: np.asarray(file.variables[name][...]) for name in file.variables}
             said = {name: file.getncattr(name) for name in file.ncattrs()}

@@ -15,6 +15,7 @@ import numpy as np
 from validation.arrays import Array
 from validation.cases import TOLERANCES, Check, Verdict
 from validation.execution.results import DATA, Result, read_results, write_results
+from validation.files import locked
 from validation.report.estimates import derive, power_law
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Line, Panel
@@ -321,8 +322,9 @@ def write_claims(
 ) -> tuple[Page, tuple[Path, ...]]:
     """Write dataset, record and page of verdicts into a folder; without `report` numbers alone."""
     data = claims_dataset(verdicts, cards)
-    write_results(folder, data, kind=KIND, name=name, asked=json_ready(dict(asked)), store=folder)
-    return report_claims(folder, report=report)
+    with locked(folder):
+        write_results(folder, data, kind=KIND, name=name, asked=json_ready(dict(asked)), store=folder)
+        return report_claims(folder, report=report)
 
 
 def write_scorecards(folder: Path, cards: Sequence[Scorecard], *, report: bool = True) -> tuple[Path, ...]:
@@ -340,6 +342,6 @@ def write_scorecards(folder: Path, cards: Sequence[Scorecard], *, report: bool =
 
 def report_claims(folder: Path, *, report: bool = True) -> tuple[Page, tuple[Path, ...]]:
     """Write the page of stored verdicts again, from their dataset alone."""
-    result = read_results(folder)
-    page = claims_page(result, figures=report)
-    return page, (*write_page(page, folder, numbers_only=not report), folder / DATA)
+    with locked(folder):
+        page = claims_page(read_results(folder), figures=report)
+        return page, (*write_page(page, folder, numbers_only=not report), folder / DATA)

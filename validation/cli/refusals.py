@@ -27,7 +27,8 @@ def refusals_in_words() -> Iterator[None]:
         try:
             yield
         finally:
-            sys.stdout.flush()
+            if sys.stdout is not None:  # closed by who started the command: >&-
+                sys.stdout.flush()
     except MemoryError:
         _end(_MEMORY)
     except ImportError as error:
@@ -69,6 +70,6 @@ def _end(words: str) -> None:
         say(words)
     # Nothing of what could not be written is tried again when the interpreter ends.
     null = os.open(os.devnull, os.O_WRONLY)
-    with contextlib.suppress(OSError, ValueError):
+    with contextlib.suppress(OSError, ValueError, AttributeError):
         os.dup2(null, sys.stdout.fileno())
     sys.exit(1)

@@ -13,7 +13,7 @@ import numpy as np
 
 from validation.errors import UsageError
 from validation.execution.results import Result, read_results, write_results
-from validation.files import prepare_folder
+from validation.files import locked, prepare_folder
 from validation.report.estimates import derive, each
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Line, Panel
@@ -83,8 +83,9 @@ def compare_folders(
         },
     )
     asked = {label: dict(result.asked) for label, result in results.items()}
-    write_results(prepare_folder(output), data, kind="compare", name=page.title, asked=asked, store=output)
-    return page, write_page(page, output, numbers_only=not report)
+    with locked(prepare_folder(output)):
+        write_results(output, data, kind="compare", name=page.title, asked=asked, store=output)
+        return page, write_page(page, output, numbers_only=not report)
 
 
 def _read(folders: Sequence[Path]) -> tuple[dict[str, Result], tuple[str, ...]]:

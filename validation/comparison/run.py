@@ -22,7 +22,7 @@ from validation.execution.provenance import SOLVES_MADE, made_words
 from validation.execution.results import Result, asked_of, clear_results, read_results, write_results
 from validation.execution.running import Execution, Solves, solve_all
 from validation.execution.store import Store
-from validation.files import atomic_path, prepare_folder
+from validation.files import atomic_path, locked, prepare_folder
 from validation.report.page import Page, clear_page
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import ContactProblem, realise
@@ -120,7 +120,9 @@ def run_scene(
         data = scene_data(scene, problem, results, failures=failures, accurate=accurate)
         data = with_treatment(data, problem, results)
         data = with_fields(data, scene, problem, results)
-        written = (*_link_blocks(results, folder / "fields"), *write_below(scene, results, folder / "fields"))
+        with locked(folder):
+            fields = folder / "fields"
+            written = (*_link_blocks(results, fields), *write_below(scene, results, fields))
     else:
         data = theory_data(scene, problem)
     data.attrs["effects_words"] = effects_words(scene, problem)
@@ -153,8 +155,9 @@ def leave(
     """Write dataset, record and page of a run or a sweep, and say what is there."""
     if results is not None:
         data.attrs[SOLVES_MADE] = "\n".join(made_words(results.made()))
-    result = write_results(folder, data, kind=kind, name=name, asked=asked, store=store)
-    page, files = write_result_page(result, folder, **shown)
+    with locked(folder):
+        result = write_results(folder, data, kind=kind, name=name, asked=asked, store=store)
+        page, files = write_result_page(result, folder, **shown)
     failures = data.failures.values.ravel().tolist() if "failures" in data else []
     return Outputs(
         result=result,
@@ -169,12 +172,13 @@ def leave(
 
 def begin(folder: Path, asked: Mapping[str, Any]) -> None:
     """Take away what a folder holds of another question: if this is interrupted, nothing in it belies it."""
-    if asked_of(folder) == asked:
-        return
-    clear_results(folder)
-    clear_page(folder)
-    for block in (folder / "fields").glob("*.vtu"):
-        block.unlink(missing_ok=True)
+    with locked(folder):
+        if asked_of(folder) == asked:
+            return
+        clear_results(folder)
+        clear_page(folder)
+        for block in (folder / "fields").glob("*.vtu"):
+            block.unlink(missing_ok=True)
 
 
 def report_scene(folder: Path, *, pictures: bool | None = None) -> Outputs:
@@ -190,11 +194,12 @@ def report_scene(folder: Path, *, pictures: bool | None = None) -> Outputs:
     UsageError
         For a folder that holds no finished run of this version.
     """
-    result = read_results(folder)
-    if pictures is None:
-        asked = result.asked.get("scene", {}).get("run", {}).get("pictures", False)
-        pictures = bool(asked) or any(folder.glob("figures/*.png"))
-    page, files = write_result_page(result, prepare_folder(folder), pictures=pictures)
+    with locked(folder):
+        result = read_results(folder)
+        if pictures is None:
+            asked = result.asked.get("scene", {}).get("run", {}).get("pictures", False)
+            pictures = bool(asked) or any(folder.glob("figures/*.png"))
+        page, files = write_result_page(result, prepare_folder(folder), pictures=pictures)
     return Outputs(result=result, page=page, folder=folder, files=files)
 
 

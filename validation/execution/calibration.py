@@ -6,10 +6,9 @@ them, and say where they come from.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import date
 from pathlib import Path
 from types import MappingProxyType
@@ -17,6 +16,7 @@ from types import MappingProxyType
 import platformdirs
 
 from validation.effects import Effect, effect_kinds
+from validation.files import prepare_folder, read_record, write_record
 from validation.solvers import Solver, find_solver, methods
 
 __all__ = ["EffectCosts", "cache_file", "calibrate", "effect_costs", "reference"]
@@ -59,17 +59,25 @@ def cache_file() -> Path:
 def effect_costs() -> EffectCosts:
     """Return this machine's factors; those of the reference machine where none, or no good ones, are kept."""
     try:
-        kept = json.loads(cache_file().read_text(encoding="utf-8"))
+        kept = read_record(cache_file())
         factors = {str(kind): float(value) for kind, value in kept["factors"].items()}
         measured_on = str(kept["date"])
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except FileNotFoundError:
         return reference()
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return _damaged()
     measured = {name for name, kind in effect_kinds().items() if find_solver("bem").handles(kind)}
     if set(factors) != measured or not all(math.isfinite(value) and value > 0 for value in factors.values()):
-        return reference()
+        return _damaged()
     # What boundary elements are not given is not measured.
     known = {**reference().factors, **factors}
     return EffectCosts(factors=MappingProxyType(known), source=f"measured on this machine, {measured_on}")
+
+
+def _damaged() -> EffectCosts:
+    """Return the reference, and say that the file of this machine is not what this version writes."""
+    words = f"{cache_file()}: damaged, or of another version; 'fem-contact calibrate' makes it again"
+    return replace(reference(), source=f"{reference().source} ({words})")
 
 
 def calibrate(
@@ -91,15 +99,12 @@ def calibrate(
     UsageError
         Where the cache cannot be written.
     """
-    from validation.files import atomic_path, prepare_folder
-
     folder = prepare_folder(cache_file().parent, option="cache")
     seconds = _measured(points, repeats, tell)
     plain = seconds.pop("plain")
     factors = {kind: value / plain for kind, value in seconds.items()}
     today = date.today().isoformat()
-    with atomic_path(folder / cache_file().name) as draft:
-        draft.write_text(json.dumps({"date": today, "points": points, "factors": factors}) + "\n")
+    write_record(folder / cache_file().name, {"date": today, "points": points, "factors": factors})
     return EffectCosts(factors=MappingProxyType(factors), source=f"measured on this machine, {today}")
 
 

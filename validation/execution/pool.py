@@ -154,12 +154,14 @@ class _Processes:
     def __init__(self, store: Store, workers: Sequence[_Worker], *, memory: int) -> None:
         self.store, self.workers, self.memory = store, workers, memory
         self.idle = list(workers)
-        self.threads = ThreadPoolExecutor(len(workers))
+        self.threads, self.ending = ThreadPoolExecutor(len(workers)), False
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.ending = True
+        self.threads.shutdown(wait=False, cancel_futures=True)
         while len(self.idle) < self.count:
             for worker in self.workers:
                 worker.kill()
@@ -177,7 +179,7 @@ class _Processes:
         return len(under_way) < self.count and taken <= self.memory - self.count * _IDLE_BYTES
 
     def submit(self, solve: Solve) -> Future[Outcome]:
-        return self.threads.submit(self._attempt, self.idle.pop(), solve)
+        return self.threads.submit(self._attempt, solve)
 
     def finished(self, under_way: Mapping[Future[Outcome], Solve]) -> Iterable[Future[Outcome]]:
         return wait(under_way, return_when=FIRST_COMPLETED).done
@@ -185,13 +187,16 @@ class _Processes:
     def outcome(self, future: Future[Outcome], solve: Solve) -> Outcome:
         return future.result()
 
-    def _attempt(self, worker: _Worker, solve: Solve) -> Outcome:
-        begun = False
+    def _attempt(self, solve: Solve) -> Outcome:
+        # Taken here, not by who submits: an interruption in between would leave a worker that nobody has.
+        worker, begun = self.idle.pop(), False
         try:
-            worker.start()
-        except OSError as error:
-            return Outcome(solve=solve, error=_not_started(error), fatal=True)
-        try:
+            if self.ending:
+                return Outcome(solve=solve, error="interrupted", fatal=True)
+            try:
+                worker.start()
+            except OSError as error:
+                return Outcome(solve=solve, error=_not_started(error), fatal=True)
             payload = np.frombuffer(pickle.dumps((solve, self.store)), dtype=np.uint8)
             worker.call(_made_ready, payload)
             begun = True

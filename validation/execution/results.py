@@ -7,7 +7,6 @@ them and never read.
 
 from __future__ import annotations
 
-import hashlib
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from validation.errors import RunFailed, UsageError
 from validation.execution.store import read_numbers, write_numbers
-from validation.files import read_record, read_whole, write_record
+from validation.files import digest_of, locked, read_record, write_record
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -83,11 +82,11 @@ def write_results(
         "name": name,
         "asked": dict(asked),
         "words": list(words),
-        "store": os.path.relpath(store.resolve(), folder.resolve()),
+        "store": os.path.relpath(os.path.realpath(store), os.path.realpath(folder)),
     }
     clear_results(folder)
     write_numbers(folder / DATA, data, recipe=said)
-    write_record(folder / RECORD, {**said, "data": _digest(folder)})
+    write_record(folder / RECORD, {**said, "data": digest_of(folder / DATA)})
     return Result(kind=kind, name=name, asked=asked, store=store, data=data, words=tuple(words))
 
 
@@ -95,10 +94,6 @@ def clear_results(folder: Path) -> None:
     """Take dataset and record out of a folder, and records of earlier versions."""
     for name in (*_EARLIER, RECORD, DATA):
         (folder / name).unlink(missing_ok=True)
-
-
-def _digest(folder: Path) -> str:
-    return hashlib.sha256(read_whole(folder / DATA)).hexdigest()
 
 
 def _record(folder: Path) -> Mapping[str, Any]:
@@ -130,17 +125,19 @@ def read_results(folder: Path) -> Result:
         For a folder that holds no finished results of this version, with what to do.
     """
     try:
-        said = read_record(folder / RECORD)
-        if said["format"] != _FORMAT:
-            raise ValueError(f"{RECORD} is not of this version")
-        if said["data"] != _digest(folder):
-            raise ValueError(f"{DATA}: damaged: it is not what {RECORD} was written for")
+        with locked(folder, shared=True):
+            said = read_record(folder / RECORD)
+            if said["format"] != _FORMAT:
+                raise ValueError(f"{RECORD} is not of this version")
+            if said["data"] != digest_of(folder / DATA):
+                raise ValueError(f"{DATA}: damaged: it is not what {RECORD} was written for")
+            data = read_numbers(folder / DATA)
         return Result(
             kind=said["kind"],
             name=said["name"],
             asked=said["asked"],
-            store=(folder / said["store"]).resolve(),
-            data=read_numbers(folder / DATA),
+            store=Path(os.path.realpath(folder / said["store"])),
+            data=data,
             words=tuple(said["words"]),
         )
     except RunFailed as error:

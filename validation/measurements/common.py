@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from pydantic import AfterValidator, Field, ValidationInfo
 
 from persson import elastic
+from validation.errors import UsageError
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
 from validation.scenes.surfaces import spectrum_of
@@ -27,6 +29,10 @@ LEAST_POINTS_PER_WAVE = 3.0
 BASE_SOLID = SolidSpec(young=1e9, poisson=0.3)
 
 
+#: Shortest waves along a side of the surface of a study: with eight points each, a grid of 16384 x 16384.
+_MOST_WAVES = 2048
+
+
 def base_surface(
     *,
     hurst: float,
@@ -42,7 +48,17 @@ def base_surface(
     -----
     The gradient scales out of everything the studies report, and so does the period but where something else
     has a length.
+
+    Raises
+    ------
+    UsageError
+        For more waves side by side than a plan can draw.
     """
+    if _MOST_WAVES < periods * bandwidth < math.inf:
+        raise UsageError(
+            f"periods = {periods:g}, bandwidth = {bandwidth:g}: {periods * bandwidth:.0f} shortest waves along "
+            f"a side; at most {_MOST_WAVES} in a study"
+        )
     return SelfAffineSurface(
         kind="self-affine",
         length=(length, length),

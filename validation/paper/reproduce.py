@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from validation.execution.results import DATA, read_results, write_results
+from validation.files import locked
 from validation.paper.claims import judge
 from validation.paper.figures import FIGURES
 from validation.paper.page import paper_dataset, paper_page
@@ -49,11 +50,13 @@ def run(
         for row in judge(application, tell=lambda text: tell(f"claim: {text}"))
     ]
     data = paper_dataset(rows, curves)
-    write_results(output, data, kind=KIND, name="reproduce", asked={"figures": figures}, store=output)
-    return report(output, numbers_only=not figures)
+    with locked(output):
+        write_results(output, data, kind=KIND, name="reproduce", asked={"figures": figures}, store=output)
+        return report(output, numbers_only=not figures)
 
 
 def report(folder: Path, *, numbers_only: bool = False) -> tuple[Page, tuple[Path, ...]]:
     """Write the page again, from the stored dataset alone."""
-    page = paper_page(read_results(folder), figures=not numbers_only)
-    return page, (*write_page(page, folder, numbers_only=numbers_only), folder / DATA)
+    with locked(folder):
+        page = paper_page(read_results(folder), figures=not numbers_only)
+        return page, (*write_page(page, folder, numbers_only=numbers_only), folder / DATA)

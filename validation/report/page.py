@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from validation.errors import harmless
-from validation.files import atomic_path, remove_drafts, write_json
+from validation.files import atomic_path, digest_of, remove_drafts, write_json, write_record
 from validation.report.drawing import Drawing, write_drawing
 from validation.report.table import (
     ResultTable,
@@ -189,7 +189,7 @@ def write_page(page: Page, folder: Path, *, numbers_only: bool = False) -> tuple
     if page.summary is not None:
         written.append(write_json(folder / "summary.json", {**page.summary, "papers": list(page.papers)}))
     if numbers_only:
-        clear_page(folder, keep=written)
+        clear_page(folder, keep=(*written, _seal(folder, written)))
         return tuple(written)
     figures = folder / "figures"
     if page.figures or page.pictures:
@@ -204,8 +204,15 @@ def write_page(page: Page, folder: Path, *, numbers_only: bool = False) -> tuple
         draft.write_text(_html(page, drawn), encoding="utf-8")
     drawings = [folder / file for figure in drawn for file, _ in figure["files"]]
     pictures = [figures / f"{picture.name}.png" for picture in page.pictures]
-    clear_page(folder, keep=(report, *written, *drawings, *pictures))
+    kept = [report, *(path for path in written if path != figures), *drawings, *pictures]
+    clear_page(folder, keep=(*kept, _seal(folder, kept)))
     return (report, *written)
+
+
+def _seal(folder: Path, files: Collection[Path]) -> Path:
+    """Write the digests of what shows a result, for whoever reads numbers back from there."""
+    digests = {str(path.relative_to(folder)): digest_of(path) for path in files}
+    return write_record(folder / "shown.json", {"files": digests})
 
 
 def clear_page(folder: Path, *, keep: Collection[Path] = ()) -> None:
@@ -216,7 +223,7 @@ def clear_page(folder: Path, *, keep: Collection[Path] = ()) -> None:
     """
     figures = folder / "figures"
     tables = "table claims areas magnification numbers methods below surfaces settings budget data data-*"
-    names = ["report.html", "summary.json", *(f"{name}.csv" for name in tables.split())]
+    names = ["report.html", "summary.json", "shown.json", *(f"{name}.csv" for name in tables.split())]
     earlier = [path for name in names for path in folder.glob(name)]
     if figures.is_dir() and not figures.is_symlink():
         earlier += [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -61,8 +62,8 @@ class RunOptions(Table):
 
 def not_led_out(path: Path, *, of: Path, option: str) -> Path:
     """Refuse a folder that a link leads out of another; what came with a scene may hold such links."""
-    led = path.resolve()
-    if not led.is_relative_to(of.resolve()):
+    led = Path(os.path.realpath(path))  # of a link to itself, itself
+    if not led.is_relative_to(os.path.realpath(of)):
         raise UsageError(
             f"{str(path)!r} is a link that leads to {str(led)!r}; remove it, or say {option} {str(path)!r} "
             "to follow it"

@@ -12,6 +12,7 @@ from validation.effects import effect_kinds
 from validation.errors import UsageError
 from validation.execution.provenance import SOLVES_MADE, made_words
 from validation.execution.results import DATA, holds_result, read_results, write_results
+from validation.files import locked
 from validation.report.page import Page, page_of, write_page
 from validation.report.papers import PAPERS
 from validation.solvers import methods
@@ -38,16 +39,17 @@ def run_study(
     """Run a study on a bench and write its outputs into a folder, without `report` tables and JSON alone."""
     data = study.compute(options, bench=bench)
     data.attrs[SOLVES_MADE] = "\n".join(made_words(bench.made()))
-    write_results(
-        folder,
-        data,
-        kind="study",
-        name=study.name,
-        asked=options.record(),
-        store=bench.store.folder,
-        words=list(options.words()),
-    )
-    return report_study(folder, numbers_only=not report)
+    with locked(folder):
+        write_results(
+            folder,
+            data,
+            kind="study",
+            name=study.name,
+            asked=options.record(),
+            store=bench.store.folder,
+            words=list(options.words()),
+        )
+        return report_study(folder, numbers_only=not report)
 
 
 def is_study(folder: Path) -> bool:
@@ -68,12 +70,13 @@ def report_study(folder: Path, *, numbers_only: bool = False) -> StudyOutputs:
     UsageError
         For a folder that holds no finished study of this version.
     """
-    result = read_results(folder)
-    if result.kind != "study":
-        raise UsageError(f"{folder}: holds a {result.kind}, not a study")
-    study, data = find_study(result.name), result.data
-    page = study_page(study, data, result.asked, words=result.words, figures=not numbers_only)
-    written = write_page(page, folder, numbers_only=numbers_only)
+    with locked(folder):
+        result = read_results(folder)
+        if result.kind != "study":
+            raise UsageError(f"{folder}: holds a {result.kind}, not a study")
+        study, data = find_study(result.name), result.data
+        page = study_page(study, data, result.asked, words=result.words, figures=not numbers_only)
+        written = write_page(page, folder, numbers_only=numbers_only)
     return StudyOutputs(data=data, page=page, files=(*written, folder / DATA))
 
 

@@ -35,7 +35,7 @@ class Options(StudyOptions):
     own = "its surface is the one whose longest wave feels the bottom most"
 
     reduced_pressure: ReducedPressure = 0.05
-    points_per_wave: float = Field(default=16.0, gt=0, description="grid, as lambda_short/dx")
+    points_per_wave: float = Field(default=16.0, ge=1, description="grid, as lambda_short/dx")
     depths: Rising = Field(
         default=(0.125, 0.25, 0.5, 0.75, 1.0, 1.5), description="depths of the block, in periods"
     )
