@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -27,7 +28,8 @@ __all__ = [
 _SOURCES = ("surfaces", "grid", "solver", "size", "bandwidth", "depth", "theory")
 #: Those of the step to any spectrum and period.
 _SPECTRAL = ("size", "bandwidth")
-_INTERVAL = "+- (95 %)"
+_PREFIXES = {"p": -12, "n": -9, "u": -6, "m": -3, "k": 3, "M": 6, "G": 9}
+_INTERVAL, _HOLDS = "+- (95 %)", "+- holds"
 
 
 def judged(result: Result) -> Ledger:
@@ -187,7 +189,7 @@ def judge_table(result: Result, ledger: Ledger) -> None:
         return
     expected = list(_rows(result.data, shown))
     ledger.same("table.csv", "number of rows", len(lines), len(expected))
-    intervals = {k for k, title in enumerate(header) if title.endswith(_INTERVAL)}
+    intervals = {k for k, title in enumerate(header) if title.endswith((_INTERVAL, _HOLDS))}
     names = [k for k in range(len(header)) if k not in intervals]
     ledger.same("table.csv", "number of columns", len(names), len(shown["columns"]))
     for j, (line, row) in enumerate(zip(lines, expected, strict=False)):
@@ -316,9 +318,27 @@ def judge_page(result: Result, ledger: Ledger) -> None:
         for k, (row, line) in enumerate(zip(rows, lines, strict=False)):
             cells = dict(zip(header, line, strict=False))
             for column, cell in zip(titles, row, strict=False):
-                if column in cells:
-                    interval = cells.get(f"{column} {_INTERVAL}")
-                    _cell(ledger, place, f"row {k + 1}, {column}", cell, cells[column], interval)
+                source, factor = _without_prefix(column, cells)
+                if source:
+                    value, half = (_scaled(cells.get(n), factor) for n in (source, f"{source} {_INTERVAL}"))
+                    _cell(ledger, place, f"row {k + 1}, {column}", cell, value or "", half)
+
+
+def _without_prefix(column: str, cells: Mapping[str, str]) -> tuple[str, float]:
+    """Find the column of a file in SI units that a page shows, and the factor between them."""
+    name, _, unit = column.removesuffix("]").rpartition(" [")
+    for title in () if column in cells or not name else cells:
+        known, _, plain = title.removesuffix("]").rpartition(" [")
+        start, end = re.fullmatch(r"(1/)?(.*?)(?:\^2)?", unit), plain.removeprefix("1/").removesuffix("^2")
+        if known == name and end and start is not None and start[2][1:] == end and start[2][0] in _PREFIXES:
+            power = _PREFIXES[start[2][0]] * (-1 if start[1] else 1) * (2 if plain.endswith("^2") else 1)
+            return title, 10.0**-power
+    return (column, 1.0) if column in cells else ("", 1.0)
+
+
+def _scaled(text: str | None, factor: float) -> str | None:
+    number = _float(text or "")
+    return text if factor == 1 or math.isnan(number) else repr(number * factor)
 
 
 def _words(text: str) -> str:

@@ -19,7 +19,7 @@ from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Line, Panel
 from validation.report.page import Page, page_of, write_page
 from validation.report.quantities import labelled, place_words, quantity_of
-from validation.report.table import INTERVAL, ResultTable, WordTable, shown
+from validation.report.table import ResultTable, WordTable, interval_cells, shown
 from validation.report.values import value_of
 from validation.report.views import Card, Views
 
@@ -300,9 +300,9 @@ def _table(data: xr.Dataset) -> ResultTable:
                         "where": place,
                         "result": str(label),
                         "value": value.value,
-                        f"value {INTERVAL}": np.nan if value.error is None else value.error,
+                        **interval_cells("value", value),
                         "less the first": apart.value if k else np.nan,
-                        f"less the first {INTERVAL}": np.nan if apart.error is None or not k else apart.error,
+                        **(interval_cells("less the first", apart) if k else {}),
                     }
                 )
     return ResultTable.of_rows(rows)

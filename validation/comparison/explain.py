@@ -19,6 +19,7 @@ from validation.execution.calibration import effect_costs
 from validation.execution.cost import transform_seconds
 from validation.execution.press import Press, run_solves
 from validation.execution.solve import Prediction
+from validation.report.quantities import in_prefixed_unit
 from validation.scenes.checks import check_scene
 from validation.scenes.grids import affordable, usual_grids
 from validation.scenes.problem import ContactProblem, realise
@@ -208,7 +209,7 @@ def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]
     """Return the numbers a reader checks first: realised and continuum roughness, load, bandwidth."""
     field: HeightField | Expected = problem.field
     words = _problem_words(problem, solved=bool(scene.methods.solvers))
-    facts = [("E*", f"{problem.contact_modulus:.6g} Pa"), ("realised surface", words)]
+    facts = [("E*", in_prefixed_unit(problem.contact_modulus, "Pa")), ("realised surface", words)]
     facts += _surface_facts(problem)
     if field.rms_gradient > 0:
         source = "of C(q)" if isinstance(field, Expected) else "realised"
@@ -237,10 +238,11 @@ def _usual_grids(scene: Scene, problem: ContactProblem) -> Iterator[tuple[str, s
 def _load_words(problem: ContactProblem) -> str:
     """Write p0 and p* of all loads, or the distance that is held."""
     for key, value in problem.load.held.items():
-        return f"{key.replace('_', ' ')} = {value:.6g} m is held; the load that takes follows from the solve"
-    each = ", ".join(f"{pressure:.6g}" for pressure in problem.pressures)
+        distance = in_prefixed_unit(value, "m")
+        return f"{key.replace('_', ' ')} = {distance} is held; the load that takes follows from the solve"
+    each = ", ".join(in_prefixed_unit(pressure, "Pa") for pressure in problem.pressures)
     reduced = ", ".join(f"{pressure / problem.pressure_scale:.4g}" for pressure in problem.pressures)
-    return f"p0 = {each} Pa, p* = {reduced}"
+    return f"p0 = {each}; p* = {reduced}"
 
 
 def _problem_words(problem: ContactProblem, *, solved: bool) -> str:
@@ -252,7 +254,7 @@ def _problem_words(problem: ContactProblem, *, solved: bool) -> str:
     from fem_contact.surface import Patch
 
     how = "by differences" if isinstance(field, Patch) else "spectral"
-    return f"h_rms = {field.rms_height:.6g} m, h'_rms = {field.rms_gradient:.6g} ({how})"
+    return f"h_rms = {in_prefixed_unit(field.rms_height, 'm')}, h'_rms = {field.rms_gradient:.4g} ({how})"
 
 
 def _surface_facts(problem: ContactProblem) -> list[tuple[str, str]]:
@@ -265,7 +267,8 @@ def _surface_facts(problem: ContactProblem) -> list[tuple[str, str]]:
         f"L/lambda_long = {min(problem.lengths) / problem.longest:.3g}, "
         f"lambda_long/lambda_short = {problem.longest / problem.shortest:.3g}"
     )
-    integrals = f"h_rms = {moments.rms_height:.6g} m, h'_rms = {moments.rms_gradient:.6g}"
+    height = in_prefixed_unit(moments.rms_height, "m")
+    integrals = f"h_rms = {height}, h'_rms = {moments.rms_gradient:.4g}"
     return [("integrals over C(q)", integrals), ("bandwidth", sizes)]
 
 

@@ -91,6 +91,7 @@ def scene_data(
     data = beside_each_other(data, case.own)
     data = finest(cost_and_orders(data))
     data = in_numbers(data, case.own, results, case.problem)
+    data = _beside_hertz(data, scene)
     data = passing(data, scene, case.problem, results)
     data = below(data, scene, results)
     if failures:
@@ -221,6 +222,22 @@ def _of_the_scene(problem: ContactProblem, modulus: float) -> dict[str, float]:
         moments = problem.spectrum.moments()
         found |= {"rms_height_spectrum": moments.rms_height, "rms_gradient_spectrum": moments.rms_gradient}
     return found
+
+
+def _beside_hertz(data: xr.Dataset, scene: Scene) -> xr.Dataset:
+    """Add what Hertz says of the smooth ball under the roughness, where there is one."""
+    radius = next((r for effect in scene.effects if (r := getattr(effect, "radius", None))), None)
+    if radius is None:
+        return data
+    force = data.pressure * data.nominal_area
+    contact = (3 * force * radius / (4 * data.contact_modulus)) ** (1 / 3)
+    data = data.assign(
+        ball_radius=radius,
+        hertz_radius=contact,
+        hertz_approach=contact**2 / radius,
+        hertz_pressure=1.5 * force / (math.pi * contact**2),
+    )
+    return derive(data, hertz_share=f"contact_area / ({math.pi} * hertz_radius ** 2)")
 
 
 def limit_of(areas: Sequence[ContactAreas]) -> Limit | None:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from validation.comparison.treatment import STATISTICS, treatment_findings, treatment_table
+from validation.report.estimates import derive, each, sources_of
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Image, Level, Line, Panel
 from validation.report.table import Listing, Table
-from validation.report.values import value_of
+from validation.report.values import Value, value_of
 from validation.report.views import Card, Views
 from validation.solvers import find_method
 
@@ -38,9 +39,15 @@ _NUMBERS = (
     "mean_gap",
     "gap",
     "approach",
+    "ball_radius",
+    "hertz_radius",
+    "hertz_approach",
+    "hertz_pressure",
+    "hertz_share",
     "stiffness",
     "largest_pressure",
     "patches",
+    "density_at_zero_order",
     *(f"{name}{by}" for name in ("electrical_conductance", "thermal_conductance") for by in ("", "_persson")),
     *(f"leak_rate_{axis}{by}" for axis in "xy" for by in ("", "_bruggeman")),
     "pressure",
@@ -56,9 +63,10 @@ _NUMBERS = (
     *STATISTICS,
 )
 _NOTE = (
-    "Of the scene's own surface, on the finest grid that resolves it; +-: 95 %, of what follows from fields "
-    "the change from the grid before. A/A0 is the mean over the surfaces of an ensemble."
+    "Of the scene's own surface, on the finest grid that resolves it; the interval of what follows "
+    "from fields is the change from the grid before. A/A0 is the mean over the surfaces of an ensemble."
 )
+_MOST_FINDINGS = 6
 _GRIDS = (
     "Counted: points of the contact set, mean over sub-grid positions; corrected: less the method's edge "
     "constant times edge length times dx; located: the edge placed inside the cells. kappa is the corrected "
@@ -101,7 +109,11 @@ def run_views(data: xr.Dataset) -> Views:
 
 
 def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
-    yield Listing(names=_NUMBERS, title="Contact in numbers", note=_NOTE)
+    yield Listing(
+        names=tuple(name for name in _NUMBERS if not _repeats(data, name)),
+        title="Contact in numbers",
+        note=_NOTE,
+    )
     yield from treatment_table(data)
     if "pressure_difference" in data:
         yield Table(
@@ -153,6 +165,16 @@ def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
         )
 
 
+#: What says again what another number says, where the two are the same.
+_AGAIN = {"area_own": "area", "contact_modulus_below": "contact_modulus", "felt_modulus": "contact_modulus"}
+
+
+def _repeats(data: xr.Dataset, name: str) -> bool:
+    if name == "approach":
+        return "ball_radius" not in data and bool(np.isclose(data.approach, -data.mean_gap))
+    return name in data and name in _AGAIN and bool(np.isclose(data[name], data[_AGAIN[name]]))
+
+
 def _label(data: xr.Dataset, k: int) -> str:
     return find_method(str(data.solver.values[k])).label
 
@@ -179,25 +201,38 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
         answer=finding("value", "{area}", data),
         basis=finding("value", basis + "; kappa = {kappa}", data),
     )
+    answer = _share(data)
     if "accuracy_asked" in data:
-        yield Card(
-            question="How sure?",
-            answer=finding("value", "asked {accuracy_asked:%}, reached {accuracy_reached:%~}", data),
-            basis=note("95 %: grid and solver" + (", surfaces" if several else ", of this surface")),
-        )
-    else:
-        words = (
-            "95 %: surfaces and grid; single surfaces scatter by {scatter:.2%}"
-            if several
-            else ("95 %: grid and solver of one surface; the scatter between surfaces is unknown")
-        )
-        words += "; the treatment of the map: {treatment_spread:.2%}" if "treatment_spread" in data else ""
-        yield Card(question="How sure?", answer=_share(data), basis=finding("value", words, data))
+        answer = finding("value", "asked {accuracy_asked:%}, reached {accuracy_reached:%~}", data)
+    scatter = (
+        "single surfaces scatter by {scatter:.2%}" if several else "the scatter between surfaces is unknown"
+    )
+    if "treatment_spread" in data:
+        scatter += "; the treatment of the map: {treatment_spread:.2%}"
+    held = f"95 %: {sources_of(data.area_error) or 'all sources'}; "
+    yield Card(question="How sure?", answer=answer, basis=finding("value", held + scatter, data))
     if "area_excess" in data and np.isfinite(data.area_persson_own):
         yield Card(
             question="How far from Persson's theory?",
             answer=finding("value", "{area_excess:+%}", data),
-            basis=finding("value", "theory: A/A0 = {area_persson:.4} with the realised gradient", data),
+            basis=finding(
+                "value",
+                "theory: A/A0 = {area_persson:.4} with the realised gradient; p* = {reduced_pressure:.4}, "
+                "lambda_long/lambda_short = {bandwidth:.3}",
+                data,
+                bandwidth=float(data.wave_long / data.wave_short),
+            ),
+        )
+    if "hertz_radius" in data:
+        yield Card(
+            question="Beside a smooth ball (Hertz)",
+            answer=finding("value", "{hertz_share} of its area", data),
+            basis=finding(
+                "value",
+                "R = {ball_radius:u}: Hertz a = {hertz_radius:u}, approach {hertz_approach:u}; here "
+                "{approach:u}",
+                data,
+            ),
         )
     if "area_plastic_pixel" in data:
         predicted = "; theory: {area_plastic_persson:.4}" if "area_plastic_persson" in data else ""
@@ -206,14 +241,12 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
             answer=finding("value", "{area_plastic_pixel:.4}", _finest(data)),
             basis=finding("value", "{solver} on {grid}, points counted" + predicted, _finest(data)),
         )
+    count = float(data.shifts.sum())
     yield Card(
         question="What did it cost?",
-        answer=finding("cost", "{seconds_total:.3} s", data),
+        answer=finding("cost", "{seconds_total:u}", data),
         basis=finding(
-            "cost",
-            "{solves} solves shown, largest {unknowns_largest} unknowns",
-            data,
-            solves=float(data.shifts.sum()),
+            "cost", "{solves} solves shown, largest {unknowns_largest} unknowns", data, solves=count
         ),
     )
 
@@ -231,57 +264,49 @@ def _finest(data: xr.Dataset) -> xr.Dataset:
     return first.sel(grid=str(first.grid_finest.item()))
 
 
-def _findings(data: xr.Dataset) -> Iterator[Finding]:
-    """Yield what was found, the most asked-for first."""
-    if "failures" in data:
-        yield finding("refusal", "Not all solves succeeded: {failures}.", data)
-    yield from _area(data)
-    yield from treatment_findings(data)
-    yield from _theory(data)
+def _findings(data: xr.Dataset) -> list[Finding]:
+    """Say what was found, the most asked-for first; what finds no place among six stands in the tables."""
+    found = [finding("refusal", "Not all solves succeeded: {failures}.", data)] if "failures" in data else []
+    found += [*_area(data), *treatment_findings(data), *_theory(data)]
+    if warnings := list(_warnings(data)):
+        # One of several sentences, so that none is lost.
+        form = " ".join(one.form for one in warnings)
+        found.append(note(form, **{k: v for one in warnings for k, v in one.values.items()}))
     if "area_plastic_pixel" in data:
         beside = "; {area_plastic_persson:.4} by the theory" if "area_plastic_persson" in data else ""
-        text = (
-            "Yielded, A_pl/A0 = {area_plastic_pixel:.4} by {solver} on {grid} (points counted)" + beside + "."
-        )
-        yield finding("share", text, _finest(data))
-    yield from _methods(data)
-    yield from _edges(data)
+        text = "Yielded, A_pl/A0 = {area_plastic_pixel:.4} by {solver} on {grid} (points counted)"
+        found.append(finding("share", f"{text}{beside}.", _finest(data)))
     if "von_mises" in data:
-        yield finding(
-            "value",
+        text = (
             "The largest von Mises stress below the surface is {von_mises_reduced:.4} E* h'_rms "
-            "({von_mises:.4} Pa), at a depth of {von_mises_depth_reduced:.3} lambda_short "
-            "({von_mises_depth:.3} m; {solver} on {grid}): there the solid yields first. From the grid "
-            "before it changed by {von_mises_change:+.2%}.",
-            _finest(data),
+            "({von_mises:u}), at a depth of {von_mises_depth_reduced:.3} lambda_short "
+            "({von_mises_depth:u}; {solver} on {grid}): there the solid yields first. From the grid "
+            "before it changed by {von_mises_change:+.2%}."
         )
+        found.append(finding("value", text, _finest(data)))
+    found += [*_methods(data), *_edges(data)]
     if "cheapest" in data:
-        yield finding(
-            "cost",
-            "The cheapest way to within 1 % of the limit was {cheapest}: {seconds_cheapest:.2} s, off by "
-            "{area_cheapest_off:+.2%}.",
-            data,
+        text = (
+            "The cheapest way to within 1 % of the limit was {cheapest}: {seconds_cheapest:u}, off by "
+            "{area_cheapest_off:+.2%}."
         )
+        found.append(finding("cost", text, data))
     elif "accuracy_asked" not in data and bool(data.deviation_pixel.notnull().any()):
-        yield note("No solve of this run is within 1 % of the limit: refine the grids.")
-    yield from _warnings(data)
+        found.append(note("No solve of this run is within 1 % of the limit: refine the grids."))
+    return found[:_MOST_FINDINGS]
 
 
 def _area(data: xr.Dataset) -> Iterator[Finding]:
     if float(data.area_own) >= 1 - 1e-12:
         yield note("Contact is complete: A/A0 = 1 on the resolved grids, and refinement changes nothing.")
         return
+    own = derive(data, kappa_own="area_own / reduced_pressure")
     text = (
         "A/A0 = {area_own} for this surface ({area_basis}), kappa = {kappa_own} at p* = "
         "{reduced_pressure:.4}."
     )
-    own = data.assign(
-        kappa_own=data.area_own / data.reduced_pressure,
-        kappa_own_error=data.area_own_error / data.reduced_pressure,
-    )
-    yield finding("value", text, own)
-    if str(data.no_limit.item()):
-        yield finding("note", "No limit over the grids: {no_limit}.", data)
+    no_limit = " No limit over the grids: {no_limit}." if str(data.no_limit.item()) else ""
+    yield finding("value", text + no_limit, own)
     if float(data.surfaces) > 1:
         text = (
             "Over {surfaces} surfaces of this spectrum the mean is A/A0 = {area}; single ones scatter "
@@ -338,26 +363,26 @@ def _methods(data: xr.Dataset) -> Iterator[Finding]:
 
 
 def _edges(data: xr.Dataset) -> Iterator[Finding]:
-    """Say what counting points leaves on the first grid, and how P(0+) falls."""
-    for k in range(data.sizes["solver"]):
-        here = data.isel(solver=k)
+    """Say what counting points leaves on the first and the last grid of each method."""
+    rows = []
+    for k, here in enumerate(each(data, "solver")):
         good = np.flatnonzero((here.resolved.values > 0) & here.area_pixel_off.notnull().values)
-        if good.size < 2:
-            continue
-        first, last = (here.isel(grid=int(k)) for k in (good[0], good[-1]))
-        yield finding(
-            "value",
-            f"Counted points ({_label(data, k)}) are {{area_pixel_off:+.2%}} off the limit on {{grid}}, "
-            "{last:+.2%} on the finest; corrected at the edge {area_perimeter_off:+.2%} on {grid}.",
-            first,
-            last=float(last.area_pixel_off),
-        )
-    if not data.attrs.get("adhesive") and np.isfinite(data.density_at_zero_order):
-        yield finding(
-            "order",
-            "P(sigma) at sigma -> 0 falls with refinement like dx^{density_at_zero_order:.2}; 0.5 is "
-            "expected of an edge.",
-            data,
+        if good.size > 1:
+            first, last = (here.isel(grid=int(g)) for g in (good[0], good[-1]))
+            rows.append(
+                {
+                    "method": Value(value=_label(data, k)),
+                    "last": Value(value=float(last.area_pixel_off)),
+                    **{n: value_of(first, n) for n in ("grid", "area_pixel_off", "area_perimeter_off")},
+                }
+            )
+    if rows:
+        yield Finding(
+            kind="value",
+            form="Counted points are off the limit by {each}.",
+            item="{area_pixel_off:+.2%} on {grid} and {last:+.2%} on the finest grid ({method}; corrected at "
+            "the edge {area_perimeter_off:+.2%})",
+            rows=tuple(rows),
         )
 
 
@@ -376,9 +401,9 @@ def _warnings(data: xr.Dataset) -> Iterator[Finding]:
     if not np.isclose(data.contact_modulus, data.contact_modulus_below, rtol=1e-9):
         yield finding(
             "note",
-            "p* and kappa stand on E* = {contact_modulus:.4} Pa of the layer at the surface, and are no "
-            "numbers of a homogeneous solid; below it E* = {contact_modulus_below:.4} Pa"
-            + (", and what the roughness feels is {felt_modulus:.4} Pa." if "felt_modulus" in data else "."),
+            "p* and kappa stand on E* = {contact_modulus:u} of the layer at the surface, and are no "
+            "numbers of a homogeneous solid; below it E* = {contact_modulus_below:u}"
+            + (", and what the roughness feels is {felt_modulus:u}." if "felt_modulus" in data else "."),
             data,
         )
     if "passing_note" in data:
@@ -386,29 +411,26 @@ def _warnings(data: xr.Dataset) -> Iterator[Finding]:
 
 
 def _figures(data: xr.Dataset) -> Iterator[Figure]:
-    """Yield the figures, the surface before the contact."""
+    """Yield the figures: the answer, then the surface before the contact."""
+    yield area_figure()
     if "heights" in data:
+        spectra = [
+            Line(y="power_spectrum", joined=False, label="this surface"),
+            Line(y="power_spectrum_told"),
+        ]
         yield Figure(
             name="surface",
             caption="The rough surface, and its power spectrum, ring by ring.",
             panels=[
                 Panel(marks=[Image(y="heights", rows="y", cmap="gray")], x="x"),
-                Panel(
-                    marks=[
-                        Line(y="power_spectrum", joined=False, label="this surface"),
-                        Line(y="power_spectrum_told"),
-                    ],
-                    x="wavevector",
-                    y="power_spectrum",
-                    log="xy",
-                ),
+                Panel(marks=spectra, x="wavevector", y="power_spectrum", log="xy"),
             ],
             width=8.4,
             height=3.4,
         )
         yield maps_figure(data)
-    yield area_figure()
-    yield pressure_figure()
+    if "density_near" in data:
+        yield pressure_figure(data)
     yield Figure(
         name="cost",
         caption="Distance of the area from its limit over the time of the solves.",
@@ -460,21 +482,23 @@ def area_figure() -> Figure:
     )
 
 
-def pressure_figure() -> Figure:
-    """Declare P(sigma) near zero on every grid, and on the finest of each method to its end."""
+def pressure_figure(data: xr.Dataset) -> Figure:
+    """Declare P(sigma) near zero on the coarsest and the finest grid, and on the finest to its end."""
     panels = []
     for name in ("near", "wide"):
-        marks = [
-            Line(y=f"density_{name}", by=("solver", "grid"), steps=True),
-            Line(y=f"density_{name}_persson", x=f"stress_{name}_exact", look={"lw": 2, "ls": "-"}),
-        ]
+        marks: list[Any] = []
+        for k in range(data.sizes["solver"]):
+            there = np.flatnonzero(data[f"density_{name}"][k].notnull().any(name).values).tolist()
+            at: Any = {"solver": [k], "grid": sorted({there[0], there[-1]} if there else ())}
+            marks.append(Line(y=f"density_{name}", by=("solver", "grid"), at=at, steps=True))
+        theory = f"density_{name}_persson"
+        marks.append(Line(y=theory, x=f"stress_{name}_exact", look={"lw": 2, "ls": "-"}))
         log = "" if name == "near" else "y"
         panels.append(Panel(marks=marks, x=f"stress_{name}", y=f"density_{name}", log=log))
     return Figure(
         name="pressure-distribution",
-        caption="Distribution of contact pressure: left near zero on each grid, where what remains at "
-        "zero is the grid's; "
-        "right to the largest pressure, on the finest grid of each method.",
+        caption="Distribution of contact pressure: left near zero on the coarsest and the finest grid, where "
+        "what remains at zero is the grid's; right to the largest pressure, on the finest.",
         panels=panels,
         width=8.4,
         height=3.4,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.report.estimates import derive, mean, power_law
+from validation.report.estimates import derive, each, mean, power_law, sources_of, total_error
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Band, Figure, Line, Panel
 from validation.report.quantities import place_words, quantity_of
@@ -41,7 +41,7 @@ def sweep_views(data: xr.Dataset) -> Views:
             columns=(
                 *keys,
                 answer,
-                "area_own",
+                *(("area_own",) if _several(data) else ()),
                 "kappa" if answer == "area" else "kappa_ensemble",
                 "area_persson",
                 "area_ratio",
@@ -109,6 +109,14 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
         count = f"{float(data.surfaces.max()):.0f}"
         basis = f"means over {count} surfaces of each spectrum" if _several(data) else "one surface"
     yield Card(question="How large is the contact? A/A0", answer=note(f"{low} to {high}"), basis=note(basis))
+    if "area" in data and bool((data.area_error > 0).any()):
+        share = total_error(data, "area") / data.area
+        held = list(dict.fromkeys(sources_of(here.area_error) for here in each(data, *_over(data))))
+        yield Card(
+            question="How sure?",
+            answer=note("+- {low:.2%} to {high:.2%}", low=float(share.min()), high=float(share.max())),
+            basis=note(f"95 %: {' or '.join(filter(None, held)) or 'all sources'}"),
+        )
     if "scatter" in data and _several(data):
         yield Card(
             question="How far is one surface from another?",
@@ -170,10 +178,10 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         )
     if int(data.attrs.get("solves", 0)):
         shared = float(data.attrs["asked"] - data.attrs["solves"])
+        more = "; {shared} more were asked for by several cases and done once" if shared else ""
         yield finding(
             "cost",
-            "{cases} cases took {solves} solves; {shared} more were asked for by several cases and done "
-            "once.",
+            f"{{cases}} cases took {{solves}} solves{more}.",
             cases=float(data.attrs["cases"]),
             solves=float(data.attrs["solves"]),
             shared=shared,
@@ -257,8 +265,7 @@ def _power(known: xr.Dataset, name: str, key: str, dim: str) -> Iterator[Finding
         law = power_law(known, "exponent", of=name, x=key, along=[dim])
         yield finding(
             "trend",
-            f"A/A0 {{verdict}} {quantity_of(known, key).symbol}, with the exponent {{exponent}} "
-            "(95 %: scatter around a power law).",
+            f"A/A0 {{verdict}} {quantity_of(known, key).symbol}, with the exponent {{exponent}}.",
             law,
             by="exponent",
             words={

@@ -12,7 +12,7 @@ from validation.effects.base import TheoryInputs
 from validation.report.estimates import claim
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Level, Line, Panel
-from validation.report.quantities import labelled
+from validation.report.quantities import in_prefixed_unit, labelled, quantity
 from validation.report.table import Listing, Table
 from validation.report.views import Card, Views
 from validation.scenes.problem import ContactProblem
@@ -187,7 +187,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
 
 def _said_at_load(here: xr.Dataset, *, at: int) -> Finding:
     """Say what the theory gives at one load."""
-    where = "At p0 = {pressure:.4} Pa (p* = {reduced_pressure:.4}) "
+    where = "At p0 = {pressure:u} (p* = {reduced_pressure:.4}) "
     if str(here.theory_note.item()):
         return finding("refusal", where + "the theory has no answer: {theory_note}.", here)
     area = float(here.area_ensemble)
@@ -200,7 +200,7 @@ def _said_at_load(here: xr.Dataset, *, at: int) -> Finding:
         text += "; A_pl/A0 = {area_plastic_ensemble:.4} has yielded"
     if "work_left" in here and np.isfinite(here.work_left) and area > 0:
         left = float(here.work_left)
-        text += "; gamma_eff(1) = {work_left:.4} J/m^2" + (
+        text += "; gamma_eff(1) = {work_left:u}" + (
             ", {share:.3%} of the work of adhesion"
             if left > 0
             else ", below zero: as a whole the interface does not stick"
@@ -218,16 +218,16 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
         yield Card(question=how_large, answer=note("no answer"), basis=why)
         return
     loads = _between(shown.pressure)
-    basis = note(f"at p0 = {loads} Pa, with all roughness")
+    basis = note(f"at p0 = {loads}, with all roughness")
     yield Card(question=how_large, answer=note(_between(shown.area_ensemble)), basis=basis)
     if "area_plastic_ensemble" in data:
         yield Card(
             question="How much has yielded? A_pl/A0",
             answer=note(_between(shown.area_plastic_ensemble)),
-            basis=note(f"at p0 = {loads} Pa"),
+            basis=note(f"at p0 = {loads}"),
         )
     if "work_left" in data:
-        basis = finding("value", "J/m^2 of {work:.4} J/m^2: gamma_eff(1)", data)
+        basis = finding("value", "of {work:u}: gamma_eff(1)", data)
         yield Card(question="How much adhesion is left?", answer=note(_between(shown.work_left)), basis=basis)
     error = float(shown.error_estimate.max())
     yield Card(
@@ -238,6 +238,7 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
 
 
 def _between(values: xr.DataArray) -> str:
-    """Write one number, or the range of several."""
-    low, high = float(values.min()), float(values.max())
-    return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
+    """Write one number, or the range of several, with its unit."""
+    unit = quantity(str(values.name)).unit
+    low, high = (in_prefixed_unit(float(end), unit) for end in (values.min(), values.max()))
+    return low if low == high else f"{low} to {high}"

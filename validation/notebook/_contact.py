@@ -249,7 +249,7 @@ class Contact:
                 return draw(map_of("gap_map", "Gap between the surfaces."), data, axes=ax)
             case "distribution":
                 data = fields.with_distribution(self.data, own, self.scene, self._loaded)
-                return draw(run_views.pressure_figure(), labelled(data), axes=ax)
+                return draw(run_views.pressure_figure(labelled(data)), labelled(data), axes=ax)
             case "grids":
                 data = self._on([self._grid(n) for n in _LADDER]).data
                 return draw(run_views.area_figure(), data, axes=ax)

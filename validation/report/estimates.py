@@ -43,6 +43,7 @@ __all__ = [
     "same_of_all",
     "shown_sources",
     "solved_places",
+    "sources_of",
     "total_error",
 ]
 
@@ -52,6 +53,8 @@ SOURCES = ("surfaces", "grid", "solver", "size", "bandwidth", "depth", "theory")
 #: its own, but of one that is a limit in them (attribute `LIMIT` of its errors).
 SPECTRAL = ("size", "bandwidth")
 LIMIT = "limit_in"
+#: Attribute of errors that are of no source but of a fit: what they hold.
+HOLDS = "holds"
 #: Half width of a 95 % interval over the standard error, where that is known and not estimated from a few
 #: samples.
 NORMAL = float(scipy.special.ndtri(0.975))
@@ -269,6 +272,22 @@ def total_error(data: xr.Dataset, name: str, *, sources: Iterable[str] | None = 
     kept = errors.sel(source=asked)
     enter = kept.sel(source=[source for source in asked if source not in errors.attrs] or asked)
     return (kept**2).sum("source").where(enter.notnull().any("source")) ** 0.5
+
+
+def sources_of(errors: xr.DataArray) -> str:
+    """Name what a +- holds where not every source that enters was measured; empty where it holds all.
+
+    >>> import xarray as xr
+    >>> area = claim(xr.Dataset({"area": 0.1}), "area", grid=0.002, depth="a half-space")
+    >>> sources_of(area.area_error)
+    'grid'
+    """
+    if HOLDS in errors.attrs:
+        return str(errors.attrs[HOLDS])
+    half = dict(zip(errors.source.values.tolist(), errors.values.tolist(), strict=True))
+    enter = [source for source in shown_sources(errors) if source not in errors.attrs]
+    complete = not any(math.isnan(half[source]) for source in enter)
+    return "" if complete else ", ".join(source for source in SOURCES if half[source] > 0)
 
 
 def shown_sources(errors: xr.DataArray) -> tuple[str, ...]:
@@ -532,7 +551,9 @@ def power_law(data: xr.Dataset, name: str, *, of: str, x: str, along: Sequence[s
     return data.assign(
         {
             name: exponent.assign_attrs(made),
-            f"{name}_error": error_of(exponent, surfaces=half),
+            f"{name}_error": error_of(exponent, surfaces=half).assign_attrs(
+                {HOLDS: "scatter around the fit"}
+            ),
             f"{name}_factor": factor.assign_attrs(made),
         }
     )

@@ -9,8 +9,8 @@ said.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from string import Formatter
 from typing import TYPE_CHECKING, Any
 
@@ -135,14 +135,26 @@ class Finding:
     @property
     def text(self) -> str:
         """The sentence."""
-        said: dict[str, Any] = dict(self.values)
+        printed = list(_with_errors(self.form, self.values))
+        for row in self.rows:
+            printed += _with_errors(self.item, {**self.values, **row})
+        sources = {value.sources for value in printed}
+        once = len(printed) > 1 and len(sources) == 1 and "" not in sources
+
+        def plain(values: Mapping[str, Value]) -> dict[str, Any]:
+            return {n: replace(v, sources="") if once else v for n, v in values.items()}
+
+        whole = plain(self.values)
         if self.by in self.values:
-            said["verdict"] = self._verdict(self.values[self.by])
+            whole["verdict"] = self._verdict(self.values[self.by])
         rows = []
         for row in self.rows:
             verdict = {"verdict": self._verdict(row[self.by])} if self.by in row else {}
-            rows.append(self.item.format(**{**said, **row, **verdict}))
-        return self.form.format(**said, each=_listed(rows))
+            rows.append(self.item.format(**{**whole, **plain(row), **verdict}))
+        text = self.form.format(**whole, each=_listed(rows))
+        if not once:
+            return text
+        return f"{text.removesuffix('.')} (95 %: {sources.pop()}){'.' if text.endswith('.') else ''}"
 
     @property
     def outcomes(self) -> tuple[str, ...]:
@@ -172,6 +184,14 @@ class Finding:
         if self.by:
             said |= {"by": self.by, "outcomes": list(self.outcomes)}
         return said
+
+
+def _with_errors(form: str, values: Mapping[str, Value]) -> Iterator[Value]:
+    """Yield the values that a form prints with their intervals."""
+    for _, name, spec, _ in Formatter().parse(form):
+        value = values.get(name or "", Value(value=0.0))
+        if value.error and math.isfinite(value.error) and not set(spec or "") & set(".u~"):
+            yield value
 
 
 def _listed(rows: Sequence[str]) -> str:
@@ -271,6 +291,7 @@ def ranking(form: str, ranked: Mapping[str, Value]) -> Finding:
     'Distance to the simulation: Xu 0.130 +- 0.020 < Persson 0.300 +- 0.020.'
     """
     order = sorted(ranked.items(), key=lambda one: float(one[1].value))
+    sources = {value.sources for _, value in order}
     text = ""
     for k, (name, value) in enumerate(order):
         if k:
@@ -278,7 +299,9 @@ def ranking(form: str, ranked: Mapping[str, Value]) -> Finding:
             error = math.hypot(last.error or 0.0, value.error or 0.0)
             apart = float(value.value) - float(last.value) > error
             text += " < " if apart else " = "
-        text += f"{name} {value}"
+        text += f"{name} {replace(value, sources='') if len(sources) == 1 else value}"
+    if len(sources) == 1 and any(sources):
+        text += f" (95 %: {sources.pop()})"
     rows = tuple({"name": Value(value=name), "value": value} for name, value in order)
     return Finding(
         kind="ranking", form=form, values={"order": Value(value=text)}, item="{name} {value}", rows=rows

@@ -16,7 +16,7 @@ import numpy as np
 
 from validation.errors import UsageError
 from validation.report.drawing import Drawing, Drawn
-from validation.report.estimates import SOURCES, each, shown_sources, total_error
+from validation.report.estimates import each, shown_sources, total_error
 from validation.report.quantities import (
     Quantity,
     named_at,
@@ -216,7 +216,9 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
         if isinstance(mark, Image):
             label = _axis_label(quantity(mark.y), scale_y[1])
         numbers = _Numbers.of(mark, here, mark.x or panel.x, (scale_x[0], scale_y[0]))
-        turn = k if mark.by else next(colours) if not quantity(mark.y).look else 0
+        # A band has the colour of the line that it is about.
+        fixed = bool(quantity(mark.y).look) or isinstance(mark, Band)
+        turn = k if mark.by else 0 if fixed else next(colours)
         look = {**_look(mark, here, turn, several=id(mark) in many), **mark.look}
         if isinstance(mark, Image) and mark.symmetric:
             look["most"] = float(np.nanmax(abs(data[mark.y]))) * scale_y[0]
@@ -411,6 +413,8 @@ def _legend(canvas: Any, axes: Sequence[Axes]) -> None:
         told |= {name: handle for handle, name in zip(*on.get_legend_handles_labels(), strict=True)}
     if not told or (len(axes) > 1 and all(len(on.get_legend_handles_labels()[1]) < 2 for on in axes)):
         return
+    if len(told) == 1 and next(iter(told)) in " ".join(axes[0].get_ylabel().split()):
+        return
     # Of letters of 7 points, behind a sample of the line.
     widest = 0.055 * max(map(len, told)) + 0.6
     columns = min(len(told), max(1, int(canvas.get_figwidth() / widest)))
@@ -421,13 +425,16 @@ def _legend(canvas: Any, axes: Sequence[Axes]) -> None:
 
 def _caption(text: str, drawn: Sequence[Drawn]) -> str:
     """Return what the author says, then which measured sources the bars stand for."""
-    measured = set()
+    labels: dict[str, list[str]] = {}
     for one in drawn:
         errors = one.data.get(f"{one.mark.y}_error")
         if errors is not None and not isinstance(one.mark, Image):
             kept = errors.sel(source=list(shown_sources(errors)))
             there = (kept > 0).any([d for d in kept.dims if d != "source"])
-            measured |= {str(s) for s in there.source.values[there.values]}
-    if not measured:
-        return text
-    return f"{text} Bars: 95 % ({', '.join(s for s in SOURCES if s in measured)})."
+            names = ", ".join(there.source.values[there.values].tolist())
+            labels.setdefault(names, []).append(one.label)
+    labels.pop("", None)
+    if len(labels) < 2:
+        return "".join([text, *(f" Bars: 95 % ({names})." for names in labels)])
+    parts = (f"{names} ({', '.join(dict.fromkeys(which))})" for names, which in labels.items())
+    return f"{text} Bars: 95 %, {'; '.join(parts)}."

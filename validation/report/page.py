@@ -144,7 +144,7 @@ def page_of(data: xr.Dataset, views: Views, /, *, figures: bool = True, **rest: 
         every = (draw(figure, data) for figure in views.figures)
         drawn = tuple(drawing for drawing in every if drawing.drawn)
     numbers = {
-        name: {k: v for k, v in value.as_json().items() if k in ("value", "error")}
+        name: {k: v for k, v in value.as_json().items() if k in ("value", "error", "sources")}
         for name, value in sorted(values_of(data).items())
     }
     summary = {**views.as_json(data), "numbers": numbers}

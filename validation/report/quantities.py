@@ -179,6 +179,9 @@ def prefixed_unit(unit: str, largest: float) -> tuple[float, str]:
     if unit == "m^2" and math.isfinite(largest) and largest > 0:
         factor, named = prefixed_unit("m", math.sqrt(largest))
         return factor**2, f"{named}^2"
+    if unit == "1/m":
+        factor, named = prefixed_unit("m", 1 / largest if largest > 0 else 0.0)
+        return 1 / factor, f"1/{named}"
     if unit not in _PREFIXED or not math.isfinite(largest) or largest <= 0:
         return 1.0, unit
     power = min(max(math.floor(math.log10(largest) / 3 + 1e-9), -4), 3)

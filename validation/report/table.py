@@ -5,15 +5,17 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from validation.errors import UsageError
 from validation.files import atomic_path
-from validation.report.estimates import SOURCES, SPECTRAL, each, total_error
+from validation.report.estimates import SOURCES, SPECTRAL, each, sources_of, total_error
 from validation.report.quantities import place_words, prefixed_unit, quantity, quantity_of
-from validation.report.values import combined, value_of
+from validation.report.values import Value, combined, value_of
 from validation.report.words import with_error
 
 if TYPE_CHECKING:
@@ -34,8 +36,9 @@ __all__ = [
 #: How variables of single surfaces end.
 _SINGLE = ("_each", "_each_error", "_each_drift")
 
-#: What a column of half widths is called, behind the title of its values.
-INTERVAL = "+- (95 %)"
+#: What a column of half widths is called, behind the title of its values, and one of what these hold where
+#: not all that enters was measured.
+INTERVAL, SOURCES_OF = "+- (95 %)", "+- holds"
 
 
 @dataclass(frozen=True)
@@ -95,9 +98,9 @@ class Table:
             for name, title, at in made:
                 value = value_of(here.isel({dim: k for dim, k in at.items() if dim in here.dims}), name)
                 row[title] = value.value
-                if value.error is not None:
-                    row[f"{title} {INTERVAL}"] = value.error
-            there = any(isinstance(v, str) or not math.isnan(v) for k, v in row.items() if k not in places)
+                row |= interval_cells(title, value)
+            values = {k: v for k, v in row.items() if k not in places and not k.endswith(SOURCES_OF)}
+            there = any(isinstance(v, str) or not math.isnan(v) for v in values.values())
             own = [t for n, t, _ in made if n in data.data_vars and set(data[n].dims) >= set(self.rows)]
             if there and (not self.sparse or any(_known(row[title]) for title in own)):
                 rows.append(row)
@@ -139,16 +142,17 @@ class Listing:
             factor, unit = prefixed_unit(what.unit, size)
             scaled = value.value if isinstance(value.value, str) else factor * value.value
             error = math.nan if value.error is None else factor * value.error
-            rows.append(
-                {
-                    "quantity": what.meaning,
-                    "symbol": what.symbol,
-                    "value": scaled,
-                    f"value {INTERVAL}": error,
-                    "unit": "" if unit == "1" else unit,
-                }
-            )
+            cells = interval_cells("value", replace(value, error=error))
+            row = {"quantity": what.meaning, "symbol": what.symbol, "value": scaled, **cells}
+            rows.append({**row, "unit": "" if unit == "1" else unit})
         return ResultTable.of_rows(rows)
+
+
+def interval_cells(title: str, value: Value) -> dict[str, float | str]:
+    """Return the half width of an interval, and what it holds where that is not all, by their columns."""
+    if value.error is None:
+        return {}
+    return {f"{title} {INTERVAL}": value.error, f"{title} {SOURCES_OF}": value.sources}
 
 
 def _known(value: float | str) -> bool:
@@ -228,7 +232,8 @@ class ResultTable:
         (('64 x 64', 0.1), ('limit', nan))
         """
         rows = list(rows)
-        titles = tuple(rows[0]) if rows else ()
+        titles = tuple(dict.fromkeys(title for row in rows for title in row))
+        titles = tuple(t for t in titles if not t.endswith(SOURCES_OF) or any(row.get(t) for row in rows))
         return cls.of(titles, [[row.get(title, math.nan) for title in titles] for row in rows])
 
 
@@ -256,13 +261,40 @@ class WordTable:
 
 
 def shown(table: ResultTable, *, title: str = "", note: str = "") -> WordTable:
-    """Return a table of values in words, those with an interval in one cell, others with five digits."""
-    columns = [name for name in table.columns if not name.endswith(INTERVAL)]
-    rows = []
-    for row in table.rows:
-        cells = dict(zip(table.columns, row, strict=True))
-        rows.append([_with_interval(cells[name], cells.get(f"{name} {INTERVAL}")) for name in columns])
+    """Return a table of values in words, those with an interval in one cell, others with five digits.
+
+    Units have the prefix that suits the largest number of a column.
+    """
+    names = [name for name in table.columns if not name.endswith((INTERVAL, SOURCES_OF))]
+    cells = [dict(zip(table.columns, row, strict=True)) for row in table.rows]
+    columns: list[str] = []
+    rows: list[list[float | str]] = [[] for _ in cells]
+    for name in names:
+        values = [row[name] for row in cells]
+        unit = name[name.rindex("[") + 1 : -1] if name.endswith("]") else "1"
+        factor, prefixed = prefixed_unit(unit, max(map(_size, values), default=0.0))
+        columns.append(f"{name.removesuffix(f'[{unit}]')}[{prefixed}]" if name.endswith("]") else name)
+        for k, value in enumerate(values):
+            rows[k].append(_with_interval(value, cells[k].get(f"{name} {INTERVAL}"), factor))
+    note = " ".join(filter(None, (note, _what_intervals_hold(names, cells))))
     return _in_words(columns, rows, title=title, note=note)
+
+
+def _size(value: float | str) -> float:
+    return abs(value) if isinstance(value, float) and math.isfinite(value) else 0.0
+
+
+def _what_intervals_hold(names: Sequence[str], cells: Sequence[Mapping[str, float | str]]) -> str:
+    """Say of which sources the intervals of a table are, where these are not all that enter."""
+    of: dict[str, list[str]] = {}
+    for name in names:
+        held = dict.fromkeys(str(row.get(f"{name} {SOURCES_OF}") or "") for row in cells)
+        if sources := " or ".join(filter(None, held)):
+            of.setdefault(sources, []).append(name)
+    if len(of) == 1:
+        return f"Intervals (95 %) hold: {next(iter(of))}."
+    each_of = (f"{sources} ({', '.join(names)})" for sources, names in of.items())
+    return f"Intervals (95 %) hold: {'; '.join(each_of)}." if of else ""
 
 
 def write_table(table: ResultTable, path: Path) -> Path:
@@ -299,6 +331,10 @@ def _frames(data: xr.Dataset) -> dict[tuple[str, ...], Any]:
         error = total_error(data, name)
         if error is not None:
             group[f"{name}_error"] = error.transpose(*data[name].dims)
+            held = data[f"{name}_error"].transpose(*data[name].dims, "source")
+            words = [sources_of(held[k]) for k in np.ndindex(data[name].shape)]
+            if any(words):
+                group[f"{name}_sources"] = data[name].copy(data=np.reshape(words, data[name].shape))
     return {dims: _frame(data, dims, group) for dims, group in groups.items()}
 
 
@@ -331,13 +367,16 @@ def _in_words(columns: Sequence[str], rows: Iterable[Sequence[Any]], *, title: s
     )
 
 
-def _with_interval(value: float | str, error: float | str | None) -> float | str:
-    if isinstance(value, str) or not isinstance(error, float) or not error or math.isnan(error + value):
+def _with_interval(value: float | str, error: float | str | None, factor: float) -> float | str:
+    if isinstance(value, str):
         return value
-    return with_error(value, error)
+    if not isinstance(error, float) or not error or math.isnan(error + value):
+        return value * factor
+    return with_error(value * factor, error * factor)
 
 
 def _cell(value: Any) -> str:
     if isinstance(value, float):
-        return "" if math.isnan(value) else f"{value:.5g}"
+        whole = value == round(value) if math.isfinite(value) else False
+        return "" if math.isnan(value) else f"{value:.0f}" if whole and abs(value) < 1e9 else f"{value:.5g}"
     return str(value)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from validation.errors import UsageError
-from validation.report.estimates import total_error
+from validation.report.estimates import sources_of, total_error
 from validation.report.quantities import in_prefixed_unit, prefixed_unit, quantity
 from validation.report.words import significant, with_error
 
@@ -30,6 +30,8 @@ class Value:
     error : float or None
         Half width of the 95 % interval; NaN where it was not measured, None or 0 for what is exact, such as
         a load.
+    sources : str
+        What the interval holds, where not all that enters was measured.
     name : str
         The variable it was read from.
     at : mapping
@@ -42,10 +44,13 @@ class Value:
     '2.156 +- 0.019, (215.6 +- 1.9) %, 2.156, 0.05'
     >>> Value(value=3.583e-7, error=1.2e-9, name="mean_gap")
     mean gap = (358.3 +- 1.2) nm
+    >>> f"{Value(value=2.1563, error=0.019, sources='grid')}"
+    '2.156 +- 0.019 (grid)'
     """
 
     value: float | str
     error: float | None = None
+    sources: str = ""
     name: str = ""
     at: Mapping[str, int] | None = None
 
@@ -77,8 +82,10 @@ class Value:
         if "u" in spec:
             return in_prefixed_unit(self.value, quantity(self.name).unit, 3)
         if "." in spec and math.isfinite(self.value):
-            plain = "%" not in spec
-            return f"{self.value:{spec}g}" if plain else f"{100 * self.value:{spec.rstrip('%')}g} %"
+            if "%" not in spec:
+                return f"{self.value:{spec}g}"
+            text = f"{100 * self.value:{spec.rstrip('%')}g}"
+            return (f"{float(text):{'+' * ('+' in spec)}.0f}" if "e+" in text else text) + " %"
         factor, unit = (100.0, " %") if "%" in spec else (1.0, "")
         value = factor * self.value
         sign = "+" if "+" in spec and value > 0 else ""
@@ -95,13 +102,16 @@ class Value:
             # (2.10 +- 0.32)e-05 is 2.10e-05.
             number, power = text.partition(" +- ")[0].removeprefix("("), text.partition(")")[2]
             return sign + number + power + unit
-        return f"({sign}{text}){unit}" if unit else sign + text
+        text = f"({sign}{text}){unit}" if unit else sign + text
+        return f"{text} ({self.sources})" if self.sources else text
 
     def as_json(self) -> dict[str, Any]:
         """Return it as data: value, error if it has one, and where it was read."""
         said: dict[str, Any] = {"value": self.value}
         if self.error is not None:
             said["error"] = self.error
+        if self.sources:
+            said["sources"] = self.sources
         return said | ({"name": self.name, "at": dict(self.at or {})} if self.name else {})
 
 
@@ -153,6 +163,7 @@ def value_of(data: xr.Dataset, name: str) -> Value:
     return Value(
         value=float(item),
         error=None if error is None else float(error.item()),
+        sources="" if error is None or not error.item() > 0 else sources_of(data[f"{name}_error"].squeeze()),
         name=name,
         at=_where(data, name),
     )
