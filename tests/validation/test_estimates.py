@@ -21,6 +21,7 @@ from validation.report.estimates import change, claim, derive, error_of, gather,
 from validation.report.findings import finding
 from validation.report.marks import Figure, Line, Panel, draw
 from validation.report.table import Table
+from validation.report.values import value_of
 from validation.scenes.scene import SolidSpec
 from validation.studies import Study, StudyOptions
 
@@ -176,3 +177,13 @@ def test_names_that_are_none_are_refused_before_anything_is_solved(tmp_path):
         Study(name="mine", module=module).compute(StudyOptions(), bench=None)
     for words in ("line 4: 'arrea_each': no such", "line 5: mean is told 'area'", "line 8: 'kapa': no such"):
         assert words in str(caught.value)
+
+
+def test_an_interval_names_its_sources_where_not_all_were_measured():
+    data = claim(xr.Dataset({"kappa": 2.0, "area": 0.1}), "kappa", "area", grid=0.02, depth="none")
+    assert f"{value_of(data, 'kappa')}" == "2.000 +- 0.020 (grid)"
+    once = finding("value", "kappa = {kappa} and A/A0 = {area}.", data)
+    assert once.text == "kappa = 2.000 +- 0.020 and A/A0 = 0.100 +- 0.020 (95 %: grid)."
+    told = claim(data, "kappa", surfaces=0.0, solver=0.0, theory="none")
+    both = finding("value", "kappa = {kappa} and A/A0 = {area}.", told)
+    assert both.text == "kappa = 2.000 +- 0.020 and A/A0 = 0.100 +- 0.020 (grid)."

@@ -73,9 +73,9 @@ def test_the_page_is_made_of_the_dataset_and_of_what_was_asked_alone(small_run, 
     assert first == second
 
 
-def test_the_surface_stands_before_the_contact_and_every_figure_names_its_files(small_run):
+def test_the_answer_and_the_surface_stand_before_the_contact_and_every_figure_names_its_files(small_run):
     names = [drawing.name for drawing in small_run.page.figures]
-    assert names == ["surface", "pressure-maps", "area", "pressure-distribution", "cost"]
+    assert names == ["area", "surface", "pressure-maps", "pressure-distribution", "cost"]
     for name in names:
         suffixes = {path.suffix for path in (small_run.folder / "figures").glob(f"{name}*")}
         assert suffixes == {".svg", ".pdf", ".csv", ".nc"}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +18,7 @@ from validation.cases import TOLERANCES, Check, Verdict
 from validation.execution.results import DATA, Result, read_results, write_results
 from validation.files import locked
 from validation.report.estimates import derive, power_law
+from validation.report.figure import COLOURS, SYMBOLS
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Line, Panel
 from validation.report.page import Page, page_of, write_page
@@ -74,7 +76,7 @@ def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard] = ())
         {
             "verdict": whole(lambda one: one.word, ""),
             "reason": whole(lambda one: one.error or one.left_out, ""),
-            "tolerance_used": whole(lambda one: one.used, math.nan),
+            "tolerance_used": whole(lambda one: one.used if one.checks else math.nan, math.nan),
             "wall_seconds": whole(lambda one: one.seconds, math.nan),
             "statement": ("claim", [of_claim[claim].claim for claim in claims]),
             "tolerance_from": ("claim", [of_claim[claim].tolerance for claim in claims]),
@@ -93,7 +95,13 @@ def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard] = ())
             "claims_failed": float(sum(not verdict.passed for verdict in judged)),
             "checks_made": float(len(checks)),
         },
-        coords={"claim": claims, "solver": solvers},
+        coords={
+            "claim": claims,
+            "solver": solvers,
+            "check": _unique(
+                f"{_solver(verdict)}, {verdict.row}: {check.quantity}" for verdict, check in checks
+            ),
+        },
     )
     data = derive(data, check_used="abs(check_value - check_reference) / check_tolerance")
     return labelled(_with_costs(_with_ladders(data, checks), cards))
@@ -105,6 +113,16 @@ _OTHER = "other"
 
 def _solver(verdict: Verdict) -> str:
     return verdict.solver or _OTHER
+
+
+def _unique(names: Iterable[str]) -> list[str]:
+    """Return names with a number where they come again, so that two results are paired by them."""
+    count = Counter[str]()
+    numbered = []
+    for name in names:
+        count[name] += 1
+        numbered.append(name if count[name] == 1 else f"{name} ({count[name]})")
+    return numbered
 
 
 def _padded(rows: Iterable[Iterable[float]]) -> Array:
@@ -119,7 +137,7 @@ def _with_ladders(data: xr.Dataset, checks: Sequence[tuple[Verdict, Check]]) -> 
         return data
     points, misses = (_padded((step[k] for step in check.ladder) for _, check in ladders) for k in (0, 1))
     data = data.assign_coords(
-        ladder=[f"{verdict.case}: {check.quantity}" for verdict, check in ladders],
+        ladder=_unique(f"{verdict.case}: {check.quantity}" for verdict, check in ladders),
         ladder_claim=("ladder", [f"{verdict.row}: {check.quantity}" for verdict, check in ladders]),
         ladder_solver=("ladder", [_solver(verdict) for verdict, _ in ladders]),
     )
@@ -144,7 +162,11 @@ def _with_costs(data: xr.Dataset, cards: Sequence[Scorecard]) -> xr.Dataset:
         for name in ("points", "area_miss", "seconds", "peak_bytes", "iterations")
     }
     for name, most in (("seconds_needed", "seconds"), ("bytes_needed", "peak_bytes")):
-        needed = [[card.needed(most, accuracy) for accuracy in ACCURACIES] for card in cards]
+        # What a solver takes that is wrong is no cost of an answer.
+        needed = [
+            [math.nan if card.failed else card.needed(most, accuracy) for accuracy in ACCURACIES]
+            for card in cards
+        ]
         added[name] = (("solver", "area_accuracy"), needed)
     return data.assign_coords(area_accuracy=list(ACCURACIES)).assign(added)
 
@@ -178,8 +200,10 @@ def claims_views(data: xr.Dataset) -> Views:
         title="What a digit costs",
         rows=("solver", "area_accuracy"),
         columns=("solver", "area_accuracy", "seconds_needed", "bytes_needed"),
-        note="Of the cheapest grid whose area is that near to the limit, of one rough surface.",
+        note="Of the cheapest grid whose area is that near to the limit, of one rough surface; of solvers "
+        "that hold every claim. Memory: empty where it was not measured.",
         file="methods",
+        sparse=True,
     )
     orders = Table(
         title="Observed orders",
@@ -204,10 +228,22 @@ def _ladder_figures(data: xr.Dataset) -> list[Figure]:
     """Draw what converges for each solver, three claims a figure; the others stand in the table."""
     asked = data.ladder_solver.values != _OTHER
     claims = list(dict.fromkeys(data.ladder_claim.values[asked].tolist()))
-    line = Line(y="ladder_miss", by="ladder", label="{ladder_solver}")
+    looks = {
+        solver: {"color": COLOURS[k % len(COLOURS)], "marker": SYMBOLS[k % len(SYMBOLS)]}
+        for k, solver in enumerate(data.solver.values.tolist())
+    }
+
+    def lines(claim: str) -> list[Line]:
+        line = Line(y="ladder_miss", by="ladder", label="{ladder_solver}")
+        places = {"ladder_claim": claim}
+        return [
+            replace(line, where={**places, "ladder_solver": solver}, look=look)
+            for solver, look in looks.items()
+        ]
+
     panels = [
         Panel(
-            marks=[replace(line, where={"ladder_claim": claim})],
+            marks=lines(claim),
             x="ladder_points",
             log="xy",
             title=claim.replace(": observed order of", "\n"),
@@ -238,7 +274,7 @@ def _cards(data: xr.Dataset) -> list[Card]:
     first = data.isel(solver=0)
     if "diagnosis" in data and str(first.diagnosis.item()):
         cards.append(Card(question="What is wrong?", answer=finding("value", "{diagnosis}", first)))
-    if "seconds_needed" in data:
+    if "seconds_needed" in data and bool(first.seconds_needed.notnull().any()):
         one = first.sel(area_accuracy=0.01)
         words = "{seconds_needed:u}" if np.isfinite(one.seconds_needed) else "not reached"
         cards.append(
@@ -267,9 +303,18 @@ def _findings(data: xr.Dataset) -> list[Finding]:
         "{check_tolerance:~}"
     )
     fails = form.replace("FAILS", " FAILS")
-    said += [finding("value", fails + ".", data.isel(check=int(k))) for k in missed]
+    worst = missed[np.argsort(-np.nan_to_num(data.check_used.values[missed], nan=np.inf), kind="stable")]
+    of_claim: dict[str, list[int]] = {}
+    for k in worst:
+        of_claim.setdefault(str(data.check_claim.values[k]), []).append(int(k))
+    for places in of_claim.values():
+        more = f" ({len(places)} numbers of it fail)" if len(places) > 1 else ""
+        said.append(finding("value", f"{fails}{more}.", data.isel(check=places[0])))
+    if len(said) > _FINDINGS + 1:
+        rest = note("{count} more claims fail; the table has them.", count=float(len(said) - _FINDINGS))
+        said[_FINDINGS:] = [rest]
     if said:
-        return said[: _FINDINGS + 1]
+        return said
     said = [finding("value", "Every claim holds: {claims_judged} of them.", data)]
     # Ranges, in which any place is good, are not near to anything.
     wide = data.check_tolerance > 0.2 * abs(data.check_reference.where(data.check_reference != 0, np.inf))

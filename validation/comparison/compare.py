@@ -161,7 +161,7 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     if not names:
         shared = "their datasets share no place; compare results with common values"
         raise UsageError(f"{', '.join(results)}: {shared}")
-    data = xr.concat(parts, dim="result", combine_attrs="drop_conflicts", join="exact").assign_coords(
+    data = xr.concat(parts, dim="result", combine_attrs=_shared, join="exact").assign_coords(
         result=list(results)
     )
     values = [str(name) for name in names if not str(name).endswith("_error")]
@@ -175,6 +175,12 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     # The first is no further from itself than nothing.
     apart = [name for name in made.data_vars if name not in data]
     return labelled(made.assign(made[apart].where(made.result != made.result[0], 0.0)))
+
+
+def _shared(attrs: Sequence[Mapping[str, Any]], _: Any = None) -> dict[str, Any]:
+    """Attributes that all have: what does not enter one result may enter another."""
+    first, *others = attrs
+    return {k: v for k, v in first.items() if all(k in one and one[k] == v for one in others)}
 
 
 def _numbers(data: xr.Dataset) -> xr.Dataset:

@@ -201,7 +201,9 @@ def in_prefixed_unit(value: float, unit: str, digits: int = 4) -> str:
 def named_at(here: xr.Dataset, name: str) -> Mapping[str, Any]:
     """Return words and look of the solver or theory that a coordinate names; nothing of other coordinates."""
     named = str(here[name].item()) if name in _NAMING else ""
-    return dict(registry()["qualifiers"].get(named, {}))
+    known = dict(registry()["qualifiers"].get(named, {}))
+    # A solver that is called as a qualifier of something else has words of its own.
+    return {**known, "words": known["solver"]} if "solver" in known else known
 
 
 def place_words(here: xr.Dataset, dim: str, data: xr.Dataset) -> str:

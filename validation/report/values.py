@@ -68,9 +68,12 @@ class Value:
         factor, unit = prefixed_unit(self.unit, abs(self.value))
         text = f"{Value(value=factor * self.value, error=factor * self.error if self.error else self.error)}"
         bare = unit == "1" or "(" in text or "+-" not in text
-        return f"{quantity(self.name).symbol} = {text if bare else f'({text})'}" + (
-            f" {unit}" if unit != "1" else ""
-        )
+        parts = [text if bare else f"({text})", unit if unit != "1" else "", self._held]
+        return f"{quantity(self.name).symbol} = {' '.join(filter(None, parts))}"
+
+    @property
+    def _held(self) -> str:
+        return f"({self.sources})" if self.sources else ""
 
     def __format__(self, spec: str) -> str:
         """Return it in words: ``%`` in per cent, ``+`` with sign, ``~`` without error, ``u`` with unit.
@@ -103,7 +106,7 @@ class Value:
             number, power = text.partition(" +- ")[0].removeprefix("("), text.partition(")")[2]
             return sign + number + power + unit
         text = f"({sign}{text}){unit}" if unit else sign + text
-        return f"{text} ({self.sources})" if self.sources else text
+        return f"{text} {self._held}".rstrip()
 
     def as_json(self) -> dict[str, Any]:
         """Return it as data: value, error if it has one, and where it was read."""

@@ -85,7 +85,7 @@ class Scorecard:
     def needed(self, what: str, accuracy: float) -> float:
         """Return the least `seconds` or `peak_bytes` of a grid whose area is that near; NaN where none is."""
         near = [float(getattr(row, what)) for row in self.cost if row.area_miss <= accuracy]
-        return min((value for value in near if not math.isnan(value)), default=math.nan)
+        return min((value for value in near if value > 0), default=math.nan)
 
     def summary(self) -> dict[str, Any]:
         """Everything as JSON-ready data."""
