@@ -177,7 +177,7 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     return labelled(made.assign(made[apart].where(made.result != made.result[0], 0.0)))
 
 
-def _shared(attrs: Sequence[Mapping[str, Any]], _: Any = None) -> dict[str, Any]:
+def _shared(attrs: Sequence[Mapping[str, Any]], context: Any = None) -> dict[str, Any]:
     """Attributes that all have: what does not enter one result may enter another."""
     first, *others = attrs
     return {k: v for k, v in first.items() if all(k in one and one[k] == v for one in others)}
