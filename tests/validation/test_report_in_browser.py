@@ -177,4 +177,4 @@ def test_the_report_names_papers_seeds_versions_and_answers_first(pages):
         assert words in page, words
     first = [page.index(words) for words in ("How large", "How sure", "How far from", "What did it cost")]
     assert first == sorted(first)
-    assert first[-1] < page.index("What was found") < page.index("Every grid") < page.index("<figure id")
+    assert first[-1] < page.index("What was found") < page.index("<figure id") < page.index("Every grid")
