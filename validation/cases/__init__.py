@@ -126,9 +126,9 @@ def order(
         The order that is known beforehand, and how far these resolutions may be from its limit.
     """
     sizes = 1 / np.asarray(resolutions)
-    found = order_of_convergence(sizes, errors) if min(errors) > 0 else math.nan
+    slope = order_of_convergence(sizes, errors) if min(errors) > 0 else math.nan
     ladder = tuple((float(n), float(error)) for n, error in zip(resolutions, errors, strict=True))
-    return Check(quantity=quantity, computed=found, reference=expected, tolerance=tolerance, ladder=ladder)
+    return Check(quantity=quantity, computed=slope, reference=expected, tolerance=tolerance, ladder=ladder)
 
 
 #: What tolerances come from.
@@ -142,24 +142,10 @@ TOLERANCES = {
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """A claim with a known answer.
+    """A claim with a known answer, and `run`, which computes the checks that decide it.
 
-    Attributes
-    ----------
-    name : str
-        Names it on the command line.
-    claim : str
-        What holds, in a sentence.
-    run : callable
-        Computes and returns the checks.
-    source : str
-        Where the reference comes from.
-    quick : bool
-        Whether it takes seconds rather than minutes.
-    solver : str
-        Of whom it is asked, where several are.
-    tolerance : str
-        What its tolerances come from, one of `TOLERANCES`.
+    It is `quick` if it takes seconds rather than minutes; `source` is that of the reference, `tolerance`
+    one of `TOLERANCES`, `solver` whom the claim is about, where there are several.
     """
 
     name: str
@@ -222,10 +208,10 @@ def all_cases() -> tuple[Case, ...]:
     """Return the cases of every module of this package, and those of the scorecard for each own solver."""
     # A folder is no module of cases: a scorecard's are made for a solver.
     scorecard = importlib.import_module(f"{__name__}.scorecard")
-    found = [info for info in pkgutil.iter_modules(__path__) if not info.ispkg]
-    names = sorted(info.name for info in found if not info.name.startswith("_"))
+    infos = [info for info in pkgutil.iter_modules(__path__) if not info.ispkg]
+    names = sorted(info.name for info in infos if not info.name.startswith("_"))
     modules = (importlib.import_module(f"{__name__}.{name}") for name in names)
-    return (*scorecard.own_cases(), *(one for module in modules for one in _cases_of(vars(module))))
+    return (*scorecard.own_cases(), *(case for module in modules for case in _cases_of(vars(module))))
 
 
 def _cases_of(names: Mapping[str, object]) -> Iterator[Case]:
@@ -288,18 +274,13 @@ def run_cases(cases: Iterable[Case], *, tell: Callable[[str], None] | None = Non
             error = f"{type(problem).__name__}: {problem}"
         verdict = Verdict(
             case=case.name,
-            claim=case.claim,
-            source=case.source,
             checks=checks,
             seconds=time.perf_counter() - began,
             error=error,
             left_out=left_out,
-            solver=case.solver,
-            tolerance=case.tolerance,
+            **{name: getattr(case, name) for name in ("claim", "source", "solver", "tolerance")},
         )
         if tell is not None:
-            tell(f"{_TOLD[verdict.word]}  {case.name}  ({verdict.seconds:.1f} s)")
+            outcome = {"holds": "passed", "FAILS": "FAILED"}.get(verdict.word, verdict.word)
+            tell(f"{outcome}  {case.name}  ({verdict.seconds:.1f} s)")
         yield verdict
-
-
-_TOLD = {"holds": "passed", "FAILS": "FAILED", "not judged": "not judged"}

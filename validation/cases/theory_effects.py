@@ -72,15 +72,15 @@ def _hardness() -> Iterator[Check]:
     """Between both walls: few eigenfunctions at large V, images at small V, and the diffusion solver."""
     hardness = 2.0
     for x, v in ((0.1, 0.05), (0.4, 0.3), (0.4, 0.4), (0.7, 0.8)):
-        found = constant_hardness(x * hardness, stress_variance=v * hardness**2, yield_stress=hardness)
+        areas = constant_hardness(x * hardness, stress_variance=v * hardness**2, yield_stress=hardness)
         elastic, plastic = _eigenfunctions(x, v)
         solved = solve_diffusion(
             [v * hardness**2], pressure=x * hardness, yield_stress=hardness, tolerance=1e-7
         ).checked()
         name = f"p0/H = {x}, V/H^2 = {v}"
-        yield near(f"A_el/A0, {name}", found.elastic, elastic, 1e-10)
-        yield near(f"A_pl/A0, {name}", found.plastic, plastic, 1e-10)
-        yield near(f"sum of the areas, {name}", found.elastic + found.plastic + found.detached, 1.0, 1e-10)
+        yield near(f"A_el/A0, {name}", areas.elastic, elastic, 1e-10)
+        yield near(f"A_pl/A0, {name}", areas.plastic, plastic, 1e-10)
+        yield near(f"sum of the areas, {name}", areas.elastic + areas.plastic + areas.detached, 1.0, 1e-10)
         yield near(f"A_pl/A0 by diffusion, {name}", solved.area_plastic[0], plastic, 1e-6)
 
 
@@ -127,8 +127,7 @@ def _variants() -> Iterator[Check]:
     for variant, factor in factors.items():
         name: Variant = variant  # type: ignore[assignment]
         for p in (0.0, 0.6, 1.0):
-            found = float(energy_factor(p, variant=name))
-            yield relative(f"S({p}) of {variant}", found, factor(p), 1e-12)
+            yield relative(f"S({p}) of {variant}", energy_factor(p, variant=name), factor(p), 1e-12)
         yield relative(
             f"kappa without load of {variant}",
             light_load_kappa(name),
@@ -206,13 +205,15 @@ def _separation() -> Iterator[Check]:
     # dU/dp = int dV / (E* q) dA/dp, with A = erf(p / sqrt(2 V)).
     rate = np.sqrt(2 / (math.pi * variance)) * np.exp(-(p**2) / (2 * variance)) @ growth
     exact = float(np.sum(rate * p_weights) * math.log(high / low) / 2)
-    found = mean_separation(np.array([low, high]), scale=scale)
+    separation = mean_separation(np.array([low, high]), scale=scale)
     far = mean_separation(np.array([1e-2, 1e-3]), scale=scale)
     # At vanishing load A = p (2 / (pi V))^(1/2), so that the separation grows by this per e-fold.
-    whole = float(np.sqrt(2 / (math.pi * variance)) @ growth)
+    growth_per_efold = float(np.sqrt(2 / (math.pi * variance)) @ growth)
     # Gauss's rule on both sides: panels of 1/8 in ln V there, 200 points in the root of ln q here.
-    yield relative("u(p1) - u(p2) [m]", found[0] - found[1], exact, 1e-9)
-    yield relative("growth per e-fold at light load [m]", float(far[1] - far[0]) / math.log(10), whole, 1e-4)
+    yield relative("u(p1) - u(p2) [m]", separation[0] - separation[1], exact, 1e-9)
+    yield relative(
+        "growth per e-fold at light load [m]", float(far[1] - far[0]) / math.log(10), growth_per_efold, 1e-4
+    )
 
 
 #: The rim of a tire on steel in Persson 2006, Sec. 8.3.
@@ -263,18 +264,18 @@ def _adhesion() -> Iterator[Check]:
 )
 def _force() -> Iterator[Check]:
     """Integrate P(sigma, zeta) with its tension, Eq. 40 over the nodes, and let adhesion vanish."""
-    found = _rim(_RIM_INTERFACE)
-    middle = found.area.size // 2
+    contact = _rim(_RIM_INTERFACE)
+    middle = contact.area.size // 2
     for index in (middle, -1):
-        top = _RIM_PRESSURE + 8 * math.sqrt(float(found.variance[index]))
-        stress = np.linspace(-float(found.tensile_limit[index]), top, 40001)
-        density, place = found.distribution(index, stress), "q_short" if index == -1 else "mid-way"
+        top = _RIM_PRESSURE + 8 * math.sqrt(float(contact.variance[index]))
+        stress = np.linspace(-float(contact.tensile_limit[index]), top, 40001)
+        density, place = contact.distribution(index, stress), "q_short" if index == -1 else "mid-way"
         area, force = (float(np.trapezoid(density * stress**power, stress)) for power in (0, 1))
-        yield relative(f"int P over A/A0, {place}", area, found.area[index], 1e-5)
-        yield relative(f"int sigma P over F/A0, {place}", force, found.contact_force[index], 1e-5)
-    limit = (found.tensile_limit[1:] + found.tensile_limit[:-1]) / 2
-    pulled = float(np.sum(-np.diff(found.area) * limit)) / _RIM_PRESSURE
-    gained = float(found.contact_force[-1]) / _RIM_PRESSURE - 1
+        yield relative(f"int P over A/A0, {place}", area, contact.area[index], 1e-5)
+        yield relative(f"int sigma P over F/A0, {place}", force, contact.contact_force[index], 1e-5)
+    limit = (contact.tensile_limit[1:] + contact.tensile_limit[:-1]) / 2
+    pulled = float(np.sum(-np.diff(contact.area) * limit)) / _RIM_PRESSURE
+    gained = float(contact.contact_force[-1]) / _RIM_PRESSURE - 1
     weak = _rim(replace(_RIM_INTERFACE, work_of_adhesion=1e-9))
     scatter = math.sqrt(float(weak.variance[-1]))
     stress = np.geomspace(1e-3, 3, 60) * scatter
@@ -307,15 +308,15 @@ def _energies() -> Iterator[Check]:
     q = np.geomspace(1e5, 1e10, 20001)
     spectrum = 2 * math.pi * q**3 * _RIM(q)
     for energy, load in (("old", 0.0), ("improved", _RIM_PRESSURE), ("as_printed", 0.0)):
-        found = _rim(replace(_RIM_INTERFACE, energy=energy))  # type: ignore[arg-type]
-        area = found.area_at(q)
+        contact = _rim(replace(_RIM_INTERFACE, energy=energy))  # type: ignore[arg-type]
+        area = contact.area_at(q)
         if energy == "old":
             share = area
         else:
             # Eq. 48 over V, from d<(sigma - s)^2> = P dV + (sigma_a + s)^2 dP about s = sigma_0. Eq. 50
             # as it is printed is <sigma^2> - sigma_0^2, which is that about s = 0.
-            limit = np.interp(np.log(q), np.log(found.wavevectors), found.tensile_limit)
-            variance = np.interp(np.log(q), np.log(found.wavevectors), found.variance)
+            limit = np.interp(np.log(q), np.log(contact.wavevectors), contact.tensile_limit)
+            variance = np.interp(np.log(q), np.log(contact.wavevectors), contact.variance)
             started = np.concatenate(
                 [[variance[0] * area[0]], np.diff(variance) * (area[1:] + area[:-1]) / 2]
             )
@@ -324,13 +325,13 @@ def _energies() -> Iterator[Check]:
             share = np.cumsum(started + lost) / variance
         density = _RIM_MODULUS / 4 * spectrum / q * share
         paid = np.concatenate([[0.0], np.cumsum(np.diff(q) * (density[1:] + density[:-1]) / 2)])
-        gained = found.real_area * float(area_factor(_RIM.m2())) * _RIM_INTERFACE.work_of_adhesion
+        gained = contact.real_area * float(area_factor(_RIM.m2())) * _RIM_INTERFACE.work_of_adhesion
         exact = gained - (paid[-1] - paid)
         factor = area_factor(_RIM.m2(q))
         some = np.searchsorted(q, [1e7, 1e8, 1e9])
         left = (exact / (area * factor))[some] / _RIM_INTERFACE.work_of_adhesion
-        work = found.work_at(q[some]) / _RIM_INTERFACE.work_of_adhesion
-        for place, one, other in zip(q[some], work, left, strict=True):
+        work = contact.work_at(q[some]) / _RIM_INTERFACE.work_of_adhesion
+        for place, computed, expected in zip(q[some], work, left, strict=True):
             name = f"gamma_eff / gamma at {place:g} 1/m, {energy} energy"
             # Interpolation between nodes .12 apart in ln V, and the trapezoidal rule.
-            yield near(name, one, other, 2e-4)
+            yield near(name, computed, expected, 2e-4)
