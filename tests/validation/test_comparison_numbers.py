@@ -192,7 +192,7 @@ def test_the_mean_over_surfaces_claims_their_interval_the_grids_whole_error_and_
     drawn = SimpleNamespace(
         samples=lambda solved: samples, grids=ending[1].grids, counts=[32, 32], tolerance=1e-3
     )
-    found, chain = ensemble._found(drawn, {})
+    found, chain = ensemble._estimated(drawn, {})
     limits = ending[1].limits(1)
     assert found.estimate == chain[-1].estimate
     # The difference between the grids is the same everywhere: only the coarse mean and its step are left.

@@ -398,7 +398,7 @@ def test_nan_in_a_surface_file_is_refused_before_computing(write_scene, tmp_path
     heights = np.zeros((16, 16))
     heights[3, 4] = np.nan
     scene = load_scene(str(_file_scene(write_scene, tmp_path, heights)))
-    with pytest.raises(UsageError, match=r"surface\.path = .*heights\.npy.*1 of 256 heights are NaN"):
+    with pytest.raises(UsageError, match=r"(?s)surface\.path = .*heights\.npy.*1 of 256 heights are NaN"):
         run_scene(scene, tmp_path / "results")
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -48,17 +47,7 @@ def base_surface(
     -----
     The gradient scales out of everything the studies report, and so does the period but where something else
     has a length.
-
-    Raises
-    ------
-    UsageError
-        For more waves side by side than a plan can draw.
     """
-    if _MOST_WAVES < periods * bandwidth < math.inf:
-        raise UsageError(
-            f"periods = {periods:g}, bandwidth = {bandwidth:g}: {periods * bandwidth:.0f} shortest waves along "
-            f"a side; at most {_MOST_WAVES} in a study"
-        )
     return SelfAffineSurface(
         kind="self-affine",
         length=(length, length),
@@ -81,7 +70,17 @@ def base_case(
 
     ``.further(k)`` is the k-th surface of its spectrum. p* is by the realised gradient, so that of one p0 it differs from
     surface to surface.
+
+    Raises
+    ------
+    UsageError
+        For more waves side by side than a plan can draw.
     """
+    waves = max(surface.length) / surface.lambda_short
+    if waves > _MOST_WAVES * (1 + 1e-9):
+        raise UsageError(
+            f"{waves:.0f} shortest waves along a side: at most {_MOST_WAVES} in a study; give fewer periods, or a smaller bandwidth"
+        )
     return ContactProblem(
         surface=surface, solid=solid, load=Load(reduced_pressure=reduced_pressure, pressure=pressure)
     )
