@@ -22,7 +22,7 @@ def data(bench):
 
 @pytest.fixture(scope="module")
 def whole():
-    return study._whole(OPTIONS, 0)
+    return study._full_surface(OPTIONS, 0)
 
 
 def sticky(whole, *, work, reach):
@@ -80,7 +80,7 @@ def test_the_whole_surface_is_told_the_same_work_both_ways(data):
     assert data.area_improved_each.values[1, :, 1] == pytest.approx(
         data.area_improved_each.values[0, :, 1], rel=1e-4
     )
-    problem, work = study._whole(OPTIONS, 1)
+    problem, work = study._full_surface(OPTIONS, 1)
     along = readings(problem, work=work, area="projected")["improved"]
     assert data.force_inside_improved_each.values[0, 1, 1] == pytest.approx(
         along.contact_force[-1] / problem.pressure, rel=1e-9

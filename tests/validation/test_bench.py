@@ -267,7 +267,8 @@ def test_every_study_has_a_question_and_options_with_defaults():
             text = ",".join(map(str, default)) if isinstance(default, tuple) else str(default)
             if default is not None and default != ():
                 name = flag.removeprefix("--").replace("-", "_")
-                assert getattr(study.parse([flag, text]), name) == default
+                words = [flag, text] if default is not True else [flag]
+                assert getattr(study.parse(words), name) == default
     with pytest.raises(UsageError, match=r"--grids = 'x': must be a valid integer"):
         find_study("area").parse(["--grids", "x"])
 

@@ -188,9 +188,10 @@ def test_a_second_body_is_not_pressed_into_a_layer(scene):
         check_scene(own, realise(own))
 
 
-def test_setting_one_load_takes_the_others_out(scene, tmp_path):
+def test_setting_one_load_takes_that_of_the_scene_out_and_two_are_refused(scene, tmp_path):
     scene()
     path = str(tmp_path / "mine.toml")
     for key, other in itertools.permutations(("force='1 uN'", "mean_gap='20 nm'", "offset='5 nm'"), 2):
-        loaded = load_asked(path, [f"load.{key}", f"load.{other}"])
-        assert loaded.load.key == other.partition("=")[0]
+        assert load_asked(path, [f"load.{key}"]).load.key == key.partition("=")[0]
+        with pytest.raises(UsageError, match="excludes load"):
+            load_asked(path, [f"load.{key}", f"load.{other}"])

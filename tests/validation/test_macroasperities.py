@@ -92,7 +92,7 @@ def planted(data, *, power, which):
 @pytest.mark.parametrize("power", [1.0, 0.5])
 def test_a_pressure_that_stays_is_called_the_same_and_one_that_rises_is_not(data, power):
     told = planted(data.isel(magnification=1), power=power, which="contact_pressure")
-    found = macroasperities._kept(told)
+    found = macroasperities._remaining(told)
     assert found.outcomes == (("within",) * 2 if power == 1 else ("beyond",) * 2)
     half = 4.302652729911275 * 0.005 / np.sqrt(3) * 20 ** (1 - power)  # Student, two degrees of freedom
     assert float(total_error(told, "contact_pressure_ratio")[2]) == pytest.approx(half)

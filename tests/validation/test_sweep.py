@@ -369,6 +369,7 @@ def test_the_command_plans_explains_and_runs_a_sweep(small_scene, tmp_path, monk
     call(app, ["run", small_scene, *settings[2:], "--no-report"], catch_exceptions=False)
     assert {path.name for path in (tmp_path / "results" / "small").glob("*.*")} == {
         "budget.csv",
+        "shown.json",
         "data.nc",
         "numbers.csv",
         "result.json",

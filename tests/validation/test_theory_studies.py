@@ -164,7 +164,7 @@ def test_the_ladders_of_the_hurst_study_keep_phases_and_area(bench):
         ("--points-per-wave 2,4", "with shifts = 2 a limit over grids needs three solves on two grids"),
         ("--shifts 1 --points-per-wave 4,6", "with shifts = 1 a limit over grids needs three solves"),
         ("--reduced-pressures 0,1", "must be greater than 0"),
-        ("--size 4", "unknown option '--size'; did you mean "),
+        ("--hurzt 4", "unknown option '--hurzt'; did you mean "),
     ],
 )
 def test_options_are_refused_by_name_before_anything_runs(name, options, words):

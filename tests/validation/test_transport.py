@@ -107,7 +107,7 @@ def test_page_and_records_have_the_quantities_with_unit_and_uncertainty_and_can_
     assert said["value"] == float(outputs.data.electrical_conductance)
     listed = {row[0]: row for row in outputs.page.records["numbers"].rows}
     row = listed["electrical conductance of the contact"]
-    assert row[2:] == (said["value"], said["error"], "1/(ohm m^2)")
+    assert row[2:] == (said["value"], said["error"], "grid", "1/(ohm m^2)")
     assert report_scene(tmp_path / "out").data.equals(outputs.data)
 
 
