@@ -35,6 +35,10 @@ _LEFT_OUT = ("solve", "seconds", "points", "unknowns", "resolved", "stress_", "m
 _FIELDS = ("x", "y", "shift", "wave", "near", "near_exact", "wide", "wide_exact", "plane", "wavevector")
 #: Rows of the page, and of the variables with an interval that have a figure; table.csv has all of them.
 _ROWS, _FIGURES, _FINDINGS = 120, 3, 4
+_JOINT = (
+    "+-: 95 %; that of a difference is the root of the sum of the squares of both, as if they were "
+    "independent: of one and the same surfaces differences are better known than that."
+)
 #: What says again, in sentences, what another variable says.
 _TWICE = ("_own", "_limit", "_excess", "_located", "_each")
 
@@ -56,18 +60,38 @@ def compare_folders(
     except UsageError as error:
         if "of its own" in str(error) or "damaged" in str(error):
             raise
-    data = side_by_side(results)
+    data, differ, first = side_by_side(results), differing(results), next(iter(results.values()))
+    asked = {label: dict(result.asked) for label, result in results.items()}
+    kind = _KINDS.get(first.kind, f"results of the {_question(first)}")
     table = _table(data)
+    short = ResultTable.of(table.columns, table.rows[:_ROWS])
+    more = f"{len(table.rows) - _ROWS} more rows are in table.csv. " if len(table.rows) > _ROWS else ""
+    settings = WordTable(
+        title="Settings that differ",
+        columns=("setting", *results),
+        rows=tuple((key, *values) for key, values in differ.items()),
+        left=frozenset({"setting", *results}),
+    )
     page = page_of(
         data,
-        _views(data, results, left_out),
+        Views(
+            figures=tuple(_figures(data)),
+            findings=(*_findings(data, results), *map(note, left_out)),
+            cards=tuple(_cards(data, results)),
+        ),
         figures=report,
         title=" beside ".join(results),
-        lead=f"{_kind(results)}. What differs in what was asked, and in what came out; differences are from "
-        f"{next(iter(results))}",
-        tables=(_in_words(table), *_settings(results)),
-        settings={label: dict(result.asked) for label, result in results.items()},
-        seeds="; ".join(f"{label}: {_seed(result)}" for label, result in results.items()),
+        lead=f"{len(results)} {kind}. What differs in what was asked, and in what came out; differences are "
+        f"from {next(iter(results))}",
+        tables=(
+            shown(short, title="Numbers side by side", note=more + _JOINT),
+            *((settings,) if differ else ()),
+        ),
+        settings=asked,
+        seeds="; ".join(
+            f"{label}: {flat.get('surface.seed') or flat.get('seed') or 'none'}"
+            for label, flat in zip(results, map(_asked, results.values()), strict=True)
+        ),
         papers=(),
         records={"table": table},
         data=None,
@@ -78,11 +102,10 @@ def compare_folders(
                 for label, folder in zip(_labels(folders), folders, strict=True)
                 if label in results
             },
-            "differing": {key: list(values) for key, values in differing(results).items()},
+            "differing": {key: list(values) for key, values in differ.items()},
             "not_compared": list(left_out),
         },
     )
-    asked = {label: dict(result.asked) for label, result in results.items()}
     with locked(prepare_folder(output)):
         write_results(output, data, kind="compare", name=page.title, asked=asked, store=output)
         return page, write_page(page, output, numbers_only=not report)
@@ -118,11 +141,6 @@ def _question(result: Result) -> str:
     """Name what results must have in common."""
     words = {"theory": "run of the theory alone", "study": f"study {result.name}"}
     return words.get(result.kind, result.kind)
-
-
-def _kind(results: Mapping[str, Result]) -> str:
-    first = next(iter(results.values()))
-    return f"{len(results)} {_KINDS.get(first.kind, f'results of the {_question(first)}')}"
 
 
 def _labels(folders: Sequence[Path]) -> list[str]:
@@ -249,22 +267,6 @@ def differing(results: Mapping[str, Result]) -> dict[str, tuple[str, ...]]:
     return {key: told for key, told in values.items() if len(set(told)) > 1}
 
 
-def _seed(result: Result) -> str:
-    asked = _asked(result)
-    return asked.get("surface.seed") or asked.get("seed") or "none"
-
-
-def _settings(results: Mapping[str, Result]) -> Iterator[WordTable]:
-    told = differing(results)
-    if told:
-        yield WordTable(
-            title="Settings that differ",
-            columns=("setting", *results),
-            rows=tuple((key, *values) for key, values in told.items()),
-            left=frozenset({"setting", *results}),
-        )
-
-
 # ---- what is shown ---------------------------------------------------------------------------------
 
 
@@ -314,24 +316,6 @@ def _table(data: xr.Dataset) -> ResultTable:
     return ResultTable.of_rows(rows)
 
 
-def _in_words(table: ResultTable) -> WordTable:
-    short = ResultTable.of(table.columns, table.rows[:_ROWS])
-    more = f"{len(table.rows) - _ROWS} more rows are in table.csv. " if len(table.rows) > _ROWS else ""
-    joint = (
-        "+-: 95 %; that of a difference is the root of the sum of the squares of both, as if they were "
-        "independent: of one and the same surfaces differences are better known than that."
-    )
-    return shown(short, title="Numbers side by side", note=more + joint)
-
-
-def _views(data: xr.Dataset, results: Mapping[str, Result], left_out: Sequence[str]) -> Views:
-    return Views(
-        figures=tuple(_figures(data)),
-        findings=(*_findings(data, results), *map(note, left_out)),
-        cards=tuple(_cards(data, results)),
-    )
-
-
 def _cards(data: xr.Dataset, results: Mapping[str, Result]) -> Iterator[Card]:
     told = list(differing(results))
     words = ", ".join(told[:3]) + (", ..." if len(told) > 3 else "")
@@ -352,7 +336,8 @@ def _findings(data: xr.Dataset, results: Mapping[str, Result]) -> Iterator[Findi
     if told:
         said = [f"{key} ({'; '.join(v or 'none' for v in values)})" for key, values in told.items()]
         more = f", and {len(said) - 6} more settings" if len(said) > 6 else ""
-        yield _plain(f"They differ in {', '.join(said[:6])}{more}.")
+        # As a value, whatever braces are in it.
+        yield note("{settings}", settings=f"They differ in {', '.join(said[:6])}{more}.")
     else:
         yield note("No setting differs: these are results of one and the same question.")
     judged = [n for n in _compared(data) if f"{n}_apart_error" in data and not n.endswith(_TWICE)]
@@ -361,24 +346,12 @@ def _findings(data: xr.Dataset, results: Mapping[str, Result]) -> Iterator[Findi
             yield _farthest(data, name, k)
     if not judged:
         yield note("No number that they share has an interval: how far they are apart cannot be judged.")
-    if _other_surfaces(told) and "surfaces" in data and bool((data.surfaces == 1).any()):
+    draws = ("surface.seed", "seed", "surface.hurst", "surface.lambda", "ensemble.")
+    if any(key.startswith(draws) for key in told) and "surfaces" in data and bool((data.surfaces == 1).any()):
         yield note(
             "Their surfaces differ, and an interval of one surface is that of the grids: another draw of the "
             "same spectrum would differ, too, by how much an [ensemble] in every scene tells."
         )
-
-
-def _plain(text: str) -> Finding:
-    """Return words as they are, whatever braces are in them."""
-    return note("{words}", words=text)
-
-
-def _other_surfaces(told: Mapping[str, Any]) -> bool:
-    """Whether they press other draws of random surfaces."""
-    return any(
-        key.startswith(("surface.seed", "seed", "surface.hurst", "surface.lambda", "ensemble."))
-        for key in told
-    )
 
 
 def _farthest(data: xr.Dataset, name: str, k: int) -> Finding:

@@ -85,12 +85,10 @@ class Explanation:
             yield "No solver runs: the theory answers from C(q) alone, in about a second for each load."
         if self.costs:
             yield f"Solves with effects are predicted from their cost over plain ones, {self.costs}."
-        yield f"Effects that run:{'' if self.effects else ' none beyond linear elasticity.'}"
-        for item in self.effects:
-            yield f"  {item.effect}: {item.number} - {item.verdict}"
-        yield "Left out:"
-        for item in self.left_out:
-            yield f"  {item.effect}: {item.number} - {item.verdict}"
+        none = "" if self.effects else " none beyond linear elasticity."
+        for title, items in ((f"Effects that run:{none}", self.effects), ("Left out:", self.left_out)):
+            yield title
+            yield from (f"  {item.effect}: {item.number} - {item.verdict}" for item in items)
 
     def _plan(self) -> Iterator[str | Table]:
         """Yield the table of solves, and what they come to."""

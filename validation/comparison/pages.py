@@ -31,11 +31,10 @@ _VIEWS = {"run": run_views, "theory": theory_views, "sweep": sweep_views}
 def effects_words(scene: Scene, problem: ContactProblem) -> str:
     """Say in lines which effects ran and which were left out, with the number that decides."""
     run, left_out = judgements(scene, problem)
-    lines = [f"Runs: {item.effect}: {item.number} - {item.verdict}" for item in run]
-    lines = lines or ["None beyond linear elasticity runs."]
-    return "\n".join(
-        lines + [f"Left out: {item.effect}: {item.number} - {item.verdict}" for item in left_out]
-    )
+    lines = [] if run else ["None beyond linear elasticity runs."]
+    for title, items in (("Runs", run), ("Left out", left_out)):
+        lines += [f"{title}: {item.effect}: {item.number} - {item.verdict}" for item in items]
+    return "\n".join(lines)
 
 
 def result_page(result: Result, *, figures: bool = True, pictures: bool = False) -> Page:
@@ -52,10 +51,12 @@ def result_page(result: Result, *, figures: bool = True, pictures: bool = False)
     picture, missing = None, "not asked for" if result.kind == "run" else "no surface was pressed"
     if pictures and figures and result.kind == "run":
         picture, missing = _picture(result)
-    notes = [Note(title="Effects", sentences=tuple(data.attrs.get("effects_words", "").splitlines()))]
-    notes += [
-        Note(title="The measured surface", sentences=tuple(data.attrs.get("treatment", "").splitlines()))
-    ]
+    titles = {"effects_words": "Effects", "treatment": "The measured surface"}
+    notes = tuple(
+        Note(title=title, sentences=tuple(lines))
+        for name, title in titles.items()
+        if (lines := data.attrs.get(name, "").splitlines())
+    )
     settings = {**result.asked, "scene": scene.model_dump(mode="json", exclude_none=True)}
     return page_of(
         data,
@@ -63,7 +64,7 @@ def result_page(result: Result, *, figures: bool = True, pictures: bool = False)
         figures=figures,
         title=str(data.attrs["title"]),
         lead=_lead(result.kind, data, scene),
-        notes=tuple(note for note in notes if note.sentences),
+        notes=notes,
         pictures=() if picture is None else (picture,),
         no_picture="" if result.kind == "sweep" else missing,
         settings=settings,

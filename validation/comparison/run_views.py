@@ -66,6 +66,7 @@ _NOTE = (
     "Of the scene's own surface, on the finest grid that resolves it; the interval of what follows "
     "from fields is the change from the grid before. A/A0 is the mean over the surfaces of an ensemble."
 )
+_GRID_ROWS = ("solver", "grid")
 _MOST_FINDINGS = 6
 _GRIDS = (
     "Counted: points of the contact set, mean over sub-grid positions; corrected: less the method's edge "
@@ -79,10 +80,9 @@ def run_views(data: xr.Dataset) -> Views:
     """Return what is shown of the dataset of a run."""
     return Views(
         table=Table(
-            rows=("solver", "grid"),
+            rows=_GRID_ROWS,
             columns=(
-                "solver",
-                "grid",
+                *_GRID_ROWS,
                 "area_located",  # the best first: the last leave where there is no room for all
                 "area_perimeter",
                 "area_pixel",
@@ -109,57 +109,47 @@ def run_views(data: xr.Dataset) -> Views:
 
 
 def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
-    yield Listing(
-        names=tuple(name for name in _NUMBERS if not _repeats(data, name)),
-        title="Contact in numbers",
-        note=_NOTE,
-    )
+    names = tuple(name for name in _NUMBERS if not _repeats(data, name))
+    yield Listing(names=names, title="Contact in numbers", note=_NOTE)
     yield from treatment_table(data)
     if "pressure_difference" in data:
+        apart = [method for k in data.solver.values[1:] if (method := find_method(str(k))).independent]
+        agreement = "They share a contact algorithm, so that agreement tests the discretisation alone."
+        if apart:
+            agreement = (
+                f"{' and '.join(method.label for method in apart)} has a contact algorithm of its own, so "
+                "agreement tests both codes; the differences include that of the discretisations."
+            )
         yield Table(
-            rows=("solver", "grid"),
+            rows=_GRID_ROWS,
             columns=(
-                "solver",
-                "grid",
-                "pressure_difference",
-                "area_pixel_difference",
-                "area_perimeter_difference",
+                *_GRID_ROWS,
+                *(f"{name}_difference" for name in ("pressure", "area_pixel", "area_perimeter")),
             ),
             title=f"Beside {_label(data, 0)} on the same grid",
             note="Same surface, same points, same load; of the pressure the relative L2 norm of the "
-            "difference. " + _independence(data),
+            f"difference. {agreement}",
             file="methods",
             sparse=True,
         )
     if "von_mises" in data:
         yield Table(
-            rows=("solver", "grid"),
+            rows=_GRID_ROWS,
             columns=(
-                "solver",
-                "grid",
-                "von_mises_reduced",
-                "von_mises",
-                "von_mises_depth_reduced",
-                "von_mises_depth",
+                *_GRID_ROWS,
+                *("von_mises_reduced", "von_mises", "von_mises_depth_reduced", "von_mises_depth"),
             ),
             title="Below the surface",
             note="The surface itself is left out, where the edges of the contact ring. The solid is "
-            "elastic whatever "
-            "its hardness.",
+            "elastic whatever its hardness.",
             file="below",
             sparse=True,
         )
     if "area_each" in data:
+        names = ("area", "area_persson", "area_ratio", "rms_gradient", "failure")
         yield Table(
             rows=("surface",),
-            columns=(
-                "surface",
-                "area_each",
-                "area_persson_each",
-                "area_ratio_each",
-                "rms_gradient_each",
-                "failure_each",
-            ),
+            columns=("surface", *(f"{name}_each" for name in names)),
             title="Every surface",
             file="surfaces",
         )
@@ -179,31 +169,24 @@ def _label(data: xr.Dataset, k: int) -> str:
     return find_method(str(data.solver.values[k])).label
 
 
-def _independence(data: xr.Dataset) -> str:
-    """Say what the agreement of the methods proves."""
-    others = [find_method(str(name)) for name in data.solver.values[1:]]
-    apart = [method.label for method in others if method.independent]
-    if not apart:
-        return "They share a contact algorithm, so that agreement tests the discretisation alone."
-    return (
-        f"{' and '.join(apart)} has a contact algorithm of its own, so agreement tests both codes; the "
-        "differences include that of the discretisations."
-    )
-
-
 def _cards(data: xr.Dataset) -> Iterator[Card]:
+    def card(
+        question: str, answer: str, basis: str, *, kind: str = "value", at: xr.Dataset = data, **values: Any
+    ) -> Card:
+        answers = finding(kind, answer, at), finding(kind, basis, at, **values)
+        return Card(question=question, answer=answers[0], basis=answers[1])
+
     several = float(data.surfaces) > 1
     basis = (
         f"mean over {data.surfaces.item():.0f} surfaces; this one {{area_own}}" if several else "{area_basis}"
     )
-    yield Card(
-        question="How large is the contact? A/A0",
-        answer=finding("value", "{area}", data),
-        basis=finding("value", basis + "; kappa = {kappa}", data),
-    )
-    answer = _share(data)
+    yield card("How large is the contact? A/A0", "{area}", basis + "; kappa = {kappa}")
+    area = value_of(data, "area")
+    answer = note("not measured")
     if "accuracy_asked" in data:
         answer = finding("value", "asked {accuracy_asked:%}, reached {accuracy_reached:%~}", data)
+    elif area.error is not None and np.isfinite(area.error) and float(area.value):
+        answer = note("+- {share:.2%}", share=area.error / float(area.value))
     scatter = (
         "single surfaces scatter by {scatter:.2%}" if several else "the scatter between surfaces is unknown"
     )
@@ -212,50 +195,30 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
     held = f"95 %: {sources_of(data.area_error) or 'all sources'}; "
     yield Card(question="How sure?", answer=answer, basis=finding("value", held + scatter, data))
     if "area_excess" in data and np.isfinite(data.area_persson_own):
-        yield Card(
-            question="How far from Persson's theory?",
-            answer=finding("value", "{area_excess:+%}", data),
-            basis=finding(
-                "value",
-                "theory: A/A0 = {area_persson:.4} with the realised gradient; p* = {reduced_pressure:.4}, "
-                "lambda_long/lambda_short = {bandwidth:.3}",
-                data,
-                bandwidth=float(data.wave_long / data.wave_short),
-            ),
+        yield card(
+            "How far from Persson's theory?",
+            "{area_excess:+%}",
+            "theory: A/A0 = {area_persson:.4} with the realised gradient; p* = {reduced_pressure:.4}, "
+            "lambda_long/lambda_short = {bandwidth:.3}",
+            bandwidth=float(data.wave_long / data.wave_short),
         )
     if "hertz_radius" in data:
-        yield Card(
-            question="Beside a smooth ball (Hertz)",
-            answer=finding("value", "{hertz_share} of its area", data),
-            basis=finding(
-                "value",
-                "R = {ball_radius:u}: Hertz a = {hertz_radius:u}, approach {hertz_approach:u}; here "
-                "{approach:u}",
-                data,
-            ),
+        yield card(
+            "Beside a smooth ball (Hertz)",
+            "{hertz_share} of its area",
+            "R = {ball_radius:u}: Hertz a = {hertz_radius:u}, approach {hertz_approach:u}; here {approach:u}",
         )
     if "area_plastic_pixel" in data:
         predicted = "; theory: {area_plastic_persson:.4}" if "area_plastic_persson" in data else ""
-        yield Card(
-            question="How much has yielded? A_pl/A0",
-            answer=finding("value", "{area_plastic_pixel:.4}", _finest(data)),
-            basis=finding("value", "{solver} on {grid}, points counted" + predicted, _finest(data)),
-        )
-    count = float(data.shifts.sum())
-    yield Card(
-        question="What did it cost?",
-        answer=finding("cost", "{seconds_total:u}", data),
-        basis=finding(
-            "cost", "{solves} solves shown, largest {unknowns_largest} unknowns", data, solves=count
-        ),
+        basis = "{solver} on {grid}, points counted" + predicted
+        yield card("How much has yielded? A_pl/A0", "{area_plastic_pixel:.4}", basis, at=_finest(data))
+    yield card(
+        "What did it cost?",
+        "{seconds_total:u}",
+        "{solves} solves shown, largest {unknowns_largest} unknowns",
+        kind="cost",
+        solves=float(data.shifts.sum()),
     )
-
-
-def _share(data: xr.Dataset) -> Finding:
-    area = value_of(data, "area")
-    if area.error is None or not np.isfinite(area.error) or not float(area.value):
-        return note("not measured")
-    return note("+- {share:.2%}", share=area.error / float(area.value))
 
 
 def _finest(data: xr.Dataset) -> xr.Dataset:

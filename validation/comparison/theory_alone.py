@@ -105,51 +105,28 @@ def _last(values: np.ndarray) -> float:
 
 def theory_views(data: xr.Dataset) -> Views:
     """Return what is shown of the theory alone."""
+    line: Any = {"by": "load", "look": {"marker": ""}}
+    area = [Line(y="magnified_area", **line)]
+    area += [Line(y="magnified_area_plastic", by="load", look={"marker": "", "ls": ":"})]
+    flat = Level(y="work", label="flat surfaces", look={"color": "#666666"})
     figures = [
         Figure(
             name="area-against-magnification",
             caption="Share of the nominal area that is in contact when roughness up to q = zeta q_L is seen, "
             "q_L = 2 pi / L.",
-            panels=[
-                Panel(
-                    marks=[
-                        Line(y="magnified_area", by="load", look={"marker": ""}),
-                        Line(y="magnified_area_plastic", by="load", look={"marker": "", "ls": ":"}),
-                    ],
-                    x="magnification",
-                    log="x",
-                    bottom=0.0,
-                    top=1.05,
-                )
-            ],
+            panels=[Panel(marks=area, x="magnification", log="x", bottom=0.0, top=1.05)],
         ),
         Figure(
             name="energy-against-magnification",
             caption="Work of adhesion that is left of an interface seen at magnification zeta, after the "
-            "elastic energy of "
-            "all shorter waves is paid; below zero the surfaces do not stick.",
-            panels=[
-                Panel(
-                    marks=[
-                        Line(y="magnified_work", by="load", look={"marker": ""}),
-                        Level(y="work", label="flat surfaces", look={"color": "#666666"}),
-                    ],
-                    x="magnification",
-                    log="x",
-                )
-            ],
+            "elastic energy of all shorter waves is paid; below zero the surfaces do not stick.",
+            panels=[Panel(marks=[Line(y="magnified_work", **line), flat], x="magnification", log="x")],
         ),
     ]
     return Views(
         table=Table(
             rows=("load",),
-            columns=(
-                "pressure",
-                "reduced_pressure",
-                "area_ensemble",
-                "area_plastic_ensemble",
-                "work_left",
-            ),
+            columns=("pressure", "reduced_pressure", "area_ensemble", "area_plastic_ensemble", "work_left"),
             title="Every load, by the theory alone",
             note="With all roughness; no solver ran.",
         ),
