@@ -18,7 +18,6 @@ from fem_contact.errors import FemContactError, NotConverged
 from validation.errors import RunFailed, UsageError
 
 if TYPE_CHECKING:
-    from fem_contact.bem import SlabSurface
     from validation.execution.press import Press
     from validation.scenes.scene import Scene
     from validation.scenes.sweep import Sweep
@@ -95,70 +94,61 @@ def _solves(scene: Scene) -> list[Press]:
     return [solve for solve in own if solve.grid in grids]
 
 
-def _surface(solve: Press, comm: Any) -> SlabSurface:
-    """Make a random surface in slabs; every process reads a measured one."""
-    from fem_contact.bem import SlabSurface
+def _solved(solve: Press, folder: Path, comm: Any) -> dict[str, Any]:
+    """Solve, or find finished, one grid; what is told of it."""
+    import h5py
+
+    from fem_contact import bem
+    from validation.effects.base import ContactModel
     from validation.scenes.surfaces import waves_drawn
     from validation.scenes.tables import FileSurface
 
-    surface = solve.problem.surface
-    if isinstance(surface, FileSurface):
-        return SlabSurface.of(solve.height_field(), comm)
-    return SlabSurface.random(shape=solve.grid, comm=comm, **waves_drawn(surface))
-
-
-def _solved(solve: Press, folder: Path, comm: Any) -> dict[str, Any]:
-    """Solve, or find finished, one grid; what is told of it."""
-    from fem_contact import bem
-    from validation.effects.base import ContactModel
-
     path = folder / f"{solve.key}.h5"
-    found = comm.bcast(_finished(path, solve) if comm.rank == 0 else None)
-    if found is not None:
-        return dict(found)
-    surface = _surface(solve, comm)
+    stored = None
+    if comm.rank == 0 and path.exists():
+        with h5py.File(path) as file:
+            if file.attrs.get("recipe") == solve.recipe_text:
+                stored = json.loads(file.attrs["row"])
+    stored = comm.bcast(stored)
+    if stored is not None:
+        return dict(stored)
+    rough = solve.problem.surface
+    surface = (
+        # Every process reads a measured surface; of a random one each makes its slab.
+        bem.SlabSurface.of(solve.height_field(), comm)
+        if isinstance(rough, FileSurface)
+        else bem.SlabSurface.random(shape=solve.grid, comm=comm, **waves_drawn(rough))
+    )
     model = ContactModel.filled(solve.problem.elastic, solve.effects)
     (load,) = solve.problem.load.values
     if solve.problem.load.key == "reduced_pressure":
         load *= model.solid.contact_modulus * surface.rms_gradient
     else:
         load = solve.problem.pressure
-    options: dict[str, Any] = dict(solve.settings)
     result = bem.solve(
         surface,
         model.felt_response,
         mean_pressure=load,
         pressure_bound=model.pressure_bound,
         comm=comm,
-        **options,
+        **dict[str, Any](solve.settings),
     ).checked()
     dx, dy = surface.spacing
     areas = result.areas(subcell=model.pressure_bound is None and abs(dx / dy - 1) <= 0.05)
-    contact = result.contact
-    bytes_ = float(surface.slabs.gathered(contact.cost.peak_bytes).max())
+    cost = result.contact.cost
     row = {
         "grid": list(solve.grid),
         "areas": asdict(areas),
         "mean_pressure": load,
-        "pairs": contact.cost.fft_pairs,
-        "seconds": contact.cost.wall_seconds,
-        "peak_bytes": bytes_,
+        "pairs": cost.fft_pairs,
+        "seconds": cost.wall_seconds,
+        "peak_bytes": float(surface.slabs.gathered(cost.peak_bytes).max()),
         "processes": comm.size,
     }
     if comm.rank == 0:
         folder.mkdir(parents=True, exist_ok=True)
     result.write(path, about={"recipe": solve.recipe_text, "row": json.dumps(row)})
     return row
-
-
-def _finished(path: Path, solve: Press) -> dict[str, Any] | None:
-    import h5py
-
-    if not path.exists():
-        return None
-    with h5py.File(path) as file:
-        same = file.attrs.get("recipe") == solve.recipe_text
-        return json.loads(file.attrs["row"]) if same else None
 
 
 def _print(rows: list[dict[str, Any]], folder: Path, processes: int, *, as_json: bool) -> None:

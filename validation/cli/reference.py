@@ -16,7 +16,6 @@ __all__ = ["reference"]
 
 
 def _of(*choices: str) -> Any:
-    """Complete one of some words."""
     return lambda incomplete: [word for word in choices if word.startswith(incomplete)]
 
 
@@ -63,14 +62,22 @@ def reference(
     between the computed values by interpolation. With --theory or --csv a theory, or your numbers, are scored
     on all cells instead, as by the study reference-score.
     """
-    if theory or csv is not None:
-        _score(theory or [], csv, output, as_json=as_json)
-        return
-    from validation.cli.results import print_table
+    from validation.cli.results import print_study, print_table
+    from validation.execution.bench import Bench
+    from validation.files import prepare_folder
     from validation.reference import lookup, persson_theory, table
     from validation.report.table import WordTable
     from validation.report.words import with_error
+    from validation.studies import find_study
+    from validation.studies._outputs import run_study
+    from validation.studies.reference_score import Options
 
+    if theory or csv is not None:
+        folder = prepare_folder(output or Path("results") / "reference-score")
+        options = Options(theory=tuple(theory or ()), csv=csv)
+        outputs = run_study(find_study("reference-score"), options, folder, bench=Bench.at())
+        print_study(outputs, as_json=as_json)
+        return
     if hurst is None or bandwidth is None or reduced_pressure is None:
         raise UsageError(
             "reference: give --hurst, --bandwidth and --reduced-pressure; or a theory to score, --theory"
@@ -111,21 +118,3 @@ def reference(
             f"{parts} and interpolation{lacking}.",
         )
     )
-
-
-def _score(theory: list[str], csv: Path | None, output: Path | None, *, as_json: bool) -> None:
-    """Score theories and numbers on all cells, and leave a page."""
-    from validation.cli.results import print_page
-    from validation.execution.bench import Bench
-    from validation.files import prepare_folder
-    from validation.studies import find_study
-    from validation.studies._outputs import run_study
-    from validation.studies.reference_score import Options
-
-    folder = prepare_folder(output or Path("results") / "reference-score")
-    options = Options(theory=tuple(theory), csv=csv)
-    outputs = run_study(find_study("reference-score"), options, folder, bench=Bench.at())
-    if as_json:
-        typer.echo(json.dumps(outputs.data.to_dict(), indent=2, default=str))
-        return
-    print_page(outputs.page, outputs.files)

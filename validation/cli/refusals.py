@@ -33,7 +33,8 @@ def refusals_in_words() -> Iterator[None]:
         _end(_MEMORY)
     except ImportError as error:
         # A library that finds no room to be loaded; one that is missing is another matter.
-        if isinstance(error, ModuleNotFoundError) or not _for_want_of_memory(error):
+        words = ("cannot allocate memory", "failed to map segment", "cannot create shared object")
+        if isinstance(error, ModuleNotFoundError) or not any(word in str(error).lower() for word in words):
             raise
         _end(_MEMORY)
     except OSError as error:
@@ -58,11 +59,6 @@ def _refuse_too_little() -> None:
     if limit != resource.RLIM_INFINITY and limit < _LEAST:
         say(f"ulimit -v = {limit // 1024}: the libraries alone take more; allow {_LEAST // 1024} or more")
         sys.exit(2)
-
-
-def _for_want_of_memory(error: ImportError) -> bool:
-    words = ("cannot allocate memory", "failed to map segment", "cannot create shared object")
-    return any(word in str(error).lower() for word in words)
 
 
 def _end(words: str) -> None:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import textwrap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import typer
 
 from validation.cli.options import WIDE, show, terminal_width
 from validation.errors import harmless
@@ -15,8 +18,9 @@ if TYPE_CHECKING:
 
     from validation.report.page import Page
     from validation.report.table import WordTable
+    from validation.studies._outputs import StudyOutputs
 
-__all__ = ["page_table", "print_page", "print_table", "sentence_lines"]
+__all__ = ["page_table", "print_page", "print_study", "print_table", "sentence_lines"]
 
 #: Rows from which on a table is left to the files.
 _MANY_ROWS = 40
@@ -25,17 +29,7 @@ _MANY_ROWS = 40
 def print_page(
     page: Page, files: Iterable[Path], *, more: Sequence[str] = (), done: str = "Written:"
 ) -> None:
-    """Print the first table of a page, what was found, and the files.
-
-    Parameters
-    ----------
-    page : Page
-    files : iterable of Path
-    more : sequence of str
-        Findings that the page does not have.
-    done : str
-        Line above the files.
-    """
+    """Print the first table of a page, its findings and `more` of them, and below `done` the files."""
     width = terminal_width()
     for line in sentence_lines(f"{page.title}: {page.lead}", width):
         show(line)
@@ -48,6 +42,14 @@ def print_page(
     show(f"\n{done}")
     for path in files:
         show(f"  {path}")
+
+
+def print_study(outputs: StudyOutputs, *, as_json: bool) -> None:
+    """Print the page of a study, or its dataset for scripts."""
+    if as_json:
+        typer.echo(json.dumps(outputs.data.to_dict(), indent=2, default=str))
+    else:
+        print_page(outputs.page, outputs.files)
 
 
 def print_table(table: WordTable, *, elsewhere: str = "Not shown") -> None:
@@ -77,6 +79,9 @@ def page_table(table: WordTable, *, width: int) -> tuple[Table, tuple[str, ...]]
 
     Columns leave whole, in the order that the table says, so that none of those that stay is cut.
     """
+    import rich.table
+    from rich.text import Text
+
     rows = [*table.rows, *table.sums]
     # By position: two columns, such as two uncertainties, may have one name.
     widths = {
@@ -92,20 +97,12 @@ def page_table(table: WordTable, *, width: int) -> tuple[Table, tuple[str, ...]]
         for k in [k for k in widths if table.columns[k] == name]:
             del widths[k]
     fits = sum(3 + w for w in widths.values()) + 1 <= width
-    return _rich(table, kept=tuple(widths), fits=fits), tuple(left_out)
-
-
-def _rich(table: WordTable, *, kept: Sequence[int], fits: bool) -> Table:
-    from rich.table import Table
-    from rich.text import Text
-
-    shown = Table()
-    for k in kept:
+    printed = rich.table.Table()
+    for k in widths:
         side: Any = "left" if table.columns[k] in table.left else "right"
-        shown.add_column(Text(harmless(table.columns[k])), justify=side, no_wrap=fits, overflow="fold")
-    for row in table.rows:
-        shown.add_row(*(Text(harmless(row[k])) for k in kept))
-    shown.add_section()
-    for row in table.sums:
-        shown.add_row(*(Text(harmless(row[k])) for k in kept))
-    return shown
+        printed.add_column(Text(harmless(table.columns[k])), justify=side, no_wrap=fits, overflow="fold")
+    for cells in (table.rows, table.sums):
+        for row in cells:
+            printed.add_row(*(Text(harmless(row[k])) for k in widths))
+        printed.add_section()
+    return printed, tuple(left_out)

@@ -61,19 +61,15 @@ def copy_scene(
     """Copy a scene to a file of your own, to be changed; it takes the name of its file."""
     from validation.scenes.scene import scene_text
 
-    text = _named_after(scene_text(scene)[0], target)
+    # Without the name of the original: its results go to a folder of their own.
+    head, table, rest = scene_text(scene)[0].partition("\n[")
+    stem = re.sub(r"[^A-Za-z0-9._-]+", "-", target.stem).strip("-._")
+    # A file whose name cannot name a folder is named in its text.
+    name = "" if stem == target.stem else f'name = "{stem or "copy"}"\n'
+    text = re.sub(r"(?m)^name\s*=.*\n?", lambda _: name, head, count=1) + table + rest
     try:
         with target.open("x", encoding="utf-8") as file:
             file.write(text)
     except OSError as error:
         raise UsageError(f"{target}: not written: {error.strerror}") from None
     typer.echo(f"{target}: a copy of {scene}; run it with: fem-contact run {target}")
-
-
-def _named_after(text: str, target: Path) -> str:
-    """Take the name out of a scene's text: its file names it, and its results go to a folder of their own."""
-    head, table, rest = text.partition("\n[")
-    stem = re.sub(r"[^A-Za-z0-9._-]+", "-", target.stem).strip("-._")
-    # A file whose name cannot name a folder is named in its text.
-    name = "" if stem == target.stem else f'name = "{stem or "copy"}"\n'
-    return re.sub(r"(?m)^name\s*=.*\n?", lambda _: name, head, count=1) + table + rest

@@ -20,7 +20,6 @@ __all__ = ["study"]
 
 
 def _study_names(incomplete: str) -> list[str]:
-    """Complete the name of a study."""
     from validation.studies import studies
 
     return [name for name in studies() if name.startswith(incomplete)]
@@ -64,7 +63,7 @@ def study(
     solves in results/solves, so that they share them, unless --store says otherwise.
     """
     from validation.cli.progress import Bar
-    from validation.cli.results import print_page
+    from validation.cli.results import print_study
     from validation.execution.bench import DEFAULT_STORE, Bench, PlannedOnly
     from validation.execution.store import Store
     from validation.files import prepare_folder
@@ -73,7 +72,9 @@ def study(
     from validation.studies._outputs import run_study
 
     if wants_help:
-        _help_study(context, name)
+        typer.echo("\n".join(find_study(name).help_lines()) if name else context.get_help())
+        if name:
+            typer.echo("\nOptions of all studies, where and how they run: fem-contact study --help")
         return
     if list_all or name is None:
         _list_studies(studies(), as_json=as_json)
@@ -101,10 +102,7 @@ def study(
     with options.stopping_cleanly(), Bar(quiet=quiet or how.quiet or as_json) as bar:
         bench = Bench(store=Store(folder=store_folder), execution=execution, progress=bar)
         outputs = run_study(chosen, parsed, prepare_folder(folder), bench=bench, report=with_report)
-    if as_json:
-        typer.echo(json.dumps(outputs.data.to_dict(), indent=2, default=str))
-        return
-    print_page(outputs.page, outputs.files)
+    print_study(outputs, as_json=as_json)
 
 
 def _scene_of_study(scene: str | None, settings: Sequence[str]) -> Scene | None:
@@ -138,14 +136,3 @@ def _list_studies(known: Mapping[str, Study], *, as_json: bool) -> None:
             typer.echo(f" {star} {name:23s} {words}")
     typer.echo("\n* can be asked about a scene of yours: fem-contact study NAME SCENE")
     typer.echo("Question and options of one: fem-contact study NAME --help")
-
-
-def _help_study(context: typer.Context, name: str | None) -> None:
-    """Print the options of one study, or the help of the command."""
-    from validation.studies import find_study
-
-    if name is None:
-        typer.echo(context.get_help())
-        return
-    typer.echo("\n".join(find_study(name).help_lines()))
-    typer.echo("\nOptions of all studies, where and how they run: fem-contact study --help")

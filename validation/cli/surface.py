@@ -92,8 +92,17 @@ def inspect(
         return
     for name, value in facts.items():
         show(f"{name}: {value:.6g}" if isinstance(value, float) else f"{name}: {value}")
-    if spectrum:
-        show(_spectrum_table(spectrum))
+    if not spectrum:
+        return
+    from rich.table import Table
+
+    table = Table(title="C(q), convention <h^2> = 2 pi int q C dq")
+    for column in ("q [1/m]", "wavelength [m]", "C [m^4]", "waves"):
+        table.add_column(column, justify="right")
+    for ring in spectrum[:: max(1, len(spectrum) // 12)]:
+        q = ring["q_1/m"]
+        table.add_row(f"{q:.4g}", f"{2 * math.pi / q:.4g}", f"{ring['C_m4']:.4g}", str(ring["waves"]))
+    show(table)
 
 
 @surface_app.command(
@@ -222,20 +231,6 @@ def _inspected(
         if c > 0
     ]
     return facts
-
-
-def _spectrum_table(spectrum: list[dict[str, float]]) -> Any:
-    """Return at most twelve rings, evenly spread."""
-    from rich.table import Table
-
-    table = Table(title="C(q), convention <h^2> = 2 pi int q C dq")
-    for column in ("q [1/m]", "wavelength [m]", "C [m^4]", "waves"):
-        table.add_column(column, justify="right")
-    step = max(1, len(spectrum) // 12)
-    for ring in spectrum[::step]:
-        q = ring["q_1/m"]
-        table.add_row(f"{q:.4g}", f"{2 * math.pi / q:.4g}", f"{ring['C_m4']:.4g}", str(ring["waves"]))
-    return table
 
 
 def _write(field: HeightField, target: Path, *, force: bool) -> None:
