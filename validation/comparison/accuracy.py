@@ -173,8 +173,7 @@ def run_accurate(
     progress: Progress | None = None,
     execution: Execution | None = None,
     store_folder: Path | None = None,
-    pictures: bool = False,
-    report: bool = True,
+    **shown: Any,
 ) -> AccurateRun:
     """Run a scene to an accuracy and write its report; it holds the grids that were chosen.
 
@@ -190,9 +189,8 @@ def run_accurate(
         progress=progress,
         execution=execution,
         store_folder=store_folder,
-        pictures=pictures,
-        report=report,
         accurate=reached.summary(),
+        **shown,
     )
     return AccurateRun(outputs=outputs, reached=reached)
 
@@ -222,7 +220,14 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
     """
     problem = realise(scene)
     check_scene(scene, problem)
-    _check_law(scene)
+    if not scene.methods.solvers:
+        raise UsageError("--accuracy: no solver is listed; add [methods.bem], whose grids are then chosen")
+    for k, effect in enumerate(scene.effects):
+        if effect.slot not in _LAWFUL:
+            raise UsageError(
+                f"--accuracy: the law of error is not known with {effect_key(k, 'kind')} = {effect.kind!r}; "
+                "leave --accuracy out and refine by hand"
+            )
     metered = Metered(
         store=bench.store,
         execution=bench.execution,
@@ -266,15 +271,3 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
         reused=len(account.found),
         **said,
     )
-
-
-def _check_law(scene: Scene) -> None:
-    """Refuse a scene without a solver, and effects with which areas have no law of error."""
-    if not scene.methods.solvers:
-        raise UsageError("--accuracy: no solver is listed; add [methods.bem], whose grids are then chosen")
-    for k, effect in enumerate(scene.effects):
-        if effect.slot not in _LAWFUL:
-            raise UsageError(
-                f"--accuracy: the law of error is not known with {effect_key(k, 'kind')} = {effect.kind!r}; "
-                "leave --accuracy out and refine by hand"
-            )

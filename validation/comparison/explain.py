@@ -152,13 +152,18 @@ def _explained(scene: Scene, problem: ContactProblem) -> Explanation:
             )
         )
     effects, left_out = judgements(scene, problem)
+    words = ""
+    if scene.effects and scene.methods.solvers:
+        costs = effect_costs()
+        factors = ", ".join(f"{effect.kind} {costs.factors[effect.kind]:.2g}" for effect in scene.effects)
+        words = f"{factors} times ({costs.source})"
     return Explanation(
         name=scene.name,
         facts=_facts(scene, problem),
         grids=tuple(sorted(grids, key=lambda g: (g.method, g.grid))),
         effects=effects,
         left_out=left_out,
-        costs=_cost_words(scene),
+        costs=words,
     )
 
 
@@ -194,19 +199,17 @@ def _priced(judgement: Judgement) -> Judgement:
     return replace(judgement, verdict=f"{judgement.verdict}; {words}")
 
 
-def _cost_words(scene: Scene) -> str:
-    """Say what the effects of a scene cost over a plain solve, and where these numbers were measured."""
-    if not (scene.effects and scene.methods.solvers):
-        return ""
-    costs = effect_costs()
-    factors = ", ".join(f"{effect.kind} {costs.factors[effect.kind]:.2g}" for effect in scene.effects)
-    return f"{factors} times ({costs.source})"
-
-
 def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]:
     """Return the numbers a reader checks first: realised and continuum roughness, load, bandwidth."""
+    from fem_contact.surface import Patch
+
     field: HeightField | Expected = problem.field
-    words = _problem_words(problem, solved=bool(scene.methods.solvers))
+    how = "by differences" if isinstance(field, Patch) else "spectral"
+    words = f"h_rms = {in_prefixed_unit(field.rms_height, 'm')}, h'_rms = {field.rms_gradient:.4g} ({how})"
+    if isinstance(field, Expected):
+        points = f"not made here, for it takes {field.shape[0]} x {field.shape[1]} points"
+        why = points if scene.methods.solvers else "none is drawn, for no solver runs"
+        words = f"{why}; all that follows is that of C(q)"
     facts = [("E*", in_prefixed_unit(problem.contact_modulus, "Pa")), ("realised surface", words)]
     facts += _surface_facts(problem)
     if field.rms_gradient > 0:
@@ -217,7 +220,12 @@ def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]
     for name, method in scene.methods.asked.items():
         facts += method.facts(scene.methods.options(name), problem)
     if scene.methods.options("theory") is not None:
-        facts.append(("theory", _theory_words(scene, problem)))
+        words = "Persson 2006, elastic, without adhesion: A/A0, P(sigma), kappa; milliseconds"
+        if scene.effects:
+            words = theory_words(
+                TheoryInputs.by(problem.elastic, scene.effects), scene.methods.options("theory")
+            )
+        facts.append(("theory", words))
     return tuple(facts)
 
 
@@ -243,18 +251,6 @@ def _load_words(problem: ContactProblem) -> str:
     return f"p0 = {each}; p* = {reduced}"
 
 
-def _problem_words(problem: ContactProblem, *, solved: bool) -> str:
-    field: HeightField | Expected = problem.field
-    if isinstance(field, Expected):
-        points = f"not made here, for it takes {field.shape[0]} x {field.shape[1]} points"
-        why = points if solved else "none is drawn, for no solver runs"
-        return f"{why}; all that follows is that of C(q)"
-    from fem_contact.surface import Patch
-
-    how = "by differences" if isinstance(field, Patch) else "spectral"
-    return f"h_rms = {in_prefixed_unit(field.rms_height, 'm')}, h'_rms = {field.rms_gradient:.4g} ({how})"
-
-
 def _surface_facts(problem: ContactProblem) -> list[tuple[str, str]]:
     """Return the integrals over C(q) and the bandwidth, or what was done to a measured surface."""
     if problem.topography is not None:
@@ -268,12 +264,6 @@ def _surface_facts(problem: ContactProblem) -> list[tuple[str, str]]:
     height = in_prefixed_unit(moments.rms_height, "m")
     integrals = f"h_rms = {height}, h'_rms = {moments.rms_gradient:.4g}"
     return [("integrals over C(q)", integrals), ("bandwidth", sizes)]
-
-
-def _theory_words(scene: Scene, problem: ContactProblem) -> str:
-    if not scene.effects:
-        return "Persson 2006, elastic, without adhesion: A/A0, P(sigma), kappa; milliseconds"
-    return theory_words(TheoryInputs.by(problem.elastic, scene.effects), scene.methods.options("theory"))
 
 
 def _left_out(scene: Scene, problem: ContactProblem, rough: Roughness) -> tuple[Judgement, ...]:

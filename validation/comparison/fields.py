@@ -11,7 +11,6 @@ import numpy as np
 from fem_contact.contact import ContactResult
 from fem_contact.stress import pressure_distribution
 from fem_contact.surface import HeightField, radial_spectrum
-from validation.arrays import Array
 from validation.comparison.reductions import grid_name, own_solves
 from validation.comparison.subsurface_stress import planes
 from validation.execution.press import Press
@@ -91,7 +90,7 @@ def with_distribution(
     All have the same bins, as many as the contact with the fewest points carries; shifts are averaged. With
     adhesion it begins at the most negative pressure, since some points are pulled.
     """
-    unit = float(data.pressure_scale)
+    unit, options = float(data.pressure_scale), scene.methods.options("theory")
     if not unit > 0:
         return data
     groups: dict[tuple[str, str], list[ContactResult]] = {}
@@ -109,12 +108,13 @@ def with_distribution(
         ends.append(float(data.reduced_pressure) + 3 * spread)
     for name, top, keys in (("near", NEAR_ZERO, groups), ("wide", 1.02 * max(ends), finest.values())):
         data = _binned(data, name, {key: groups[key] for key in keys}, (lowest, top), unit)
-        theory = _by_theory(scene, problem, np.linspace(lowest, top, _CURVE), unit)
+        if options is None:
+            continue
+        stress = np.linspace(lowest, top, _CURVE)
+        theory = stress_distribution(problem, scene.effects, options, stress * unit)
         if theory is not None:
-            data = data.assign_coords(
-                {f"stress_{name}_exact": (f"{name}_exact", np.linspace(lowest, top, _CURVE))}
-            )
-            data[f"density_{name}_persson"] = (f"{name}_exact", theory)
+            data = data.assign_coords({f"stress_{name}_exact": (f"{name}_exact", stress)})
+            data[f"density_{name}_persson"] = (f"{name}_exact", theory * unit)
     return data
 
 
@@ -137,12 +137,3 @@ def _binned(
         )
     data = data.assign_coords({f"stress_{name}": (name, (edges[1:] + edges[:-1]) / 2)})
     return data.assign({f"density_{name}": (("solver", "grid", name), over)})
-
-
-def _by_theory(scene: Scene, problem: ContactProblem, stress: Array, unit: float) -> Array | None:
-    """P(sigma) by the theory with the effects of the scene; None where it is not asked or has no answer."""
-    options = scene.methods.options("theory")
-    if options is None:
-        return None
-    found = stress_distribution(problem, scene.effects, options, stress * unit)
-    return None if found is None else found * unit

@@ -120,6 +120,7 @@ def in_numbers(
     data: xr.Dataset, own: Sequence[Reading], results: Mapping[Press, ContactResult], problem: ContactProblem
 ) -> xr.Dataset:
     """Add what one asks of a contact, on the finest resolved grid of the first method."""
+    from fem_contact.conductance import frozen_contact
     from fem_contact.patches import find_patches
 
     first = [o.solve for o in own if o.solve.method == own[0].solve.method and o.solve.is_own]
@@ -138,11 +139,15 @@ def in_numbers(
                 "patches": float(find_patches(result.in_contact, result.spacing).count),
             }
         )
-    if _answers_linearly(solves[-1], results[solves[-1]]):
+    last, result = solves[-1], results[solves[-1]]
+    some = bool(result.in_contact.any()) and not bool(result.in_contact.all())
+    # The stiffness of a contact set is exact where points weigh alike on an elastic response.
+    if some and result.weights is None and not is_adhesive(last.effects) and not last.solver.sinks:
         for row, solve in zip(rows, solves[-2:], strict=True):
-            row["stiffness"] = (
-                _stiffness(results[solve], solve) * problem.field.rms_height / results[solve].mean_pressure
-            )
+            result = results[solve]
+            response = ContactModel.filled(solve.problem.elastic, solve.effects).felt_response
+            stiffness = frozen_contact(result, response, tolerance=1e-6).stiffness
+            row["stiffness"] = stiffness * problem.field.rms_height / result.mean_pressure
     import xarray as xr
 
     for name, value in rows[-1].items():
@@ -153,17 +158,3 @@ def in_numbers(
         data["rms_height"] = float(data.rms_height)
         data = derive(data, gap="mean_gap / rms_height")
     return derive(data, contact_area="area_own * nominal_area")
-
-
-def _answers_linearly(solve: Press, result: ContactResult) -> bool:
-    """Whether the stiffness follows from the contact set: points that weigh alike on an elastic response."""
-    some = bool(result.in_contact.any()) and not bool(result.in_contact.all())
-    return some and result.weights is None and not is_adhesive(solve.effects) and not solve.solver.sinks
-
-
-def _stiffness(result: ContactResult, solve: Press) -> float:
-    """K [Pa/m] of the contact set as it is, which is exact: its area changes in the second order only."""
-    from fem_contact.conductance import frozen_contact
-
-    response = ContactModel.filled(solve.problem.elastic, solve.effects).felt_response
-    return frozen_contact(result, response, tolerance=1e-6).stiffness

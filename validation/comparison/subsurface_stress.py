@@ -31,10 +31,12 @@ def below(data: xr.Dataset, scene: Scene, results: Mapping[Press, ContactResult]
 
     from fem_contact.subsurface import strongest_point
 
+    given = scene.subsurface.depths  # at the surface lie the edges of the contact ring
+    depths = None if given is None else tuple(depth for depth in given if depth > 0)
     names = ("von_mises", "von_mises_depth", "von_mises_x", "von_mises_y")
     found = {("", ""): xr.Dataset(dict.fromkeys(names, np.nan))}
     for solve in _pressed(scene, results):
-        point = strongest_point(results[solve], _response(solve), depths=_positive(scene))
+        point = strongest_point(results[solve], _response(solve), depths=depths)
         values = (point.von_mises, point.depth, *point.place)
         found[solve.method, grid_name(solve.grid)] = xr.Dataset(dict(zip(names, values, strict=True)))
     data = data.assign(gather(found, solver=data.solver.values, grid=data.grid.values).data_vars)
@@ -53,13 +55,6 @@ def _pressed(scene: Scene, results: Mapping[Press, Any]) -> list[Press]:
 
 def _response(solve: Press) -> Response:
     return ContactModel.filled(solve.problem.elastic, solve.effects).felt_response
-
-
-def _positive(scene: Scene) -> tuple[float, ...] | None:
-    """Depths to search: at the surface the edges of the contact ring."""
-    assert scene.subsurface is not None
-    given = scene.subsurface.depths
-    return None if given is None else tuple(depth for depth in given if depth > 0)
 
 
 def _finest(scene: Scene, results: Mapping[Press, Any]) -> list[Press]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -154,18 +154,17 @@ def _alike(parts: Sequence[xr.Dataset]) -> list[xr.Dataset]:
     """Give all cases the same dimensions and variables: what one of them lacks is NaN, or no words."""
     import xarray as xr
 
-    aligned = [part.assign(_shifts(part, parts)) for part in parts]
+    # Positions of the surface have names where cases have different numbers of them.
+    sizes = {part.sizes["shift"] for part in parts if "shift" in part.dims}
+    aligned = [
+        part.assign(shift=np.arange(part.sizes["shift"])) if len(sizes) > 1 and "shift" in part.dims else part
+        for part in parts
+    ]
     how: Any = {"data_vars": "all", "coords": "minimal", "compat": "override", "join": "outer"}
     data = xr.concat(aligned, "case", combine_attrs="drop_conflicts", **how)
     words = [name for name, values in data.data_vars.items() if values.dtype.kind in "OU"]
     data = data.assign({name: data[name].where(data[name].notnull(), "").astype(str) for name in words})
     return [data.isel(case=k) for k in range(len(parts))]
-
-
-def _shifts(part: xr.Dataset, parts: Sequence[xr.Dataset]) -> Mapping[str, Any]:
-    """Return names of the positions of the surface where cases have different numbers of them."""
-    sizes = {one.sizes["shift"] for one in parts if "shift" in one.dims}
-    return {"shift": np.arange(part.sizes["shift"])} if len(sizes) > 1 and "shift" in part.dims else {}
 
 
 @dataclass(frozen=True, kw_only=True)

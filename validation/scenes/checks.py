@@ -35,8 +35,11 @@ def check_scene(scene: Scene, problem: ContactProblem) -> None:
         model = ContactModel.filled(problem.elastic, filled)
         grids = [grid for name in scene.methods.solvers for grid in scene.methods.options(name).grids]
         grids += [] if scene.ensemble is None else scene.ensemble.grids
+        cases = [problem]
+        if not problem.load.held and len(problem.pressures) > 1:
+            cases = [problem.under(Load(pressure=pressure)) for pressure in problem.pressures]
         for k, effect in enumerate(scene.effects):
-            for case in _each_load(problem):
+            for case in cases:
                 effect.check(case, grids, model=model, key=effect_key(k, ""))
     for name, method in asked.items():
         method.check(scene.methods.options(name), problem, scene.effects)
@@ -90,10 +93,3 @@ def _check_below(scene: Scene, problem: ContactProblem) -> None:
             f"quantities.subsurface.depths: the deepest, {depths[-1]:.6g} m, lies below the base of the "
             f"layer, at {base:.6g} m"
         )
-
-
-def _each_load(problem: ContactProblem) -> tuple[ContactProblem, ...]:
-    """Return the same case once for each load."""
-    if problem.load.held or len(problem.pressures) == 1:
-        return (problem,)
-    return tuple(problem.under(Load(pressure=pressure)) for pressure in problem.pressures)

@@ -63,29 +63,28 @@ def with_usual_grids(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     if isinstance(ensemble, dict) and alone:
         filled["ensemble"] = {**ensemble, "grids": [list(grid) for grid in usual[:2]] or _ANY}
     for name, table in lacking.items():
-        chosen: list[Any] = _ANY
-        if waves:
-            chosen = _afforded(solvers[name], table, usual, lengths=waves["lengths"])
-        filled["methods"] = {**filled["methods"], name: {**table, "grids": chosen}}
+        solver, chosen = solvers[name], tuple[Grid, ...]()
+        try:
+            options = solver.options.model_validate(
+                {**table, "grids": [list(grid) for grid in usual] or _ANY}
+            )
+        except ValidationError:  # which the scene is refused for
+            pass
+        else:
+            chosen = tuple(
+                grid for grid in usual if affordable(solver, grid, lengths=waves["lengths"], options=options)
+            )
+            if usual and not chosen:
+                nx, ny = usual[0]
+                raise UsageError(
+                    f"methods.{name}.grids: missing; {_POINTS} points on the shortest wave are {nx} x {ny}, "
+                    "more than 2 GiB or ten minutes a solve; name grids that you can wait for"
+                )
+        filled["methods"] = {
+            **filled["methods"],
+            name: {**table, "grids": [list(grid) for grid in chosen] or _ANY},
+        }
     return filled
-
-
-def _afforded(
-    solver: Solver, table: dict[str, Any], grids: tuple[Grid, ...], *, lengths: tuple[float, float]
-) -> list[Any]:
-    """Return those of the grids that a method can afford with the options of its table."""
-    try:
-        options = solver.options.model_validate({**table, "grids": [list(grid) for grid in grids]})
-    except ValidationError:  # which the scene is refused for
-        return _ANY
-    chosen = [list(grid) for grid in grids if affordable(solver, grid, lengths=lengths, options=options)]
-    if not chosen:
-        nx, ny = grids[0]
-        raise UsageError(
-            f"methods.{solver.name}.grids: missing; {_POINTS} points on the shortest wave are {nx} x {ny}, "
-            "more than 2 GiB or ten minutes a solve; name grids that you can wait for"
-        )
-    return chosen
 
 
 def _waves(surface: object, folder: Path) -> dict[str, Any]:

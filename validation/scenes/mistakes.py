@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -24,27 +24,25 @@ def problems(error: ValidationError, *, flags: bool = False) -> list[str]:
     """
     items = error.errors()
     within = {item["loc"][:depth] for item in items for depth in range(len(item["loc"]))}
-    each = _once(item for item in items if item["loc"] not in within)
-    return [_option_problem(item) if flags else _problem(item) for item in each]
-
-
-def _once(items: Iterable[Any]) -> Iterator[Any]:
-    """Yield mistakes; one of a value that stands for several items of an array is told of the array."""
+    # A mistake of a value that stands for several items of an array is told of the array.
     alike: dict[tuple[Any, ...], list[Any]] = {}
     for item in items:
         *array, last = item["loc"] or ("",)
-        place = (*array, last if isinstance(last, str) else None)
-        alike.setdefault((place, item["msg"], brief(item["input"])), []).append(item)
-    for first, *others in alike.values():
-        yield {**first, "loc": first["loc"][:-1]} if others else first
-
-
-def _option_problem(item: Any) -> str:
-    """One line for one error of the options of a study."""
-    value, location = item["input"], item["loc"]
-    given = ",".join(map(str, value)) if isinstance(value, list) and value else brief(value)
-    flag = f"--{str(location[0]).replace('_', '-')} = {given}: " if location else ""
-    return f"{flag}{allowed(item)}"
+        if item["loc"] not in within:
+            place = (*array, last if isinstance(last, str) else None)
+            alike.setdefault((place, item["msg"], brief(item["input"])), []).append(item)
+    each: list[Any] = [
+        {**first, "loc": first["loc"][:-1]} if others else first for first, *others in alike.values()
+    ]
+    if not flags:
+        return [_problem(item) for item in each]
+    lines = []
+    for item in each:
+        value, location = item["input"], item["loc"]
+        given = ",".join(map(str, value)) if isinstance(value, list) and value else brief(value)
+        flag = f"--{str(location[0]).replace('_', '-')} = {given}: " if location else ""
+        lines.append(f"{flag}{allowed(item)}")
+    return lines
 
 
 #: Values of `kind`, and all that stands in pydantic's locations without being a key.

@@ -168,11 +168,19 @@ class Scene(Title):
             yield (
                 f"surface.seed: missing; method {solvers[0]!r} presses one surface; a whole number names it"
             )
+        size, needed = max(surface.length), surface.resolving_grid
+        # No machine holds that: more likely a number without a unit, which counts as metres.
+        hint = f"; length: {size:.6g} was read as {size:.6g} m" if max(needed) > MOST_POINTS else ""
         tables = {f"methods.{name}": self.methods.options(name) for name in solvers}
         for name, table in (*tables.items(), ("ensemble", ensemble)):
             if table is not None and name not in chosen and not getattr(table, "under_resolved", False):
                 for grid in table.grids:
-                    yield from _too_coarse(f"{name}.grids", grid, surface)
+                    if any(n < least for n, least in zip(grid, needed, strict=True)):
+                        yield (
+                            f"{name}.grids = {list(grid)}: too coarse for lambda_short = "
+                            f"{surface.lambda_short:.6g} m; at least {list(needed)} points, or say "
+                            f"under_resolved = true in the method's table{hint}"
+                        )
         if ensemble is not None and self.ensemble_solver is None:
             quick = [name for name, method in methods().items() if getattr(method, "for_ensembles", False)]
             yield f"ensemble: add the table of a method that is quick enough for it: {', '.join(quick)}"
@@ -186,19 +194,6 @@ class Scene(Title):
     def ensemble_solver(self) -> Solver | None:
         """The listed method that further realisations are solved by: the first that is quick enough."""
         return next((method for method in self.methods.solvers.values() if method.for_ensembles), None)
-
-
-def _too_coarse(key: str, grid: tuple[int, int], surface: RandomSurface) -> Iterator[str]:
-    """Yield what is wrong with a grid with lambda_short <= 2 dx on either axis."""
-    needed = surface.resolving_grid
-    if any(n < least for n, least in zip(grid, needed, strict=True)):
-        size = max(surface.length)
-        # No machine holds that: more likely a number without a unit, which counts as metres.
-        hint = f"; length: {size:.6g} was read as {size:.6g} m" if max(needed) > MOST_POINTS else ""
-        yield (
-            f"{key} = {list(grid)}: too coarse for lambda_short = {surface.lambda_short:.6g} m; "
-            f"at least {list(needed)} points, or say under_resolved = true in the method's table{hint}"
-        )
 
 
 def builtin_scenes() -> tuple[str, ...]:
@@ -264,7 +259,9 @@ def checked_scene(data: Mapping[str, Any], folder: Path, scene: str, *, grids_ch
         if grids_chosen and isinstance(data.get("ensemble"), dict):
             data = {**data, "ensemble": {"realisations": 2, **data["ensemble"]}}
         context = _GRIDS_CHOSEN if grids_chosen else None
-        checked = Scene.model_validate(_named(with_usual_grids(data, folder), scene), context=context)
+        # A scene without a name has that of its file, if that makes a name.
+        stem = {"name": Path(scene).stem} if re.fullmatch(NAME, Path(scene).stem) else {}
+        checked = Scene.model_validate({**stem, **with_usual_grids(data, folder)}, context=context)
     except ValidationError as error:
         raise SceneError(scene, problems(error)) from None
     except UsageError as error:
@@ -275,12 +272,6 @@ def checked_scene(data: Mapping[str, Any], folder: Path, scene: str, *, grids_ch
         surface = checked.surface.model_copy(update={"path": path})
         checked = checked.model_copy(update={"surface": surface})
     return checked
-
-
-def _named(data: Mapping[str, Any], scene: str) -> Mapping[str, Any]:
-    """Name a scene that has no name after its file, if that makes a name."""
-    stem = Path(scene).stem
-    return data if "name" in data or re.fullmatch(NAME, stem) is None else {"name": stem, **data}
 
 
 def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:

@@ -43,7 +43,16 @@ def spectrum_of(surface: RandomSurface) -> SelfAffine | Stretched | CapillaryWav
 def spectrum_of(surface: RandomSurface) -> SelfAffine | Stretched | CapillaryWaves:
     """C(q) of a random surface, as its scene says; with a lay, averaged over directions."""
     if isinstance(surface, CapillarySurface):
-        return _capillary(surface)
+        from persson.capillary import CapillaryWaves
+
+        return CapillaryWaves(
+            temperature=surface.temperature,
+            surface_tension=surface.surface_tension,
+            q_bend=2 * math.pi / surface.lambda_bend,
+            q_min=2 * math.pi / surface.lambda_long,
+            q_short=2 * math.pi / surface.lambda_short,
+            multiple=float(surface.surfaces**2),
+        )
     assert isinstance(surface, SelfAffineSurface)
     from persson.spectrum import SelfAffine
 
@@ -68,19 +77,6 @@ def spectrum_of(surface: RandomSurface) -> SelfAffine | Stretched | CapillaryWav
     found = Stretched(spectrum=straight, factor=surface.stretch)
     # The height keeps its variance when it is stretched, the slope does not.
     return found if surface.rms_gradient is None else found.scaled(float(straight.m2() / found.m2()))
-
-
-def _capillary(surface: CapillarySurface) -> CapillaryWaves:
-    from persson.capillary import CapillaryWaves
-
-    return CapillaryWaves(
-        temperature=surface.temperature,
-        surface_tension=surface.surface_tension,
-        q_bend=2 * math.pi / surface.lambda_bend,
-        q_min=2 * math.pi / surface.lambda_long,
-        q_short=2 * math.pi / surface.lambda_short,
-        multiple=float(surface.surfaces**2),
-    )
 
 
 def waves_of(surface: RandomSurface, realisation: int = 0) -> RandomWaves:
@@ -184,14 +180,8 @@ def _share(grid: tuple[int, int]) -> float:
 class Expected:
     """What C(q) gives for a random surface that is not made: for the theory alone, or only to be looked at.
 
-    Attributes
-    ----------
-    moments : tuple of float
-        (m0 [m^2], m2 [1], m4 [m^-2]): integrals over C(q) in place of sums over the waves of one surface.
-    first_moment : float
-        2 pi int q^2 C dq [m], to which the energy of full contact is proportional.
-    shape : tuple of int
-        Points that would resolve it.
+    `moments` (m0 [m^2], m2 [1], m4 [m^-2]) are integrals over C(q); to the `first_moment`, 2 pi int q^2 C dq
+    [m], the energy of full contact is proportional; `shape` would resolve it.
     """
 
     moments: tuple[float, float, float]

@@ -338,13 +338,9 @@ def _said(scene: Scene, key: str) -> Value:
     value = getattr(table, parts[-1])
     if isinstance(value, tuple) and len(set(value)) == 1 and isinstance(value[0], float):
         value = value[0]
-    if isinstance(value, (bool, Path)) or not isinstance(value, (int, float)):
-        return _in_words(value)
-    return value
-
-
-def _in_words(value: Any) -> str:
-    """Write a list as it is read: grids as 32x32, 64x64."""
-    if isinstance(value, tuple) and value and isinstance(value[0], tuple):
-        return ", ".join("x".join(map(str, item)) for item in value)
-    return ", ".join(map(str, value)) if isinstance(value, tuple) else str(value)
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        return value
+    if not isinstance(value, tuple):
+        return str(value)
+    # Grids as 32x32, 64x64.
+    return ", ".join("x".join(map(str, item)) if isinstance(item, tuple) else str(item) for item in value)
