@@ -22,22 +22,23 @@ from validation.execution.results import read_results
 from validation.scenes.scene import load_scene
 from validation.studies import GROUPS, studies
 
+_ACCURATELY = ("run", "quickstart", "--accuracy", "1%")
 COMMANDS = ("run", "study", "compare", "validate", "reproduce", "report", "explain", "surface", "scenes")
-
-
-def call(*arguments, monkeypatch, capsys, cwd):
-    """Run the command in this process; return exit code, stdout and stderr."""
-    monkeypatch.chdir(cwd)
-    monkeypatch.setattr("sys.argv", ["fem-contact", *map(str, arguments)])
-    with pytest.raises(SystemExit) as exit_:
-        cli.main()
-    printed = capsys.readouterr()
-    return exit_.value.code or 0, printed.out, printed.err
 
 
 @pytest.fixture
 def tool(monkeypatch, capsys, tmp_path):
-    return lambda *arguments: call(*arguments, monkeypatch=monkeypatch, capsys=capsys, cwd=tmp_path)
+    """Run the command in this process; return exit code, stdout and stderr."""
+
+    def call(*arguments):
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr("sys.argv", ["fem-contact", *map(str, arguments)])
+        with pytest.raises(SystemExit) as exit_:
+            cli.main()
+        printed = capsys.readouterr()
+        return exit_.value.code or 0, printed.out, printed.err
+
+    return call
 
 
 def test_help_names_every_command_with_examples_and_the_exit_codes(tool):
@@ -121,6 +122,12 @@ def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatc
         (("run", "quickstart", "--memory", "1 MiB"), "raise the limit with --memory"),
         (("run", "quickstart", "--memory", "3"), "raise the limit with --memory"),
         (("run", "pyrex", "--accuracy", "1%"), "--accuracy"),
+        ((*_ACCURATELY[:-1], "one"), "--accuracy = 'one': must be a share such as 1% or 0.01"),
+        ((*_ACCURATELY, "--time-limit", "0"), "--time-limit = '0': must be greater than 0"),
+        ((*_ACCURATELY, "--time-limit", "3 m"), "--time-limit = '3 m': is not a time"),
+        (("run", "quickstart", "--time-limit", "3 s"), "--time-limit = '3 s': belongs to --accuracy"),
+        ((*_ACCURATELY, "--dry-run"), "--dry-run: not together with --accuracy"),
+        ((*_ACCURATELY, "--scheduler", "tcp://x:1"), "--scheduler: not together with --accuracy"),
         (("study", "nothing"), "no such study; one of: "),
         (("study", "presure"), "no such study; did you mean 'pressure'?; one of: "),
         (("study", "area", "--surfaces"), "--surfaces: needs a value"),
@@ -192,23 +199,21 @@ def test_scenes_are_listed_and_copied(tool, tmp_path):
     assert "File exists" in err
 
 
-def test_a_failed_solve_is_exit_code_1(tool, monkeypatch):
+@pytest.mark.parametrize(
+    ("error", "code", "words"),
+    [
+        (RunFailed("BEM 8x8: stopped"), 1, "fem-contact: BEM 8x8: stopped\n"),
+        (KeyboardInterrupt(), 130, "every finished solve is stored"),
+    ],
+)
+def test_a_failed_solve_and_ctrl_c_have_exit_codes_and_a_sentence(tool, monkeypatch, error, code, words):
     def fails(*args, **kwargs):
-        raise RunFailed("BEM 8x8: stopped")
+        raise error
 
     monkeypatch.setattr("validation.comparison.run.run_scene", fails)
-    code, _, err = tool("run", "quickstart", "-q")
-    assert (code, err) == (1, "fem-contact: BEM 8x8: stopped\n")
-
-
-def test_ctrl_c_is_exit_code_130_and_a_sentence(tool, monkeypatch):
-    def interrupted(*args, **kwargs):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("validation.comparison.run.run_scene", interrupted)
-    code, _, err = tool("run", "quickstart", "-q")
-    assert code == 130
-    assert "every finished solve is stored" in err
+    ended, _, err = tool("run", "quickstart", "-q")
+    assert (ended, err.count("\n")) == (code, 1)
+    assert words in err
 
 
 def test_a_dry_run_lists_solves_and_does_none(tool, tmp_path):
@@ -428,24 +433,6 @@ def test_every_mistake_is_of_a_kind_the_command_line_turns_into_a_line():
     assert not issubclass(RunFailed, UsageError)
 
 
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        (("--accuracy", "one"), "--accuracy = 'one': must be a share such as 1% or 0.01"),
-        (("--accuracy", "1%", "--time-limit", "0"), "--time-limit = '0': must be greater than 0"),
-        (("--accuracy", "1%", "--time-limit", "3 m"), "--time-limit = '3 m': is not a time"),
-        (("--time-limit", "3 s"), "--time-limit = '3 s': belongs to --accuracy"),
-        (("--accuracy", "1%", "--dry-run"), "--dry-run: not together with --accuracy"),
-        (("--accuracy", "1%", "--scheduler", "tcp://x:1"), "--scheduler: not together with --accuracy"),
-    ],
-)
-def test_an_accuracy_that_cannot_be_asked_for_is_one_line(tool, options, words):
-    code, _, err = tool("run", "quickstart", *options)
-    assert code == 2
-    assert words in err
-    assert len(err.strip().splitlines()) == 1
-
-
 def test_an_accuracy_is_reached_told_and_stored_and_not_solved_again(tool, write_scene, tmp_path):
     path = write_scene(fem=False)
     code, out, err = tool("run", path, "--accuracy", "5%", "--no-pictures", "-q")
@@ -493,10 +480,3 @@ def test_a_copied_scene_has_results_of_its_own(tmp_path, file, name):
     copied, original = load_scene(str(target)), load_scene("quickstart")
     assert copied.name == name
     assert copied.model_copy(update={"name": "quickstart"}) == original
-
-
-def test_a_title_with_markup_is_printed_as_it_is_after_the_solves(write_scene, tool):
-    path = write_scene(("A small scene", "[/] [bold]loud"), fem=False)
-    code, out, err = tool("run", path, "--no-report", "--quiet")
-    assert code == 0, err
-    assert "[/] [bold]loud" in out

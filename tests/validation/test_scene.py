@@ -172,11 +172,6 @@ def test_an_under_resolved_grid_runs_only_when_the_scene_says_so(write_scene):
     assert load_scene(str(path)).methods.bem.grids[0] == (8, 8)
 
 
-def test_an_unknown_scene_lists_the_built_in_ones():
-    with pytest.raises(UsageError, match=r"no such scene.*quickstart"):
-        load_scene("quikstart")
-
-
 def test_text_that_is_not_toml_is_refused_in_one_line(tmp_path):
     path = tmp_path / "bad.toml"
     path.write_text("[surface\n")

@@ -94,26 +94,23 @@ def test_the_report_of_a_sweep_is_made_again_without_its_solves(swept, tmp_path)
 
 def test_findings_of_a_sweep_reverse_with_the_numbers(swept):
     _, outputs = swept
-    (rise,) = [
-        f for f in sweep_views(outputs.data).findings if f.by == "change" and f.text.startswith("From p = ")
-    ]
-    assert rise.outcomes == ("+",)
-    falling = outputs.data.assign(area=1 / outputs.data.area * 0.01)
-    (fall,) = [
-        f for f in sweep_views(falling).findings if f.by == "change" and f.text.startswith("From p = ")
-    ]
-    assert fall.outcomes == ("-",)
-    blurred = outputs.data.assign(area_error=outputs.data.area_error * 1000)
-    (none,) = [
-        f for f in sweep_views(blurred).findings if f.by == "change" and f.text.startswith("From p = ")
-    ]
-    assert none.outcomes == ("0",)
-    assert "does not change by more than its interval" in none.text
+    data = outputs.data
+    for changed, outcome in (
+        (data, "+"),
+        (data.assign(area=1 / data.area * 0.01), "-"),
+        (data.assign(area_error=data.area_error * 1000), "0"),
+    ):
+        (change,) = [
+            f for f in sweep_views(changed).findings if f.by == "change" and f.text.startswith("From p = ")
+        ]
+        assert change.outcomes == (outcome,)
+    assert "does not change by more than its interval" in change.text
 
 
 def test_hurst_exponents_have_a_linear_axis_no_power_and_a_pointer_to_the_study(small_scene, tmp_path):
     settings = ["grids=[12, 24]", "shifts=1", "ensemble.realisations=3", "ensemble.grids=[16, 24]"]
-    outputs = run_sweep(load_asked(small_scene, [*settings, "sweep.hurst=[0.2, 0.5, 0.9]"]), tmp_path)
+    sweep = load_asked(small_scene, [*settings, "sweep.hurst=[0.2, 0.5, 0.9]"])
+    outputs = run_sweep(sweep, tmp_path)
     figure = next(one for one in outputs.page.figures if one.name == "area-against-hurst")
     (axes,) = figure.figure.axes
     assert axes.get_xscale() == "linear"
@@ -130,6 +127,9 @@ def test_hurst_exponents_have_a_linear_axis_no_power_and_a_pointer_to_the_study(
     band = drawn["area_lowest"].artist.get_paths()[0].vertices[:, 1]
     assert band.min() == pytest.approx(float(data.area_each.min()))
     assert band.max() == pytest.approx(float(data.area_each.max()))
+    alone = run_scene(sweep.scenes[1], tmp_path / "one", store_folder=tmp_path / "solves", report=False)
+    assert alone.solved == 0
+    assert float(data["scatter"].sel(hurst=0.5)) == float(alone.data.scatter)
 
 
 def test_along_a_scale_the_power_is_that_of_the_numbers_with_its_interval(swept):
@@ -265,15 +265,6 @@ def test_a_case_that_cannot_be_run_is_refused_before_anything_is_computed(small_
     with pytest.raises(UsageError, match=r"nominal pressure.*\(\[sweep\] at hardness = 5000 Pa\)"):
         run_sweep(sweep, tmp_path / "results")
     assert not (tmp_path / "results").exists()
-
-
-def test_the_scatter_between_surfaces_is_that_of_the_single_run(small_scene, tmp_path):
-    settings = ["grids=[12, 24]", "shifts=1", "ensemble.realisations=3", "ensemble.grids=[16, 24]"]
-    sweep = load_asked(small_scene, [*settings, "sweep.hurst=[0.6, 0.8]"])
-    data = run_sweep(sweep, tmp_path, report=False).data
-    alone = run_scene(sweep.scenes[1], tmp_path / "one", store_folder=tmp_path / "solves", report=False)
-    assert alone.solved == 0
-    assert float(data["scatter"].sel(hurst=0.8)) == float(alone.data.scatter)
 
 
 def test_lines_of_one_value_have_one_colour_and_the_theory_another_style(swept):

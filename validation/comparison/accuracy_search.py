@@ -200,7 +200,28 @@ class Search:
     def beside(self) -> tuple[Beside, ...]:
         """Solve what other methods the scene lists."""
         self.bench.account.reserved = 0.0
-        return tuple(self._beside(name, solves) for name, solves in self.others.items())
+        others, nan = [], float("nan")
+        for name, solves in self.others.items():
+            resolved = [solve for solve in solves if self.problem.resolved_by(solve.grid)]
+            limit, doubt = None, "no grid resolves the surface"
+            try:
+                self._solve(solves)
+            except RunFailed as error:  # it does not keep the others from being heard
+                doubt = str(error)
+            else:
+                limit = limit_over([self.areas[solve] for solve in resolved]) if resolved else None
+            others.append(
+                Beside(
+                    method=name,
+                    label=solves[0].solver.label,
+                    grids=tuple(dict.fromkeys(solve.grid for solve in solves)),
+                    area=nan if limit is None else limit.value,
+                    error=nan if limit is None else 2 * limit.uncertainty / limit.value,
+                    located=limit is not None and limit.definition == "subcell",
+                    doubt=doubt if limit is None else limit.doubt,
+                )
+            )
+        return tuple(others)
 
     def reserve(self) -> None:
         """Keep time for the methods beside, and refuse those that time or memory do not allow."""
@@ -216,25 +237,6 @@ class Search:
                     f"s on its own grids, and {self.bench.means()}; name coarser ones, or leave it out"
                 )
             self.bench.account.reserved += seconds / self.bench.execution.workers
-
-    def _beside(self, name: str, solves: Sequence[Press]) -> Beside:
-        resolved = [solve for solve in solves if self.problem.resolved_by(solve.grid)]
-        limit, doubt, nan = None, "no grid resolves the surface", float("nan")
-        try:
-            self._solve(solves)
-        except RunFailed as error:  # it does not keep the others from being told
-            doubt = str(error)
-        else:
-            limit = limit_over([self.areas[solve] for solve in resolved]) if resolved else None
-        return Beside(
-            method=name,
-            label=solves[0].solver.label,
-            grids=tuple(dict.fromkeys(solve.grid for solve in solves)),
-            area=nan if limit is None else limit.value,
-            error=nan if limit is None else 2 * limit.uncertainty / limit.value,
-            located=limit is not None and limit.definition == "subcell",
-            doubt=doubt if limit is None else limit.doubt,
-        )
 
     def _watch(self, found: MeanArea, solves: Sequence[Call]) -> None:
         """Stop a mean that would take too long, with what is known."""
@@ -254,16 +256,10 @@ class Search:
     def _grid(self, per_wave: float) -> Grid:
         """Return an even grid of fast transforms and nearly square cells of at least that resolution."""
         wave, (long, wide) = self.problem.shortest, self.scene.surface.length
-        least = (
-            int(np.ceil(per_wave * long / wave / 2 - 1e-9)),
-            int(np.ceil(per_wave * wide / wave / 2 - 1e-9)),
-        )
-        fast = (
-            2 * scipy.fft.next_fast_len(least[0], real=True),
-            2 * scipy.fft.next_fast_len(least[1], real=True),
-        )
-        if abs(fast[0] * wide / (fast[1] * long) - 1) <= _OBLONG:
-            return fast
+        least = [int(np.ceil(per_wave * length / wave / 2 - 1e-9)) for length in (long, wide)]
+        nx, ny = (2 * scipy.fft.next_fast_len(n, real=True) for n in least)
+        if abs(nx * wide / (ny * long) - 1) <= _OBLONG:
+            return nx, ny
         # Some number of points along x leaves cells that are nearly square.
         along = (2 * n for n in itertools.count(least[0]))
         pairs = ((n, 2 * round(n * wide / long / 2)) for n in along)

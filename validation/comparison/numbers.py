@@ -174,7 +174,11 @@ def _on_grids(case: _Case) -> xr.Dataset:
         made = {"reduction": "shift mean", "of": f"{name}_shift"}
         data[name] = values.mean("shift").assign_attrs(made)
         if name != "area_perimeter":
-            data[f"{name}_error"] = error_of(data[name], grid=_scatter_half(values), **_ABSENT)
+            # Of a mean over the shifts there are; none of one.
+            count = values.count("shift")
+            student = scipy.special.stdtrit(np.maximum(count - 1, 1), 0.975)
+            half = (values.std("shift", ddof=1) / count**0.5 * student).where(count > 1)
+            data[f"{name}_error"] = error_of(data[name], grid=half, **_ABSENT)
     if not bool(data.area_located.notnull().any()):
         data = data.drop_vars(["area_located", "area_located_error", "area_located_shift"])
     failed = {(one.method, one.grid): why for one, why in case.failures.items() if one.realisation == 0}
@@ -191,14 +195,6 @@ def _on_grids(case: _Case) -> xr.Dataset:
         data["area_plastic_pixel"] = each["plastic"].mean("shift")
     load = each["mean_pressure"].mean("shift") if scene.load.held else problem.pressure
     return data.assign(kappa_perimeter=data.area_perimeter / (load / float(data.pressure_scale)))
-
-
-def _scatter_half(values: xr.DataArray) -> xr.DataArray:
-    """Half of the 95 % interval of a mean over the shifts there are; none of one."""
-    count = values.count("shift")
-    student = scipy.special.stdtrit(np.maximum(count - 1, 1), 0.975)
-    half: xr.DataArray = values.std("shift", ddof=1) / count**0.5 * student
-    return half.where(count > 1)
 
 
 def _of_the_scene(problem: ContactProblem, modulus: float) -> dict[str, float]:
@@ -331,29 +327,24 @@ def _over_surfaces(data: xr.Dataset, case: _Case, accurate: Mapping[str, Any] | 
         )
         several["surfaces"] = float(values.size)
         several["area_lowest"], several["area_highest"] = values.min("surface"), values.max("surface")
-        return data.merge(several, join="exact").pipe(_excess)
-    if "area" not in data:
-        data = data.assign(area=data.area_own, area_error=data.area_own_error, surfaces=1.0)
-    data = derive(data, kappa="area / reduced_pressure")
-    if has_theory:
+        data = data.merge(several, join="exact")
+    else:
+        if "area" not in data:
+            data = data.assign(area=data.area_own, area_error=data.area_own_error, surfaces=1.0)
+        data = derive(data, kappa="area / reduced_pressure")
+    if not has_theory:
+        return data
+    if several is None:
         data["area_persson"] = data.area_persson_own
-        if _alike(case.scene) or float(data.surfaces) == 1:
+        scene = case.scene
+        # Whether the theory says the same of all surfaces of the spectrum.
+        exact = getattr(scene.surface, "amplitudes", "") == "exact"
+        alike = exact or (scene.load.reduced_pressure is not None and not scene.effects)
+        if alike or float(data.surfaces) == 1:
             data = derive(data, area_ratio="area / area_persson")
         else:
             data["area_ratio"] = xr.DataArray(math.nan)
-    return _excess(data)
-
-
-def _excess(data: xr.Dataset) -> xr.Dataset:
-    if "area_ratio" not in data:
-        return data
     return derive(data, area_excess="area_ratio - 1", kappa_persson="area_persson / reduced_pressure")
-
-
-def _alike(scene: Scene) -> bool:
-    """Whether the theory says the same of all surfaces of the spectrum."""
-    exact = getattr(scene.surface, "amplitudes", "") == "exact"
-    return exact or (scene.load.reduced_pressure is not None and not scene.effects)
 
 
 def _as_claimed(data: xr.Dataset, accurate: Mapping[str, Any]) -> xr.Dataset:

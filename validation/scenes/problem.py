@@ -28,21 +28,10 @@ __all__ = ["ContactProblem", "realise"]
 class ContactProblem:
     """One realisation of a surface, the solid under it and the load, each derived once and handed down.
 
-    Attributes
-    ----------
-    surface, solid, load
-        Tables of a scene.
-    realisation : int
-        Counts further surfaces of the same spectrum from 0, the scene's own: added to its seed.
-    inverted : bool
-        Press -h instead of h: hills become valleys, which halves much of the scatter between surfaces.
-    given : Measured, optional
-        Heights that are there already, in place of those of the file that `surface` names.
-    drawn : bool
-        Whether a random surface is made of C(q); where the theory stands alone it is not, and h'_rms is that
-        of C(q).
-    variation : str
-        What of the treatment of a measured surface is another than its scene says.
+    Of further surfaces of the same spectrum `realisation` is added to the seed; `inverted` presses -h for h,
+    which halves much of the scatter between surfaces. `given` heights stand in place of those of a file. A
+    random surface that is not `drawn`, for the theory alone, has the h'_rms of C(q). `variation` names what
+    of the treatment of a measured surface is another than its scene says.
 
     Notes
     -----
