@@ -149,7 +149,7 @@ def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatme
 
     table = {"kind": "file", "path": str(path), **treatment}
     if length is not None:
-        size = [plain_number(part.strip()) for part in length.split(",")]
+        size = [plain_number(part.strip()) for part in length.strip().strip("[]").split(",")]
         table["length"] = size if len(size) > 1 else size[0]
     if unit is not None:
         table["unit"] = plain_number(unit)

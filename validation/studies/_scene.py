@@ -72,12 +72,9 @@ class PressedOptions(StudyOptions):
         taken = cls.taken(scene, first)
         if not isinstance(scene.surface, FileSurface) and "surfaces" in data:
             taken.pop("surfaces", None)
-        for name in data:
-            if (name in taken and name not in (*cls.grids_of, "grids")) or name in _SPECTRUM:
-                flag = "--" + name.replace("_", "-")
-                key = _KEYS.get(name)
-                remedy = f"set it there, by --set {key}=..., or leave" if key else "leave"
-                raise wrong(f"{flag}: the scene {scene.name!r} says it; {remedy} {flag} out")
+        clashes = [n for n in data if (n in taken and n not in (*cls.grids_of, "grids")) or n in _SPECTRUM]
+        if clashes:
+            raise wrong("; ".join(_clash(name, off=name in cls.off, scene=scene.name) for name in clashes))
         path = {}
         if "reduced_pressures" in cls.model_fields:
             given = data.get("reduced_pressures", cls.model_fields["reduced_pressures"].default)
@@ -232,13 +229,10 @@ class PressedOptions(StudyOptions):
     @property
     def spectrum_words(self) -> dict[str, float]:
         """H, L/lambda_long and lambda_long/lambda_short, for a dataset; H of a self-affine surface alone."""
-        problem = self.first
-        numbers = {
-            "periods": min(problem.lengths) / problem.longest,
-            "bandwidth": problem.longest / problem.shortest,
-        }
-        if self.scene is None:
-            numbers = {"periods": self.periods, "bandwidth": self.bandwidth}
+        problem, numbers = self.first, {"periods": self.periods, "bandwidth": self.bandwidth}
+        if self.scene is not None:
+            long, short = problem.longest, problem.shortest
+            numbers = {"periods": min(problem.lengths) / long, "bandwidth": long / short}
         hurst = getattr(problem.surface, "hurst", None)
         return numbers if hurst is None else {"hurst": hurst, **numbers}
 
@@ -274,8 +268,18 @@ _KEYS = {
     "reduced_pressure": "load.reduced_pressure",
     "shifts": "methods.bem.shifts",
 }
-#: Options that make a surface.
 _SPECTRUM = frozenset({"hurst", "periods", "bandwidth", "seed"})
+
+
+def _clash(name: str, *, off: bool, scene: str) -> str:
+    flag = "--" + name.replace("_", "-")
+    if off:
+        return (
+            f"{flag}: is of a part with surfaces of its own, which is left out on a scene; leave {flag} out"
+        )
+    key = _KEYS.get(name)
+    remedy = f"set it there, by --set {key}=..., or leave" if key else "leave"
+    return f"{flag}: the scene {scene!r} says it; {remedy} {flag} out"
 
 
 def _reduced(problem: ContactProblem) -> tuple[float, ...]:
