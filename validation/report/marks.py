@@ -180,7 +180,7 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawi
         axes.legend(fontsize=7)
     if axes is None and any(isinstance(one.mark, Image) for one in drawn):
         # Squares of equal scale leave their labels too little place.
-        canvas.get_layout_engine().set(w_pad=0.15)
+        canvas.set_layout_engine("constrained", w_pad=0.15)
     names = list(
         dict.fromkeys(n for one in drawn for n in (one.mark.y, one.x, getattr(one.mark, "high", "")) if n)
     )
