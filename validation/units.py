@@ -56,6 +56,7 @@ __all__ = [
     "plain_number",
     "quantity",
     "read_quantity",
+    "unit",
     "unit_of",
     "unit_registry",
     "within",
@@ -142,6 +143,20 @@ def plain_number(text: str) -> float | str:
 def quantity(unit: str, kind: str, example: str) -> BeforeValidator:
     """Read a number with a unit ("0.5 um") or a bare number in SI, and convert it once."""
     return BeforeValidator(functools.partial(_read, unit=unit, kind=kind, example=example))
+
+
+def unit(si: str) -> BeforeValidator:
+    """Read a unit ("um^4"), or the number of SI units that it is, and convert it once."""
+
+    def read(value: object) -> object:
+        if not isinstance(value, str):
+            return value
+        try:
+            return float(_converted(Fraction(1), value.strip(), si))
+        except Exception:  # the parser of unit names raises whatever its tokens lead to
+            raise wrong(f'must be a unit such as "{si.replace("m", "um")}", or a number of {si}') from None
+
+    return BeforeValidator(read)
 
 
 def unit_of(annotation: object) -> str:

@@ -81,9 +81,10 @@ class Run:
         said, surface = _without_none(recipe), dict(_without_none(recipe["surface"]))
         asked = dict(self.surface)
         k = 0
-        if self.measured:  # the recipe holds the digest of the file in place of its path
-            # It names no usual treatment of later versions.
-            surface = {"spikes": "keep", **surface, "path": asked["path"]}
+        if "path" in asked:  # the recipe holds the digest of the file in place of its path
+            surface["path"] = asked["path"]
+        if self.measured:  # it names no usual treatment of later versions
+            surface = {"spikes": "keep", **surface}
             asked = {"tilt": "keep", "spikes": "keep", **asked}
             asked.pop("treatment", None)
         else:

@@ -12,7 +12,8 @@ from fem_contact.surface import HeightField, RandomWaves, resolves
 from validation.arrays import Grid
 from validation.errors import UsageError
 from validation.scenes import surfaces
-from validation.scenes.tables import FileSurface, Load, SolidSpec, Surface
+from validation.scenes.tables import FileSurface, Load, SolidSpec, SpectrumSurface, Surface
+from validation.scenes.tabulated import read_spectrum
 
 if TYPE_CHECKING:
     from persson.capillary import CapillaryWaves
@@ -233,6 +234,8 @@ class ContactProblem:
         else:
             assert not isinstance(self.surface, FileSurface)
             surface["seed"] = self.surface.seed_of(self.realisation)
+            if isinstance(self.surface, SpectrumSurface):
+                surface["path"] = read_spectrum(self.surface.path)[1]
             if surface.get("stretch") is None:  # what is not listed names no solve
                 surface.pop("stretch", None)
         said = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import tomllib
@@ -12,7 +13,7 @@ from operator import or_
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Self, TypeAlias
 
-from pydantic import Field, ValidationError, ValidationInfo, create_model, model_validator
+from pydantic import Field, TypeAdapter, ValidationError, ValidationInfo, create_model, model_validator
 
 from validation.effects import effect_kinds
 from validation.effects.base import Effect, clash
@@ -30,6 +31,8 @@ from validation.scenes.tables import (
     RandomSurface,
     SelfAffineSurface,
     SolidSpec,
+    SpectrumSurface,
+    SpectrumUnits,
     Surface,
     Title,
 )
@@ -266,21 +269,25 @@ def checked_scene(data: Mapping[str, Any], folder: Path, scene: str, *, grids_ch
         raise SceneError(scene, problems(error)) from None
     except UsageError as error:
         raise SceneError(scene, [str(error)]) from None
-    if isinstance(checked.surface, FileSurface) and not checked.surface.path.is_absolute():
+    if isinstance(checked.surface, FileSurface | SpectrumSurface):
         # Absolute, because a worker may stand in another folder.
-        path = (folder / checked.surface.path).resolve()
-        surface = checked.surface.model_copy(update={"path": path})
+        surface = checked.surface.model_copy(update={"path": (folder / checked.surface.path).resolve()})
         checked = checked.model_copy(update={"surface": surface})
     return checked
 
 
 def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
-    """Fill in the length of a measured surface from its file, and ask for what neither of the two says."""
+    """Fill in what the file of a surface says: size of a map, waves of a C(q); ask for what nobody says."""
     surface = data.get("surface")
-    if not isinstance(surface, dict) or surface.get("kind") != "file":
+    path = surface.get("path") if isinstance(surface, dict) else None
+    if not isinstance(surface, dict) or not isinstance(path, str):
         return data
-    path = surface.get("path")
-    if not isinstance(path, str):
+    if surface.get("kind") == "spectrum":
+        try:
+            return {**data, "surface": {**_longest_and_shortest(surface, folder / path), **surface}}
+        except UsageError as error:
+            raise SceneError(scene, [str(error)]) from None
+    if surface.get("kind") != "file":
         return data
     from validation.scenes.topography import Topography, fault_lines, file_says
 
@@ -307,6 +314,17 @@ def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
             missing.append("\n".join(("cannot be pressed as it is", *fault_lines(faults, surface), *lacking)))
         raise SceneError(scene, missing)
     return {**data, "surface": {"length": says.lengths, **surface}}
+
+
+def _longest_and_shortest(surface: Mapping[str, Any], path: Path) -> dict[str, float]:
+    from validation.scenes.tabulated import read_spectrum
+
+    try:
+        units = TypeAdapter[Any](SpectrumUnits | None).validate_python(surface.get("units"))
+    except ValidationError:  # which the scene is refused for
+        units = None
+    spectrum, _ = read_spectrum(path, units=units)
+    return {"lambda_long": 2 * math.pi / spectrum.q_min, "lambda_short": 2 * math.pi / spectrum.q_short}
 
 
 #: Keys of a measured surface that say what is done to it before it is pressed.

@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, Any, overload
 
 from fem_contact.surface import HeightField, Patch, RandomWaves, random_waves
 from validation.errors import UsageError
-from validation.scenes.tables import CapillarySurface, FileSurface, RandomSurface, SelfAffineSurface, Surface
+from validation.scenes.tables import (
+    CapillarySurface,
+    FileSurface,
+    RandomSurface,
+    SelfAffineSurface,
+    SpectrumSurface,
+    Surface,
+)
+from validation.scenes.tabulated import spectrum_between
 from validation.scenes.topography import Measured, measured
 
 if TYPE_CHECKING:
@@ -39,9 +47,11 @@ __all__ = [
 @overload
 def spectrum_of(surface: SelfAffineSurface) -> SelfAffine | Stretched: ...
 @overload
-def spectrum_of(surface: RandomSurface) -> SelfAffine | Stretched | CapillaryWaves: ...
-def spectrum_of(surface: RandomSurface) -> SelfAffine | Stretched | CapillaryWaves:
+def spectrum_of(surface: RandomSurface) -> SelfAffine | Stretched | CapillaryWaves | Tabulated: ...
+def spectrum_of(surface: RandomSurface) -> SelfAffine | Stretched | CapillaryWaves | Tabulated:
     """C(q) of a random surface, as its scene says; with a lay, averaged over directions."""
+    if isinstance(surface, SpectrumSurface):
+        return spectrum_between(surface)
     if isinstance(surface, CapillarySurface):
         from persson.capillary import CapillaryWaves
 

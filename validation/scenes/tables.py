@@ -25,6 +25,7 @@ from validation.units import (
     Tension,
     exactly_one,
     quantity,
+    unit,
     wrong,
 )
 
@@ -38,6 +39,8 @@ __all__ = [
     "RandomSurface",
     "SelfAffineSurface",
     "SolidSpec",
+    "SpectrumSurface",
+    "SpectrumUnits",
     "Surface",
     "Title",
 ]
@@ -69,7 +72,7 @@ class Title(Table):
     )
 
 
-_KIND = 'what it is, e.g. "self-affine"; or "capillary-waves", or "file"'
+_KIND = 'what it is, e.g. "self-affine"; or "capillary-waves", "spectrum", "file"'
 
 
 class RandomSurface(Table):
@@ -165,6 +168,31 @@ class CapillarySurface(RandomSurface):
     )
 
 
+#: Units of q and C in SI.
+SpectrumUnits = tuple[
+    Annotated[float, unit("1/m"), Field(gt=0, strict=True)],
+    Annotated[float, unit("m^4"), Field(gt=0, strict=True)],
+]
+
+
+class SpectrumSurface(RandomSurface):
+    """A random periodic surface of a tabulated C(q), with h_rms^2 = 2 pi int q C dq.
+
+    Between neighbours in the table C(q) is a power law.
+    """
+
+    kind: Literal["spectrum"] = Field(description=_KIND)
+    path: Path = Field(description='file of two columns, q and C, relative to the scene file, e.g. "psd.csv"')
+    units: SpectrumUnits | None = Field(
+        default=None, description='units of the columns, e.g. ["1/um", "um^4"]; default: SI'
+    )
+    power: Literal["C", "areal-psd"] = Field(
+        default="C", description="the second column: C(q), or the areal PSD of other communities, (2 pi)^2 C"
+    )
+    lambda_long: Length = Field(description='longest wave, e.g. "50 um"; default: that of the table')
+    lambda_short: Length = Field(description='shortest wave, e.g. "5 um"; default: that of the table')
+
+
 class FileSurface(Table):
     """Heights read from a file: .npy, text, .nc, or what SurfaceTopography reads; shape (nx, ny).
 
@@ -211,11 +239,14 @@ class FileSurface(Table):
         return self
 
 
-Surface = Annotated[SelfAffineSurface | CapillarySurface | FileSurface, Field(discriminator="kind")]
+Surface = Annotated[
+    SelfAffineSurface | CapillarySurface | SpectrumSurface | FileSurface, Field(discriminator="kind")
+]
 #: The kinds of surface, by name.
 SURFACES: dict[str, type[Table]] = {
     "self-affine": SelfAffineSurface,
     "capillary-waves": CapillarySurface,
+    "spectrum": SpectrumSurface,
     "file": FileSurface,
 }
 

@@ -22,7 +22,7 @@ from validation.scenes.topography.raw import MOST_BYTES, MOST_POINTS, Raw, check
 from validation.scenes.topography.text import NotText, read_text
 from validation.units import metres
 
-__all__ = ["one_line", "read_plain"]
+__all__ = ["bytes_of", "one_line", "read_plain"]
 
 
 def read_plain(path: str) -> dict[str, Any]:
@@ -31,7 +31,7 @@ def read_plain(path: str) -> dict[str, Any]:
     A MemoryError passes: the bounds make a sentence of it.
     """
     try:
-        data = _bytes_of(path)
+        data = bytes_of(path)
         _refuse_links(data)
         raw = _read(path, data)
         check_shape(raw.heights.shape)
@@ -63,7 +63,8 @@ def one_line(words: object) -> str:
     return harmless(lines[0][:300]) if lines else ""
 
 
-def _bytes_of(path: str) -> bytes:
+def bytes_of(path: str) -> bytes:
+    """Return the bytes of a file; a UsageError for what is no file, or too long."""
     # A pipe or a device has no end, and opening one may wait for ever.
     facts = os.stat(path)
     if stat.S_ISDIR(facts.st_mode):

@@ -10,7 +10,7 @@ import numpy as np
 from validation.arrays import Array
 from validation.scenes.topography.raw import MOST_POINTS, Raw, check_shape, even_steps
 
-__all__ = ["NotText", "read_text"]
+__all__ = ["NotText", "read_columns", "read_text"]
 
 #: A file is taken for text only if its numbers begin within these many bytes.
 _MOST_HEADER = 2**16
@@ -69,6 +69,13 @@ def read_text(data: bytes) -> Raw:
     if not (0 < lx < np.inf and 0 < ly < np.inf):
         raise ValueError(f"a size of {lx:.6g} x {ly:.6g} in its header")
     return Raw(heights=table, lengths=(lx, ly), length_units=(height[2][:64], width[2][:64]), unit=unit)
+
+
+def read_columns(data: bytes) -> Array:
+    """Read a table of numbers below a header; a ValueError for none."""
+    data = data.removeprefix(b"\xef\xbb\xbf")
+    start, first = _first_line(data)
+    return _table(data[start:], first)
 
 
 def _first_line(data: bytes) -> tuple[int, str]:
