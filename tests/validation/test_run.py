@@ -103,7 +103,7 @@ def test_contact_in_numbers_follows_from_the_fields(small_run):
     lx, ly = finest.lengths
     assert float(data.contact_area) == pytest.approx(float(data.area_own) * lx * ly, rel=1e-12)
     listed = {row[0]: row for row in small_run.page.records["numbers"].rows}
-    assert listed["area of real contact"][-1] == "um^2"
+    assert listed["area of real contact of this surface"][-1] == "um^2"
     # The stiffness of the contact set: load over approach of a slightly larger load.
     more = replace(own[-1], problem=replace(own[-1].problem, load=Load(reduced_pressure=(0.1002,))))
     pressed = more.do().contact
