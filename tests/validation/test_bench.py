@@ -269,6 +269,7 @@ def test_every_study_has_a_question_and_options_with_defaults():
                 name = flag.removeprefix("--").replace("-", "_")
                 words = [flag, text] if default is not True else [flag]
                 assert getattr(study.parse(words), name) == default
+    assert find_study("refinement").parse(["--elements", "none"]).elements == ()
     with pytest.raises(UsageError, match=r"--grids = 'x': must be a valid integer"):
         find_study("area").parse(["--grids", "x"])
 

@@ -79,7 +79,8 @@ class StudyOptions(Table):
             several = typing.get_origin(_bare(flags[flag].annotation)) is tuple
             unit = _unit_of(flags[flag])
             text = text if several else _with_unit(text, unit)
-            parts = [_with_unit(part.strip(), unit) for part in text.split(",") if part.strip()]
+            listed = "" if several and text.strip().lower() == "none" else text
+            parts = [_with_unit(part.strip(), unit) for part in listed.split(",") if part.strip()]
             values[flag.removeprefix("--").replace("-", "_")] = parts if several else text
         try:
             # Strings are numbers here, and quantities may carry units as in a scene.
