@@ -8,14 +8,13 @@ import pytest
 
 from validation.execution.results import Result, read_results
 from validation.paper import reproduce
-from validation.paper.claims import Application, Convention, Stated, claim, judge
+from validation.paper.claims import Application, Claim, Convention, Stated, application, judge, written
 from validation.paper.figures import FIGURES
 from validation.paper.page import paper_dataset, paper_page
 from validation.paper.pmma import PMMA
 from validation.paper.pyrex import PYREX
 from validation.paper.rim import RIM
 from validation.paper.steel import STEEL
-from validation.paper.table import APPLICATIONS, UNJUDGED
 from validation.report.page import write_page
 
 #: The conventions under which the claims of each system agree best: a slow test sees that they do.
@@ -31,7 +30,7 @@ def of_best(application, names=None):
     conventions = application.conventions
     if application.name in JOINT:
         conventions = tuple(c for c in conventions if c.name == JOINT[application.name])
-    claims = (replace(c, note=None) for c in application.claims if names is None or c.text.startswith(names))
+    claims = (replace(c, note="") for c in application.claims if names is None or c.text.startswith(names))
     return replace(application, conventions=conventions, claims=tuple(claims))
 
 
@@ -48,15 +47,20 @@ def find(table, start):
     return next(value for name, value in table.items() if name.startswith(start))
 
 
+def claim(text, low, high, value, **more):
+    stated = Stated((low + high) / 2, low, high, "5 %")
+    return Claim(text=text, section="1", stated=stated, value=value, **more)
+
+
 TOY = Application(
     name="toy",
     conventions=(Convention(name="one", value=1.0), Convention(name="two", value=2.0)),
     claims=(
-        claim("a [nm]", "1", Stated(2.0, 1.9, 2.1, "5 %"), under=lambda x: x),
-        claim("b", "1", Stated(4.0, 3.9, 4.1, "5 %"), under=lambda x: 2 * x),
-        claim("c", "1", Stated(1.0, 0.9, 1.1, "5 %"), under=lambda x: x, choice="chosen"),
-        claim("d", "1", Stated(7.0, 6.9, 7.1, "5 %"), fixed=lambda: 7.0),
-        claim("e", "1", Stated(7.0, 6.9, 7.1, "5 %"), fixed=lambda: 8.0, failure="it is 8"),
+        claim("a [nm]", 1.9, 2.1, lambda x: x),
+        claim("b", 3.9, 4.1, lambda x: 2 * x),
+        claim("c", 0.9, 1.1, lambda x: x, choice="chosen"),
+        claim("d", 6.9, 7.1, lambda: 7.0, fixed=True),
+        claim("e", 6.9, 7.1, lambda: 8.0, fixed=True, failure="it is 8"),
     ),
 )
 
@@ -85,11 +89,14 @@ def test_the_literal_convention_wins_a_tie_and_a_choice_is_never_called_reproduc
 
 def test_a_claim_is_computed_once_where_no_convention_enters():
     calls = []
-    one = claim("f", "1", Stated(1.0, 0, 2, "any"), fixed=lambda: calls.append(1) or 1.0)
+    one = claim("f", 0, 2, lambda: calls.append(1) or 1.0, fixed=True)
     judge(replace(TOY, claims=(one,)))
     assert len(calls) == 1
-    with pytest.raises(ValueError, match="fixed"):
-        claim("g", "1", Stated(1.0, 0, 2, "any"))
+
+
+def test_what_is_written_and_not_computed_is_refused():
+    with pytest.raises(ValueError, match=r"Pyrex: .*half_yielded.*: written or computed alone"):
+        application("Pyrex", fixed={"rms": float})
 
 
 def test_claims_of_the_rim_under_their_joint_convention_which_is_the_literal_one():
@@ -130,8 +137,8 @@ def test_macroasperities_rest_on_a_chosen_roll_off_and_say_so():
 
 
 def test_tolerances_bracket_the_stated_number():
-    for application in APPLICATIONS:
-        for one in application.claims:
+    for system in reproduce.APPLICATIONS:
+        for one in system.claims:
             stated = one.stated
             assert stated.low <= stated.value <= stated.high or stated.value == pytest.approx(stated.high)
             assert stated.basis
@@ -142,15 +149,17 @@ def test_everything_is_recomputed_written_and_shown(tmp_path):
     folder, told = tmp_path / "new" / "folder", []
     _, files = reproduce.run(folder, progress=told.append)
     data = read_results(folder).data
-    assert data.sizes["claim"] == sum(len(a.claims) for a in APPLICATIONS) == len(told) - len(FIGURES)
+    assert (
+        data.sizes["claim"] == sum(len(a.claims) for a in reproduce.APPLICATIONS) == len(told) - len(FIGURES)
+    )
     counts = [float(data[f"claims_{kind}"]) for kind in ("literal", "joint", "chosen", "missed")]
     assert sum(counts) == data.claims_judged
     with (folder / "table.csv").open(encoding="utf-8") as file:
         written = list(csv.DictReader(file))
     assert [line["verdict"] for line in written] == data.paper_verdict.values.tolist()
-    for application in APPLICATIONS:
-        of_it = data.isel(claim=[c.startswith(f"{application.name}: ") for c in data.claim.values])
-        best = JOINT.get(application.name, application.conventions[0].name)
+    for system in reproduce.APPLICATIONS:
+        of_it = data.isel(claim=[c.startswith(f"{system.name}: ") for c in data.claim.values])
+        best = JOINT.get(system.name, system.conventions[0].name)
         assert set(of_it.paper_convention.values) - {"as stated"} == {best} - {""}
     assert files[0] == folder / "report.html"
     for figure in FIGURES:
@@ -165,7 +174,8 @@ def test_the_page_lists_what_fails_and_what_has_no_verdict(tmp_path):
     assert page.findings[1].startswith("Not reproduced: toy: c (1: ")
     assert page.findings[1].endswith(" and toy: e (1: it is 8).")
     (unjudged,) = (note for note in page.notes if note.title == "Without a verdict")
-    assert all(any(one.statement in line for line in unjudged.sentences) for one in UNJUDGED)
+    statements = [one["statement"] for one in written()["unjudged"].values()]
+    assert all(any(one in line for line in unjudged.sentences) for one in statements)
 
 
 @pytest.mark.parametrize("name", ["spectra", "coarse_grid", "elastoplastic"])

@@ -10,8 +10,10 @@ named in the row.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import tomllib
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib import resources
 from typing import Any, NamedTuple
 
 
@@ -24,19 +26,23 @@ class Stated(NamedTuple):
     basis: str
 
 
-def digit(stated: float, last: float) -> Stated:
-    """Return a number with the range of those that round to it."""
-    return Stated(stated, stated - last / 2, stated + last / 2, "half of the last digit")
-
-
 def percent(stated: float, share: float = 5.0) -> Stated:
     """Return a number with the range within so many per cent of it."""
     return Stated(stated, stated * (1 - share / 100), stated * (1 + share / 100), f"{share:g} %")
 
 
-def factor(stated: float, size: float, *, words: str) -> Stated:
-    """Return a number with the range within a factor of it, for what the paper says in `words`."""
-    return Stated(stated, stated / size, stated * size, f"a factor {size:g}, for '{words}'")
+def _stated(row: dict[str, Any]) -> Stated:
+    """Take the number out of a row of claims.toml, with its range."""
+    value, take = row.pop("stated"), row.pop
+    if "digit" in row:
+        last = take("digit")
+        return Stated(value, value - last / 2, value + last / 2, "half of the last digit")
+    if "percent" in row:
+        return percent(value, take("percent"))
+    if "factor" in row:
+        size = take("factor")
+        return Stated(value, value / size, value * size, f"a factor {size:g}, for '{take('words')}'")
+    return Stated(value, take("low"), take("high"), take("basis"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,36 +60,16 @@ class Claim:
     text: str  # What is claimed, and where
     section: str
     stated: Stated
-    value: Callable[[Any], float]  # Computes the number under a convention of the application
-    fixed: bool = True  # Whether no convention enters
+    value: Callable[..., float]  # Computes the number; where not `fixed`, under a convention
+    fixed: bool = False  # Whether no convention enters
     choice: str = ""  # What the paper does not state and was chosen here; empty if nothing
     # Why the claim does not hold, should it not agree.
     failure: str = "the formulas and numbers of the paper do not give it"
-    note: Callable[[], str] | None = None  # Further numbers to report beside it
+    note: str | Callable[[], str] = ""  # Further numbers to report beside it
 
     def agrees(self, value: float) -> bool:
         """Whether a number counts as the paper's."""
         return self.stated.low <= value <= self.stated.high
-
-
-def claim(
-    text: str,
-    section: str,
-    stated: Stated,
-    *,
-    fixed: Callable[[], float] | None = None,
-    under: Callable[[Any], float] | None = None,
-    **more: Any,
-) -> Claim:
-    """Write a claim down: what, where, the number, its tolerance, and how it is computed.
-
-    `fixed` takes nothing, `under` the convention of its application; `more` are fields of `Claim`.
-    """
-    if (fixed is None) == (under is None):
-        raise ValueError(f"{text}: must be computed with `fixed` or with `under`")
-    value = under if fixed is None else lambda convention: fixed()
-    assert value is not None
-    return Claim(text=text, section=section, stated=stated, value=value, fixed=under is None, **more)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,12 +81,32 @@ class Application:
     conventions: tuple[Convention, ...] = (Convention(name="", value=None),)
 
 
-class Unjudged(NamedTuple):
-    """A statement of the paper without a verdict, and the reason."""
+def written() -> dict[str, dict[str, Any]]:
+    """Return the claims of each system as they were written down, and what has no verdict."""
+    return tomllib.loads(resources.files(__package__).joinpath("claims.toml").read_text(encoding="utf-8"))
 
-    section: str
-    statement: str
-    reason: str
+
+def application(
+    name: str,
+    *,
+    fixed: Mapping[str, Callable[[], float]],
+    under: Mapping[str, Callable[[Any], float]] | None = None,
+    more: Mapping[str, Mapping[str, Any]] | None = None,
+    **conventions: tuple[Convention, ...],
+) -> Application:
+    """Join the claims of a system with how they are computed, by their keys in claims.toml.
+
+    `fixed` take nothing, those `under` a convention take it; `more` are fields of `Claim` that are computed.
+    """
+    rows, values = written()[name], dict[str, Callable[..., float]]({**fixed, **(under or {})})
+    if values.keys() != rows.keys():
+        raise ValueError(f"{name}: {', '.join(values.keys() ^ rows.keys())}: written or computed alone")
+    claims = []
+    for key, row in rows.items():
+        computed = dict((more or {}).get(key, {}))
+        stated = computed.pop("stated", None) or _stated(row)
+        claims.append(Claim(stated=stated, value=values[key], fixed=key in fixed, **row, **computed))
+    return Application(name=name, claims=tuple(claims), **conventions)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,21 +131,18 @@ def judge(application: Application, *, tell: Callable[[str], None] | None = None
     Where several conventions serve equally well the first of them is taken, so that the literal one wins
     a tie.
     """
-    values: list[list[float]] = []
-    for one in application.claims:
+    conventions, claims, values = application.conventions, application.claims, []
+    for one in claims:
         if tell is not None:
             tell(one.text)
-        asked = application.conventions[:1] if one.fixed else application.conventions
-        known = [float(one.value(convention.value)) for convention in asked]
-        values.append(known * (len(application.conventions) if one.fixed else 1))
-    scores = [
-        sum(one.agrees(known[k]) for one, known in zip(application.claims, values, strict=True))
-        for k in range(len(application.conventions))
-    ]
+        if one.fixed:
+            values.append([float(one.value())] * len(conventions))
+        else:
+            values.append([float(one.value(convention.value)) for convention in conventions])
+    agree = [[one.agrees(value) for value in known] for one, known in zip(claims, values, strict=True)]
+    scores = [sum(column) for column in zip(*agree, strict=True)]
     best = scores.index(max(scores))
-    return tuple(
-        _row(one, application, known, best) for one, known in zip(application.claims, values, strict=True)
-    )
+    return tuple(_row(one, application, known, best) for one, known in zip(claims, values, strict=True))
 
 
 def _row(one: Claim, application: Application, known: list[float], best: int) -> ClaimRow:
@@ -152,7 +155,8 @@ def _row(one: Claim, application: Application, known: list[float], best: int) ->
     elif one.choice:
         verdict = "reproduced with a choice"
     agreement = ", which agrees, too" if one.agrees(known[0]) else ""
-    notes = [f"literally {known[0]:.4g}{agreement}" if inferred else "", one.note() if one.note else ""]
+    literally = f"literally {known[0]:.4g}{agreement}" if inferred else ""
+    note = one.note() if callable(one.note) else one.note
     return ClaimRow(
         claim=one.text,
         application=application.name,
@@ -163,5 +167,5 @@ def _row(one: Claim, application: Application, known: list[float], best: int) ->
         convention=("" if one.fixed else application.conventions[best].name) or "as stated",
         verdict=verdict,
         reason=reason,
-        note="; ".join(filter(None, notes)),
+        note="; ".join(filter(None, (literally, note))),
     )

@@ -76,11 +76,20 @@ class PaperFigure:
         )
 
 
+#: All calculated figures, in the order of the paper.
+FIGURES: list[PaperFigure] = []
+
+
 def _figure(
     name: str, title: str, *panels: tuple[str, str, str]
 ) -> Callable[[Callable[[], Curves]], PaperFigure]:
-    """Make a `PaperFigure` of the function below, which returns its curves."""
-    return lambda curves: PaperFigure(name=name, title=title, panels=panels, curves=curves)
+    """Add a `PaperFigure` of the function below, which returns its curves."""
+
+    def add(curves: Callable[[], Curves]) -> PaperFigure:
+        FIGURES.append(PaperFigure(name=name, title=title, panels=panels, curves=curves))
+        return FIGURES[-1]
+
+    return add
 
 
 def _area(
@@ -345,22 +354,3 @@ def _adhesive_spheres() -> Curves:
         label: {"stress_local": 1e9 * stress, "density_local": density / 1e9}
         for label, density in densities.items()
     }
-
-
-#: All calculated figures, in the order of the paper.
-FIGURES: tuple[PaperFigure, ...] = (
-    _spectra,
-    _greenwood_williamson,
-    _polished_steel,
-    _macroasperities,
-    _elastoplastic,
-    _rim_roughness,
-    _rim_magnification,
-    _rim_pressure,
-    _pmma_pressure,
-    _pyrex_spectra,
-    _pyrex_roughness,
-    _pyrex_yielding,
-    _coarse_grid,
-    _adhesive_spheres,
-)

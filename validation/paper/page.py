@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from validation.execution.results import Result
-from validation.paper.claims import ClaimRow
+from validation.paper.claims import ClaimRow, written
 from validation.paper.figures import FIGURES
-from validation.paper.table import UNJUDGED
 from validation.report.findings import finding
 from validation.report.page import Note, Page, page_of
 from validation.report.quantities import labelled
@@ -97,7 +96,10 @@ def _views(data: xr.Dataset) -> Views:
 
 def paper_page(result: Result, *, figures: bool = True) -> Page:
     """Return the page of claims and figures, from their dataset alone."""
-    unjudged = tuple(f"Sec. {one.section}: {one.statement} ({one.reason})." for one in UNJUDGED)
+    unjudged = tuple(
+        f"Sec. {section}: {one['statement']} ({one['reason']})."
+        for section, one in written()["unjudged"].items()
+    )
     return page_of(
         result.data,
         _views(with_places(result.data)),

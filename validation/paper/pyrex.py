@@ -21,7 +21,7 @@ from persson.squeezed_spheres import (
 )
 from persson.tabulated import Tabulated
 from validation.paper import systems as s
-from validation.paper.claims import Application, Convention, Stated, claim, factor, percent
+from validation.paper.claims import Convention, application
 from validation.paper.rim import EnergyName
 
 #: Radius of the sphere [m] and the force of the text [N].
@@ -141,89 +141,41 @@ def _line() -> str:
     )
 
 
-PYREX = Application(
-    name="Pyrex",
+PYREX = application(
+    "Pyrex",
     conventions=tuple(Convention(name=one.name, value=one) for one in _SETS),
-    claims=(
-        claim(
-            "rms roughness [nm]",
-            "2.2",
-            percent(0.15),
-            fixed=lambda: _rms(1e6),
-            choice="q_L = 1e6 1/m, the q_0 of the figures; 2 pi / 1 um gives "
-            + f"{_rms(2e6 * math.pi):.3f} nm",
-        ),
-        claim(
-            "maximum roughness amplitude [nm]",
-            "2.2",
-            percent(1.5, 10.0),
-            fixed=lambda: 10 * _rms(1e6),
-            choice="ten times h_rms, App. A, with q_L = 1e6 1/m",
-        ),
-        claim(
-            "contact and adhesion vanish at h/h_0",
-            "10.2",
-            percent(0.94, 2.0),
-            under=_critical,
-            note=lambda: (
+    fixed={
+        "rms": lambda: _rms(1e6),
+        "amplitude": lambda: 10 * _rms(1e6),
+        "young_ratio": lambda: 64e9 / 2.9e9,
+        "range": lambda: 2.0 / 0.15,
+    },
+    under={
+        "critical": _critical,
+        "half_yielded": _half_yielded,
+        "yielded_region": lambda pyrex: (2 * math.pi / (_half_yielded(pyrex) * 1e-3)) ** 2,
+        "work_after": lambda pyrex: pyrex.squeezed.after.macroscopic_work / pyrex.work,
+        "area_after": lambda pyrex: pyrex.squeezed.after.real_area,
+        "nominal_pressure": lambda pyrex: float(hertz_pressure(_FORCE, **_pair(pyrex))) / 1e6,
+        "pull_off": lambda pyrex: float(yielded_share(_FORCE, hardness=s.PYREX_HARDNESS, **_pair(pyrex))),
+    },
+    more={
+        "rms": {
+            "choice": "q_L = 1e6 1/m, the q_0 of the figures; 2 pi / 1 um gives "
+            + f"{_rms(2e6 * math.pi):.3f} nm"
+        },
+        "critical": {
+            "note": lambda: (
                 "two independent surfaces (C x 2) with Eq. 43: "
                 f"{_critical(Pyrex(multiple=2.0, energy='old')):.2f}, half yielded at "
                 f"{_half_yielded(Pyrex(multiple=2.0)):.0f}"
-            ),
-        ),
-        claim(
-            "half yielded at 20 MPa at magnification",
-            "10.2",
-            percent(3000.0),
-            under=_half_yielded,
-            choice="zeta = q / (1e6 1/m), as in the captions",
-        ),
-        claim(
-            "area of a yielded region [nm^2], 'of order'",
-            "10.2",
-            factor(4.0, 2.0, words="of order"),
-            under=lambda pyrex: (2 * math.pi / (_half_yielded(pyrex) * 1e-3)) ** 2,
-        ),
-        claim(
-            "gamma_eff(1)/Delta gamma after squeezing, 'about half'",
-            "10.2",
-            percent(0.5, 20.0),
-            under=lambda pyrex: pyrex.squeezed.after.macroscopic_work / pyrex.work,
-        ),
-        claim(
-            "A/A0 after squeezing, 'nearly perfect contact'",
-            "10.2",
-            Stated(1.0, 0.9, 1.0, "a tenth, for 'nearly'"),
-            under=lambda pyrex: pyrex.squeezed.after.real_area,
-        ),
-        claim(
-            "nominal pressure at F^(1/3) = 0.06 N^(1/3) [MPa]",
-            "10.2",
-            percent(20.0, 20.0),
-            under=lambda pyrex: float(hertz_pressure(_FORCE, **_pair(pyrex))) / 1e6,
-            note=lambda: "0.06 and 20 carry one digit each, hence 20 %",
-        ),
-        claim(
-            "pull-off force over that of smooth spheres, after 20 MPa",
-            "10.2",
-            factor(1e-3, 3.0, words="~"),
-            under=lambda pyrex: float(yielded_share(_FORCE, hardness=s.PYREX_HARDNESS, **_pair(pyrex))),
-            note=_line,
-        ),
-        claim(
-            "Young's modulus over that of PMMA, '10^2'",
-            "10.2",
-            factor(100.0, 3.0, words="~"),
-            fixed=lambda: 64e9 / 2.9e9,
-            failure="the paper's own numbers give 22 for 64 GPa and 11 for 32",
-        ),
-        claim(
-            "highest to lowest point seen, 2 nm, over h_rms",
-            "App. A",
-            percent(10.0, 20.0),
-            fixed=lambda: 2.0 / 0.15,
-            failure="2 nm is 13 times the 0.15 nm of Sec. 2.2; Sec. 10.2 has 1 nm for the same measurement",
-            note=lambda: f"512 x 512 independent points would show {2 * maximum_height(512.0**2):.1f} h_rms",
-        ),
-    ),
+            )
+        },
+        "pull_off": {"note": _line},
+        "range": {
+            "note": lambda: (
+                f"512 x 512 independent points would show {2 * maximum_height(512.0**2):.1f} h_rms"
+            )
+        },
+    },
 )

@@ -12,11 +12,17 @@ from validation.execution.results import DATA, read_results, write_results
 from validation.files import locked
 from validation.paper.claims import judge
 from validation.paper.figures import FIGURES
+from validation.paper.general import GENERAL
 from validation.paper.page import paper_dataset, paper_page
-from validation.paper.table import APPLICATIONS
+from validation.paper.pmma import PMMA
+from validation.paper.pyrex import PYREX
+from validation.paper.rim import RIM
+from validation.paper.steel import STEEL
 from validation.report.page import Page, write_page
 
 KIND = "paper"
+#: In the order of the table.
+APPLICATIONS = (RIM, GENERAL, STEEL, PMMA, PYREX)
 
 
 def run(

@@ -15,7 +15,7 @@ from persson.limits import critical_roughness
 from persson.percolation import COMPUTED_THRESHOLDS, SITE_THRESHOLD
 from persson.spectrum import area_factor
 from validation.paper import systems as s
-from validation.paper.claims import Application, Convention, Stated, claim, digit, factor, percent
+from validation.paper.claims import Convention, Stated, application
 
 EnergyName = Literal["improved", "old", "as_printed"]
 AreaName = Literal["star", "projected"]
@@ -100,84 +100,32 @@ def _each_reading() -> str:
     return "each reading: " + ", ".join(f"{c.name} {c.value.pressed.real_area:.4f}" for c in _READINGS)
 
 
-RIM = Application(
-    name="tire rim",
+RIM = application(
+    "tire rim",
     conventions=_READINGS,
-    claims=(
-        claim(
-            "surface area above the projected one [%]",
-            "8.3",
-            digit(38.0, 1.0),
-            fixed=lambda: 100 * (float(area_factor(s.rim().m2())) - 1),
-        ),
-        claim("A/A0 at 0.5 MPa without adhesion", "8.3", digit(0.06, 0.01), fixed=_plain_area),
-        claim(
-            "A/A0 at 0.5 MPa with adhesion",
-            "8.3",
-            digit(0.44, 0.01),
-            under=lambda rim: rim.pressed.real_area,
-            note=_each_reading,
-        ),
-        claim(
-            "adhesion becomes important near magnification",
-            "8.3",
-            factor(10.0, 2.0, words="about"),
-            under=_onset,
-            choice="the magnification where adhesion has added a tenth to the area",
-        ),
-        claim(
-            "estimate sigma_0^2 / (E Delta gamma q_0) of that magnification",
-            "8.3",
-            percent(5.0),
-            fixed=lambda: s.RIM_PRESSURE**2 / (10e6 * s.RIM_WORK) / 1e5,
-        ),
-        claim(
-            "wavelength at zeta = 10 [um]",
-            "8.3",
-            percent(10.0, 10.0),
-            fixed=lambda: 2 * math.pi / (10 * 1e5) * 1e6,
-            failure="2 pi / (10 q_0) is 6.3 um",
-        ),
-        claim(
-            "gamma_eff(1)/Delta gamma without load at h = h_0",
-            "8.3",
-            Stated(0.0, -0.01, 0.01, "1 % of Delta gamma"),
-            under=_macroscopic,
-            note=lambda: f"without load contact is lost from h/h_0 = {_critical():.2f} on",
-        ),
-        claim(
-            "friction force of 0.05 m^2 at 0.25 MPa [kN]",
-            "8.3",
-            percent(5.7),
-            under=lambda rim: 0.05 * 0.25e6 * rim.pressed.real_area / 1e3,
-            note=lambda: "the paper rounds 12.5 kN up to 13 kN before multiplying by 0.44",
-        ),
-        claim(
-            "shear force in perfect contact [kN]",
-            "8.3",
-            percent(13.0),
-            fixed=lambda: 0.05 * 0.25e6 / 1e3,
-        ),
-        claim(
-            "A/A0 above the percolation threshold 1 - p_c: no leak",
-            "8.3",
-            Stated(SITE_THRESHOLD, SITE_THRESHOLD, 1.0, "above it"),
-            under=lambda rim: rim.pressed.real_area,
-        ),
-        claim(
-            "A/A0 above the thresholds that were computed since: no leak",
-            "8.3",
-            Stated(COMPUTED_THRESHOLDS[1], COMPUTED_THRESHOLDS[1], 1.0, "above all of them"),
-            under=lambda rim: rim.pressed.real_area,
-            note=_seals,
-            failure="the area lies among or below the thresholds",
-        ),
-        claim(
-            "P~/P at the highest magnification, 'below 1'",
-            "8.2",
-            Stated(1.0, 0.0, 1.0, "below 1"),
-            under=_share,
-            failure="under load P~ may exceed P, and without adhesion it tends to 2 P (docs/errata.md)",
-        ),
-    ),
+    fixed={
+        "slope_factor": lambda: 100 * (float(area_factor(s.rim().m2())) - 1),
+        "dry_area": _plain_area,
+        "onset_estimate": lambda: s.RIM_PRESSURE**2 / (10e6 * s.RIM_WORK) / 1e5,
+        "wavelength": lambda: 2 * math.pi / (10 * 1e5) * 1e6,
+        "shear_force": lambda: 0.05 * 0.25e6 / 1e3,
+    },
+    under={
+        "area": lambda rim: rim.pressed.real_area,
+        "onset": _onset,
+        "free_work": _macroscopic,
+        "friction": lambda rim: 0.05 * 0.25e6 * rim.pressed.real_area / 1e3,
+        "site_threshold": lambda rim: rim.pressed.real_area,
+        "computed_thresholds": lambda rim: rim.pressed.real_area,
+        "energy_share": _share,
+    },
+    more={
+        "area": {"note": _each_reading},
+        "free_work": {"note": lambda: f"without load contact is lost from h/h_0 = {_critical():.2f} on"},
+        "site_threshold": {"stated": Stated(SITE_THRESHOLD, SITE_THRESHOLD, 1.0, "above it")},
+        "computed_thresholds": {
+            "stated": Stated(COMPUTED_THRESHOLDS[1], COMPUTED_THRESHOLDS[1], 1.0, "above all of them"),
+            "note": _seals,
+        },
+    },
 )

@@ -9,9 +9,7 @@ from persson.hardness import constant_hardness
 from persson.percolation import SITE_THRESHOLD
 from persson.separation import macroasperity_magnification, macroasperity_pressure
 from validation.paper import systems as s
-from validation.paper.claims import Application, Stated, claim, percent
-
-_ROLL_OFF = "a smooth roll-off at q_0 = 1e5 1/m, q_1 = 1e10 1/m"
+from validation.paper.claims import Stated, application
 
 
 def _magnification() -> float:
@@ -32,48 +30,22 @@ def _plastic_limit() -> float:
     return float(areas.plastic) * 2e9 / s.STEEL_PRESSURE
 
 
-STEEL = Application(
-    name="polished steel and roads",
-    claims=(
-        claim(
-            "roads: roll-off wavelength for q_0 = 1000 1/m [cm]",
-            "2.1",
-            percent(1.0, 10.0),
-            fixed=lambda: 2 * math.pi / 1000 * 100,
-            failure="2 pi / q_0 is 6.3 mm",
-        ),
-        claim(
-            "macroasperity magnification at 10 MPa, expected in 1 ... 5",
-            "3.6",
-            Stated(3.0, 1.0, 5.0, "the range the paper names"),
-            fixed=_magnification,
-            choice=_ROLL_OFF,
-            failure="ln A bends most already below the roll-off",
-        ),
-        claim(
-            "A/A0 of the macroasperities, 'below the percolation threshold'",
-            "3.6",
-            Stated(SITE_THRESHOLD, 0.0, SITE_THRESHOLD, "below it"),
-            fixed=lambda: s.STEEL_PRESSURE / _pressure(s.STEEL_PRESSURE),
-            choice=_ROLL_OFF,
-        ),
-        claim(
-            "pressure in the macroasperities at 10 MPa over that at 1 MPa, 'independent of the load'",
-            "3.7",
-            percent(1.0, 2.0),
-            fixed=lambda: _pressure(10e6) / _pressure(1e6),
-            choice=_ROLL_OFF,
-            note=lambda: (
+STEEL = application(
+    "polished steel and roads",
+    fixed={
+        "roads": lambda: 2 * math.pi / 1000 * 100,
+        "magnification": _magnification,
+        "area_share": lambda: s.STEEL_PRESSURE / _pressure(s.STEEL_PRESSURE),
+        "pressure_share": lambda: _pressure(10e6) / _pressure(1e6),
+        "plastic_limit": _plastic_limit,
+    },
+    more={
+        "area_share": {"stated": Stated(SITE_THRESHOLD, 0.0, SITE_THRESHOLD, "below it")},
+        "pressure_share": {
+            "note": lambda: (
                 f"{_pressure(1e6) / 1e6:.0f} and {_pressure(10e6) / 1e6:.0f} MPa, but "
                 f"{_pressure(100e6) / 1e6:.0f} at 100 MPa, where the contact is not light any more"
-            ),
-        ),
-        claim(
-            "A_pl sigma_Y / (sigma_0 A_0) at the highest magnification",
-            "6",
-            percent(1.0, 1.0),
-            fixed=_plastic_limit,
-            choice="q_0 and q_1 of the steel, sigma_Y = 2 GPa",
-        ),
-    ),
+            )
+        },
+    },
 )
