@@ -315,6 +315,8 @@ def test_shifts_average_out_the_noise_of_the_lattice() -> None:
     assert abs(mean.perimeter / area - 1) < 0.5 * single
     assert mean.edge_fraction == pytest.approx(mean.edge_length / 96)
     assert mean.subcell is None
+    located = [dataclasses.replace(values[0], subcell=area) for area in (0.1, 0.2, 0.6)]
+    assert mean_areas(located).subcell == pytest.approx(0.3)
     with pytest.raises(InvalidInput, match="one grid"):
         mean_areas([values[0], areas_on(32, limit=0.1, constant=0.1)])
     with pytest.raises(InvalidInput, match="per_axis"):

@@ -187,3 +187,9 @@ def test_an_interval_names_its_sources_where_not_all_were_measured():
     told = claim(data, "kappa", surfaces=0.0, solver=0.0, theory="none")
     both = finding("value", "kappa = {kappa} and A/A0 = {area}.", told)
     assert both.text == "kappa = 2.000 +- 0.020 and A/A0 = 0.100 +- 0.020 (grid)."
+
+
+def test_what_grids_miss_at_random_averages_over_surfaces_and_what_drifts_with_them_does_not():
+    each = xr.Dataset({"kappa_each": ("surface", [2.0] * 4), "kappa_each_drift": ("surface", [0.08] * 4)})
+    kappa = mean(claim(each, "kappa_each", grid=0.12), "kappa")
+    assert float(kappa.kappa_error.sel(source="grid")) == pytest.approx(np.hypot(0.12 / 2, 0.08), rel=1e-12)

@@ -6,47 +6,18 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.integrate import quad
 
 from persson import spheres
 from persson.asperities import (
-    Asperities,
-    FullerTabor,
     bush_gibson_thomas,
     nayak_asperities,
     ring_asperities,
 )
 from persson.spectrum import Moments
 from validation.arrays import Array
-from validation.cases import Check, below, case, near, relative, within
+from validation.cases import Check, below, case, near, relative
 
 _RADIUS, _MODULUS, _WORK = 2e-3, 3e6, 0.05
-
-
-@case(
-    "spheres-hertz",
-    "Force, approach, radius and pressures of a Hertzian contact belong together.",
-    source="H. Hertz, J. reine angew. Math. 92, 156 (1882); Persson 2006, Eqs. 4-8 and 23",
-)
-def _hertz() -> Iterator[Check]:
-    force = 0.7
-    contact = spheres.hertz(force, radius=_RADIUS, contact_modulus=_MODULUS)
-    s, peak = contact.approach, contact.peak_pressure
-    stress = np.linspace(0, peak, 20001)
-    density = spheres.hertz_pressure_distribution(stress, peak_pressure=peak)
-    carried = quad(
-        lambda r: 2 * math.pi * r * float(contact.pressure(r)), 0, contact.radius, epsabs=0, epsrel=1e-10
-    )[0]
-    yield relative("F from s [N]", 4 / 3 * _MODULUS * math.sqrt(_RADIUS * s) * s, force, 1e-12)
-    yield relative("a^2 / R [m]", contact.radius**2 / _RADIUS, s, 1e-12)
-    yield relative("integral of p(r) [N]", carried, force, 1e-8)
-    yield relative("integral of P(sigma)", np.trapezoid(density, stress), 1.0, 1e-3)
-    yield relative(
-        "mean of P(sigma) over the peak",
-        float(np.trapezoid(stress * density, stress)) / peak,
-        2 / 3,
-        1e-3,
-    )
 
 
 @case(
@@ -116,62 +87,3 @@ def _summits() -> Iterator[Check]:
     yield near("n_0 / q^2 of one wavelength", ring.density / 1e10, 0.029, 5e-4)
     yield relative("1/R of one wavelength [1/m]", 1 / ring.radius, math.sqrt(2) * 1e10 * 1e-6, 1e-12)
     yield relative("h* of one wavelength [m]", ring.rms_height, 0.6e-6, 1e-12)
-
-
-_ASPERITIES = Asperities(density=1e10, radius=5e-6, rms_height=1e-7)
-
-
-@case(
-    "asperities-spheres",
-    "Equal spheres of Gaussian heights carry the sum of their Hertzian loads.",
-    source="J. A. Greenwood, J. B. P. Williamson, Proc. R. Soc. A 295, 300 (1966)",
-)
-def _spheres_on_a_plane() -> Iterator[Check]:
-    """Sum Hertz over Gaussian heights."""
-    for deviations in (0.5, 2.0):
-        d = deviations * _ASPERITIES.rms_height
-
-        def summed(power: float, d: float = d) -> float:
-            h = _ASPERITIES.rms_height
-            normal = 1 / math.sqrt(2 * math.pi) / h
-            return quad(
-                lambda z: max(z - d, 0.0) ** power * normal * math.exp(-0.5 * (z / h) ** 2),
-                d,
-                d + 12 * h,
-                epsabs=0,
-                epsrel=1e-10,
-            )[0]
-
-        contact = _ASPERITIES.contact(d, contact_modulus=_MODULUS)
-        n, big = _ASPERITIES.density, _ASPERITIES.radius
-        yield relative(f"A/A0 at {deviations:g} h*", contact.area, math.pi * n * big * summed(1), 1e-7)
-        yield relative(
-            f"p0 at {deviations:g} h* [Pa]",
-            contact.pressure,
-            4 / 3 * n * _MODULUS * math.sqrt(big) * summed(1.5),
-            1e-7,
-        )
-
-
-@case(
-    "asperities-adhesive",
-    "Adhesive asperities of one height come off together; rough ones hardly stick.",
-    source="K. N. G. Fuller, D. Tabor, Proc. R. Soc. A 345, 327 (1975)",
-    tolerance="estimate",
-)
-def _sticking() -> Iterator[Check]:
-    """Asperities of almost one height pull off together, each with 3/2 pi w R."""
-    big = _ASPERITIES.radius
-    stretch = 0.75 * math.cbrt(math.pi**2 * _WORK**2 * big / _MODULUS**2)
-    alike = Asperities(density=1e10, radius=big, rms_height=1e-3 * stretch)
-    pull = FullerTabor(asperities=alike, contact_modulus=_MODULUS, work_of_adhesion=_WORK)
-    rough = FullerTabor(
-        asperities=Asperities(density=1e10, radius=big, rms_height=4 * stretch),
-        contact_modulus=_MODULUS,
-        work_of_adhesion=_WORK,
-    )
-    all_together = 1e10 * 1.5 * math.pi * _WORK * big
-    yield relative("stretch at which an asperity lets go [m]", pull.stretch, stretch, 1e-12)
-    # dF/d delta is infinite there, so what is lost goes with the two thirds power of the scatter.
-    yield relative("pull-off of equal asperities [Pa]", pull.pull_off(), all_together, 0.03)
-    yield within("pull-off of rough ones over that", rough.pull_off() / all_together, 1e-9, 0.03)

@@ -7,14 +7,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fem_contact.area import contact_areas, subcell_area
-from fem_contact.bem import solve, solve_displacement, solve_path
+from fem_contact.area import subcell_area
+from fem_contact.bem import solve, solve_path
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.stress import elastic_energy, loading_work
 from fem_contact.surface import HeightField, random_surface
-from validation.cases import Check, below, case, order, relative, within
-from validation.cases._closed_forms import HertzInPeriod
+from validation.cases import Check, below, case, order, relative
 
 _SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 _JOHNSON = "K. L. Johnson, J. A. Greenwood, J. G. Higginson, Int. J. Mech. Sci. 27, 383 (1985)"
@@ -96,69 +95,3 @@ def _energy() -> Iterator[Check]:
         misses.append(abs(loading_work(path)[-1] / stored - 1))
     yield below("relative difference in 32 steps", misses[-1], 1e-3)
     yield order("its observed order in the step", (8, 16, 32), misses, expected=2, tolerance=0.3)
-
-
-@case(
-    "bem-mean-gap",
-    "A mean gap leads to the load that it belongs to.",
-    source="uniqueness of the elastic solution",
-    tolerance="solver",
-)
-def _mean_gap() -> Iterator[Check]:
-    surface = _rough(96)
-    by_load = solve(surface, _SOFT, mean_pressure=0.2, tolerance=1e-10).checked()
-    gap = float(np.mean(by_load.gap))
-    by_gap = solve_displacement(surface, _SOFT, mean_gap=gap, tolerance=1e-10).checked()
-    yield relative("mean pressure at the prescribed gap", by_gap.mean_pressure, 0.2, 1e-7)
-
-
-@case(
-    "bem-disc-area",
-    "The located area of a disc converges faster than the counted one, of first order.",
-    source="H. Hertz, J. reine angew. Math. 92, 156 (1882)",
-    tolerance="grid",
-)
-def _disc_area() -> Iterator[Check]:
-    """Area of a Hertzian contact, counted and with the edge located, over random places of the grid."""
-    generator = np.random.default_rng(61)
-    sizes = (64, 128, 256)
-    located: list[float] = []
-    counted: list[float] = []
-    for n in sizes:
-        squares = []
-        for _ in range(8):
-            case = HertzInPeriod(radius=0.1 * (0.9 + 0.2 * float(generator.random())))
-            shift = (float(generator.random()), float(generator.random()))
-            result = solve(case.surface(n, shift), _SOFT, mean_pressure=case.load).checked()
-            true = math.pi * case.radius**2
-            squares.append((_miss(subcell_area(result), true), _miss(contact_areas(result).pixel, true)))
-        for errors, column in zip((located, counted), zip(*squares, strict=True), strict=True):
-            errors.append(math.sqrt(float(np.mean(np.square(column)))))
-    yield below("located: error at 6 cells of radius", located[0], 5e-3)
-    yield below("located: error at 26 cells of radius", located[-1], 1e-3)
-    # Between 1.5, where the places in the grid were random, and 2, where edges are smooth.
-    yield order("located: observed order", sizes, located, expected=1.75, tolerance=0.45)
-    yield order("counted: observed order", sizes, counted, expected=1, tolerance=0.35)
-
-
-def _miss(value: float, true: float) -> float:
-    return value / true - 1
-
-
-@case(
-    "bem-steps",
-    "Boundary elements take as many steps on a fine grid as on a coarse one.",
-    source="docs/bem.md: nested grids, a preconditioner that follows the contact",
-    tolerance="estimate",
-)
-def _steps() -> Iterator[Check]:
-    """Count conjugate-gradient steps on finer and finer grids, elastic and yielding."""
-    for name, bound in (("elastic", None), ("a bound on the pressure", 0.3)):
-        steps = [
-            solve(_rough(n), _SOFT, mean_pressure=0.05, pressure_bound=bound, tolerance=1e-9)
-            .checked()
-            .cost.iterations
-            for n in (48, 96, 192)
-        ]
-        yield within(f"most steps, {name}", max(steps), 4, 20)
-        yield below(f"more steps at n = 192 than at n = 48, {name}", max(steps[2] - steps[0], 0), 4)

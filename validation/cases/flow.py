@@ -9,11 +9,10 @@ import numpy as np
 
 from fem_contact import bem
 from fem_contact.conductance import contact_conductance, frozen_contact
-from fem_contact.leak import critical_gap, flow_conductance, open_gap, percolates
+from fem_contact.leak import flow_conductance
 from fem_contact.response import BondedLayer, HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
-from persson.leakage import effective_medium
 from validation.arrays import Array
 from validation.cases import Check, below, case, order, relative
 
@@ -62,32 +61,6 @@ def _spots() -> Iterator[Check]:
     yield relative("stiffness of a bonded layer in full contact [1/m]", pressed.stiffness, oedometric, 1e-9)
 
 
-@case(
-    "flow-stiffness",
-    "The stiffness of the frozen contact set is the slope of the load over the approach.",
-    source="exact: without friction the area changes in the second order alone",
-    tolerance="solver",
-)
-def _slope() -> Iterator[Check]:
-    """Slope of the load over the approach between two solves close to one another."""
-    x = 2 * np.pi * np.arange(64) / 64
-    heights = 1e-3 * (
-        np.cos(2 * x)[:, None] + np.cos(3 * x + 1.0)[None, :] + np.cos(x[:, None] + x[None, :] + 2.0)
-    )
-    surface = HeightField(heights=heights, lengths=(1.0, 1.0))
-    load = 0.1 * _SOLID.contact_modulus * surface.rms_gradient
-    states = [
-        bem.solve(surface, _HALF_SPACE, mean_pressure=load * (1 + step), tolerance=1e-12).checked()
-        for step in (-1e-6, 0.0, 1e-6)
-    ]
-    secant = (states[2].mean_pressure - states[0].mean_pressure) / (states[0].offset - states[2].offset)
-    stiffness = frozen_contact(states[1], _HALF_SPACE).stiffness
-    moved = float(sum(np.sum(state.in_contact != states[1].in_contact) for state in states))
-    yield below("points that change between the loads", moved, 0.0)
-    # Both offsets are known to 1e-12 of the height, their difference to some 1e-6 of itself.
-    yield relative("stiffness of the frozen contact over the secant", stiffness / secant, 1.0, 1e-5)
-
-
 def _grooved(n: int, phase: Array) -> Array:
     """Return a gap 1 + .6 cos(phase) on n x n points."""
     return 1 + 0.6 * np.cos(phase) + np.zeros((n, n))
@@ -122,30 +95,3 @@ def _channels() -> Iterator[Check]:
     # The mean of an analytic function over a period converges faster than any power.
     yield relative("12 K across them", found["x"], across, 1e-8)
     yield order("order along oblique ones", sizes, errors, expected=2, tolerance=0.2)
-
-
-@case(
-    "flow-percolation",
-    "A pressed wave leaks along its valleys alone; Bruggeman's medium closes at one half.",
-    source="exact; D. A. G. Bruggeman, Ann. Phys. 416, 636 (1935)",
-)
-def _percolation() -> Iterator[Check]:
-    """Let fluid along the valleys of a pressed wave, and through patchworks of two halves."""
-    wave = 0.01 * np.cos(2 * np.pi * (np.arange(48) + 0.5) / 48)[:, None] * np.ones(4)
-    surface = HeightField(heights=wave, lengths=(1.0, 0.25))
-    pressed = bem.solve(
-        surface, _HALF_SPACE, mean_pressure=0.3 * math.pi * 0.01 * _SOLID.contact_modulus
-    ).checked()
-    gap = open_gap(pressed)
-    # A valley is a channel: its cubes add, and its deepest place is the narrowest of the widest path.
-    along = flow_conductance(gap, surface.lengths, axis="y").conductance
-    halves = effective_medium([1.0, 4.0], [0.5, 0.5])
-    yield relative(
-        "K along a pressed wave over the mean of u^3/12", along / float(np.mean(gap**3 / 12)), 1.0, 1e-10
-    )
-    yield relative(
-        "narrowest place along it over the widest gap", critical_gap(gap, "y") / gap.max(), 1.0, 1e-10
-    )
-    yield below("paths across it", percolates(gap > 0, "x"), 0.0)
-    yield relative("Bruggeman's conductance of two halves, 1 and 4", halves, 2.0, 1e-10)
-    yield below("Bruggeman's conductance of .51 without any", effective_medium([0.0, 1.0], [0.51, 0.49]), 0.0)

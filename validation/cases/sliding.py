@@ -9,8 +9,6 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ive, kve
 
-from fem_contact import bem
-from fem_contact.response import GivenResponse
 from fem_contact.sliding import SlidingContact, slide
 from fem_contact.surface import HeightField, random_surface
 from fem_contact.viscoelastic import PronySolid
@@ -93,33 +91,6 @@ def _cylinder() -> Iterator[Check]:
         yield relative(f"friction, {said}", np.sum(x * pressure) / np.sum(pressure), friction, 0.01)
         yield near(f"half width, {said}", float(touched[-1] - touched[0]) / 2, a, 1 / n)
         yield near(f"centre, {said}", float(touched[-1] + touched[0]) / 2, centre, 1 / n)
-
-
-@case(
-    "sliding-limits",
-    "Slow and fast sliding are elastic contacts, to 1e-6; waves along the motion stay relaxed.",
-    source=_RESPONSE,
-    tolerance="solver",
-)
-def _limits() -> Iterator[Check]:
-    """Waves along the motion stay relaxed at any velocity: a point of a period never leaves them."""
-    surface, ratio = _rough(64), 50.0
-    for words, velocity, young in (("slow", 1e-9, 1.0), ("fast", 1e9, ratio)):
-
-        def compliance(qx: np.ndarray, qy: np.ndarray, young: float = young) -> np.ndarray:
-            q = np.hypot(qx, qy)
-            modulus = np.where(qx == 0, 1.0, young) / (1 - _POISSON**2)
-            return np.where(q > 0, 2 / (modulus * np.where(q > 0, q, 1.0)), 0.0)
-
-        load = 0.1 * _GRADIENT / (1 - _POISSON**2)
-        sliding = slide(
-            surface, _standard(ratio), velocity=velocity, mean_pressure=load, tolerance=1e-10
-        ).checked()
-        response = GivenResponse(contact_modulus=1 / (1 - _POISSON**2), function=compliance)
-        elastic = bem.solve(surface, response, mean_pressure=load, tolerance=1e-10).checked()
-        worst = np.abs(sliding.contact.pressure - elastic.pressure).max() / elastic.pressure.max()
-        yield below(f"largest difference of pressure over the peak, {words}", worst, 1e-6)
-        yield below(f"friction by losses, {words}", abs(sliding.dissipation), 1e-6)
 
 
 @case(

@@ -9,10 +9,10 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from scipy.integrate import quad
 
-from fem_contact.surface import HeightField, estimate_spectrum, radial_spectrum, random_surface
+from fem_contact.surface import HeightField, random_surface
 from persson.capillary import CapillaryWaves, maximum_height
 from persson.spectrum import SelfAffine, Spectrum
-from persson.tabulated import Tabulated
+from persson.stretched import Stretched
 from validation.arrays import Array
 from validation.cases import Check, below, case, relative
 
@@ -106,25 +106,23 @@ def _capillary() -> Iterator[Check]:
         yield relative(name, ratio, math.sqrt(argument), 1e-12)
 
 
+_STRAIGHT = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=16 * math.pi, q_short=128 * math.pi)
+
+
 @case(
-    "spectra-table",
-    "A table of a power law is that power law, and areal PSDs are (2 pi)^2 C.",
-    source="quadrature over ln q",
+    "stretched-moments",
+    "The average over directions of a stretched spectrum has its closed moments.",
+    source="Integrals of (cos^2/gamma^2 + sin^2)^k over the directions",
 )
-def _tables() -> Iterator[Check]:
-    """Give a power law by its points; the areal PSD of others is (2 pi)^2 C."""
-    q = np.geomspace(2.0, 300.0, 9)
-
-    def power(wave: float) -> float:
-        return float(1e-3 * wave**-3.4)
-
-    table = Tabulated(wavevectors=q, power=np.array([power(wave) for wave in q]))
-    areal = Tabulated.from_areal_psd(q, (2 * math.pi) ** 2 * table.power)
-    off = float(np.max(np.abs(areal.power / table.power - 1)))
-    back = float(np.max(np.abs(areal.areal_psd() / table.power / (2 * math.pi) ** 2 - 1)))
-    yield from _judged("table", table, power, (2.0, 300.0))
-    yield below("error of C read from an areal PSD", off, 1e-14)
-    yield below("error of the areal PSD written from C", back, 1e-14)
+def _lay() -> Iterator[Check]:
+    for factor in (2.0, 5.0, 20.0):
+        lay, inverse = Stretched(spectrum=_STRAIGHT, factor=factor), factor**-2
+        for name, ratio, exact in (
+            ("m0", float(lay.m0() / _STRAIGHT.m0()), 1.0),
+            ("m2", float(lay.m2() / _STRAIGHT.m2()), (1 + inverse) / 2),
+            ("m4", float(lay.m4() / _STRAIGHT.m4()), (3 + 2 * inverse + 3 * inverse**2) / 8),
+        ):
+            yield relative(f"{name} over the isotropic, gamma = {factor:g}", ratio, exact, 1e-9)
 
 
 _LENGTHS = (1.0, 0.625)
@@ -166,59 +164,3 @@ def _generator() -> Iterator[Check]:
     likeness = float(np.mean(surface.heights * other.heights)) / surface.rms_height / other.rms_height
     # Of m waves with independent phases the correlation has the deviation (2 / m)^(1/2): .15 or less here.
     yield below("correlation of two seeds", likeness, 4 * math.sqrt(2 / np.sum(waves)))
-
-
-@case(
-    "surface-shift",
-    "A surface seen by a shifted grid is the same surface.",
-    source="trigonometric interpolation; exact",
-)
-def _between() -> Iterator[Check]:
-    surface = _drawn((40, 32))
-    finer = surface.resampled((160, 128)).heights
-    miss = surface.shifted((0.25, 0.75)).heights - finer[1::4, 3::4]
-    yield below("shifted against resampled", float(np.max(np.abs(miss))) / surface.rms_height, 1e-12)
-    # The shortest wave of an even grid is cos(pi i): moved by a quarter of a cell, cos(pi (i + 1/4)).
-    i = np.arange(8)
-    short = HeightField(heights=np.cos(math.pi * i)[:, None] * np.ones(3), lengths=(1.0, 1.0))
-    moved = short.shifted((0.25, 0.0)).heights[:, 0]
-    exact = np.cos(math.pi * i) * math.cos(math.pi / 4)
-    yield below("shortest wave, moved", moved - exact, 1e-12)
-    # Between its points it is a cosine, of mean square 1/2.
-    rings = radial_spectrum(short)
-    power = float(np.sum(rings.power * rings.count)) * (2 * math.pi) ** 2
-    yield relative("mean square of the shortest wave", power, 0.5, 1e-12)
-    # A ramp of phase tells the direction.
-    wave = HeightField(heights=np.cos(2 * math.pi * i / 8)[:, None] * np.ones(3), lengths=(1.0, 1.0))
-    found = wave.shifted((0.3, 0.0)).heights[:, 1]
-    exact = np.cos(2 * math.pi * (i + 0.3) / 8)
-    yield below("long wave, moved", found - exact, 1e-12)
-
-
-@case(
-    "surface-measured",
-    "The spectrum measured of a surface is the one it was made with.",
-    source="Parseval's theorem; F. J. Harris, Proc. IEEE 66, 51 (1978)",
-    tolerance="estimate",
-)
-def _measured() -> Iterator[Check]:
-    """Measure the spectrum of a surface whose C(q) is the same for all waves."""
-    lengths = (1.0, 0.5)
-
-    def flat(q: Array) -> Array:
-        return np.full(q.shape, 2e-5)
-
-    exact = random_surface(flat, q_short=200.0, lengths=lengths, shape=(80, 40), seed=6_007)
-    rings = radial_spectrum(exact)
-    whole = (rings.q > 30) & (rings.q < 180)
-    worst = float(np.max(np.abs(rings.power[whole] / 2e-5 - 1)))
-    sample = random_surface(
-        flat, q_short=200.0, lengths=lengths, shape=(80, 40), seed=6_011, amplitudes="gaussian"
-    )
-    found = estimate_spectrum(sample.heights, lengths, window="hann")
-    inside = (found.q > 30) & (found.q < 160)
-    mean = float(np.average(found.power[inside], weights=found.count[inside]))
-    # Half of the waves are independent, and a Hann window spreads each over 9/4 waves.
-    error = math.sqrt(2 * 9 / 4 / float(np.sum(found.count[inside])))
-    yield below("error of C(q) of a periodic surface", worst, 1e-9)
-    yield relative("mean C(q) of a patch seen through a window [m^4]", mean, 2e-5, 4 * error)

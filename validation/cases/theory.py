@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-import numpy as np
 from scipy.integrate import quad
 from scipy.special import erf
 
 from persson import elastic
 from persson.asperities import bush_gibson_thomas
-from persson.spectrum import SelfAffine, area_factor
-from validation.cases import Check, case, near, relative
+from persson.spectrum import SelfAffine
+from validation.cases import Check, case, relative
 
 
 @case(
@@ -82,33 +81,3 @@ def _variance() -> Iterator[Check]:
         math.erf(1 / (2 * math.sqrt(g))),
         1e-9,
     )
-
-
-@case(
-    "theory-area-factor",
-    "A surface of <|grad h|^2> = 0.99 has 38 % more area than its projection.",
-    source="Persson 2006, Sec. 8.3",
-)
-def _area_factor() -> Iterator[Check]:
-    # <sqrt(1 + |grad h|^2)> over a Gaussian gradient, by Gauss-Laguerre quadrature of s = |grad h|^2 / m2.
-    nodes, weights = np.polynomial.laguerre.laggauss(120)
-    average = float(np.sum(weights * np.sqrt(1 + 0.99 * nodes)))
-    found = float(area_factor(0.99))
-    yield relative("A*/A0 at <|grad h|^2> = 0.99", found, average, 1e-9)
-    yield near("increase of the area that the paper prints [%]", 100 * (found - 1), 38, 0.5)
-
-
-@case(
-    "theory-units",
-    "Lengths times 2^20 and pressures times 2^-30 leave the area of the theory bit for bit.",
-    source="symmetry",
-)
-def _units() -> Iterator[Check]:
-    areas = []
-    for length, stress in ((1.0, 1.0), (2.0**20, 2.0**-30)):
-        spectrum = SelfAffine.from_rms_gradient(
-            0.1, hurst=0.8, q_long=4 * math.pi / length, q_short=400 * math.pi / length
-        )
-        variance = elastic.stress_variance(spectrum.m2(), contact_modulus=stress)
-        areas.append(float(elastic.contact_area(0.01 * stress, stress_variance=variance)))
-    yield near("A/A0", areas[1], areas[0], 0.0)

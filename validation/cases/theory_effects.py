@@ -11,16 +11,9 @@ from scipy.integrate import quad
 
 from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
 from persson.diffusion import solve_diffusion
-from persson.elastic import (
-    contact_area,
-    diffusion_parameter,
-    initial_slope,
-    persson_kappa,
-    pressure_distribution,
-    pressure_for_area,
-)
 from persson.graded import ExponentialLayers, GradedModulus, SurfaceLayer
 from persson.hardness import constant_hardness
+from persson.limits import critical_roughness, pull_off_stress
 from persson.scale import Scale
 from persson.separation import mean_separation
 from persson.spectrum import SelfAffine, area_factor
@@ -28,32 +21,9 @@ from persson.variants import (
     Variant,
     corrected_contact_area,
     energy_factor,
-    energy_share,
     light_load_kappa,
 )
 from validation.cases import Check, below, case, near, relative, within
-
-
-@case(
-    "theory-elastic",
-    "Area, its inverse, its secant slope and the slope of P(sigma) at zero belong together.",
-    source="Persson 2006, Eqs. 16-20",
-)
-def _elastic() -> Iterator[Check]:
-    """Beside the area itself: its inverse, its secant slope, and its loss to the wall at sigma = 0."""
-    variance, pressure = 0.36, 0.5
-    area = math.erf(pressure / math.sqrt(2 * variance))
-    step = 1e-4
-    lost = [
-        float(contact_area(pressure, stress_variance=variance + side * step)) / (2 * step) for side in (-1, 1)
-    ]
-    slope = float(initial_slope(pressure, stress_variance=variance))
-    yield relative("p0 of an area", pressure_for_area(area, stress_variance=variance), pressure, 1e-12)
-    # Differences of a step of 1e-4 leave its square.
-    yield relative("P'(0+) from dA/dV = -P'(0+) / 2", slope, 2 * (lost[0] - lost[1]), 1e-6)
-    yield relative("kappa at p* = .3", persson_kappa(0.3), math.erf(0.3 * math.sqrt(2)) / 0.3, 1e-12)
-    yield relative("G = V / (2 p0^2)", diffusion_parameter(pressure, stress_variance=variance), 0.72, 1e-12)
-    yield relative("kappa without load", persson_kappa(0.0), math.sqrt(8 / math.pi), 1e-12)
 
 
 def _eigenfunctions(x: float, v: float) -> tuple[float, float]:
@@ -258,47 +228,6 @@ def _adhesion() -> Iterator[Check]:
 
 
 @case(
-    "theory-adhesion-force",
-    "Stress in an adhesive contact adds up to its area and force, which grows by -sigma_a dA.",
-    source="Persson 2006, Eqs. 35, 38-40",
-)
-def _force() -> Iterator[Check]:
-    """Integrate P(sigma, zeta) with its tension, Eq. 40 over the nodes, and let adhesion vanish."""
-    contact = _rim(_RIM_INTERFACE)
-    middle = contact.area.size // 2
-    for index in (middle, -1):
-        top = _RIM_PRESSURE + 8 * math.sqrt(float(contact.variance[index]))
-        stress = np.linspace(-float(contact.tensile_limit[index]), top, 40001)
-        density, place = contact.distribution(index, stress), "q_short" if index == -1 else "mid-way"
-        area, force = (float(np.trapezoid(density * stress**power, stress)) for power in (0, 1))
-        yield relative(f"int P over A/A0, {place}", area, contact.area[index], 1e-5)
-        yield relative(f"int sigma P over F/A0, {place}", force, contact.contact_force[index], 1e-5)
-    limit = (contact.tensile_limit[1:] + contact.tensile_limit[:-1]) / 2
-    pulled = float(np.sum(-np.diff(contact.area) * limit)) / _RIM_PRESSURE
-    gained = float(contact.contact_force[-1]) / _RIM_PRESSURE - 1
-    weak = _rim(replace(_RIM_INTERFACE, work_of_adhesion=1e-9))
-    scatter = math.sqrt(float(weak.variance[-1]))
-    stress = np.geomspace(1e-3, 3, 60) * scatter
-    plain = pressure_distribution(stress, pressure=_RIM_PRESSURE, stress_variance=weak.variance[-1])
-    off = float(np.max(np.abs(weak.distribution(-1, stress) - plain)) / np.max(plain))
-    share = energy_share(_RIM_PRESSURE, stress_variance=weak.variance, energy="improved")
-    # The trapezoidal rule on nodes .12 apart in ln V, where sigma_a sets in like a square root.
-    yield relative("F/F_load - 1 by -int sigma_a dA", gained, pulled, 0.02)
-    yield relative("F without adhesion [Pa]", weak.contact_force[-1], _RIM_PRESSURE, 1e-4)
-    # What is left of the tensile limit shifts P: by sigma_a, times its largest slope over its peak.
-    yield below(
-        "largest difference of P(sigma) without adhesion, over its peak",
-        off,
-        math.exp(0.5) * float(weak.tensile_limit[-1]) / scatter,
-    )
-    yield below(
-        "largest difference of P~ without adhesion",
-        weak.energy_share - share,
-        1e-4,
-    )
-
-
-@case(
     "theory-adhesion-energy",
     "The adhesive energy left at each scale is what the waves beyond it have not cost.",
     source="Persson 2006, Eqs. 37, 43, 48 and 50",
@@ -335,3 +264,34 @@ def _energies() -> Iterator[Check]:
             name = f"gamma_eff / gamma at {place:g} 1/m, {energy} energy"
             # Interpolation between nodes .12 apart in ln V, and the trapezoidal rule.
             yield near(name, computed, expected, 2e-4)
+
+
+#: As rough as `_ROUGH`, by two decades of waves.
+_SHORT = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e5, q_short=1e7)
+
+
+@case(
+    "theory-pull-off",
+    "Nearly flat surfaces come off at the detachment stress; rougher than critical none sticks.",
+    source="Persson 2006, Secs. 8.3 and 10.2",
+    tolerance="estimate",
+)
+def _ends() -> Iterator[Check]:
+    """Pull off a nearly flat surface, and roughen one until it does not stick."""
+    interface = Interface(work_of_adhesion=0.05)
+    smooth = Scale(_SHORT.scaled(1e-8), contact_modulus=4e6)
+    strongest = math.sqrt(1.125 * 0.05 * 4e6 * 1e5)
+    pull = pull_off_stress(smooth, interface=interface, tolerance=0.01)
+    factor = critical_roughness(_SHORT, contact_modulus=4e6, interface=interface, tolerance=0.05)
+    smoother, rougher = (
+        solve_adhesion(
+            Scale(_SHORT.scaled((part * factor) ** 2), contact_modulus=4e6),
+            pressure=0.0,
+            interface=interface,
+        ).real_area
+        for part in (0.93, 1.07)
+    )
+    # Bisection to a hundredth.
+    yield relative("pull-off of a nearly flat surface [Pa]", pull, strongest, 0.015)
+    yield within("A/A0 without load just below it", smoother, 1e-3, 1.0)
+    yield below("A/A0 without load just above it", rougher, 0.0)
