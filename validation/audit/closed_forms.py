@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-__all__ = ["yielded_areas"]
-
 #: Terms of a series whose n-th is exp(-(n pi)^2 v / 2), v not below `_LEAST`.
 _TERMS, _LEAST = 400, 1e-3
 

@@ -17,8 +17,6 @@ import numpy as np
 
 from validation.audit.stored import Array, Stored, regular_bytes, sealed_bytes
 
-__all__ = ["Labelled", "Result", "Variable"]
-
 #: No file that a result consists of is larger.
 _LARGEST = 2**31
 

@@ -12,8 +12,6 @@ from scipy.special import erf
 
 from validation.audit.stored import Array
 
-__all__ = ["names_of", "value_of"]
-
 _OPERATORS: dict[type, Callable[..., Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,

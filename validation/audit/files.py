@@ -5,8 +5,6 @@ from __future__ import annotations
 import html
 import re
 
-__all__ = ["page_tables"]
-
 #: Symbols as a page sets them, and as they are typed.
 _MARKS = {"±\u00a0": "+- ", "\u00a0%": " %", "Δx": "dx", "κ": "kappa", "σ": "sigma", "γ": "gamma"}
 _MARKS |= {"λ": "lambda", "ζ": "zeta", "α": "alpha", "μ": "mu", "ν": "nu"}

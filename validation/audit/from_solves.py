@@ -16,19 +16,6 @@ from validation.audit.expressions import value_of
 from validation.audit.limits import TRAITS, limit_over
 from validation.audit.stored import Array, moments
 
-__all__ = [
-    "drift",
-    "finest_profile",
-    "limit",
-    "limits",
-    "over_solves",
-    "read",
-    "read_off",
-    "second_order",
-    "second_order_step",
-    "shift_mean",
-]
-
 #: Points per shortest wave below which a grid enters no limit.
 _LEAST_POINTS = 3.0
 

@@ -7,27 +7,16 @@ import re
 from dataclasses import dataclass, field
 from typing import Any
 
-__all__ = ["Entry", "Ledger", "printed"]
-
 _NUMBER = r"[-+]?\d+(?:\.(?P<decimals>\d+))?(?:e(?P<power>[-+]?\d+))?"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Entry:
-    """One number or word of a run.
+    """One number or word of a run."""
 
-    Attributes
-    ----------
-    place, name : str
-        File or part of it, and what stands there.
-    found, recomputed : object
-        As it stands, and as the fields say.
-    agrees : bool
-    """
-
-    place: str
+    place: str  # File or part of it, and what stands there
     name: str
-    found: Any
+    found: Any  # As it stands, and as the fields say
     recomputed: Any
     agrees: bool
 
@@ -38,16 +27,10 @@ class Entry:
 
 @dataclass(kw_only=True)
 class Ledger:
-    """Entries, and what could not be judged.
-
-    Attributes
-    ----------
-    entries : list of Entry
-    unread : list of str
-        What stands in the run and is not recomputed, with the reason.
-    """
+    """Entries, and what could not be judged."""
 
     entries: list[Entry] = field(default_factory=list)
+    #: What stands in the run and is not recomputed, with the reason.
     unread: list[str] = field(default_factory=list)
 
     @property

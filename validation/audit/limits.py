@@ -8,8 +8,6 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-__all__ = ["TRAITS", "limit_over"]
-
 #: What contour and heights are like.
 TRAITS = ("alignment", "anisotropy", "unresolved", "wavenumber")
 

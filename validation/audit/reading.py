@@ -14,8 +14,6 @@ from validation.audit.runs import audit_run
 from validation.audit.stored import Array, Stored, wavevectors
 from validation.audit.values import judge_shown, judged
 
-__all__ = ["audit", "judge_fields", "judge_surfaces"]
-
 
 def audit(folder: Path) -> Ledger:
     """Compute every number of a run again from its stored fields, and compare all places where it stands.

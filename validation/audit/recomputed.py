@@ -15,8 +15,6 @@ from validation.audit.closed_forms import yielded_areas
 from validation.audit.limits import limit_over
 from validation.audit.stored import Stored, sealed_bytes
 
-__all__ = ["Run"]
-
 Grid = tuple[int, int]
 
 

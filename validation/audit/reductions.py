@@ -18,8 +18,6 @@ from validation.audit.dataset import Result, Variable
 from validation.audit.expressions import names_of, value_of
 from validation.audit.stored import Array
 
-__all__ = ["REDUCTIONS", "errors_of", "recomputed"]
-
 _SOURCES = ("surfaces", "grid", "solver", "size", "bandwidth", "depth", "theory")
 _NORMAL = 1.959963984540054
 

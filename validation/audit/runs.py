@@ -14,8 +14,6 @@ from validation.audit.dataset import Result, Variable
 from validation.audit.ledger import Ledger
 from validation.audit.recomputed import Run
 
-__all__ = ["audit_run"]
-
 #: Half width of a 95 % interval over a standard error.
 _NORMAL = 1.959963984540054
 #: What a solve leaves of the located area, in tolerances (docs/bem.md).

@@ -14,8 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Array", "Stored", "moments", "regular_bytes", "sealed_bytes", "wavevectors"]
-
 Array = NDArray[Any]
 
 #: Excess of the counted area per edge and cell, by the element that the result names.

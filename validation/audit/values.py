@@ -15,16 +15,6 @@ from validation.audit.ledger import Ledger
 from validation.audit.reductions import errors_of, recomputed
 from validation.audit.stored import Array
 
-__all__ = [
-    "judge_budget",
-    "judge_dataset",
-    "judge_findings",
-    "judge_page",
-    "judge_shown",
-    "judge_table",
-    "judged",
-]
-
 _SOURCES = ("surfaces", "grid", "solver", "size", "bandwidth", "depth", "theory")
 #: Those of the step to any spectrum and period.
 _SPECTRAL = ("size", "bandwidth")

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field
 
-from validation.effects.base import ContactModel, Effect, Grid, Judgement, Roughness, SlotName, TheoryInputs
+from validation.arrays import Grid
+from validation.effects.base import ContactModel, Effect, Judgement, Roughness, SlotName, TheoryInputs
 from validation.errors import UsageError
 from validation.units import Length, Work
 
@@ -17,8 +18,6 @@ if TYPE_CHECKING:
 
     from fem_contact.adhesion import GapLaw
     from validation.scenes.problem import ContactProblem
-
-__all__ = ["Adhesion"]
 
 #: Pastewka-Robbins number below which attraction takes more than 2 % off what repulsion carries.
 _FELT = 50.0

@@ -17,19 +17,6 @@ if TYPE_CHECKING:
     from fem_contact.adhesion import GapLaw
     from validation.scenes.problem import ContactProblem
 
-__all__ = [
-    "Body",
-    "ContactModel",
-    "Effect",
-    "Grid",
-    "Judgement",
-    "Roughness",
-    "SlotName",
-    "TheoryInputs",
-    "clash",
-    "effect_key",
-]
-
 SlotName = Literal["response", "pressure bound", "gap law", "spectrum", "boundary"]
 
 
@@ -173,24 +160,14 @@ class Effect(Table):
     """A physical effect beyond linear elastic contact of a half-space; a subclass is one file.
 
     Its fields are its table in the scene, with units. A scene that does not list it never touches it.
-
-    Attributes
-    ----------
-    slot : str
-        The slot of a solver that it fills.
-    meshed : bool
-        Whether a method that meshes the solid can be given it.
-    cost : float
-        Processor time of a boundary-element solve with it over that of a plain one, on the reference machine.
-    papers : tuple of str
-        What to cite.
     """
 
     kind: str
-    slot: ClassVar[SlotName]
-    meshed: ClassVar[bool] = True
+    slot: ClassVar[SlotName]  # The slot of a solver that it fills
+    meshed: ClassVar[bool] = True  # Whether a method that meshes the solid can be given it
+    #: Processor time of a boundary-element solve with it over that of a plain one, on the reference machine.
     cost: ClassVar[float] = 1.0
-    papers: ClassVar[tuple[str, ...]] = ()
+    papers: ClassVar[tuple[str, ...]] = ()  # What to cite
 
     def fill(self, model: ContactModel) -> None:
         """Fill the slot that solvers ask for."""

@@ -14,8 +14,6 @@ from validation.units import Length, Number, Pressure
 if TYPE_CHECKING:
     from fem_contact.solid import Solid
 
-__all__ = ["Coating"]
-
 #: q_short d below which a coating is not felt.
 _THIN = 0.1
 

@@ -9,15 +9,14 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field
 
-from validation.effects.base import ContactModel, Effect, Grid, Judgement, Roughness, SlotName
+from validation.arrays import Grid
+from validation.effects.base import ContactModel, Effect, Judgement, Roughness, SlotName
 from validation.errors import UsageError
 from validation.units import Length
 
 if TYPE_CHECKING:
     from fem_contact.surface import HeightField
     from validation.scenes.problem import ContactProblem
-
-__all__ = ["FreeBoundary"]
 
 
 class FreeBoundary(Effect):

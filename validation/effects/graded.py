@@ -13,8 +13,6 @@ from validation.arrays import Array
 from validation.effects.base import Body, ContactModel, Effect, Judgement, Roughness, SlotName, TheoryInputs
 from validation.units import Length, Pressure
 
-__all__ = ["Graded"]
-
 
 @dataclass(frozen=True)
 class _Profile:

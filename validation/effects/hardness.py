@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from validation.arrays import Array
-from validation.effects.base import ContactModel, Effect, Grid, Judgement, Roughness, SlotName, TheoryInputs
+from validation.arrays import Array, Grid
+from validation.effects.base import ContactModel, Effect, Judgement, Roughness, SlotName, TheoryInputs
 from validation.errors import UsageError
 from validation.units import Length, Number, Pressure, wrong
 
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from validation.scenes.problem import ContactProblem
-
-__all__ = ["Hardness"]
 
 #: Standard deviations of the full-contact stress beyond which points that yield are rare.
 _RARE = 4.0

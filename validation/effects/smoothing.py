@@ -9,8 +9,6 @@ from pydantic import Field, model_validator
 from validation.effects.base import Effect, Judgement, Roughness, SlotName, TheoryInputs
 from validation.units import Pressure, wrong
 
-__all__ = ["Smoothing"]
-
 #: Standard deviations of the full-contact stress beyond which points that yield are rare.
 _RARE = 4.0
 

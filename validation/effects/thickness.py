@@ -10,8 +10,6 @@ from pydantic import Field
 from validation.effects.base import Body, ContactModel, Effect, Judgement, Roughness, SlotName
 from validation.units import Length
 
-__all__ = ["Thickness"]
-
 #: q_long d beyond which a rigid base changes the compliance by less than a tenth of a percent.
 _DEEP = 8.0
 

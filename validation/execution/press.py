@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fem_contact.contact import ContactResult
+from validation.arrays import Grid
 from validation.effects.base import ContactModel
 from validation.execution.cost import dearer_by
 from validation.execution.solve import Prediction, Solve
@@ -17,7 +18,7 @@ from validation.files import atomic_path
 from validation.scenes.problem import ContactProblem, realise
 from validation.scenes.scene import EffectSpec, Scene
 from validation.solvers import find_solver
-from validation.solvers.base import Grid, Job, Settings, Shift, Size, Solved, Solver
+from validation.solvers.base import Job, Settings, Shift, Size, Solved, Solver
 
 if TYPE_CHECKING:
     from fem_contact.surface import HeightField

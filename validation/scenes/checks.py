@@ -10,8 +10,6 @@ from validation.scenes.tables import Load
 from validation.solvers import methods
 from validation.solvers.base import check_effects_handled
 
-__all__ = ["check_scene"]
-
 
 def check_scene(scene: Scene, problem: ContactProblem) -> None:
     """Refuse effects that a listed method lacks, and what does not fit load, grids or each other.

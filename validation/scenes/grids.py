@@ -16,8 +16,6 @@ from validation.scenes.tables import FileSurface, Surface
 from validation.solvers import Solver, methods
 from validation.solvers.base import Size
 
-__all__ = ["affordable", "usual_grids", "with_usual_grids"]
-
 #: Points on the shortest wave of the coarsest usual grid; the others halve its spacing once and twice.
 _POINTS = 4
 #: What one solve on a usual grid may take: bytes, and pairs of real 256 x 256 transforms, of a millisecond.

@@ -17,8 +17,6 @@ from validation.scenes.tables import SURFACES, Ensemble, Load, SolidSpec, Title
 from validation.solvers import methods
 from validation.units import choices_of, example_of, unit_of
 
-__all__ = ["key_lines", "scene_keys", "scene_page"]
-
 _START = """# Keys of a scene
 
 A scene is a file in TOML: a surface, a solid, a load, and the methods that answer.

@@ -14,8 +14,6 @@ from validation.scenes.keys import scene_keys
 from validation.scenes.tables import SURFACES
 from validation.units import allowed, brief
 
-__all__ = ["problems"]
-
 
 def problems(error: ValidationError, *, flags: bool = False) -> list[str]:
     """List one line for each mistake: key = value: what is allowed.

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from persson.tabulated import Tabulated
     from validation.scenes.topography import Measured, Topography
 
-__all__ = ["ContactProblem", "realise"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class ContactProblem:

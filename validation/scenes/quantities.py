@@ -9,8 +9,6 @@ from pydantic import BeforeValidator, Field, StrictBool, model_validator
 
 from validation.units import MOST_ITEMS, Pressure, Table, pair_of, quantity, wrong
 
-__all__ = ["QUANTITIES", "Electrical", "Leak", "Quantities", "Subsurface", "Thermal"]
-
 Resistivity = Annotated[float, quantity("ohm m", "resistivity", "1.7e-8 ohm m"), Field(gt=0)]
 Conductivity = Annotated[float, quantity("W/(m K)", "thermal conductivity", "400 W/(m K)"), Field(gt=0)]
 Viscosity = Annotated[float, quantity("Pa s", "viscosity", "1 mPa s"), Field(gt=0)]

@@ -11,8 +11,6 @@ from pydantic import AfterValidator, Field, StrictBool, StrictInt, model_validat
 from validation.errors import UsageError
 from validation.units import Memory, Table, wrong
 
-__all__ = ["RunOptions", "not_led_out"]
-
 
 def _inside(path: Path) -> Path:
     """Refuse a folder outside the one a scene runs in: a scene may not choose what is written over."""

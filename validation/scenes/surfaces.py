@@ -27,22 +27,6 @@ if TYPE_CHECKING:
     from persson.stretched import Stretched
     from persson.tabulated import Tabulated
 
-__all__ = [
-    "Expected",
-    "check_fits",
-    "expected",
-    "height_field",
-    "measured_field",
-    "measured_spectrum",
-    "measured_surface",
-    "naming",
-    "sampled",
-    "spectrum_of",
-    "too_large_to_look_at",
-    "waves_drawn",
-    "waves_of",
-]
-
 
 @overload
 def spectrum_of(surface: SelfAffineSurface) -> SelfAffine | Stretched: ...

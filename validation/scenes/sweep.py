@@ -20,8 +20,6 @@ from validation.scenes.scene import Scene, checked_scene, parsed_toml, scene_tex
 from validation.scenes.tables import LOADS
 from validation.units import MOST_ITEMS, brief, plain_number, unit_of
 
-__all__ = ["MODES", "Sweep", "SweptKey", "load_asked"]
-
 Value = float | int | str
 Mode = Literal["product", "zip"]
 MODES: tuple[Mode, ...] = ("product", "zip")

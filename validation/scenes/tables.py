@@ -29,22 +29,6 @@ from validation.units import (
     wrong,
 )
 
-__all__ = [
-    "LOADS",
-    "SURFACES",
-    "CapillarySurface",
-    "Ensemble",
-    "FileSurface",
-    "Load",
-    "RandomSurface",
-    "SelfAffineSurface",
-    "SolidSpec",
-    "SpectrumSurface",
-    "SpectrumUnits",
-    "Surface",
-    "Title",
-]
-
 #: What a scene may be called, since a folder of results is named so.
 NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$"
 #: Surfaces of one scene: the scatter between ten thousand is known to a percent of itself.

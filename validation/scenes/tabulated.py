@@ -17,8 +17,6 @@ from validation.scenes.topography.text import read_columns
 if TYPE_CHECKING:
     from persson.tabulated import Tabulated
 
-__all__ = ["read_spectrum", "spectrum_between"]
-
 
 def read_spectrum(
     path: Path, *, units: tuple[float, float] | None = None, power: str = "C"

@@ -15,8 +15,6 @@ from validation.solvers.external import ExternalSolver
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
 
-__all__ = ["Aspher", "solve"]
-
 #: Of the tolerance that is asked for: what it calls its error is the residual of another norm.
 _SAFETY = 0.1
 

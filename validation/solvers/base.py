@@ -26,20 +26,6 @@ from validation.units import Grids, Number, Table
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
 
-__all__ = [
-    "Claim",
-    "Cost",
-    "Grid",
-    "Gridded",
-    "Job",
-    "Method",
-    "Settings",
-    "Size",
-    "Solved",
-    "Solver",
-    "example_field",
-]
-
 Shift = tuple[float, float]
 #: What a solver was told beyond surface, load and model; only what was said, so that it is its own recipe.
 Settings = tuple[tuple[str, float | str], ...]
@@ -61,27 +47,15 @@ class Gridded(Table):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Job:
-    """What a solver is asked.
+    """What a solver is asked."""
 
-    Attributes
-    ----------
-    field : HeightField
-        The surface [m].
-    load : mapping
-        One of ``{"mean_pressure": p0}`` [Pa], ``{"mean_gap": d}`` and ``{"offset": d}`` [m].
-    model : ContactModel
-        The solid and what effects filled in.
-    settings : mapping
-        What else it is told, such as its tolerance.
-    threads : int or None
-        All that there are if None.
-    """
-
-    field: HeightField
+    field: HeightField  # The surface [m]
+    #: One of ``{"mean_pressure": p0}`` [Pa], ``{"mean_gap": d}`` and ``{"offset": d}`` [m].
     load: Mapping[str, float]
-    model: ContactModel
+    model: ContactModel  # The solid and what effects filled in
+    #: What else it is told, such as its tolerance.
     settings: Mapping[str, Any] = dataclasses.field(default_factory=dict)
-    threads: int | None = None
+    threads: int | None = None  # All that there are if None
 
     @property
     def mean_pressure(self) -> float:
@@ -99,25 +73,13 @@ class Job:
 
 @dataclass(frozen=True, kw_only=True)
 class Size:
-    """What the cost of a solve is predicted from.
-
-    Attributes
-    ----------
-    grid : tuple of int
-    lengths : tuple of float
-        Periods [m].
-    settings : mapping
-        What the solver is told.
-    effects : sequence of Effect
-    dearer : float
-        What the effects make of the time of boundary elements.
-    """
+    """What the cost of a solve is predicted from."""
 
     grid: Grid
-    lengths: tuple[float, float]
-    settings: Mapping[str, Any]
+    lengths: tuple[float, float]  # Periods [m]
+    settings: Mapping[str, Any]  # What the solver is told
     effects: Sequence[Effect] = ()
-    dearer: float = 1.0
+    dearer: float = 1.0  # What the effects make of the time of boundary elements
 
     @property
     def points(self) -> int:
@@ -132,16 +94,9 @@ class Size:
 
 @dataclass(frozen=True, kw_only=True)
 class Cost:
-    """What a solve takes.
+    """What a solve takes."""
 
-    Attributes
-    ----------
-    pairs : float
-        Time in pairs of real 256 x 256 transforms on one thread.
-    peak_bytes, unknowns : int
-    """
-
-    pairs: float
+    pairs: float  # Time in pairs of real 256 x 256 transforms on one thread
     peak_bytes: int
     unknowns: int
 
@@ -156,29 +111,15 @@ class Solved:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Claim:
-    """What a solver says, before anybody judges it.
+    """What a solver says, before anybody judges it."""
 
-    Attributes
-    ----------
-    pressure : (nx, ny) array
-        [Pa], compression positive.
-    in_contact : (nx, ny) array of bool, or None
-        Its contact set; None where it names none.
-    iterations : int
-        0 where it does not say.
-    wall_seconds, cpu_seconds : float
-    peak_bytes : int
-    converged : bool or None
-        Whether it says that it met its tolerance; None where it says nothing.
-    """
-
-    pressure: NDArray[np.float64]
-    in_contact: NDArray[np.bool_] | None
-    iterations: int
+    pressure: NDArray[np.float64]  # [Pa], compression positive
+    in_contact: NDArray[np.bool_] | None  # Its contact set; None where it names none
+    iterations: int  # 0 where it does not say
     wall_seconds: float
     cpu_seconds: float
     peak_bytes: int
-    converged: bool | None = None
+    converged: bool | None = None  # Whether it says that it met its tolerance; None where it says nothing
 
     @classmethod
     def of(cls, contact: ContactResult) -> Claim:
@@ -206,25 +147,13 @@ class Claim:
 
 
 class Method(ABC):
-    """A way to answer a scene: its table ``[methods.NAME]``, and what it can be given.
+    """A way to answer a scene: its table ``[methods.NAME]``, and what it can be given."""
 
-    Attributes
-    ----------
-    name, label : str
-        By which a scene lists it, and what tables call it.
-    options : type
-        Its table in a scene.
-    independent : bool
-        Whether it shares no contact algorithm with `bem`.
-    papers : tuple of str
-        What to cite.
-    """
-
-    name: ClassVar[str]
+    name: ClassVar[str]  # By which a scene lists it, and what tables call it
     label: ClassVar[str]
-    options: ClassVar[type[Table]]
-    independent: ClassVar[bool] = False
-    papers: ClassVar[tuple[str, ...]] = ()
+    options: ClassVar[type[Table]]  # Its table in a scene
+    independent: ClassVar[bool] = False  # Whether it shares no contact algorithm with `bem`
+    papers: ClassVar[tuple[str, ...]] = ()  # What to cite
 
     def available(self) -> str | None:
         """Return the sentence that says what to install; None where nothing is missing."""
@@ -252,38 +181,22 @@ class Method(ABC):
 
 
 class Solver(Method):
-    """A method that presses a surface on a grid.
+    """A method that presses a surface on a grid."""
 
-    Attributes
-    ----------
-    slots : frozenset of str
-        What effects may fill; a scene that lists another is refused by name.
-    locates_edges : bool
-        Whether the place of an edge inside a cell is known for the bare half-space on square cells.
-    for_ensembles : bool
-        Whether it is quick enough for the realisations of an ensemble.
-    foreign : bool
-        Whether it was written elsewhere; such ones stand after the others.
-    holds : frozenset of str
-        Distances of the table of loads that it can hold in place of a load.
-    sinks : bool
-        Whether its body, clamped below, is pressed together as a whole under its load.
-    controls : frozenset of str
-        What its scorecard may tell it beside the load: "offset" [m] in its place, "max_iterations".
-    score_points : int
-        Points along a side of the coarsest grid of its scorecard.
-    score_element : str
-        What the edges of its contacts are those of there: "bem", or a finite element.
-    """
-
+    #: What effects may fill; a scene that lists another is refused by name.
     slots: ClassVar[frozenset[SlotName]] = frozenset()
+    #: Whether the place of an edge inside a cell is known for the bare half-space on square cells.
     locates_edges: ClassVar[bool] = False
-    for_ensembles: ClassVar[bool] = False
-    foreign: ClassVar[bool] = False
+    for_ensembles: ClassVar[bool] = False  # Whether it is quick enough for the realisations of an ensemble
+    foreign: ClassVar[bool] = False  # Whether it was written elsewhere; such ones stand after the others
+    #: Distances of the table of loads that it can hold in place of a load.
     holds: ClassVar[frozenset[str]] = frozenset()
+    #: Whether its body, clamped below, is pressed together as a whole under its load.
     sinks: ClassVar[bool] = False
+    #: What its scorecard may tell it beside the load: "offset" [m] in its place, "max_iterations".
     controls: ClassVar[frozenset[str]] = frozenset()
-    score_points: ClassVar[int] = 32
+    score_points: ClassVar[int] = 32  # Points along a side of the coarsest grid of its scorecard
+    #: What the edges of its contacts are those of there: "bem", or a finite element.
     score_element: ClassVar[str] = "bem"
 
     def handles(self, effect: type[Effect]) -> bool:

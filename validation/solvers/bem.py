@@ -11,15 +11,14 @@ from pydantic import Field, StrictInt
 from fem_contact.area import EDGE_CONSTANTS, discretisation
 from fem_contact.contact import ContactResult
 from fem_contact.solid import Solid
+from validation.arrays import Grid
 from validation.effects.base import ContactModel, Effect, SlotName, effect_key
 from validation.errors import UsageError
-from validation.solvers.base import Cost, Grid, Gridded, Job, Shift, Size, Solved, Solver, example_field
+from validation.solvers.base import Cost, Gridded, Job, Shift, Size, Solved, Solver, example_field
 from validation.units import Table
 
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
-
-__all__ = ["Bem", "BemOptions"]
 
 # In units of a pair of real 256 x 256 transforms on one thread.
 #: What a solve costs whatever its grid: surface, set-up, storing.

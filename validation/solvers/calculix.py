@@ -34,8 +34,6 @@ from validation.units import Duration, Length, Number, Table
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
 
-__all__ = ["Calculix", "CalculixOptions"]
-
 #: Young's modulus in the deck: its criteria are absolute, and forces must be large beside them.
 _YOUNG = 1e12
 #: Range of the heights over the longer period in the deck, or its mean strain: gap elements make it a problem

@@ -12,8 +12,6 @@ from validation.arrays import Array
 from validation.effects.base import SlotName
 from validation.solvers.external import ExternalSolver
 
-__all__ = ["ContactMechanics", "solve"]
-
 #: Its tolerance is the largest penetration, a length, and says nothing of the points that are pulled.
 _SAFETY = 0.1
 

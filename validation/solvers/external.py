@@ -50,8 +50,6 @@ from validation.units import Duration, Memory, Table
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
 
-__all__ = ["ExternalOptions", "ExternalSolver", "claimed_in_own_process", "judged"]
-
 #: Pairs of real 256 x 256 transforms per pair on the grid: a guess, as nobody here knows the algorithm.
 _PAIRS = 1000.0
 _BYTES_PER_POINT = 40 * 8
@@ -73,23 +71,14 @@ class ExternalSolver(Solver):
 
     Its function is given what it takes by name, of: ``tolerance``; ``offset`` [m] (then ``mean_pressure`` is
     None), ``max_iterations``; ``hardness`` [Pa], ``thickness`` [m] and ``poisson`` where `slots` says so.
-
-    Attributes
-    ----------
-    accepted : float
-        Tolerance that holds where none is said.
-    package : str or None
-        What must be installed; its version is part of the recipe.
-    install : str
-        How.
     """
 
     options: ClassVar[type[Table]] = ExternalOptions
     independent = True
     foreign = True
-    accepted: ClassVar[float] = 1e-6
-    package: ClassVar[str | None] = None
-    install: ClassVar[str] = "pip install 'fem-contact[peers]'"
+    accepted: ClassVar[float] = 1e-6  # Tolerance that holds where none is said
+    package: ClassVar[str | None] = None  # What must be installed; its version is part of the recipe
+    install: ClassVar[str] = "pip install 'fem-contact[peers]'"  # How
     controls: ClassVar[frozenset[str]] = frozenset({"offset", "max_iterations"})
 
     def available(self) -> str | None:

@@ -11,11 +11,11 @@ from pydantic import Field
 from fem_contact.contact import ContactResult
 from fem_contact.response import Response
 from fem_contact.solid import Solid
+from validation.arrays import Grid
 from validation.effects.base import ContactModel, Effect, SlotName, effect_key
 from validation.errors import UsageError
 from validation.solvers.base import (
     Cost,
-    Grid,
     Gridded,
     Job,
     Settings,
@@ -31,8 +31,6 @@ from validation.units import Length, Number, Table
 if TYPE_CHECKING:
     from fem_contact.block.mesh import BlockMesh
     from validation.scenes.problem import ContactProblem
-
-__all__ = ["Fem", "FemOptions", "block_response", "planned", "unknowns_of"]
 
 # In units of a pair of real 256 x 256 transforms on one thread.
 #: The reduced block, per pair of transforms on the grid; it makes its compliance first.

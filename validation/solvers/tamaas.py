@@ -11,8 +11,6 @@ from validation.arrays import Array
 from validation.effects.base import SlotName
 from validation.solvers.external import ExternalSolver
 
-__all__ = ["Tamaas", "solve"]
-
 #: What it adds up as its error is not what is asked for: it is asked for as much less.
 _SAFETY = 0.1
 

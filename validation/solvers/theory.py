@@ -24,19 +24,6 @@ if TYPE_CHECKING:
     from persson.spectrum import Spectrum
     from validation.scenes.problem import ContactProblem
 
-__all__ = [
-    "Answer",
-    "Areas",
-    "Prediction",
-    "Theory",
-    "TheoryOptions",
-    "against_magnification",
-    "predict",
-    "stress_distribution",
-    "theory_words",
-    "with_effects",
-]
-
 Modulus = float | Callable[[Any], Array]
 
 
@@ -84,32 +71,19 @@ class Theory(Method):
 
 @dataclass(frozen=True, kw_only=True)
 class Prediction:
-    """What the theory says of one surface of a scene.
+    """What the theory says of one surface of a scene."""
 
-    Attributes
-    ----------
-    area : float
-        A/A0 conditional on the realised gradient of this surface, yielded contact included; NaN where the
-        theory has no answer.
-    ensemble_area : float or None
-        A/A0 from C(q) alone; None where there is no C(q).
-    stress_variance : float
-        V [Pa^2] of the realised surface at full contact.
-    plastic : float or None
-        A_pl/A0 with a hardness.
-    other : float or None
-        A/A0 with another reading of the elastic energy (Eq. 43; Eqs. 44-49 where that was asked for), with
-        adhesion.
-    note : str
-        Which part of the theory, where it is not that of elastic contact without adhesion; or why `area` is
-        NaN.
-    """
-
+    #: A/A0 conditional on the realised gradient of this surface, yielded contact included; NaN where the
+    #: theory has no answer.
     area: float
-    ensemble_area: float | None
-    stress_variance: float
-    plastic: float | None = None
+    ensemble_area: float | None  # A/A0 from C(q) alone; None where there is no C(q)
+    stress_variance: float  # V [Pa^2] of the realised surface at full contact
+    plastic: float | None = None  # A_pl/A0 with a hardness
+    #: A/A0 with another reading of the elastic energy (Eq. 43; Eqs. 44-49 where that was asked for), with
+    #: adhesion.
     other: float | None = None
+    #: Which part of the theory, where it is not that of elastic contact without adhesion; or why `area` is
+    #: NaN.
     note: str = ""
 
     @property
@@ -306,32 +280,16 @@ def stress_distribution(
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """What the theory says at one load, against the wavevector up to which roughness is seen.
+    """What the theory says at one load, against the wavevector up to which roughness is seen."""
 
-    Attributes
-    ----------
-    pressure : float
-        p0 [Pa].
-    wavevectors, area, area_plastic : (n,) arrays
-        q [1/m], A/A0 (yielded area included) and A_pl/A0.
-    work : (n,) array or None
-        gamma_eff [J/m^2], with adhesion.
-    macroscopic_work : float or None
-        gamma_eff(1) [J/m^2], with the energy of all roughness.
-    error_estimate : float
-        Of the area at the largest magnification; 0 where a closed form was used.
-    note : str
-        Why there is no answer, and the arrays are empty; "" where there is one.
-    """
-
-    pressure: float
-    wavevectors: Array
+    pressure: float  # p0 [Pa]
+    wavevectors: Array  # q [1/m], A/A0 (yielded area included) and A_pl/A0
     area: Array
     area_plastic: Array
-    work: Array | None = None
-    macroscopic_work: float | None = None
-    error_estimate: float = 0.0
-    note: str = ""
+    work: Array | None = None  # gamma_eff [J/m^2], with adhesion
+    macroscopic_work: float | None = None  # gamma_eff(1) [J/m^2], with the energy of all roughness
+    error_estimate: float = 0.0  # Of the area at the largest magnification; 0 where a closed form was used
+    note: str = ""  # Why there is no answer, and the arrays are empty; "" where there is one
 
 
 def against_magnification(

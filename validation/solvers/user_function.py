@@ -20,8 +20,6 @@ from validation.units import Table
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
 
-__all__ = ["Own", "OwnOptions"]
-
 _FUNCTION = r"^[A-Za-z_][\w.]*:[A-Za-z_][\w.]*$"
 
 

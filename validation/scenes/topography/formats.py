@@ -22,8 +22,6 @@ from validation.scenes.topography.raw import MOST_BYTES, MOST_POINTS, Raw, check
 from validation.scenes.topography.text import NotText, read_text
 from validation.units import metres
 
-__all__ = ["bytes_of", "one_line", "read_plain"]
-
 
 def read_plain(path: str) -> dict[str, Any]:
     """Return what a file says, in metres, as plain values and one array; what goes wrong is a UsageError.

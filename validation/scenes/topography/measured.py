@@ -15,8 +15,6 @@ from validation.scenes.topography.reading import read_topography
 if TYPE_CHECKING:
     from validation.scenes.tables import FileSurface
 
-__all__ = ["Measured", "fault_lines", "measured"]
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Measured:

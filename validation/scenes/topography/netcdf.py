@@ -9,8 +9,6 @@ import numpy as np
 from validation.errors import UsageError
 from validation.scenes.topography.raw import Raw, check_shape, even_steps, plain_attribute, real
 
-__all__ = ["read_netcdf"]
-
 _NAMES = ("heights", "height", "h", "z")
 
 

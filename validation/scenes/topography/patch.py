@@ -13,8 +13,6 @@ from fem_contact.surface.spectra import window_weights
 from validation.arrays import Array
 from validation.errors import UsageError
 
-__all__ = ["MOST_HOLES", "REMOVABLE", "Edges", "Missing", "Tilt", "Topography", "rms"]
-
 Tilt = Literal["keep", "plane", "quadratic"]
 Missing = Literal["refuse", "nearest", "harmonic"]
 Edges = Literal["periodic", "tukey", "hann", "free"]

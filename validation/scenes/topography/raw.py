@@ -10,8 +10,6 @@ import numpy as np
 
 from validation.arrays import Array
 
-__all__ = ["MOST_BYTES", "MOST_POINTS", "Raw", "check_shape", "even_steps", "plain_attribute", "real"]
-
 #: Heights that are read: 8192 x 8192, half a gigabyte as numbers.
 MOST_POINTS = 2**26
 #: Bytes of a file that is read.

@@ -19,8 +19,6 @@ from validation.scenes.topography.patch import Topography, rms
 from validation.scenes.topography.raw import MOST_POINTS
 from validation.units import LARGEST
 
-__all__ = ["FileSays", "file_says", "read_topography"]
-
 Lengths = tuple[float, float]
 
 #: Time to read a file, and bytes of it that are read in a further second [s, 1/s].

@@ -8,8 +8,6 @@ import numpy as np
 
 from validation.arrays import Array
 
-__all__ = ["GAUSSIAN_STEEP_SHARE", "HeightStatistics", "height_statistics"]
-
 #: Share of the points that are called the steepest.
 _STEEPEST = 1e-3
 #: Share f (1 - ln f) of the mean square slope in them where slopes are Gaussian and know no direction.
@@ -23,27 +21,15 @@ class HeightStatistics:
     """What decides whether heights are as a theory of Gaussian roughness assumes.
 
     Slopes and curvatures are by differences of neighbours.
-
-    Attributes
-    ----------
-    kurtosis, slope_kurtosis : float
-        <h^4>/<h^2>^2 of heights about their mean, and of slopes; 3 for Gaussian ones.
-    steep_share : float
-        Share of the mean square slope in the steepest 0.1 % of the points; 0.0079 for Gaussian slopes.
-    summit_density : float
-        Points above their eight neighbours per nominal area [1/m^2].
-    summit_curvature : float
-        Mean of -(h_xx + h_yy)/2 at them [1/m].
-    summit_height : float
-        Root mean square height of them about their mean [m].
     """
 
-    kurtosis: float
+    kurtosis: float  # <h^4>/<h^2>^2 of heights about their mean, and of slopes; 3 for Gaussian ones
     slope_kurtosis: float
+    #: Share of the mean square slope in the steepest 0.1 % of the points; 0.0079 for Gaussian slopes.
     steep_share: float
-    summit_density: float
-    summit_curvature: float
-    summit_height: float
+    summit_density: float  # Points above their eight neighbours per nominal area [1/m^2]
+    summit_curvature: float  # Mean of -(h_xx + h_yy)/2 at them [1/m]
+    summit_height: float  # Root mean square height of them about their mean [m]
 
     @property
     def is_gaussian(self) -> bool:

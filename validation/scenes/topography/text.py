@@ -10,8 +10,6 @@ import numpy as np
 from validation.arrays import Array
 from validation.scenes.topography.raw import MOST_POINTS, Raw, check_shape, even_steps
 
-__all__ = ["NotText", "read_columns", "read_text"]
-
 #: A file is taken for text only if its numbers begin within these many bytes.
 _MOST_HEADER = 2**16
 #: Rows from which three columns are taken for x, y, z rather than a map three points wide.

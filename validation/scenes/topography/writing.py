@@ -10,8 +10,6 @@ from fem_contact.surface import HeightField
 from validation.errors import UsageError
 from validation.files import atomic_path
 
-__all__ = ["write_topography"]
-
 
 def write_topography(path: Path, field: HeightField) -> None:
     """Write heights [m]: .npy and .txt (numbers alone), .nc and .x3p (with size and unit).
