@@ -31,12 +31,11 @@ __all__ = [
     "NotWritten",
     "atomic_path",
     "digest_of",
-    "json_text",
     "locked",
     "prepare_folder",
     "read_record",
     "read_whole",
-    "record_of",
+    "reason",
     "refusal",
     "remove_drafts",
     "sync_folder",
@@ -54,7 +53,7 @@ _ABANDONED = 24 * 3600.0
 _MOST_RECORD = 2**24
 #: Subfolders of a results folder in which drafts may be left.
 _INNER = ("figures",)
-_DRAFT = re.compile(r"\.([0-9a-f]{8})-(\d+)-[0-9a-f]{12}-")
+_DRAFT = re.compile(r"\.([0-9a-f]{8})-(\d{1,9})-[0-9a-f]{12}-")
 
 
 class NotWritten(RunFailed, OSError):
@@ -71,16 +70,7 @@ class NotWritten(RunFailed, OSError):
 def prepare_folder(folder: Path, *, option: str = "--output") -> Path:
     """Create a results folder, prove that it can be written to, and clear it of the drafts of the dead.
 
-    Parameters
-    ----------
-    folder : Path
-    option : str
-        What the user named it by, for the message.
-
-    Raises
-    ------
-    UsageError
-        When it cannot.
+    A UsageError where it cannot, in which `option` is what the user named it by.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -119,32 +109,25 @@ def locked(folder: Path, *, shared: bool = False) -> Iterator[None]:
         yield
         return
     with contextlib.ExitStack() as stack:
-        try:
+        kind, end = fcntl.LOCK_SH if shared else fcntl.LOCK_EX, time.monotonic() + _PATIENCE
+        with contextlib.suppress(OSError):
             handle = os.open(place, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
             stack.callback(os.close, handle)
-            _wait_for(handle, folder, fcntl.LOCK_SH if shared else fcntl.LOCK_EX)
-        except OSError:
-            pass
+            while True:
+                try:
+                    fcntl.flock(handle, kind | fcntl.LOCK_NB)
+                    break
+                except BlockingIOError:
+                    if time.monotonic() > end:
+                        raise RunFailed(
+                            f"{folder}: another run is writing there; wait for it, or name another folder"
+                        ) from None
+                    time.sleep(0.05)
         token = _HELD.set(_HELD.get() | {place})
         try:
             yield
         finally:
             _HELD.reset(token)
-
-
-def _wait_for(handle: int, folder: Path, kind: int) -> None:
-    end = time.monotonic() + _PATIENCE
-    while True:
-        try:
-            fcntl.flock(handle, kind | fcntl.LOCK_NB)
-        except BlockingIOError:
-            if time.monotonic() > end:
-                raise RunFailed(
-                    f"{folder}: another run is writing there; wait for it, or name another folder"
-                ) from None
-            time.sleep(0.05)
-        else:
-            return
 
 
 @contextlib.contextmanager
@@ -236,18 +219,13 @@ def sync_folder(folder: Path) -> None:
 def write_json(path: Path, values: Mapping[str, Any]) -> Path:
     """Write values as JSON for people and scripts, atomically; return the path."""
     with atomic_path(path) as draft:
-        draft.write_text(json_text(values), encoding="utf-8")
+        draft.write_text(json.dumps(values, indent=2) + "\n", encoding="utf-8")
     return path
 
 
 def write_record(path: Path, values: Mapping[str, Any]) -> Path:
     """Write values as `write_json` does, with a SHA-256 of them as last key, for `read_record`."""
-    return write_json(path, record_of(values))
-
-
-def record_of(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return values with their digest, as `write_record` writes them."""
-    return {**values, _DIGEST: _digest(values)}
+    return write_json(path, {**values, _DIGEST: _digest(values)})
 
 
 def read_record(path: Path) -> dict[str, Any]:
@@ -279,32 +257,23 @@ def _digest(values: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
 
 
-def json_text(values: Mapping[str, Any]) -> str:
-    """Return values as JSON as `write_json` writes them."""
-    return json.dumps(values, indent=2) + "\n"
-
-
 def remove_drafts(folder: Path, *, of: int | None = None) -> None:
-    """Remove what killed processes of this machine left half-written.
+    """Remove what killed processes of this machine left half-written: one known to be dead (`of`), or any.
 
-    Parameters
-    ----------
-    folder : Path
-        Left alone where it cannot be read or written to.
-    of : int, optional
-        Process whose drafts are meant, known to be dead; all that no longer run if not given.
+    A folder that cannot be read or written to is left alone.
     """
+    import psutil
+
     with contextlib.suppress(OSError):
         for entry in os.scandir(folder):
-            found = _DRAFT.match(entry.name)
-            if found is None:
+            draft = _DRAFT.match(entry.name)
+            if draft is None or not entry.is_file(follow_symlinks=False):
                 continue
+            process = int(draft[2])
             with contextlib.suppress(OSError):
-                if not entry.is_file(follow_symlinks=False):
-                    continue
-                here, process = found[1] == _place(), int(found[2])
-                dead = here and (process == of if of is not None else not _runs(process))
-                if dead or time.time() - entry.stat(follow_symlinks=False).st_mtime > _ABANDONED:
+                dead = process == of if of is not None else not psutil.pid_exists(process)
+                here = draft[1] == _place()
+                if (here and dead) or time.time() - entry.stat(follow_symlinks=False).st_mtime > _ABANDONED:
                     os.unlink(entry.path)
 
 
@@ -314,8 +283,8 @@ _REMEDIES = {
     errno.EMFILE: "too many open files (ulimit -n)",
     errno.ENFILE: "too many open files on this machine",
     errno.EROFS: "the file system is read-only; name another folder",
-    errno.EACCES: "permission denied; ask the owner of the folder, or name another one",
-    errno.EPERM: "not permitted; ask the owner of the folder, or name another one",
+    errno.EACCES: "permission denied; ask its owner, or name another folder",
+    errno.EPERM: "not permitted; ask its owner, or name another folder",
     errno.EISDIR: "a folder has this name; move it away",
     errno.ENOTDIR: "a part of its path is a file; name another folder",
     errno.EIO: "the disk failed (Input/output error); look at it before you go on",
@@ -325,10 +294,14 @@ _REMEDIES = {
 }
 
 
+def reason(error: OSError) -> str:
+    """Say in words what the system refused."""
+    return _REMEDIES.get(error.errno or 0, error.strerror or str(error))
+
+
 def system_words(error: OSError) -> str:
     """Say in words what the system refused, with the file, if it is one."""
-    why = _REMEDIES.get(error.errno or 0, error.strerror or str(error))
-    return f"{error.filename}: {why}" if isinstance(error.filename, str) else why
+    return f"{error.filename}: {reason(error)}" if isinstance(error.filename, str) else reason(error)
 
 
 def refusal(path: Path, error: OSError) -> str:
@@ -348,8 +321,7 @@ def refusal(path: Path, error: OSError) -> str:
                 "remove files or name another folder"
             )
         return f"the disk is full: {path.name} was not written; {kept}"
-    why = _REMEDIES.get(error.errno or 0, error.strerror or str(error))
-    return f"{path}: not written: {why}; {kept}"
+    return f"{path}: not written: {reason(error)}; {kept}"
 
 
 def _is_full(folder: Path) -> bool:
@@ -390,13 +362,3 @@ def _sync(path: Path) -> None:
         os.fsync(handle)
     finally:
         os.close(handle)
-
-
-def _runs(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except (ProcessLookupError, OverflowError):
-        return False
-    except PermissionError:
-        return True
-    return True

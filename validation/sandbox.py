@@ -2,8 +2,8 @@
 
 A library of formats that meets a damaged file may loop for ever, take all memory or crash; none of that can
 be caught in the process itself. The child is a fresh interpreter that serves one call after another in a
-process group of its own, which is ended where a call breaks its bounds. Of what comes back nothing is
-unpickled: it is JSON and arrays of numbers.
+process group of its own, which is ended where a call breaks its bounds. It has the rights of the user: the
+bounds are against mistakes and damage, not against code that means harm.
 """
 
 from __future__ import annotations
@@ -11,10 +11,9 @@ from __future__ import annotations
 import atexit
 import builtins
 import contextlib
-import importlib
-import json
 import math
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -22,16 +21,11 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from multiprocessing.connection import Connection, Pipe
-from types import TracebackType
 from typing import IO, Any, Self
-
-import numpy as np
 
 from validation import errors
 
 __all__ = ["ONE_THREAD", "Child", "OutOfBounds", "call", "end"]
-
-_Arrays = list[np.ndarray[Any, Any]]
 
 #: What makes the numerical libraries of a new process use one thread.
 ONE_THREAD = dict.fromkeys(
@@ -46,8 +40,6 @@ ONE_THREAD = dict.fromkeys(
 )
 #: What an interpreter may take to start and to import a function [s]; a loaded machine needs many.
 _START_SECONDS = 120.0
-#: Most bytes of one message that is no array.
-_MOST_WORDS = 2**26
 #: Processor time beyond the time of a call after which the system ends a child whose parent is gone [s].
 _GRACE_SECONDS = 5.0
 #: How often a child looks whether its parent lives [s].
@@ -80,8 +72,8 @@ class Child:
         self._connection: Connection[Any, Any] | None = None
         self._stderr = stderr
         self._owner = os.getpid()
-        #: Of the process that was started last.
-        self.pid = 0
+        #: Of the process that was started last, and whether the function of the last call was imported.
+        self.pid, self.begun = 0, False
 
     def call(
         self,
@@ -98,7 +90,7 @@ class Child:
         function : callable
             Found by module and name.
         *arguments
-            None, booleans, numbers, text, arrays of real numbers, and lists and dictionaries of them.
+            Whatever pickle carries.
         seconds : float
             Wall-clock time the function may take; that of importing it is not counted.
         memory : int, optional
@@ -110,7 +102,7 @@ class Child:
         Returns
         -------
         object
-            As `arguments`; arrays are read-only.
+            Its arrays are read-only.
 
         Raises
         ------
@@ -123,27 +115,20 @@ class Child:
             that names it otherwise.
         """
         with self._lock:
-            self.start()
             try:
-                reply, arrays = self._ask(function, arguments, seconds, memory, most_bytes)
+                self.start()
+                value, error = self._ask((function, arguments, seconds, memory), seconds, most_bytes)
+                if isinstance(error, MemoryError) and memory is not None:
+                    raise OutOfBounds(f"took more than {memory / 2**20:.4g} MiB of memory")
             except BaseException:
                 self._end()
                 raise
-            if "memory" in reply:
-                self._end()
-                raise OutOfBounds(f"took more than {_words(memory)} of memory")
-        if "raised" in reply:
-            raise _raised(*reply["raised"])
-        return _decoded(reply["value"], arrays)
+        if error is not None:
+            raise error
+        return value
 
     def start(self) -> None:
-        """Start the process, unless it runs.
-
-        Raises
-        ------
-        OSError
-            When the system starts none.
-        """
+        """Start the process, unless it runs; an OSError where the system starts none."""
         if self._owner != os.getpid():  # after a fork the child belongs to the parent
             self._process = self._connection = None
             self._owner = os.getpid()
@@ -182,42 +167,30 @@ class Child:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _ask(
-        self,
-        function: Callable[..., Any],
-        arguments: tuple[Any, ...],
-        seconds: float,
-        memory: int | None,
-        most_bytes: int,
-    ) -> tuple[dict[str, Any], _Arrays]:
-        connection, late = self._connection, threading.Event()
+    def _ask(self, request: Any, seconds: float, most_bytes: int) -> tuple[Any, Exception | None]:
+        connection, late, limit = self._connection, threading.Event(), _START_SECONDS
         assert connection is not None
-        arrays: _Arrays = []
-        request = {
-            "function": [function.__module__, function.__qualname__],
-            "arguments": [_encoded(argument, arrays) for argument in arguments],
-            "seconds": seconds,
-            "memory": memory,
-        }
-        limit = _START_SECONDS
+        self.begun = False
         try:
             with self._ended_after(limit, late):
-                _send(connection, request, arrays)
-                connection.recv_bytes(_MOST_WORDS)  # it is imported
-            limit = seconds
+                _send(connection, request)
+                if (failure := _received(connection)) is not None:
+                    return None, failure
+            self.begun, limit = True, seconds
             with self._ended_after(limit, late):
-                return _received(connection, most_bytes)
+                value, error = _received(connection, most_bytes)
+                return value, error
         except (EOFError, ConnectionError):
+            code = self._end()
             if late.is_set():
                 raise OutOfBounds(f"took more than {limit:.3g} s") from None
-            raise OutOfBounds(f"crashed its process ({_ending(self._end())})") from None
+            name = signal.Signals(-code).name if -code in list(signal.Signals) else f"exit status {code}"
+            raise OutOfBounds(f"crashed its process ({name})") from None
         except OSError:
-            raise OutOfBounds(f"gave back more than {_words(most_bytes)}") from None
+            raise OutOfBounds(f"gave back more than {most_bytes / 2**20:.4g} MiB") from None
 
     @contextlib.contextmanager
     def _ended_after(self, seconds: float, late: threading.Event) -> Iterator[None]:
@@ -256,107 +229,54 @@ end = _SHARED.close
 atexit.register(end)
 
 
-def call(
-    function: Callable[..., Any],
-    *arguments: Any,
-    **bounds: Any,
-) -> Any:
+def call(function: Callable[..., Any], *arguments: Any, **bounds: Any) -> Any:
     """Call a function in the child process that all share; see :meth:`Child.call`."""
     return _SHARED.call(function, *arguments, **bounds)
 
 
-def _words(size: int | None) -> str:
-    return f"{(size or 0) / 2**20:.4g} MiB"
-
-
-def _ending(code: int) -> str:
-    try:
-        return signal.Signals(-code).name
-    except ValueError:
-        return f"exit status {code}"
-
-
-def _raised(name: str, arguments: list[Any]) -> Exception:
-    """Return the exception that the child names; only harmless classes are made."""
-    for home in (builtins, errors):
-        kind = getattr(home, name, None)
-        if isinstance(kind, type) and issubclass(kind, Exception):
-            with contextlib.suppress(TypeError):
-                return kind(*arguments)
-    return RuntimeError(f"{name}: {' '.join(map(str, arguments))}")
-
-
-def _encoded(value: Any, arrays: list[np.ndarray[Any, Any]]) -> Any:
-    """Return a value as JSON has it, with arrays replaced by their number."""
-    if isinstance(value, np.ndarray):
-        if type(value) is not np.ndarray or value.dtype.kind not in "biuf":
-            raise TypeError(f"a {type(value).__name__} of {value.dtype} does not travel")
-        arrays.append(np.ascontiguousarray(value))
-        return {"array": len(arrays) - 1}
-    if isinstance(value, dict):
-        return {"table": [[str(key), _encoded(inner, arrays)] for key, inner in value.items()]}
-    if isinstance(value, (list, tuple)):
-        return [_encoded(inner, arrays) for inner in value]
-    if value is None or isinstance(value, (bool, int, float, str)):
-        return value
-    raise TypeError(f"a {type(value).__name__} does not travel")
-
-
-def _decoded(value: Any, arrays: list[np.ndarray[Any, Any]]) -> Any:
-    if isinstance(value, dict):
-        if "array" in value:
-            return arrays[value["array"]]
-        return {key: _decoded(inner, arrays) for key, inner in value["table"]}
-    return [_decoded(inner, arrays) for inner in value] if isinstance(value, list) else value
-
-
-def _send(connection: Connection[Any, Any], message: dict[str, Any], arrays: _Arrays) -> None:
-    about = {**message, "arrays": [[array.dtype.str, array.shape] for array in arrays]}
-    connection.send_bytes(json.dumps(about).encode())
+def _send(connection: Connection[Any, Any], value: Any) -> None:
+    """Send a value, its arrays uncopied behind it."""
+    arrays: list[pickle.PickleBuffer] = []
+    content = pickle.dumps(value, protocol=5, buffer_callback=arrays.append)
+    connection.send_bytes(str(len(arrays)).encode())
+    connection.send_bytes(content)
     for array in arrays:
-        connection.send_bytes(array.reshape(-1).view(np.uint8).data)
+        connection.send_bytes(array.raw())
 
 
-def _received(connection: Connection[Any, Any], most_bytes: int | None) -> tuple[dict[str, Any], _Arrays]:
-    message = json.loads(connection.recv_bytes(_MOST_WORDS))
-    return message, [
-        np.frombuffer(connection.recv_bytes(most_bytes), dtype=kind).reshape(shape)
-        for kind, shape in message["arrays"]
-    ]
+def _received(connection: Connection[Any, Any], most_bytes: int | None = None) -> Any:
+    count = int(connection.recv_bytes())
+    content = connection.recv_bytes(most_bytes)
+    return pickle.loads(content, buffers=[connection.recv_bytes(most_bytes) for _ in range(count)])
 
 
 def _serve(connection: Connection[Any, Any]) -> None:
-    """Answer calls until the other end is closed."""
+    """Answer calls until the other end is closed: None once a function is imported, then value and error."""
     while True:
         try:
-            request, arrays = _received(connection, None)
+            function, arguments, seconds, memory = _received(connection)
         except EOFError:
             return
-        _send(connection, *_answer(connection, request, arrays))
+        except Exception as error:
+            _send(connection, _plain(error))
+            continue
+        _send(connection, None)
+        try:
+            with _limited(seconds, memory):
+                value = function(*arguments)
+            _send(connection, (value, None))
+        except Exception as error:
+            _send(connection, (None, _plain(error)))
 
 
-def _answer(
-    connection: Connection[Any, Any], request: dict[str, Any], given: _Arrays
-) -> tuple[dict[str, Any], _Arrays]:
-    arrays: _Arrays = []
-    home, name = request["function"]
-    try:
-        function: Any = importlib.import_module(home)
-        for part in name.split("."):
-            function = getattr(function, part)
-    except Exception as error:
-        return {"raised": [type(error).__name__, [str(error)]]}, []
-    finally:
-        connection.send_bytes(b"imported")
-    try:
-        with _limited(request["seconds"], request["memory"]):
-            arguments = [_decoded(argument, given) for argument in request["arguments"]]
-            return {"value": _encoded(function(*arguments), arrays)}, arrays
-    except MemoryError:
-        return {"memory": True}, []
-    except Exception as error:
-        said = error.args if all(isinstance(a, (int, str)) for a in error.args) else (str(error),)
-        return {"raised": [type(error).__name__, list(said)]}, []
+def _plain(error: Exception) -> Exception:
+    """Return an exception that every process can make again."""
+    kind = MemoryError if isinstance(error, MemoryError) else type(error)
+    if kind in vars(builtins).values() or kind in vars(errors).values():
+        with contextlib.suppress(TypeError):
+            simple = all(isinstance(value, (int, str)) for value in error.args)
+            return kind(*(error.args if simple else (str(error),)))
+    return RuntimeError(f"{kind.__name__}: {error}")
 
 
 @contextlib.contextmanager

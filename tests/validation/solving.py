@@ -15,13 +15,13 @@ import numpy as np
 import psutil
 import xarray as xr
 
-from validation.execution.running import Silent
+from validation.execution.attempt import Progress
 from validation.execution.solve import NumbersSolve, Prediction
 from validation.sandbox import ONE_THREAD
 from validation.studies import area
 
 
-class Notes(Silent):
+class Notes(Progress):
     """Progress that remembers."""
 
     def __init__(self):

@@ -26,7 +26,7 @@ from solving import Killing, Notes, dask_cluster, still_running
 from validation.audit import audit
 from validation.errors import RunFailed, UsageError
 from validation.execution import pool
-from validation.execution.attempt import Silent
+from validation.execution.attempt import Progress
 from validation.execution.bench import Bench, PlannedOnly
 from validation.execution.cost import available_memory
 from validation.execution.running import Execution, solve_all
@@ -64,7 +64,7 @@ def solves_of(**options):
 
 
 def bench_at(folder, progress=None, **execution):
-    return Bench.at(folder, execution=Execution(**execution), progress=progress or Silent())
+    return Bench.at(folder, execution=Execution(**execution), progress=progress or Progress())
 
 
 @pytest.fixture(scope="module")

@@ -23,7 +23,7 @@ def child():
 def test_values_and_arrays_come_back_as_they_are(child):
     assert child.call(math.gcd, 12, 18, seconds=20) == 6
     found = child.call(os.path.splitext, "heights.nc", seconds=20)
-    assert found == ["heights", ".nc"]
+    assert found == ("heights", ".nc")
     table = child.call(np.geomspace, 1.0, 8.0, 4, seconds=20)
     np.testing.assert_array_equal(table, np.geomspace(1.0, 8.0, 4))
     assert not table.flags.writeable
@@ -75,15 +75,6 @@ def test_a_crash_is_said_with_its_signal():
         with pytest.raises(OutOfBounds, match=r"crashed its process \(SIGSEGV\)"):
             child.call(signal.raise_signal, int(signal.SIGSEGV), seconds=20)
         assert child.call(math.gcd, 4, 6, seconds=20) == 2
-
-
-def test_nothing_but_plain_values_travels(child):
-    with pytest.raises(TypeError, match="does not travel"):
-        child.call(np.ma.masked_equal, [1.0, 2.0], 1.0, seconds=20)
-    with pytest.raises(TypeError, match="complex128 does not travel"):
-        child.call(np.array, [1.0], "complex", seconds=20)
-    with pytest.raises(TypeError, match="a complex does not travel"):
-        child.call(complex, 1, 2, seconds=20)
 
 
 def test_a_child_ends_with_the_one_that_asked():

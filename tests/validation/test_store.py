@@ -26,7 +26,7 @@ from solving import Numbers, fields
 
 from validation import files
 from validation.errors import RunFailed
-from validation.execution.attempt import Outcome, Silent, attempt
+from validation.execution.attempt import Outcome, Progress, attempt
 from validation.execution.checksum import Damaged, seal, unseal
 from validation.execution.provenance import Made, made_words
 from validation.execution.running import solve_all
@@ -210,7 +210,7 @@ def test_a_file_that_another_process_has_locked_is_read(stored):
 @pytest.mark.parametrize(
     ("number", "words"),
     [
-        (errno.EACCES, "permission denied; ask its owner to make it readable"),
+        (errno.EACCES, "permission denied; ask its owner"),
         (errno.EMFILE, r"too many open files \(ulimit -n\)"),
         (errno.EIO, "the disk failed"),
         (errno.ESTALE, "[Ss]tale"),
@@ -348,7 +348,7 @@ def test_a_run_syncs_the_names_of_what_it_stored(tmp_path, monkeypatch):
 def test_a_store_that_is_removed_during_a_run_is_one_line(tmp_path):
     store = Store(folder=tmp_path / "store")
 
-    class Removing(Silent):
+    class Removing(Progress):
         def begin(self, solve):
             if solve.seed == 2:
                 shutil.rmtree(store.folder)

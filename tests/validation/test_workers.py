@@ -23,6 +23,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from solving import Deadly, DiesAtStart, Held, Killing, Notes, Numbers, Slow, dask_cluster, still_running
 
 from validation.errors import RunFailed, UsageError
+from validation.execution.attempt import Outcome
 from validation.execution.running import Execution, solve_all
 from validation.execution.store import Store
 from validation.files import prepare_folder
@@ -146,7 +147,7 @@ def test_a_look_longer_than_the_patience_is_told_and_followed_by_another(tmp_pat
     minutes, progress, looks = itertools.count(0, 60), Notes(), []
     clock = types.SimpleNamespace(monotonic=lambda: next(minutes), sleep=lambda _: None)
     monkeypatch.setattr(module, "time", clock)
-    monkeypatch.setattr(module._Cluster, "_answering", lambda self: looks.append(self) or {})
+    monkeypatch.setattr(module, "_memory_limits", lambda *_: looks.append(1) or {})
     with pytest.raises(RunFailed, match="no workers for 120 s; what is finished is stored"):
         module._Cluster(None, "tcp://a", Store(folder=tmp_path), progress, 4.0)
     assert len(looks) == 2
@@ -323,8 +324,8 @@ def test_dask_workers_are_warm_before_a_solve_is_timed(tmp_path, monkeypatch):
     )
     monkeypatch.setattr(attempt, "_warm", set())
     for seed in (1, 2):
-        assert cluster._remote(DiesAtStart(seed, ""), store) == (None, False)
+        assert cluster._remote(DiesAtStart(seed, ""), store) == Outcome()
     assert order == ["warm", "solve", "solve"]
-    problem, fatal = cluster._remote(Numbers(1), Store(folder=tmp_path / "elsewhere"))
-    assert "on a file system that they share" in str(problem)
-    assert fatal
+    outcome = cluster._remote(Numbers(1), Store(folder=tmp_path / "elsewhere"))
+    assert "on a file system that they share" in str(outcome.error)
+    assert outcome.fatal

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from validation.errors import harmless
+from validation.execution.attempt import Progress
 
 if TYPE_CHECKING:
     from validation.execution.solve import Solve
@@ -20,7 +21,7 @@ _BETWEEN_LINES = 10.0
 _AFTER = "writing numbers, figures, report"
 
 
-class Bar:
+class Bar(Progress):
     """Progress over solves: how many are done, and a bar weighted by their predicted cost.
 
     Notes are shown even when it is quiet. Where stderr is no terminal, a line is written when the first and
@@ -29,11 +30,12 @@ class Bar:
 
     def __init__(self, *, quiet: bool) -> None:
         from rich.console import Console
-        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+        from rich.progress import BarColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+        from rich.progress import Progress as RichProgress
 
         self._console = Console(stderr=True, highlight=False)
         self._logs = not quiet and not self._console.is_terminal
-        self._progress = Progress(
+        self._progress = RichProgress(
             TextColumn("{task.fields[count]} {task.description}", markup=False),
             BarColumn(),
             TextColumn("{task.percentage:3.0f} %"),

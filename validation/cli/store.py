@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -88,6 +89,6 @@ def _summary(file: Checked) -> dict[str, object]:
         "bytes": file.size,
         "intact": file.problem is None,
         "problem": file.problem,
-        "made": None if file.made is None else file.made.as_json(),
-        "recipe": None if file.recipe is None else json.loads(file.recipe),
+        "made": file.made and asdict(file.made),
+        "recipe": file.recipe and json.loads(file.recipe),
     }

@@ -22,7 +22,7 @@ from validation.comparison.accuracy_search import Beside, Search, grid_words
 from validation.comparison.run import Outputs, run_scene
 from validation.effects.base import effect_key
 from validation.errors import UsageError
-from validation.execution.attempt import Progress, Silent
+from validation.execution.attempt import Progress
 from validation.execution.bench import Bench
 from validation.execution.cost import memory_words
 from validation.execution.running import Execution
@@ -181,7 +181,7 @@ def run_accurate(
     """
     prepare_folder(folder)
     store = Store(folder=store_folder or folder / "solves")
-    bench = Bench(store=store, execution=execution or Execution(), progress=progress or Silent())
+    bench = Bench(store=store, execution=execution or Execution(), progress=progress or Progress())
     reached = reach(scene, bench, target=target, time_limit=time_limit)
     outputs = run_scene(
         reached.chosen(scene),

@@ -6,7 +6,6 @@ import contextlib
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Protocol
 
 from fem_contact.errors import FemContactError
 from validation.errors import RunFailed
@@ -15,20 +14,11 @@ from validation.execution.solve import Solve
 from validation.execution.store import Store
 from validation.files import system_words
 
-__all__ = [
-    "Outcome",
-    "Progress",
-    "Silent",
-    "attempt",
-    "attempt_in_worker",
-    "made_ready",
-    "one_blas_thread",
-    "warm_up",
-]
+__all__ = ["Outcome", "Progress", "attempt", "attempt_in_worker", "made_ready", "one_blas_thread", "warm_up"]
 
 
-class Progress(Protocol):
-    """What a run tells the person who watches it."""
+class Progress:
+    """What a run tells the person who watches it; here, nobody."""
 
     def start(self, missing: tuple[Solve, ...], stored: int) -> None:
         """Tell which solves are to be done, and how many were found finished."""
@@ -43,35 +33,13 @@ class Progress(Protocol):
         """Tell something the user should know, such as a damaged file that was set aside."""
 
 
-class Silent:
-    """Progress that nobody watches."""
-
-    def start(self, missing: tuple[Solve, ...], stored: int) -> None:
-        """Say nothing."""
-
-    def begin(self, solve: Solve) -> None:
-        """Say nothing."""
-
-    done = begin
-
-    def note(self, text: str) -> None:
-        """Say nothing."""
-
-
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
     """How the attempt at one solve ended; the result itself is in the store.
 
-    Attributes
-    ----------
-    solve : Solve
-    error : str or None
-        Why there is no result.
-    fatal : bool
-        Whether the others need not be tried: a full disk.
+    `error` says why there is none, and is `fatal` where the others need not be tried: a full disk.
     """
 
-    solve: Solve
     error: str | None = None
     fatal: bool = False
 
@@ -102,15 +70,9 @@ def attempt_in_worker(solve: Solve, store: Store) -> Outcome:
 
 
 def attempt(solve: Solve, store: Store, *, threads: int | None = None) -> Outcome:
-    """Do one solve and store its result; what a worker does.
+    """Do one solve and store its result, on so many threads; on all that there are if not given.
 
-    Parameters
-    ----------
-    solve : Solve
-    store : Store
-    threads : int, optional
-        Threads for this solve; all that there are if not given. Their number changes the result by rounding:
-        the transforms group their sums by it.
+    Their number changes the result by rounding: the transforms group their sums by it.
     """
     began = time.monotonic()
     try:
@@ -120,12 +82,12 @@ def attempt(solve: Solve, store: Store, *, threads: int | None = None) -> Outcom
         made = Made.now(threads=solve.threads_used(threads), seconds=time.monotonic() - began)
         store.save(solve, result, made=made)
     except (FemContactError, MemoryError) as error:
-        return Outcome(solve=solve, error=f"{solve.describe()}: {error}")
+        return Outcome(error=f"{solve.describe()}: {error}")
     except RunFailed as error:
-        return Outcome(solve=solve, error=str(error), fatal=True)
+        return Outcome(error=str(error), fatal=True)
     except OSError as error:  # too many open files, no further thread: the others would meet the same
-        return Outcome(solve=solve, error=f"{solve.describe()}: {system_words(error)}", fatal=True)
-    return Outcome(solve=solve)
+        return Outcome(error=f"{solve.describe()}: {system_words(error)}", fatal=True)
+    return Outcome()
 
 
 def one_blas_thread() -> contextlib.AbstractContextManager[object]:

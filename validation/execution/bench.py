@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from validation.execution.attempt import Progress, Silent
+from validation.execution.attempt import Progress
 from validation.execution.provenance import Made
 from validation.execution.running import Execution, Solves, solve_all
 from validation.execution.solve import Solve
@@ -29,17 +29,9 @@ class PlannedOnly(Exception):
 
 @dataclass(frozen=True, kw_only=True)
 class Bench:
-    """A store and a way of running.
+    """A store, which studies share, and a way of running: in the process, on local workers or on a cluster.
 
-    Attributes
-    ----------
-    store : Store
-        Finished solves; shared by studies, which then share cases.
-    execution : Execution
-        In the process, on local workers or on a cluster.
-    progress : Progress
-    plan_only : bool
-        Solve nothing: `solve` raises `PlannedOnly` with the solves.
+    One that only plans solves nothing: `solve` raises `PlannedOnly` with the solves.
 
     Examples
     --------
@@ -52,7 +44,7 @@ class Bench:
 
     store: Store
     execution: Execution = field(default_factory=Execution)
-    progress: Progress = field(default_factory=Silent)
+    progress: Progress = field(default_factory=Progress)
     plan_only: bool = False
     _read: list[dict[str, Made]] = field(default_factory=list, init=False, repr=False, compare=False)
 
@@ -66,17 +58,12 @@ class Bench:
     ) -> Bench:
         """Return a bench whose store is in a folder, made by the first solve that is to be kept."""
         store = Store(folder=Path(folder))
-        return cls(store=store, execution=execution or Execution(), progress=progress or Silent())
+        return cls(store=store, execution=execution or Execution(), progress=progress or Progress())
 
     def solve(self, solves: Iterable[Solve]) -> Solves:
         """Solve what is not stored yet and return all results, a mapping whose keys are the solves.
 
-        Raises
-        ------
-        RunFailed
-            When a solve fails; the others are stored.
-        PlannedOnly
-            From a bench that only plans.
+        A RunFailed when a solve fails; the others are stored.
         """
         if self.plan_only:
             raise PlannedOnly(tuple({solve.key: solve for solve in solves}.values()), self.store)

@@ -24,15 +24,7 @@ __all__ = ["EffectCosts", "cache_file", "calibrate", "effect_costs", "reference"
 
 @dataclass(frozen=True, kw_only=True)
 class EffectCosts:
-    """Processor time of a boundary-element solve with an effect over that of the plain one.
-
-    Attributes
-    ----------
-    factors : mapping of str to float
-        By the effect's kind.
-    source : str
-        Where and when they were measured, in words.
-    """
+    """Processor time of a boundary-element solve with an effect over a plain one, by kind; their source."""
 
     factors: Mapping[str, float]
     source: str
@@ -59,9 +51,9 @@ def cache_file() -> Path:
 def effect_costs() -> EffectCosts:
     """Return this machine's factors; those of the reference machine where none, or no good ones, are kept."""
     try:
-        kept = read_record(cache_file())
-        factors = {str(kind): float(value) for kind, value in kept["factors"].items()}
-        measured_on = str(kept["date"])
+        record = read_record(cache_file())
+        factors = {str(kind): float(value) for kind, value in record["factors"].items()}
+        measured_on = str(record["date"])
     except FileNotFoundError:
         return reference()
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
@@ -83,21 +75,10 @@ def _damaged() -> EffectCosts:
 def calibrate(
     *, points: int = 256, repeats: int = 3, tell: Callable[[str], None] | None = None
 ) -> EffectCosts:
-    """Measure the factors on this machine and keep them.
+    """Measure the factors on this machine and keep them; a UsageError where the cache cannot be written.
 
-    Parameters
-    ----------
-    points : int
-        Along a side of the surface.
-    repeats : int
-        Solves of each kind after the first, which compiles; the fastest counts.
-    tell : callable, optional
-        Given a line for every effect.
-
-    Raises
-    ------
-    UsageError
-        Where the cache cannot be written.
+    On a surface of so many `points` along a side; of the `repeats` of each solve after the first, which
+    compiles, the fastest counts. `tell` is given a line for every effect.
     """
     folder = prepare_folder(cache_file().parent, option="cache")
     seconds = _measured(points, repeats, tell)

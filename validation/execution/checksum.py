@@ -26,17 +26,7 @@ class Damaged(Exception):
 
 @dataclass(frozen=True, kw_only=True)
 class Sealed:
-    """The content of a sealed file, found intact.
-
-    Attributes
-    ----------
-    content : memoryview
-        The netCDF file.
-    recipe : str
-        What it is the result of: `Solve.recipe_text`.
-    made : mapping
-        How it was made, as JSON has it.
-    """
+    """The netCDF file in a sealed file that is intact, `Solve.recipe_text`, and how it was made, as JSON."""
 
     content: memoryview
     recipe: str
@@ -52,13 +42,7 @@ def seal(content: bytes | memoryview, *, recipe: str, made: Mapping[str, Any]) -
 
 
 def unseal(data: bytes) -> Sealed:
-    """Return what a sealed file holds.
-
-    Raises
-    ------
-    Damaged
-        When any byte of it is not the one that was written.
-    """
+    """Return what a sealed file holds; `Damaged` where any byte of it is not the one that was written."""
     view = memoryview(data)
     body, foot = view[:-_FOOT], bytes(view[-_FOOT:])
     if len(data) <= _FOOT or not foot.startswith(_WORD) or not foot.endswith(b"\n"):
@@ -66,5 +50,4 @@ def unseal(data: bytes) -> Sealed:
     if foot != _WORD + hashlib.sha256(body).hexdigest().encode() + b"\n":
         raise Damaged("its bytes are not those that were written (SHA-256)")
     start = data.rfind(b"\n", 0, len(body) - 1)
-    said = json.loads(bytes(body[start + 1 :]))
-    return Sealed(content=body[:start], recipe=said["recipe"], made=said["made"])
+    return Sealed(content=body[:start], **json.loads(bytes(body[start + 1 :])))

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import math
+import queue
 import socket
 import threading
 import time
@@ -37,33 +39,34 @@ _CONNECTS_WITHIN, _LOST_AFTER = 30.0, 30.0
 #: How long the few words of a worker may take to come [s].
 _ANSWER_WITHIN = 5.0
 
-#: Memory limit of every worker by address; None where it has none.
-_Limits = Mapping[str, int | None]
-
 
 class _Cluster:
     """The workers of a scheduler, which itself repeats the solve of one that dies."""
 
-    attempts, lost = 1, "its workers died again and again"
+    attempts, lost, starts = 1, "its workers died again and again", 1
 
     def __init__(self, client: Any, address: str, store: Store, progress: Progress, patience: float) -> None:
         self.client, self.address, self.store = client, address, store
         self.progress, self.patience = progress, patience
         #: Workers that a solve may run on, by the key of its future; None for all.
         self.allowed: dict[str, list[str] | None] = {}
-        self.limits = self._awaited_workers()
-
-    @property
-    def count(self) -> int:
-        return len(self.limits)
+        self.limits = self.awaited_workers()
 
     def room(self, solve: Solve, under_way: Sequence[Solve]) -> bool:
-        return len(under_way) < _AHEAD * self.count
+        return len(under_way) < _AHEAD * len(self.limits)
 
     def submit(self, solve: Solve) -> Any:
         key = f"{solve.key}-{uuid.uuid4()}"
-        self.allowed[key] = _fitting(solve, self.limits)
+        self.allowed[key] = self.fitting(solve)
         return self.client.submit(_remote, solve, self.store, key=key, workers=self.allowed[key])
+
+    def fitting(self, solve: Solve) -> list[str] | None:
+        """Return the workers a solve fits on; None if on all, so that workers that come later may take it."""
+        needed = solve.predict().peak_bytes
+        fitting = [name for name, limit in self.limits.items() if needed <= limit]
+        if not fitting:
+            raise UsageError(too_large(solve, int(max(self.limits.values())), where="on any worker"))
+        return None if len(fitting) == len(self.limits) else fitting
 
     def finished(self, under_way: Mapping[Any, Solve]) -> list[Any]:
         """Return what has ended; where nothing has, look whether the scheduler answers and workers live."""
@@ -74,86 +77,75 @@ class _Cluster:
         ended = [future for future in under_way if future.status != "pending"]
         if ended:
             return ended
-        self.limits = self._awaited_workers()
-        return [future for future in under_way if self._stranded(future)]
-
-    def _stranded(self, future: Any) -> bool:
-        """Whether no worker lives that a solve may run on."""
-        allowed = self.allowed[future.key]
-        return allowed is not None and not set(allowed) & set(self.limits)
+        self.limits = self.awaited_workers()
+        # Where no worker lives that a solve may run on, it waits for ever.
+        places = [(future, self.allowed[future.key]) for future in under_way]
+        return [future for future, names in places if names and not set(names) & set(self.limits)]
 
     def outcome(self, future: Any, solve: Solve) -> Outcome:
         path = self.store.path(solve)
+        if future.status == "error":
+            raised = future.exception(timeout=_ANSWER_WITHIN)
+            if type(raised).__name__ == "KilledWorker":
+                raise Died
+            reason = f"{type(raised).__name__}: {raised}".splitlines()[0]
+            return Outcome(error=f"{solve.describe()}: {reason}")
         if future.status == "pending":  # whatever becomes of it, it is not asked for any more
             with contextlib.suppress(Exception):
                 future.cancel()
             try:
-                _fitting(solve, self.limits)
+                self.fitting(solve)
             except UsageError as error:
-                return Outcome(solve=solve, error=str(error))
+                return Outcome(error=str(error))
             raise Again
-        if future.status == "error":
-            raised = future.exception(timeout=_ANSWER_WITHIN)
-            if type(raised).__name__ == "KilledWorker":
-                raise Died("")
-            reason = f"{type(raised).__name__}: {raised}".splitlines()[0]
-            return Outcome(solve=solve, error=f"{solve.describe()}: {reason}")
         if future.status != "finished":  # cancelled or lost, with the scheduler
-            self._answering()
+            self.limits = self.awaited_workers()
             raise Again
         try:
-            problem, fatal = future.result(timeout=_ANSWER_WITHIN)
+            outcome: Outcome = future.result(timeout=_ANSWER_WITHIN)
         except Exception:  # the worker died with its answer, but what it solved may be stored
             if path.exists():
-                return Outcome(solve=solve)
+                return Outcome()
             raise Again from None
-        if problem is None and not _visible(path):
-            return Outcome(solve=solve, error=_unshared(path), fatal=True)
-        return Outcome(solve=solve, error=problem, fatal=fatal)
+        if outcome.error is None and not _visible(path):
+            return Outcome(error=_unshared(path), fatal=True)
+        return outcome
 
-    def _awaited_workers(self) -> _Limits:
-        """Return the workers; wait for one while there is none, and say so."""
+    def awaited_workers(self) -> dict[str, float]:
+        """Return the memory limit of every worker [bytes]; wait for a silent scheduler and for a worker."""
         began, told = time.monotonic(), False
         while True:
-            found = self._answering()
-            if found:
-                return found
-            waited = time.monotonic() - began
-            if waited > _TOLD_AFTER and not told:
-                # Told and looked again before giving up, even where one look took longer than the patience.
-                told = True
-                self.progress.note(
-                    f"--scheduler = {self.address!r}: no workers for {waited:.0f} s; waiting for one "
-                    f"for up to {self.patience:.0f} s"
-                )
-            elif waited > self.patience:
-                raise RunFailed(
-                    f"--scheduler = {self.address!r}: no workers for {waited:.0f} s; what is finished is "
-                    "stored: start workers (dask worker ... --nthreads 1) and give the same command again"
-                )
-            time.sleep(min(_LOOK_EVERY, self.patience / 10))
-
-    def _answering(self) -> _Limits:
-        """Return the workers of a scheduler that answers."""
-        began = time.monotonic()
-        while True:
             try:
-                return _workers(self.client, self.address)
+                limits = _memory_limits(self.client, self.address)
+                if limits:
+                    return limits
+                lacking, patience, remedy = "no workers for {:.0f} s", self.patience, _WORKERS
             except UsageError:
                 raise
             except Exception as error:  # Dask raises what its state makes of a lost connection
-                if self.client.status == "closed" or time.monotonic() - began > _LOST_AFTER:
-                    raise RunFailed(
-                        f"--scheduler = {self.address!r}: the scheduler is lost ({type(error).__name__}); "
-                        "what is finished is stored: start it again and give the same command"
-                    ) from None
-                time.sleep(_LOOK_EVERY)
+                lacking, remedy = f"the scheduler is lost ({type(error).__name__})", "start it again"
+                patience = 0.0 if self.client.status == "closed" else _LOST_AFTER
+            waited = time.monotonic() - began
+            problem = f"--scheduler = {self.address!r}: {lacking.format(waited)}; "
+            if remedy == _WORKERS and waited > _TOLD_AFTER and not told:
+                # Told and looked again before giving up, even where one look took longer than the patience.
+                told = True
+                self.progress.note(f"{problem}waiting for one for up to {patience:.0f} s")
+            elif waited > patience:
+                raise RunFailed(
+                    f"{problem}what is finished is stored: {remedy} and give the same command again"
+                )
+            time.sleep(min(_LOOK_EVERY, self.patience / 10))
+
+
+#: What to do where no worker comes.
+_WORKERS = "start workers (dask worker ... --nthreads 1)"
 
 
 def solve_on_cluster(
     solves: Sequence[Solve], store: Store, *, address: str, patience: float, progress: Progress
-) -> Iterator[Outcome]:
-    """Do solves on a Dask cluster; yield each outcome when it is known.
+) -> Iterator[tuple[Solve, Outcome]]:
+    """Do solves on a Dask cluster; yield each with its outcome when it is known.
 
     Workers write their results into the store themselves: its folder must be on a file system that they and
     this machine share. The scheduler repeats the solve of a worker that dies. While there is none, one is
@@ -171,7 +163,7 @@ def solve_on_cluster(
         shared = replace(store, folder=store.folder.resolve())
         cluster = _Cluster(client, address, shared, progress, patience)
         for solve in solves:  # all of them are known to fit before the first is begun
-            _fitting(solve, cluster.limits)
+            cluster.fitting(solve)
         yield from scheduled(solves, cluster, progress=progress)
 
 
@@ -187,20 +179,26 @@ def _connected(address: str) -> Iterator[Any]:
         raise UsageError(
             f"--scheduler = {address!r}: Dask's configuration asks for encryption; name it as tls://host:port"
         )
-    found: list[Any] = []
+    answers: queue.SimpleQueue[Any] = queue.SimpleQueue()
 
     def connect() -> None:
         try:
-            found.append(Client(address, timeout=_CONNECTS_WITHIN / 3, set_as_default=False))
+            answers.put(Client(address, timeout=_CONNECTS_WITHIN / 3, set_as_default=False))
         except Exception as error:  # Dask raises what its parser makes of bytes that are no scheduler's
-            found.append(error)
+            answers.put(error)
 
-    with _quiet():
+    # Its log means what is said here in a sentence.
+    loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client", "distributed.comm")]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL + 1)
+    try:
         # Dask itself waits for ever for one that takes the connection and says nothing.
-        thread = threading.Thread(target=connect, daemon=True)
-        thread.start()
-        thread.join(_CONNECTS_WITHIN)
-        client = found[0] if found else TimeoutError(f"silent for {_CONNECTS_WITHIN:.0f} s")
+        threading.Thread(target=connect, daemon=True).start()
+        try:
+            client = answers.get(timeout=_CONNECTS_WITHIN)
+        except queue.Empty:
+            client = TimeoutError(f"silent for {_CONNECTS_WITHIN:.0f} s")
         if isinstance(client, Exception):
             raise UsageError(f"--scheduler = {address!r}: {_unanswered(address, client)}")
         try:
@@ -208,6 +206,9 @@ def _connected(address: str) -> Iterator[Any]:
         finally:
             with contextlib.suppress(Exception):  # of a scheduler that is gone
                 client.close(timeout=2)
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
 
 
 def _unanswered(address: str, error: Exception) -> str:
@@ -226,55 +227,29 @@ def _unanswered(address: str, error: Exception) -> str:
     )
 
 
-@contextlib.contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep Dask's own log off the terminal: what it means is said in a sentence."""
-    loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client", "distributed.comm")]
-    before = [logger.level for logger in loggers]
-    for logger in loggers:
-        logger.setLevel(logging.CRITICAL + 1)
+def _memory_limits(client: Any, address: str) -> dict[str, float]:
+    """Return the memory limit of every worker by its address [bytes]."""
     try:
-        yield
-    finally:
-        for logger, level in zip(loggers, before, strict=True):
-            logger.setLevel(level)
-
-
-def _workers(client: Any, address: str) -> dict[str, int | None]:
-    """Return the memory limit of every worker by address; None where it has none."""
-    try:
-        told = client.scheduler_info(n_workers=-1)
+        workers = client.scheduler_info(n_workers=-1)["workers"]
     except TypeError:  # before 2025, all of them without asking
-        told = client.scheduler_info()
+        workers = client.scheduler_info()["workers"]
     if client.status != "running":
         raise ConnectionError(client.status)
-    for name, worker in told["workers"].items():
+    for name, worker in workers.items():
         if worker["nthreads"] != 1:
             raise UsageError(
                 f"--scheduler = {address!r}: worker {name} has {worker['nthreads']} threads; start workers "
                 "with --nthreads 1, so that memory can be planned and no solve waits for another"
             )
-    return {str(name): worker["memory_limit"] or None for name, worker in told["workers"].items()}
+    return {str(name): worker["memory_limit"] or math.inf for name, worker in workers.items()}
 
 
-def _fitting(solve: Solve, limits: _Limits) -> list[str] | None:
-    """Return the workers a solve fits on; None if on all, so that workers that come later may take it."""
-    needed = solve.predict().peak_bytes
-    fitting = [name for name, limit in limits.items() if limit is None or needed <= limit]
-    if not fitting:
-        raise UsageError(
-            too_large(solve, max(limit or 0 for limit in limits.values()), where="on any worker")
-        )
-    return None if len(fitting) == len(limits) else fitting
-
-
-def _remote(solve: Solve, store: Store) -> tuple[str | None, bool]:
-    """Do a solve in a worker; return how it ended."""
+def _remote(solve: Solve, store: Store) -> Outcome:
+    """Do a solve in a worker."""
     if not store.folder.is_dir():
-        return f"{socket.gethostname()}: {_unshared(store.folder)}", True
+        return Outcome(error=f"{socket.gethostname()}: {_unshared(store.folder)}", fatal=True)
     made_ready(solve)
-    outcome = attempt_in_worker(solve, store)
-    return outcome.error, outcome.fatal
+    return attempt_in_worker(solve, store)
 
 
 def _unshared(path: Path) -> str:

@@ -18,13 +18,7 @@ _ROOM = 2**22
 
 
 class InMemory:
-    """A netCDF file that is made in memory.
-
-    Attributes
-    ----------
-    file : netCDF4.Dataset
-        To be written to, until `close`.
-    """
+    """A netCDF file that is made in memory: `file` is written to, until `close`."""
 
     def __init__(self) -> None:
         # netCDF4 itself: through xarray the same fields take five times as long.

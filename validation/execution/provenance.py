@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import platform
 import socket
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib import metadata
-from typing import Any
 
 __all__ = ["SOLVES_MADE", "Made", "made_words"]
 
@@ -23,20 +23,7 @@ _SHAPING = ("fem-contact", "numpy", "scipy", "numba", "ducc0", "scikit-fem")
 
 @dataclass(frozen=True, kw_only=True)
 class Made:
-    """How one solve was made.
-
-    Attributes
-    ----------
-    versions : mapping of str to str
-        Of Python and of what shapes a result.
-    host, machine : str
-        Name of the computer, and its kind of processor and system.
-    threads : int
-    seconds : float
-        Elapsed time of the solve [s].
-    finished : str
-        When it ended, UTC, as ISO 8601 has it.
-    """
+    """How one solve was made: by which versions, on which computer, in what time [s], until when (UTC)."""
 
     versions: Mapping[str, str]
     host: str
@@ -57,20 +44,14 @@ class Made:
             finished=datetime.now(UTC).isoformat(timespec="seconds"),
         )
 
-    def as_json(self) -> dict[str, Any]:
-        """Return it as JSON has it."""
-        return asdict(self)
-
 
 @functools.cache
 def _versions() -> dict[str, str]:
-    found = {"Python": platform.python_version()}
+    versions = {"Python": platform.python_version()}
     for name in _SHAPING:
-        try:
-            found[name] = metadata.version(name)
-        except metadata.PackageNotFoundError:  # a source tree that was not installed
-            continue
-    return found
+        with contextlib.suppress(metadata.PackageNotFoundError):  # a source tree that was not installed
+            versions[name] = metadata.version(name)
+    return versions
 
 
 def made_words(made: Iterable[Made]) -> tuple[str, ...]:
@@ -90,31 +71,19 @@ def made_words(made: Iterable[Made]) -> tuple[str, ...]:
     solves = list(made)
     if not solves:
         return ()
-    times = sorted(one.finished[:16].replace("T", " ") for one in solves)
+
+    def counted(count: int, what: str) -> str:
+        return f"{count} {what}{'' if count == 1 else 's'}"
+
+    times = sorted(solve.finished[:16].replace("T", " ") for solve in solves)
     when = f"on {times[0]}" if times[0] == times[-1] else f"between {times[0]} and {times[-1]}"
-    seconds = sum(one.seconds for one in solves)
-    words = [f"{_solves(len(solves))}, done {when} UTC, in {seconds:.3g} s."]
-    for (host, machine), own in _grouped(solves, lambda one: (one.host, one.machine)).items():
-        threads = Counter(one.threads for one in own)
-        shares = ", ".join(f"{n} with {_threads(k)}" for k, n in sorted(threads.items()))
-        words.append(f"On {host} ({machine}): {shares}.")
-    versions = _grouped(solves, lambda one: tuple(one.versions.items()))
-    for found, own in versions.items():
-        named = ", ".join(f"{name} {version}" for name, version in found)
-        words.append(f"By {named}." if len(versions) == 1 else f"{_solves(len(own))} by {named}.")
-    return tuple(words)
-
-
-def _grouped(solves: Iterable[Made], key: Any) -> dict[Any, list[Made]]:
-    groups: dict[Any, list[Made]] = {}
-    for one in solves:
-        groups.setdefault(key(one), []).append(one)
-    return groups
-
-
-def _solves(count: int) -> str:
-    return "1 solve" if count == 1 else f"{count} solves"
-
-
-def _threads(count: int) -> str:
-    return "1 thread" if count == 1 else f"{count} threads"
+    seconds = sum(solve.seconds for solve in solves)
+    lines = [f"{counted(len(solves), 'solve')}, done {when} UTC, in {seconds:.3g} s."]
+    for host, machine in dict.fromkeys((solve.host, solve.machine) for solve in solves):
+        threads = Counter(solve.threads for solve in solves if (solve.host, solve.machine) == (host, machine))
+        shares = ", ".join(f"{n} with {counted(k, 'thread')}" for k, n in sorted(threads.items()))
+        lines.append(f"On {host} ({machine}): {shares}.")
+    versions = Counter(", ".join(map(" ".join, solve.versions.items())) for solve in solves)
+    for named, count in versions.items():
+        lines.append(f"By {named}." if len(versions) == 1 else f"{counted(count, 'solve')} by {named}.")
+    return tuple(lines)

@@ -40,21 +40,9 @@ _EARLIER = ("run.json", "sweep.json", "study.json", "accuracy.json")
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Result:
-    """What a results folder holds.
+    """What a results folder holds: the numbers of a run, theory, sweep, study or accuracy (`kind`).
 
-    Attributes
-    ----------
-    kind : str
-        "run", "theory", "sweep", "study" or "accuracy".
-    name : str
-        Of the scene or study.
-    asked : mapping
-        Everything that was asked for, ready for JSON.
-    store : Path
-        Where its solves are.
-    data : xarray.Dataset
-    words : tuple of str
-        What a reader should know of what was asked.
+    `asked` is everything that was asked for, ready for JSON, `words` what a reader should know of it.
     """
 
     kind: str
@@ -76,7 +64,7 @@ def write_results(
     words: Sequence[str] = (),
 ) -> Result:
     """Write dataset and record of an act into its folder; see `Result`."""
-    said = {
+    record = {
         "format": _FORMAT,
         "kind": kind,
         "name": name,
@@ -85,8 +73,8 @@ def write_results(
         "store": os.path.relpath(os.path.realpath(store), os.path.realpath(folder)),
     }
     clear_results(folder)
-    write_numbers(folder / DATA, data, recipe=said)
-    write_record(folder / RECORD, {**said, "data": digest_of(folder / DATA)})
+    write_numbers(folder / DATA, data, recipe=record)
+    write_record(folder / RECORD, {**record, "data": digest_of(folder / DATA)})
     return Result(kind=kind, name=name, asked=asked, store=store, data=data, words=tuple(words))
 
 
@@ -99,16 +87,16 @@ def clear_results(folder: Path) -> None:
 def _record(folder: Path) -> Mapping[str, Any]:
     """Return the record of a folder if it is sound and of this version, else nothing."""
     try:
-        said: Mapping[str, Any] = read_record(folder / RECORD)
+        record = read_record(folder / RECORD)
     except (OSError, ValueError):
         return {}
-    return said if said.get("format") == _FORMAT else {}
+    return record if record.get("format") == _FORMAT else {}
 
 
 def holds_result(folder: Path, kind: str = "") -> bool:
     """Whether a folder holds a record that is sound, of this kind if one is named."""
-    said = _record(folder)
-    return bool(said) and kind in ("", said["kind"])
+    record = _record(folder)
+    return bool(record) and kind in ("", record["kind"])
 
 
 def asked_of(folder: Path) -> Any:
@@ -117,28 +105,20 @@ def asked_of(folder: Path) -> Any:
 
 
 def read_results(folder: Path) -> Result:
-    """Return what a folder holds, verified.
-
-    Raises
-    ------
-    UsageError
-        For a folder that holds no finished results of this version, with what to do.
-    """
+    """Return what a folder holds, verified; a UsageError where it is no finished result of this version."""
     try:
         with locked(folder, shared=True):
-            said = read_record(folder / RECORD)
-            if said["format"] != _FORMAT:
+            record = read_record(folder / RECORD)
+            if record["format"] != _FORMAT:
                 raise ValueError(f"{RECORD} is not of this version")
-            if said["data"] != digest_of(folder / DATA):
+            if record["data"] != digest_of(folder / DATA):
                 raise ValueError(f"{DATA}: damaged: it is not what {RECORD} was written for")
             data = read_numbers(folder / DATA)
         return Result(
-            kind=said["kind"],
-            name=said["name"],
-            asked=said["asked"],
-            store=Path(os.path.realpath(folder / said["store"])),
+            **{name: record[name] for name in ("kind", "name", "asked")},
+            store=Path(os.path.realpath(folder / record["store"])),
             data=data,
-            words=tuple(said["words"]),
+            words=tuple(record["words"]),
         )
     except RunFailed as error:
         raise UsageError(str(error)) from None
@@ -151,12 +131,7 @@ def read_results(folder: Path) -> Result:
 
 
 def check_results(folder: Path) -> None:
-    """Refuse a folder that holds no results, and name those beside it that do.
-
-    Raises
-    ------
-    UsageError
-    """
+    """Refuse a folder that holds no results by a UsageError, which names those beside it that do."""
     if any((folder / name).exists() for name in (RECORD, *_EARLIER)):
         return
     places = {path.parent for place in (folder.parent, Path("results")) for path in place.glob(f"*/{RECORD}")}

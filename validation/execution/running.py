@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from validation.errors import RunFailed, UsageError
-from validation.execution.attempt import Outcome, Progress, Silent, attempt, warm_up
+from validation.execution.attempt import Outcome, Progress, attempt, warm_up
 from validation.execution.cost import available_memory, too_large
 from validation.execution.provenance import Made
 from validation.execution.solve import Solve
@@ -20,18 +20,11 @@ __all__ = ["Execution", "Solves", "solve_all"]
 
 @dataclass(frozen=True, kw_only=True)
 class Execution:
-    """Where solves run.
+    """Where solves run: in this process, with all its threads, or in many of one thread each (`workers`).
 
-    Attributes
-    ----------
-    workers : int
-        1: in this process, with all its threads. More: that many processes of one thread each.
-    scheduler : str or None
-        Address of a Dask scheduler, which then does the work; its workers write into the same store.
-    memory : int or None
-        Bytes that all solves running at a time may take together; what is free on this machine if not given.
-    patience : float
-        How long to wait for a worker of the scheduler while there is none [s]; hours where they queue.
+    A Dask `scheduler`, named by its address, has workers of its own, which write into the same store; while
+    there is none, one is waited for (`patience` [s]; hours where they queue). All solves running at a time
+    may take `memory` bytes together; what is free on this machine if not given.
     """
 
     workers: int = 1
@@ -61,17 +54,8 @@ _SYNCED_EVERY = 1.0
 class Solves(Mapping[Any, Any]):
     """Results by solve, fields or numbers; each is read once, when asked for, while memory lasts.
 
-    Attributes
-    ----------
-    solves : tuple of Solve
-        In the order they were asked for.
-    store : Store
-    solved : int
-        How many were solved now; the others were found finished.
-    failures : dict
-        Of those that failed, which are not among the others, why and what to do; where that is no end.
-    how : dict
-        How each that was read was made, by its key.
+    So many were `solved` now, the others found finished; `failures` says of those that failed, and are not
+    among the others, why; `how` each that was read was made, by its key.
     """
 
     def __init__(self, solves: tuple[Solve, ...], store: Store) -> None:
@@ -83,21 +67,21 @@ class Solves(Mapping[Any, Any]):
 
     def read(self, solve: Solve, *, on_damage: Callable[[str], None] | None = None) -> Stored | None:
         """Read a result and how it was made; None where none is stored. See `Store.read`."""
-        found = self._held.get(solve.key) or self.store.read(solve, on_damage=on_damage)
-        if found is not None and solve.key not in self._held:
-            self.how[solve.key] = found.made
-            size = 3 * found.size  # files of mostly zeros take more in memory than on disk
+        stored = self._held.get(solve.key) or self.store.read(solve, on_damage=on_damage)
+        if stored is not None and solve.key not in self._held:
+            self.how[solve.key] = stored.made
+            size = 3 * stored.size  # files of mostly zeros take more in memory than on disk
             if size <= self._free:
-                self._held[solve.key] = found
+                self._held[solve.key] = stored
                 self._free -= size
-        return found
+        return stored
 
     def __getitem__(self, solve: Solve) -> Any:
         """Read a result from the store."""
-        found = self.read(solve)
-        if found is None:
+        stored = self.read(solve)
+        if stored is None:
             raise RunFailed(f"{solve.describe()}: no intact result in {self.store.folder}; run it again")
-        return found.result
+        return stored.result
 
     def made(self) -> tuple[Made, ...]:
         """Return how each was made, for `made_words`."""
@@ -136,31 +120,36 @@ def solve_all(
     RunFailed
         When solves failed, naming them, or the disk is full.
     """
-    execution, progress = execution or Execution(), progress or Silent()
+    execution, progress = execution or Execution(), progress or Progress()
     results = Solves(tuple({solve.key: solve for solve in solves}.values()), store)
     missing = tuple(solve for solve in results if results.read(solve, on_damage=progress.note) is None)
-    if execution.scheduler is None:
-        _refuse_too_large(missing, execution)
+    if execution.scheduler is None and missing:
+        largest, limit = (
+            max(missing, key=lambda solve: solve.predict().peak_bytes),
+            execution.allowed_memory(),
+        )
+        if largest.predict().peak_bytes > limit:
+            raise UsageError(too_large(largest, limit))
     if missing:  # a store that holds everything may be read-only
         prepare_folder(store.folder, option="--store")
     progress.start(missing, len(results) - len(missing))
-    failures, synced = [], time.monotonic()
+    failed: dict[str, str] = {}
+    synced = time.monotonic()
     try:
-        for outcome in _outcomes(missing, store, execution, progress):
+        for solve, outcome in _outcomes(missing, store, execution, progress):
             if outcome.fatal:
                 raise RunFailed(outcome.error)
             if outcome.error is not None:
-                failures.append(outcome)
+                failed[solve.key] = outcome.error
                 continue
             if time.monotonic() - synced > _SYNCED_EVERY:  # the disk keeps the names of what is finished
                 sync_folder(store.folder)
                 synced = time.monotonic()
-            progress.done(outcome.solve)
+            progress.done(solve)
     finally:
         sync_folder(store.folder)
-    if failures and not (despite_failures and len(failures) < len(results)):
-        raise RunFailed(_failed(failures, len(missing)))
-    failed = {outcome.solve.key: str(outcome.error) for outcome in failures}
+    if failed and not (despite_failures and len(failed) < len(results)):
+        raise RunFailed(_failed(list(failed.values()), len(missing)))
     results.failures = {solve: failed[solve.key] for solve in results if solve.key in failed}
     results.solves = tuple(solve for solve in results if solve.key not in failed)
     results.solved = len(missing) - len(failed)
@@ -169,42 +158,30 @@ def solve_all(
 
 def _outcomes(
     solves: tuple[Solve, ...], store: Store, execution: Execution, progress: Progress
-) -> Iterator[Outcome]:
-    if not solves:
-        return iter(())
-    if execution.scheduler is not None:
+) -> Iterator[tuple[Solve, Outcome]]:
+    """Do solves where they are to run; yield each with its outcome."""
+    if solves and execution.scheduler is not None:
         from validation.execution.cluster import solve_on_cluster
 
-        return solve_on_cluster(
-            solves, store, address=execution.scheduler, patience=execution.patience, progress=progress
-        )
-    if execution.workers > 1:
+        address, patience = execution.scheduler, execution.patience
+        yield from solve_on_cluster(solves, store, address=address, patience=patience, progress=progress)
+    elif solves and execution.workers > 1:
         from validation.execution.pool import solve_in_processes
 
-        told: dict[str, Any] = {"workers": execution.workers, "memory": execution.allowed_memory()}
-        return solve_in_processes(solves, store, progress=progress, **told)
-    return _in_this_process(solves, store, progress)
+        memory, workers = execution.allowed_memory(), execution.workers
+        yield from solve_in_processes(solves, store, workers=workers, memory=memory, progress=progress)
+    else:
+        warm_up(solves)
+        previous: Solve | None = None
+        for solve in solves:
+            progress.begin(solve)
+            previous = solve.after(previous)
+            yield solve, attempt(previous, store)
 
 
-def _in_this_process(solves: Sequence[Solve], store: Store, progress: Progress) -> Iterator[Outcome]:
-    warm_up(solves)
-    previous: Solve | None = None
-    for solve in solves:
-        progress.begin(solve)
-        previous = solve.after(previous)
-        yield attempt(previous, store)
-
-
-def _failed(failures: Sequence[Outcome], tried: int) -> str:
-    if len(failures) == 1 == tried:
-        return str(failures[0].error)
-    lines = "\n".join(f"  {failure.error}" for failure in failures[:10])
-    more = f"\n  and {len(failures) - 10} more" if len(failures) > 10 else ""
-    return f"{len(failures)} of {tried} solves failed, the others are stored:\n{lines}{more}"
-
-
-def _refuse_too_large(solves: Sequence[Solve], execution: Execution) -> None:
-    limit = execution.allowed_memory()
-    largest = max(solves, key=lambda solve: solve.predict().peak_bytes, default=None)
-    if largest is not None and largest.predict().peak_bytes > limit:
-        raise UsageError(too_large(largest, limit))
+def _failed(errors: Sequence[str], tried: int) -> str:
+    if len(errors) == 1 == tried:
+        return errors[0]
+    lines = "\n".join(f"  {error}" for error in errors[:10])
+    more = f"\n  and {len(errors) - 10} more" if len(errors) > 10 else ""
+    return f"{len(errors)} of {tried} solves failed, the others are stored:\n{lines}{more}"

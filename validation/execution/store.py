@@ -8,9 +8,9 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from fem_contact.contact import ContactResult
 from validation.errors import RunFailed, UsageError
@@ -19,14 +19,12 @@ from validation.execution.cost import available_memory
 from validation.execution.netcdf import dataset_bytes, read_dataset
 from validation.execution.provenance import Made
 from validation.execution.solve import Solve
-from validation.files import read_whole, write_whole
+from validation.files import read_whole, reason, write_whole
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["Checked", "Store", "Stored", "check_store", "read_numbers", "read_result", "write_numbers"]
-
-_Content = TypeVar("_Content")
 
 _SUFFIX = ".nc"
 _ASIDE = ".nc.corrupt"
@@ -54,16 +52,8 @@ class Store:
         """Return where the result of a solve is, or will be."""
         return self.folder / f"{solve.key}{_SUFFIX}"
 
-    def save(self, solve: Solve, result: Any, *, made: Made | None = None) -> None:
-        """Write a finished solve, and what belongs beside it.
-
-        Parameters
-        ----------
-        solve : Solve
-        result : object
-            What `do` returned.
-        made : Made, optional
-            How it was made; in this process and in no time if not given.
+    def save(self, solve: Solve, result: Any, *, made: Made) -> None:
+        """Write what `do` returned of a solve, how it was made, and what belongs beside it.
 
         Raises
         ------
@@ -78,9 +68,8 @@ class Store:
                 f"{solve.describe()}: memory does not suffice to store it ({error}); name fewer "
                 "--workers, or a smaller --memory"
             ) from error
-        made = made or Made.now(threads=solve.threads_used(None), seconds=0.0)
         # The folder is synced by who collects the outcomes: a name lost with the power is a solve to repeat.
-        write_whole(self.path(solve), (content, seal(content, recipe=solve.recipe_text, made=made.as_json())))
+        write_whole(self.path(solve), (content, seal(content, recipe=solve.recipe_text, made=asdict(made))))
 
     def read(self, solve: Solve, *, on_damage: Callable[[str], None] | None = None) -> Stored | None:
         """Read a finished solve and how it was made; None if there is none.
@@ -113,48 +102,38 @@ class Store:
                 "another store, or move it away"
             ) from error
 
-    def load(self, solve: Solve, *, on_damage: Callable[[str], None] | None = None) -> Any:
-        """Read the result of a finished solve, as `read` does; None if there is none."""
-        stored = self.read(solve, on_damage=on_damage)
+    def load(self, solve: Solve) -> Any:
+        """Read the result of a finished solve; None if there is none."""
+        stored = self.read(solve)
         return None if stored is None else stored.result
 
-    def holds(self, solve: Solve, *, on_damage: Callable[[str], None] | None = None) -> bool:
+    def holds(self, solve: Solve) -> bool:
         """Whether an intact result of the solve is stored."""
-        return self.read(solve, on_damage=on_damage) is not None
+        return self.read(solve) is not None
 
 
 def read_result(path: Path) -> ContactResult:
-    """Read the fields of a stored solve by the name of its file.
-
-    Raises
-    ------
-    RunFailed
-        When there is none, or it is damaged.
-    """
+    """Read the fields of a stored solve by the name of its file; RunFailed for none, or a damaged one."""
     from validation.execution.fields import decode_result
 
-    return _content_of(path, decode_result)
+    result: ContactResult = _content_of(path, decode_result)
+    return result
 
 
 def write_numbers(path: Path, data: xr.Dataset, *, recipe: Mapping[str, Any]) -> None:
     """Write the numbers of a study or a sweep, sealed: netCDF that shows every change since."""
     content = dataset_bytes(data)
-    made = Made.now(threads=1, seconds=0.0).as_json()
+    made = asdict(Made.now(threads=1, seconds=0.0))
     write_whole(path, (content, seal(content, recipe=json.dumps(recipe), made=made)))
 
 
 def read_numbers(path: Path) -> xr.Dataset:
-    """Return what `write_numbers` wrote, verified before it is parsed.
-
-    Raises
-    ------
-    RunFailed
-        When there is none, or it is damaged.
-    """
-    return _content_of(path, read_dataset)
+    """Return what `write_numbers` wrote, verified; RunFailed for none, or a damaged one."""
+    data: xr.Dataset = _content_of(path, read_dataset)
+    return data
 
 
-def _content_of(path: Path, decode: Callable[[memoryview], _Content]) -> _Content:
+def _content_of(path: Path, decode: Callable[[memoryview], Any]) -> Any:
     """Verify a file that must be there, and decode its content."""
     try:
         data = _bytes_of(path)
@@ -167,19 +146,9 @@ def _content_of(path: Path, decode: Callable[[memoryview], _Content]) -> _Conten
 
 @dataclass(frozen=True, kw_only=True)
 class Checked:
-    """What was found of one file of a store.
+    """One file of a store, of some bytes: what is wrong with it, or how it was made and of which recipe.
 
-    Attributes
-    ----------
-    path : Path
-    size : int
-        Bytes.
-    problem : str or None
-        What is wrong with it; None if it is intact.
-    damaged : bool
-        Whether it holds no result; otherwise a problem is that it could not be read.
-    made : Made or None
-    recipe : str or None
+    One that is not `damaged`, but has a problem, could not be read.
     """
 
     path: Path
@@ -193,16 +162,8 @@ class Checked:
 def check_store(folder: Path, *, set_aside: bool = False) -> Iterator[Checked]:
     """Verify every result in a folder: its digest, and that its name is that of its recipe.
 
-    Parameters
-    ----------
-    folder : Path
-    set_aside : bool
-        Whether damaged files are renamed to `*.corrupt`, as a run does that meets them.
-
-    Raises
-    ------
-    UsageError
-        For a folder that cannot be read.
+    Damaged files may be set aside as `*.corrupt`, as a run does that meets them. A UsageError for a folder
+    that cannot be read.
     """
     try:
         names = sorted(os.listdir(folder))
@@ -230,17 +191,11 @@ def check_store(folder: Path, *, set_aside: bool = False) -> Iterator[Checked]:
 #: Bytes of a file that is read without asking how much memory is free.
 _SURELY_FITS = 2**28
 
-#: Why a file that is there cannot be read, and what to do.
+#: Why a file that is there cannot be read, where it is not what the system says of any file.
 _UNREADABLE = {
-    errno.EACCES: "permission denied; ask its owner to make it readable, or name another store with --store",
-    errno.EPERM: "not permitted; ask its owner to make it readable, or name another store with --store",
     errno.ELOOP: "is a link, which is not followed in a store; put the file itself there",
     errno.EINVAL: "is not a file; move it away",
     errno.EFBIG: "larger than the memory that is free",
-    errno.EMFILE: "too many open files (ulimit -n)",
-    errno.ENFILE: "too many open files on this machine",
-    errno.ENOMEM: "memory does not suffice",
-    errno.EIO: "the disk failed (Input/output error); look at it before you go on",
 }
 
 
@@ -251,7 +206,7 @@ def _bytes_of(path: Path) -> bytes | None:
     except (FileNotFoundError, NotADirectoryError):
         return None
     except OSError as error:
-        why = _UNREADABLE.get(error.errno or 0, error.strerror or str(error))
+        why = _UNREADABLE.get(error.errno or 0) or reason(error)
         raise RunFailed(f"{path}: cannot be read: {why}") from None
     except MemoryError:
         raise RunFailed(f"{path}: cannot be read: memory does not suffice") from None
