@@ -13,8 +13,9 @@ from typer.testing import CliRunner
 
 from fem_contact.errors import NotConverged
 from validation.cli.commands import app
+from validation.comparison.explain import explain_sweep, problems_of, solves_of_sweep
 from validation.comparison.run import report_scene, run_scene
-from validation.comparison.sweep import explain_sweep, problems_of, run_sweep, solves_of_sweep
+from validation.comparison.sweep import run_sweep
 from validation.comparison.sweep_views import sweep_views
 from validation.errors import RunFailed, SceneError, UsageError
 from validation.execution.press import Press

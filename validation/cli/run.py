@@ -91,8 +91,9 @@ def _prepared(
 ) -> tuple[Callable[[], Sequence[Solve]], Callable[..., Any]]:
     """Check what is asked, and return what lists its solves and what does them."""
     from validation.comparison.accuracy import run_accurate
+    from validation.comparison.explain import problems_of, solves_of_sweep
     from validation.comparison.run import run_scene
-    from validation.comparison.sweep import problems_of, run_sweep, solves_of_sweep
+    from validation.comparison.sweep import run_sweep
     from validation.execution.press import run_solves, solves_of
     from validation.scenes.checks import check_scene
     from validation.scenes.problem import realise
@@ -134,7 +135,7 @@ def explain(
 ) -> None:
     """Say what a scene would run, at what cost, and what it leaves out."""
     from validation.comparison.explain import explain as explain_scene
-    from validation.comparison.sweep import explain_sweep
+    from validation.comparison.explain import explain_sweep
     from validation.scenes.sweep import Sweep, load_asked
 
     loaded = load_asked(scene, settings or ())

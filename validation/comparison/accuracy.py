@@ -34,8 +34,6 @@ from validation.scenes.problem import realise
 from validation.scenes.scene import Scene
 from validation.solvers.bem import BemOptions
 
-__all__ = ["AccuracyResult", "AccurateRun", "parse_accuracy", "reach", "run_accurate"]
-
 #: ContactModel of effects with which the area corrected at its edge follows its law of error.
 _LAWFUL = frozenset({"pressure bound", "response"})
 
@@ -142,7 +140,6 @@ class AccuracyResult:
         )
 
     def _pairs(self) -> str:
-        """Say from how many surfaces the mean is, and how many a plain one would take."""
         assert self.scatter is not None
         assert self.statistical is not None
         ending = ", ".join(

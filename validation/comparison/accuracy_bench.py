@@ -14,8 +14,6 @@ from validation.execution.cost import available_memory, memory_words, transform_
 from validation.execution.running import Solves
 from validation.execution.solve import Solve
 
-__all__ = ["Account", "Metered"]
-
 
 @dataclass(kw_only=True)
 class Account:

@@ -27,8 +27,6 @@ from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Methods, Scene
 from validation.solvers.bem import BemOptions
 
-__all__ = ["Beside", "Ladder", "Search", "Single", "grid_words"]
-
 #: Grids that are considered, as points per shortest wave.
 _LEVELS = (3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
 #: Points per shortest wave below which an area says little of its limit.
@@ -239,7 +237,6 @@ class Search:
             self.bench.account.reserved += seconds / self.bench.execution.workers
 
     def _watch(self, found: MeanArea, solves: Sequence[Call]) -> None:
-        """Stop a mean that would take too long, with what is known."""
         seconds = self.bench.seconds(solves)
         surfaces = found.surfaces + 2 * sum(one["count"] for one in solves if one.measurement is area_pairs)
         if self.bench.affordable(seconds) and surfaces <= _MOST_SURFACES:
@@ -266,7 +263,6 @@ class Search:
         return next((nx, ny) for nx, ny in pairs if ny >= 2 and abs(nx * wide / (ny * long) - 1) <= _OBLONG)
 
     def _ladders(self, known: ContactAreas) -> Iterator[Ladder]:
-        """List ladders of two and three grids, with those that other methods share."""
         levels = tuple(dict.fromkeys(self._grid(level) for level in _LEVELS))
         spans = [levels[i : i + n] for n in (2, 3) for i in range(len(levels) - n + 1)]
         spans += [()] if self.shared else []
@@ -285,7 +281,6 @@ class Search:
             yield self._planned(grids, 1, known)
 
     def _planned(self, grids: tuple[Grid, ...], shifts: int, known: ContactAreas) -> Ladder:
-        """Return what grids will claim and cost."""
         lengths = self.scene.surface.length
         plan = [
             PlannedGrid(spacing=(lengths[0] / nx, lengths[1] / ny), cells=nx * ny, solves=shifts * shifts)
@@ -306,7 +301,6 @@ class Search:
         )
 
     def _cheapest(self, ladders: Iterable[Ladder], tried: set[tuple[Grid, ...]], *, share: float) -> Ladder:
-        """Return the cheapest ladder that will claim a share of the target."""
         left = [ladder for ladder in ladders if ladder.grids not in tried]
         good = [ladder for ladder in left if ladder.error <= share * self.target]
         affordable = [ladder for ladder in good if self.bench.affordable(ladder.seconds, ladder.peak_bytes)]
@@ -337,13 +331,11 @@ class Search:
         return solves_of(chosen, self.problem)
 
     def _solved(self, ladder: Ladder) -> list[ContactAreas]:
-        """Solve a ladder of the scene's own surface, and read the areas."""
         solves = self._jobs(ladder.grids, ladder.shifts)
         self._solve(solves)
         return [self.areas[solve] for solve in solves]
 
     def _solve(self, solves: Sequence[Press]) -> None:
-        """Solve and read areas; what was read once is not read again."""
         missing = [solve for solve in solves if solve not in self.areas]
         results = self.bench.solve(missing)
         for solve in missing:

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from validation.errors import UsageError
 from validation.execution.results import Result, read_results, write_results
@@ -22,11 +23,6 @@ from validation.report.quantities import labelled, place_words, quantity_of
 from validation.report.table import ResultTable, WordTable, interval_cells, shown
 from validation.report.values import value_of
 from validation.report.views import Card, Views
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["compare_folders", "side_by_side"]
 
 _KINDS = {"run": "runs", "sweep": "sweeps", "theory": "runs of the theory alone"}
 #: What is not compared: names of solves, maps, what a run took, and what says how another number was made.
@@ -112,7 +108,6 @@ def compare_folders(
 
 
 def _read(folders: Sequence[Path]) -> tuple[dict[str, Result], tuple[str, ...]]:
-    """Read folders of one kind; say of the others why they are left out."""
     if len({folder.resolve() for folder in folders}) < max(2, len(folders)):
         raise UsageError("compare: needs at least two results folders, each named once")
     results: dict[str, Result] = {}
@@ -163,8 +158,6 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     UsageError
         Where they share no place, or have different numbers of rows that nothing names.
     """
-    import xarray as xr
-
     parts = [_numbers(result.data) for result in results.values()]
     first = parts[0]
     names = [n for n in first.data_vars if all(n in part and part[n].dims == first[n].dims for part in parts)]
@@ -202,7 +195,6 @@ def _shared(attrs: Sequence[Mapping[str, Any]], context: Any = None) -> dict[str
 
 
 def _numbers(data: xr.Dataset) -> xr.Dataset:
-    """Return what of a dataset is compared."""
     data = data.drop_dims(_FIELDS, errors="ignore")
     kept = [
         str(name)
@@ -271,7 +263,6 @@ def differing(results: Mapping[str, Result]) -> dict[str, tuple[str, ...]]:
 
 
 def _compared(data: xr.Dataset) -> list[str]:
-    """Names of the variables that are compared, those with an interval first."""
     names = [str(n).removesuffix("_apart") for n in data.data_vars if str(n).endswith("_apart")]
     names = [name for name in names if name in data]
 
@@ -282,7 +273,6 @@ def _compared(data: xr.Dataset) -> list[str]:
 
 
 def _places(data: xr.Dataset, name: str) -> Iterator[tuple[str, xr.Dataset]]:
-    """Yield a variable at each of its places, in words."""
     dims = [str(dim) for dim in data[name].dims if dim != "result"]
     told = [n for n in (name, f"{name}_error", f"{name}_apart", f"{name}_apart_error") if n in data]
     for here in each(data[told], *dims):
@@ -295,7 +285,6 @@ def _place(here: xr.Dataset, dim: str, data: xr.Dataset) -> str:
 
 
 def _table(data: xr.Dataset) -> ResultTable:
-    """Return every number, one line for each result."""
     rows: list[dict[str, float | str]] = []
     for name in _compared(data):
         for place, here in _places(data, name):

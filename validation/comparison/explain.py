@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,14 +17,14 @@ from validation.effects.base import Judgement, Roughness, TheoryInputs
 from validation.errors import UsageError
 from validation.execution.calibration import effect_costs
 from validation.execution.cost import transform_seconds
-from validation.execution.press import Press, run_solves
-from validation.execution.solve import Prediction
+from validation.execution.press import Press, run_solves, solves_of
 from validation.report.quantities import in_prefixed_unit
 from validation.scenes.checks import check_scene
 from validation.scenes.grids import affordable, usual_grids
 from validation.scenes.problem import ContactProblem, realise
 from validation.scenes.scene import Scene
 from validation.scenes.surfaces import Expected
+from validation.scenes.sweep import Sweep, SweptKey
 from validation.solvers import Solver, methods
 from validation.solvers.theory import theory_words
 
@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from fem_contact.surface import HeightField
-
-__all__ = ["Explanation", "Prediction", "explain", "judgements"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,7 +89,6 @@ class Explanation:
             yield from (f"  {item.effect}: {item.number} - {item.verdict}" for item in items)
 
     def _plan(self) -> Iterator[str | Table]:
-        """Yield the table of solves, and what they come to."""
         from rich.table import Table
 
         table = Table(title="What will run")
@@ -167,6 +164,100 @@ def _explained(scene: Scene, problem: ContactProblem) -> Explanation:
     )
 
 
+#: What checks of a scene, and making its surface, refuse.
+_UNFIT = (UsageError, fem_errors.InvalidInput, persson_errors.InvalidInput)
+
+
+def problems_of(sweep: Sweep, *, surveyed: bool = False) -> tuple[ContactProblem, ...]:
+    """Return what each scene asks for, each surface made once, and refuse what cannot be run.
+
+    Raises
+    ------
+    UsageError
+        Naming the values at which it cannot.
+    """
+    made: list[ContactProblem] = []
+    surfaces: dict[Any, ContactProblem] = {}
+    for k, scene in enumerate(sweep.scenes):
+        problem = realise(scene, like=surfaces.get(scene.surface), surveyed=surveyed)
+        try:
+            if len(scene.load.values) > 1:
+                key = f"load.{scene.load.key}"
+                raise UsageError(f"{key}: lists several loads; move the list to [sweep], as sweep.{key}")
+            check_scene(scene, problem)
+        except _UNFIT as error:
+            raise UsageError(f"{error} ([sweep] at {sweep.words(k)})") from None
+        surfaces.setdefault(scene.surface, problem)
+        made.append(problem)
+    return tuple(made)
+
+
+def solves_of_sweep(sweep: Sweep, cases: Sequence[ContactProblem]) -> tuple[Press, ...]:
+    """List the solves of all scenes; what several of them ask for is listed once."""
+    each = zip(sweep.scenes, cases, strict=True)
+    return tuple({solve.key: solve for scene, case in each for solve in solves_of(scene, case)}.values())
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepExplanation:
+    """What a sweep runs: each of its `cases` by its values, and the `solves` they share of those `asked`."""
+
+    name: str
+    mode: str
+    keys: tuple[SweptKey, ...]
+    cases: tuple[tuple[str, Explanation], ...]
+    solves: int
+    asked: int
+    seconds: float
+    peak_bytes: int
+
+    def summary(self) -> dict[str, Any]:
+        """Return everything as JSON-ready data."""
+        said = {f.name: getattr(self, f.name) for f in fields(self)}
+        cases = [{"case": words, **one.summary()} for words, one in self.cases]
+        return {**said, "keys": [asdict(key) for key in self.keys], "cases": cases}
+
+    def parts(self) -> Iterator[Any]:
+        """Yield what the command line prints, in order: the sum, then the first and the last case."""
+        joined = "every combination of" if self.mode == "product" else "side by side"
+        named = ", ".join(f"{key.key} ({len(key.values)} values)" for key in self.keys)
+        yield f"Sweep of scene {self.name}: {len(self.cases)} cases, {joined} {named}"
+        yield (
+            f"{self.solves} solves; {self.asked - self.solves} more are shared between cases: about "
+            f"{self.seconds:.2g} s one after the other and {self.peak_bytes / 2**20:.3g} MiB at most (meant "
+            "to be right within a factor of 2)."
+        )
+        ends = self.cases[:1] if len(self.cases) == 1 else (self.cases[0], self.cases[-1])
+        for words, one in ends:
+            yield f"\nCase {words}:"
+            yield from one.parts()
+
+
+def explain_sweep(sweep: Sweep) -> SweepExplanation:
+    """Say what a sweep will run and at what cost, without solving anything.
+
+    Raises
+    ------
+    UsageError
+        For a scene that cannot be run, naming the values at which it cannot.
+    """
+    cases = problems_of(sweep, surveyed=True)
+    solves = solves_of_sweep(sweep, cases)
+    pair = transform_seconds()
+    costs = [solve.predict(pair_seconds=pair) for solve in solves]
+    each = [explain(scene, case) for scene, case in zip(sweep.scenes, cases, strict=True)]
+    return SweepExplanation(
+        name=sweep.name,
+        mode=sweep.mode,
+        keys=sweep.keys,
+        cases=tuple((sweep.words(k), one) for k, one in enumerate(each)),
+        solves=len(solves),
+        asked=sum(grid.solves for one in each for grid in one.grids),
+        seconds=sum(cost.seconds for cost in costs),
+        peak_bytes=max((cost.peak_bytes for cost in costs), default=0),
+    )
+
+
 def judgements(scene: Scene, problem: ContactProblem) -> tuple[tuple[Judgement, ...], tuple[Judgement, ...]]:
     """Return the effects that a scene lists and those it leaves out, each with the number that decides."""
     rough = roughness_of(problem)
@@ -200,7 +291,6 @@ def _priced(judgement: Judgement) -> Judgement:
 
 
 def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]:
-    """Return the numbers a reader checks first: realised and continuum roughness, load, bandwidth."""
     from fem_contact.surface import Patch
 
     field: HeightField | Expected = problem.field
@@ -242,7 +332,6 @@ def _usual_grids(scene: Scene, problem: ContactProblem) -> Iterator[tuple[str, s
 
 
 def _load_words(problem: ContactProblem) -> str:
-    """Write p0 and p* of all loads, or the distance that is held."""
     for key, value in problem.load.held.items():
         distance = in_prefixed_unit(value, "m")
         return f"{key.replace('_', ' ')} = {distance} is held; the load that takes follows from the solve"
@@ -252,7 +341,6 @@ def _load_words(problem: ContactProblem) -> str:
 
 
 def _surface_facts(problem: ContactProblem) -> list[tuple[str, str]]:
-    """Return the integrals over C(q) and the bandwidth, or what was done to a measured surface."""
     if problem.topography is not None:
         return [("measured", words) for words in problem.topography.history]
     assert problem.spectrum is not None

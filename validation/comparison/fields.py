@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from fem_contact.contact import ContactResult
 from fem_contact.stress import pressure_distribution
@@ -18,11 +18,6 @@ from validation.report.quantities import labelled
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Load, Scene
 from validation.solvers.theory import stress_distribution
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["MAPS", "NEAR_ZERO", "with_distribution", "with_fields", "with_maps"]
 
 #: Pressures over E* h'_rms up to which the distribution near zero is shown.
 NEAR_ZERO = 0.6
@@ -69,7 +64,6 @@ def with_maps(data: xr.Dataset, own: Mapping[Press, ContactResult]) -> xr.Datase
 
 
 def _with_spectrum(data: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
-    """Add C(q) of the surface, ring by ring, and that of the scene."""
     if not isinstance(problem.field, HeightField) or not problem.field.rms_gradient > 0:
         return data
     radial = radial_spectrum(problem.field)
@@ -125,7 +119,6 @@ def _binned(
     ends: tuple[float, float],
     unit: float,
 ) -> xr.Dataset:
-    """Add one histogram for each grid, in common bins."""
     points = min(sum(np.count_nonzero(r.in_contact) for r in results) for results in groups.values())
     bins = min(48, max(12, int(np.sqrt(points) / 2)))
     edges = np.linspace(*ends, bins + 1)

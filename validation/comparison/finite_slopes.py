@@ -6,8 +6,6 @@ import numpy as np
 
 from validation.effects.base import Judgement, Roughness
 
-__all__ = ["finite_slopes"]
-
 #: Differences of contact area and of rms pressure from the linear ones per h'_rms, by Poisson ratio: mean of
 #: p* = .05 and .2 up to h'_rms = .4 over four surfaces, by `fem-contact study large-slope` for nu = .3 and
 #: with 8 points per shortest wave for the others (docs/block.md). Either load is a third off the mean.

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from fem_contact.contact import ContactResult
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
@@ -19,11 +19,6 @@ from validation.report.estimates import derive, error_of, gather
 from validation.scenes.problem import ContactProblem
 from validation.solvers import find_method
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["beside_each_other", "cost_and_orders", "finest", "in_numbers"]
-
 #: Within which relative distance from the limit the cheapest solve is looked for.
 _CLOSE = 0.01
 _SIMULATED = {"theory": "it is simulated"}
@@ -31,8 +26,6 @@ _SIMULATED = {"theory": "it is simulated"}
 
 def beside_each_other(data: xr.Dataset, own: Sequence[Reading]) -> xr.Dataset:
     """Put every other method beside the first, on the grids they share; how differences shrink with dx."""
-    import xarray as xr
-
     methods, grids = data.solver.values.tolist(), data.grid.values.tolist()
     if len(methods) < 2:
         return data
@@ -69,8 +62,6 @@ def _order(spacing: Array, values: Array) -> float:
 
 def cost_and_orders(data: xr.Dataset) -> xr.Dataset:
     """Add how far every area is from the limit, what it took to come close, and how P(0+) falls with dx."""
-    import xarray as xr
-
     limit = float(data.area_own) if str(data.no_limit.item()) == "" else math.nan
     if not 0 < limit < 1 - 1e-12:
         limit = math.nan
@@ -101,8 +92,6 @@ def cost_and_orders(data: xr.Dataset) -> xr.Dataset:
 
 def finest(data: xr.Dataset) -> xr.Dataset:
     """Add what every method says on its finest resolved grid, or on its finest where none resolves."""
-    import xarray as xr
-
     names = [
         name for name in ("area_pixel", "area_perimeter", "area_plastic_pixel", "residual") if name in data
     ]
@@ -148,8 +137,6 @@ def in_numbers(
             response = ContactModel.filled(solve.problem.elastic, solve.effects).felt_response
             stiffness = frozen_contact(result, response, tolerance=1e-6).stiffness
             row["stiffness"] = stiffness * problem.field.rms_height / result.mean_pressure
-    import xarray as xr
-
     for name, value in rows[-1].items():
         data[name] = xr.DataArray(value)
         change = abs(value - rows[0][name]) if len(rows) > 1 else math.nan

@@ -9,10 +9,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import scipy.special
+import xarray as xr
 
 from fem_contact.area import ContactAreas
 from fem_contact.contact import ContactResult
@@ -31,11 +32,6 @@ from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Load, Scene
 from validation.solvers import find_method
 from validation.solvers.theory import predict
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["limit_of", "scene_data"]
 
 _TOO_FEW = "it needs two resolved grids of boundary elements with square cells, or three solves on two grids"
 _NO_LIMIT = Limit(value=math.nan, uncertainty=math.nan, edge_constant=math.nan, grids=0)
@@ -108,8 +104,6 @@ def scene_data(
 
 @dataclass(frozen=True, kw_only=True)
 class _Case:
-    """A scene, what was read off its solves, and why others failed."""
-
     scene: Scene
     problem: ContactProblem
     readings: Sequence[Reading]
@@ -198,7 +192,6 @@ def _on_grids(case: _Case) -> xr.Dataset:
 
 
 def _of_the_scene(problem: ContactProblem, modulus: float) -> dict[str, float]:
-    """Return what is known of surface, solid and load before anything is solved."""
     field = problem.field
     (lx, ly), scale = problem.lengths, modulus * field.rms_gradient
     found = {
@@ -221,7 +214,6 @@ def _of_the_scene(problem: ContactProblem, modulus: float) -> dict[str, float]:
 
 
 def _beside_hertz(data: xr.Dataset, scene: Scene) -> xr.Dataset:
-    """Add what Hertz says of the smooth ball under the roughness, where there is one."""
     radius = next((r for effect in scene.effects if (r := getattr(effect, "radius", None))), None)
     if radius is None:
         return data
@@ -243,8 +235,6 @@ def limit_of(areas: Sequence[ContactAreas]) -> Limit | None:
 
 def _value_of(areas: Sequence[ContactAreas], tolerance: float) -> xr.Dataset:
     """Return area, half widths by grid and solver, what it rests on, and why there is no limit."""
-    import xarray as xr
-
     limit, grids = limit_of(areas), len({area.spacing for area in areas})
     located = all(area.subcell is not None for area in areas)
     how = "edge located inside the cells" if located else "corrected at its edge"
@@ -267,7 +257,6 @@ def _value_of(areas: Sequence[ContactAreas], tolerance: float) -> xr.Dataset:
 
 
 def _own_area(data: xr.Dataset, case: _Case) -> xr.Dataset:
-    """Add the limit of every method over its resolved grids, and the area of the scene's own surface."""
     found = {}
     for method in case.methods:
         own = [one for one in case.own if one.solve.method == method]
@@ -290,7 +279,6 @@ def _own_area(data: xr.Dataset, case: _Case) -> xr.Dataset:
 
 
 def _beside_theory(data: xr.Dataset, case: _Case) -> xr.Dataset:
-    """Add what the theory says of the scene's own surface, and of C(q) alone."""
     options = case.scene.methods.options("theory")
     if options is None:
         return data
@@ -308,8 +296,6 @@ def _beside_theory(data: xr.Dataset, case: _Case) -> xr.Dataset:
 
 def _over_surfaces(data: xr.Dataset, case: _Case, accurate: Mapping[str, Any] | None) -> xr.Dataset:
     """Add area, kappa and distance from the theory: means over the surfaces where there are several."""
-    import xarray as xr
-
     has_theory = "area_persson_own" in data
     if accurate is not None:
         data = _as_claimed(data, accurate)
@@ -358,8 +344,6 @@ def _as_claimed(data: xr.Dataset, accurate: Mapping[str, Any]) -> xr.Dataset:
     )
     if accurate["mean"] is None:
         return data
-    import xarray as xr
-
     area = xr.DataArray(accurate["mean"])
     statistical = accurate["statistical"] * accurate["mean"]
     left = math.sqrt(max(0.0, (accurate["mean_error"] * accurate["mean"]) ** 2 - statistical**2))
@@ -389,9 +373,6 @@ def _surfaces(case: _Case) -> xr.Dataset | None:
 
 
 def _surface(case: _Case, k: int, on: Mapping[Grid, Reading], grids: Sequence[Grid]) -> xr.Dataset:
-    """Return area, load and theory of the k-th surface."""
-    import xarray as xr
-
     own = [on[grid] for grid in grids if grid in on]
     here = own[0].solve.problem if own else case.problem.further(k)
     limit = limit_of([one.areas for one in own])

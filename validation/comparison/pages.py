@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from validation.comparison.explain import judgements
 from validation.comparison.pictures import render_stored
@@ -19,11 +20,6 @@ from validation.report.papers import PAPERS
 from validation.report.quantities import in_prefixed_unit
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["effects_words", "result_page", "write_result_page"]
 
 _VIEWS = {"run": run_views, "theory": theory_views, "sweep": sweep_views}
 
@@ -114,7 +110,6 @@ def _lead(kind: str, data: xr.Dataset, scene: Scene) -> str:
 
 
 def _papers(scene: Scene) -> tuple[str, ...]:
-    """Name what is to be cited: methods, effects, and how areas were corrected."""
     cited = [paper for method in scene.methods.asked.values() for paper in method.cited(scene.effects)]
     cited += [paper for effect in scene.effects for paper in effect.papers]
     corrected = [PAPERS["perimeter"]] if scene.methods.solvers else []
@@ -124,7 +119,6 @@ def _papers(scene: Scene) -> tuple[str, ...]:
 
 
 def _seeds(scene: Scene, data: xr.Dataset) -> str:
-    """Say by which numbers surfaces are drawn."""
     swept = [c for c in data.coords.values() if c.attrs.get("key") == "surface.seed"]
     if swept:
         return ", ".join(f"{value:g}" for value in swept[0].values)

@@ -9,8 +9,6 @@ from pathlib import Path
 
 from validation.report.page import Picture
 
-__all__ = ["render_stored"]
-
 _PATIENCE = 120
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.contact import ContactResult
@@ -17,11 +17,6 @@ from validation.arrays import Array
 from validation.effects.base import Effect
 from validation.execution.press import Press
 from validation.scenes.scene import Scene
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Reading", "grid_name", "is_adhesive", "own_solves"]
 
 
 def is_adhesive(effects: Sequence[Effect]) -> bool:
@@ -54,8 +49,6 @@ class Reading:
     @classmethod
     def of(cls, solve: Press, result: ContactResult, *, bare: bool, shown: bool) -> Reading:
         """Read a result; edges are located on the bare half-space with square cells."""
-        import xarray as xr
-
         solver, (dx, dy) = solve.solver, result.spacing
         located = solver.locates_edges and bare and abs(dx / dy - 1) <= 0.05
         at_bound = result.at_bound if result.weights is None else result.weights * result.at_bound

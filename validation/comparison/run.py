@@ -7,7 +7,9 @@ import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import xarray as xr
 
 from validation.comparison.fields import with_fields
 from validation.comparison.numbers import scene_data
@@ -27,11 +29,6 @@ from validation.report.page import Page, clear_page
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import ContactProblem, realise
 from validation.scenes.scene import Scene
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Outputs", "begin", "leave", "report_scene", "run_scene"]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from validation.comparison.treatment import STATISTICS, treatment_findings, treatment_table
 from validation.report.estimates import derive, each, sources_of
@@ -15,11 +16,6 @@ from validation.report.table import Listing, Table
 from validation.report.values import Value, value_of
 from validation.report.views import Card, Views
 from validation.solvers import find_method
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["area_figure", "maps_figure", "pressure_figure", "run_views"]
 
 _NUMBERS = (
     "area",
@@ -222,7 +218,6 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
 
 
 def _finest(data: xr.Dataset) -> xr.Dataset:
-    """Return the finest resolved grid of the first method that succeeded."""
     first = data.isel(solver=int(data.area_pixel_finest.notnull().values.argmax()))
     return first.sel(grid=str(first.grid_finest.item()))
 
@@ -299,7 +294,6 @@ def _theory(data: xr.Dataset) -> Iterator[Finding]:
 
 
 def _methods(data: xr.Dataset) -> Iterator[Finding]:
-    """Compare every other method with the first, on the finest grid that both have."""
     if "pressure_difference" not in data:
         return
     for k in range(1, data.sizes["solver"]):

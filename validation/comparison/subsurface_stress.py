@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import xarray as xr
 
 from fem_contact.contact import ContactResult
 from validation.comparison.reductions import grid_name, own_solves
@@ -14,21 +15,15 @@ from validation.effects.base import ContactModel
 from validation.report.estimates import gather
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from fem_contact.response import Response
     from validation.execution.press import Press
     from validation.scenes.scene import Scene
-
-__all__ = ["below", "planes", "write_below"]
 
 
 def below(data: xr.Dataset, scene: Scene, results: Mapping[Press, ContactResult]) -> xr.Dataset:
     """Add where the von Mises stress under the scene's own surface is largest, if it asks."""
     if scene.subsurface is None:
         return data
-    import xarray as xr
-
     from fem_contact.subsurface import strongest_point
 
     given = scene.subsurface.depths  # at the surface lie the edges of the contact ring
@@ -58,7 +53,6 @@ def _response(solve: Press) -> Response:
 
 
 def _finest(scene: Scene, results: Mapping[Press, Any]) -> list[Press]:
-    """Return the finest of them for each method."""
     return list({solve.method: solve for solve in _pressed(scene, results)}.values())
 
 

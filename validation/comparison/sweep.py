@@ -4,70 +4,28 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
-from fem_contact import errors as fem_errors
-from persson import errors as persson_errors
-from validation.comparison.explain import Explanation, explain
+from validation.comparison.explain import problems_of, solves_of_sweep
 from validation.comparison.numbers import scene_data
 from validation.comparison.run import Outputs, begin, leave
 from validation.comparison.theory_alone import theory_data
-from validation.errors import RunFailed, UsageError
+from validation.errors import RunFailed
 from validation.execution.attempt import Progress
-from validation.execution.cost import transform_seconds
-from validation.execution.press import Press, solves_of
+from validation.execution.press import solves_of
 from validation.execution.running import Execution, Solves, solve_all
 from validation.execution.store import Store
 from validation.files import prepare_folder
 from validation.report.estimates import gather
 from validation.report.quantities import labelled
-from validation.scenes.checks import check_scene
-from validation.scenes.problem import ContactProblem, realise
+from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
-from validation.scenes.sweep import Sweep, SweptKey
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["SweepExplanation", "explain_sweep", "problems_of", "run_sweep", "solves_of_sweep"]
-
-#: What checks of a scene, and making its surface, refuse.
-_UNFIT = (UsageError, fem_errors.InvalidInput, persson_errors.InvalidInput)
-
-
-def problems_of(sweep: Sweep, *, surveyed: bool = False) -> tuple[ContactProblem, ...]:
-    """Return what each scene asks for, each surface made once, and refuse what cannot be run.
-
-    Raises
-    ------
-    UsageError
-        Naming the values at which it cannot.
-    """
-    made: list[ContactProblem] = []
-    surfaces: dict[Any, ContactProblem] = {}
-    for k, scene in enumerate(sweep.scenes):
-        problem = realise(scene, like=surfaces.get(scene.surface), surveyed=surveyed)
-        try:
-            if len(scene.load.values) > 1:
-                key = f"load.{scene.load.key}"
-                raise UsageError(f"{key}: lists several loads; move the list to [sweep], as sweep.{key}")
-            check_scene(scene, problem)
-        except _UNFIT as error:
-            raise UsageError(f"{error} ([sweep] at {sweep.words(k)})") from None
-        surfaces.setdefault(scene.surface, problem)
-        made.append(problem)
-    return tuple(made)
-
-
-def solves_of_sweep(sweep: Sweep, cases: Sequence[ContactProblem]) -> tuple[Press, ...]:
-    """List the solves of all scenes; what several of them ask for is listed once."""
-    each = zip(sweep.scenes, cases, strict=True)
-    return tuple({solve.key: solve for scene, case in each for solve in solves_of(scene, case)}.values())
+from validation.scenes.sweep import Sweep
 
 
 def run_sweep(
@@ -135,8 +93,6 @@ def sweep_data(sweep: Sweep, cases: Sequence[ContactProblem], results: Solves) -
 
 def _case(scene: Scene, problem: ContactProblem, results: Solves) -> xr.Dataset:
     """Return the numbers of one case, as its own run has them, or why it has none."""
-    import xarray as xr
-
     if scene.methods.solvers:
         solves = solves_of(scene, problem)
         failed = {solve: results.failures[solve] for solve in solves if solve in results.failures}
@@ -152,8 +108,6 @@ def _case(scene: Scene, problem: ContactProblem, results: Solves) -> xr.Dataset:
 
 def _alike(parts: Sequence[xr.Dataset]) -> list[xr.Dataset]:
     """Give all cases the same dimensions and variables: what one of them lacks is NaN, or no words."""
-    import xarray as xr
-
     # Positions of the surface have names where cases have different numbers of them.
     sizes = {part.sizes["shift"] for part in parts if "shift" in part.dims}
     aligned = [
@@ -165,63 +119,3 @@ def _alike(parts: Sequence[xr.Dataset]) -> list[xr.Dataset]:
     words = [name for name, values in data.data_vars.items() if values.dtype.kind in "OU"]
     data = data.assign({name: data[name].where(data[name].notnull(), "").astype(str) for name in words})
     return [data.isel(case=k) for k in range(len(parts))]
-
-
-@dataclass(frozen=True, kw_only=True)
-class SweepExplanation:
-    """What a sweep runs: each of its `cases` by its values, and the `solves` they share of those `asked`."""
-
-    name: str
-    mode: str
-    keys: tuple[SweptKey, ...]
-    cases: tuple[tuple[str, Explanation], ...]
-    solves: int
-    asked: int
-    seconds: float
-    peak_bytes: int
-
-    def summary(self) -> dict[str, Any]:
-        """Return everything as JSON-ready data."""
-        said = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
-        cases = [{"case": words, **one.summary()} for words, one in self.cases]
-        return {**said, "keys": [dataclasses.asdict(key) for key in self.keys], "cases": cases}
-
-    def parts(self) -> Iterator[Any]:
-        """Yield what the command line prints, in order: the sum, then the first and the last case."""
-        joined = "every combination of" if self.mode == "product" else "side by side"
-        named = ", ".join(f"{key.key} ({len(key.values)} values)" for key in self.keys)
-        yield f"Sweep of scene {self.name}: {len(self.cases)} cases, {joined} {named}"
-        yield (
-            f"{self.solves} solves; {self.asked - self.solves} more are shared between cases: about "
-            f"{self.seconds:.2g} s one after the other and {self.peak_bytes / 2**20:.3g} MiB at most (meant "
-            "to be right within a factor of 2)."
-        )
-        ends = self.cases[:1] if len(self.cases) == 1 else (self.cases[0], self.cases[-1])
-        for words, one in ends:
-            yield f"\nCase {words}:"
-            yield from one.parts()
-
-
-def explain_sweep(sweep: Sweep) -> SweepExplanation:
-    """Say what a sweep will run and at what cost, without solving anything.
-
-    Raises
-    ------
-    UsageError
-        For a scene that cannot be run, naming the values at which it cannot.
-    """
-    cases = problems_of(sweep, surveyed=True)
-    solves = solves_of_sweep(sweep, cases)
-    pair = transform_seconds()
-    costs = [solve.predict(pair_seconds=pair) for solve in solves]
-    each = [explain(scene, case) for scene, case in zip(sweep.scenes, cases, strict=True)]
-    return SweepExplanation(
-        name=sweep.name,
-        mode=sweep.mode,
-        keys=sweep.keys,
-        cases=tuple((sweep.words(k), one) for k, one in enumerate(each)),
-        solves=len(solves),
-        asked=sum(grid.solves for one in each for grid in one.grids),
-        seconds=sum(cost.seconds for cost in costs),
-        peak_bytes=max((cost.peak_bytes for cost in costs), default=0),
-    )

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from validation.report.estimates import derive, each, mean, power_law, sources_of, total_error
 from validation.report.findings import Finding, finding, note
@@ -14,11 +15,6 @@ from validation.report.quantities import place_words, quantity_of
 from validation.report.table import Column, Table
 from validation.report.views import Card, Views
 from validation.solvers import find_method
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["sweep_views"]
 
 #: Lines of a figure that can be told apart.
 _MOST_LINES = 4
@@ -71,22 +67,18 @@ def sweep_views(data: xr.Dataset) -> Views:
 
 
 def _keys(data: xr.Dataset) -> list[str]:
-    """Names of the swept keys."""
     return str(data.attrs["keys"]).split()
 
 
 def _over(data: xr.Dataset) -> tuple[str, ...]:
-    """Dimensions of the cases."""
     return ("case",) if data.attrs["mode"] == "zip" else tuple(_keys(data))
 
 
 def _answer(data: xr.Dataset) -> str:
-    """Name the variable that answers."""
     return "area" if "area" in data else "area_ensemble"
 
 
 def _several(data: xr.Dataset) -> bool:
-    """Whether cases are means over surfaces."""
     return "surfaces" in data and bool((data.surfaces > 1).any())
 
 
@@ -99,7 +91,6 @@ def _varying(data: xr.Dataset) -> list[str]:
 
 
 def _cards(data: xr.Dataset) -> Iterator[Card]:
-    """Yield the cards on top of the page."""
     area = data[_answer(data)]
     if not bool(area.notnull().any()):
         return
@@ -204,8 +195,6 @@ def _middle(data: xr.Dataset, *kept: str) -> tuple[xr.Dataset, str]:
 
 def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
     """Say how the area changes from the first to the last value of a key, the others in the middle."""
-    import xarray as xr
-
     name = _answer(data)
     here, fixed = _middle(data, key)
     dim = str(here[key].dims[0])
@@ -278,7 +267,6 @@ def _power(known: xr.Dataset, name: str, key: str, dim: str) -> Iterator[Finding
 
 
 def _figures(data: xr.Dataset) -> Iterator[Figure]:
-    """Yield area, kappa and yielded area against each key that has several values."""
     answer = _answer(data)
     drawn: dict[str, tuple[str, ...]] = {"area": (answer, "area_persson")}
     drawn["kappa"] = ("kappa" if answer == "area" else "kappa_ensemble", "kappa_persson")
@@ -328,7 +316,6 @@ _WORDS = {
 
 
 def _which(data: xr.Dataset, variable: str) -> str:
-    """Say whose a line is."""
     which = quantity_of(data, variable).which
     if which or "solver" not in data.coords:
         return which.removesuffix(", finest")

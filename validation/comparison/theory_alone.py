@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from validation.effects.base import TheoryInputs
 from validation.report.estimates import claim
@@ -19,11 +20,6 @@ from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
 from validation.solvers.theory import Answer, against_magnification, theory_words
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["theory_data", "theory_views"]
-
 
 def theory_data(scene: Scene, problem: ContactProblem) -> xr.Dataset:
     """Evaluate the theory at every load of a scene without a solver.
@@ -34,8 +30,6 @@ def theory_data(scene: Scene, problem: ContactProblem) -> xr.Dataset:
         Over (load): A/A0 from C(q) alone, with the error that the theory estimates of itself; and along the
         waves up to each magnification.
     """
-    import xarray as xr
-
     told = TheoryInputs.by(problem.elastic, scene.effects)
     answers = against_magnification(problem, scene.effects, scene.methods.options("theory"))
     moments = problem.own_spectrum.moments()
@@ -77,9 +71,6 @@ def theory_data(scene: Scene, problem: ContactProblem) -> xr.Dataset:
 
 
 def _at_load(answer: Answer, told: TheoryInputs, problem: ContactProblem) -> xr.Dataset:
-    """Return what the theory says at one load, and along the waves up to each magnification."""
-    import xarray as xr
-
     lowest, nothing = 2 * math.pi / max(problem.lengths), np.full(answer.area.shape, math.nan)
     curves = {"magnification": answer.wavevectors / lowest, "magnified_area": answer.area}
     single: dict[str, float | str] = {
@@ -163,7 +154,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
 
 
 def _said_at_load(here: xr.Dataset, *, at: int) -> Finding:
-    """Say what the theory gives at one load."""
     where = "At p0 = {pressure:u} (p* = {reduced_pressure:.4}) "
     if str(here.theory_note.item()):
         return finding("refusal", where + "the theory has no answer: {theory_note}.", here)
@@ -187,7 +177,6 @@ def _said_at_load(here: xr.Dataset, *, at: int) -> Finding:
 
 
 def _cards(data: xr.Dataset) -> Iterator[Card]:
-    """Yield the cards on top of the page."""
     shown = data.isel(load=np.flatnonzero(data.theory_note.values == ""))
     how_large = "How large is the contact? A/A0"
     if not shown.sizes["load"]:

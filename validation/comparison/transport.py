@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
+import xarray as xr
 
 from fem_contact.contact import ContactResult
 from validation.comparison.reductions import own_solves
@@ -16,11 +17,6 @@ from validation.report.estimates import mean as mean_over
 from validation.scenes.problem import ContactProblem
 from validation.scenes.quantities import Leak, Quantities
 from validation.scenes.scene import Scene
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["passing"]
 
 #: What is asked of one result, and what a theory says of it: value, theory's value.
 _Read = Callable[[ContactResult], tuple[float, float]]
@@ -35,8 +31,6 @@ def passing(
     half-spaces that touch there, yielded points included. Values are those of the finest grid that resolves
     the surface, with their change from the grid before; with an ensemble means over its surfaces.
     """
-    import xarray as xr
-
     if scene.quantities is None or not scene.quantities.passing:
         return data
     own, ensemble = _ladder(scene, problem, results)

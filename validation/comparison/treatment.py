@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from fem_contact.contact import ContactResult
 from validation.comparison.reductions import Reading
@@ -16,11 +16,6 @@ from validation.report.findings import Finding, finding, note
 from validation.report.table import Table
 from validation.scenes.problem import ContactProblem
 from validation.scenes.topography.statistics import height_statistics
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["STATISTICS", "treatment_findings", "treatment_table", "with_treatment"]
 
 #: What is said of a measured surface beside its moments.
 STATISTICS = (
@@ -46,8 +41,6 @@ def with_treatment(
     """
     if problem.measured is None:
         return data
-    import xarray as xr
-
     patch = problem.measured.patch.height_field()
     traits = height_statistics(patch.heights, patch.spacing)
     data = data.assign(

@@ -8,6 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+import xarray as xr
+
 from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.contact import ContactResult
 from validation.comparison.numbers import scene_data
@@ -27,14 +29,11 @@ from validation.solvers.base import Solved
 from validation.solvers.theory import Prediction, predict
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
 
     from fem_contact.patches import Patches
     from fem_contact.subsurface import Subsurface
     from validation.report.drawing import Drawing
-
-__all__ = ["Contact", "pressed"]
 
 #: Points per shortest wave of the grids that a limit is taken over unless some are given.
 _LADDER = (4.0, 6.0, 8.0)
@@ -169,7 +168,6 @@ class Contact:
 
     @property
     def _loaded(self) -> ContactProblem:
-        """The problem under the load that the solve took, where a distance was held."""
         if not self.problem.load.held:
             return self.problem
         return self.problem.under(Load(pressure=self.result.mean_pressure))

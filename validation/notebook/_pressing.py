@@ -6,9 +6,10 @@ import difflib
 import math
 from collections.abc import Iterable, Mapping
 from inspect import signature
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
@@ -24,11 +25,6 @@ from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
 from validation.scenes.tables import RandomSurface
 from validation.solvers import methods
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["press", "table", "theory"]
 
 #: Points per shortest wave of the grid that is taken unless one is given: by a quick method, by others.
 _POINTS_PER_WAVE = (8.0, 4.0)
@@ -167,8 +163,6 @@ def table(contacts: Iterable[Contact], *, along: str = "reduced_pressure", limit
     UsageError
         For contacts that do not differ in it.
     """
-    import xarray as xr
-
     pressed_ones = list(contacts) if isinstance(contacts, Iterable) else [contacts]
     if wrong := [one for one in pressed_ones if not isinstance(one, Contact)]:
         raise UsageError(f"table: {wrong[0]!r}: give a list of contacts, as [press(...), press(...)]")
@@ -222,7 +216,6 @@ def _numbers(contact: Contact, *, limit: bool) -> xr.Dataset:
 
 
 def _said(contact: Contact) -> dict[str, Any]:
-    """Return what was asked for, by name."""
     scene, problem = contact.scene, contact.problem
     found: dict[str, Any] = {"reduced_pressure": problem.reduced_pressure, "pressure": problem.pressure}
     found |= {"method": contact.solve.solver.label, "points": contact.solve.grid[0]}

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import xarray as xr
 
 from fem_contact.surface import HeightField, radial_spectrum
 from validation.errors import UsageError
@@ -35,12 +36,9 @@ from validation.scenes.topography.raw import check_shape, real
 from validation.units import metres, unit_of
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
 
     from validation.report.drawing import Drawing
-
-__all__ = ["Surface", "measured", "self_affine"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -59,8 +57,6 @@ class Surface:
 
     def heights(self, grid: GridLike | None = None) -> xr.DataArray:
         """Return the heights [m] over x and y [m]: on a grid, or on the smallest that resolves them."""
-        import xarray as xr
-
         if self.given is not None:
             field = surfaces.measured_field(self.given)
             field = field if grid is None else field.resampled(pair(grid))
@@ -103,8 +99,6 @@ class Surface:
     @property
     def spectrum(self) -> xr.DataArray:
         """C(q) [m^4] of the heights, averaged over directions, over |q| [1/m]."""
-        import xarray as xr
-
         radial = radial_spectrum(self.field)
         q = ("wavevector", radial.q, {"units": "1/m", "long_name": "wave number |q|"})
         about = {"units": "m^4", "long_name": "power spectrum C(q)"}
@@ -112,8 +106,6 @@ class Surface:
 
     def plot(self, *, ax: Axes | None = None) -> Drawing:
         """Draw the map of the heights; with `ax` into axes of matplotlib."""
-        import xarray as xr
-
         from validation.report.marks import draw
 
         field = self.field

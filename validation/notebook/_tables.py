@@ -5,9 +5,10 @@ from __future__ import annotations
 import html
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
+import xarray as xr
 from pydantic import ValidationError
 from scipy.fft import next_fast_len
 
@@ -16,22 +17,6 @@ from validation.report.marks import Figure, Image, Panel
 from validation.report.quantities import in_prefixed_unit, labelled
 from validation.scenes.mistakes import problems
 from validation.units import Table
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = [
-    "GridLike",
-    "Quantity",
-    "as_html",
-    "checked",
-    "fast_grid",
-    "map_of",
-    "on_places",
-    "pair",
-    "plain",
-    "shown",
-]
 
 Quantity = float | str
 GridLike = int | tuple[int, int]

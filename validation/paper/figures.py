@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from persson import elastic
 from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
@@ -20,9 +21,6 @@ from validation.paper import systems as s
 from validation.paper.pmma import rough_pmma
 from validation.paper.pyrex import smoothed_pyrex
 from validation.report.marks import Figure, Line, Panel
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Curves by label, each with the values of its quantities.
 Curves = Mapping[str, Mapping[str, Any]]
@@ -40,8 +38,6 @@ class PaperFigure:
 
     def compute(self) -> xr.Dataset:
         """Return its quantities over curve and point; NaN where a curve has no more."""
-        import xarray as xr
-
         curves = self.curves()
         names = dict.fromkeys(name for values in curves.values() for name in values)
         longest = max(np.size(one) for values in curves.values() for one in values.values())

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from validation.execution.results import Result
 from validation.paper.claims import ClaimRow, written
@@ -16,9 +16,6 @@ from validation.report.quantities import labelled
 from validation.report.table import Table
 from validation.report.values import with_places
 from validation.report.views import Card, Views
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 _PAPER = "B. N. J. Persson, Contact mechanics for randomly rough surfaces, Surf. Sci. Rep. 61, 201 (2006)."
 _COUNTED = {
@@ -32,8 +29,6 @@ _WORDS = ("section", "convention", "verdict", "reason", "note")
 
 def paper_dataset(rows: Sequence[ClaimRow], figures: Iterable[xr.Dataset] = ()) -> xr.Dataset:
     """Return claims along `claim`, and the curves of figures."""
-    import xarray as xr
-
     verdicts = [row.verdict for row in rows]
     data = xr.Dataset(
         {

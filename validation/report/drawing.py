@@ -9,14 +9,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import xarray as xr
+
 from validation.files import atomic_path
 from validation.report.table import write_dataset
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.figure import Figure
-
-__all__ = ["Drawing", "Drawn", "write_drawing"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -35,20 +34,7 @@ class Drawn:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Drawing:
-    """One figure of a report.
-
-    Attributes
-    ----------
-    name : str
-        Names its files.
-    figure : matplotlib.figure.Figure
-    data : xarray.Dataset
-        Every number that is drawn, with units.
-    caption : str
-        What is seen, in words.
-    drawn : tuple of Drawn
-        What was drawn of which slice of a dataset.
-    """
+    """One figure of a report: its name, that of its files, the numbers in it with units, and what is seen in words."""
 
     name: str
     figure: Figure
@@ -57,7 +43,6 @@ class Drawing:
     drawn: tuple[Drawn, ...] = ()
 
     def _repr_html_(self) -> str:
-        """Show the figure in a notebook, whatever draws figures there."""
         from validation.report.figure import embeddable, save_figure
 
         with tempfile.TemporaryDirectory() as folder:

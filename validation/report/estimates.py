@@ -14,38 +14,14 @@ import ast
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import scipy.special
+import xarray as xr
 
 from validation.arrays import Array
 from validation.errors import UsageError, did_you_mean
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = [
-    "NORMAL",
-    "SOURCES",
-    "change",
-    "claim",
-    "derive",
-    "each",
-    "error_of",
-    "evaluated",
-    "gather",
-    "mean",
-    "mean_of",
-    "nearest",
-    "power_law",
-    "reduce",
-    "same_of_all",
-    "shown_sources",
-    "solved_places",
-    "sources_of",
-    "total_error",
-]
 
 #: Where an error comes from, in the order in which it is listed.
 SOURCES = ("surfaces", "grid", "solver", "size", "bandwidth", "depth", "theory")
@@ -96,8 +72,6 @@ def gather(cases: Mapping[Any, xr.Dataset], **dims: Sequence[Any]) -> xr.Dataset
     >>> data.area.values.tolist(), data.pressure.dims
     ([[0.1, 0.2], [0.1, 0.2], [nan, nan]], ('poisson', 'load'))
     """
-    import xarray as xr
-
     first = next(iter(cases.values()))
     _refuse_unlike(first, cases)
     places = dict(zip(_places(dims), np.ndindex(*map(len, dims.values())), strict=True))
@@ -210,8 +184,6 @@ def error_of(value: xr.DataArray, **sources: xr.DataArray | float | str) -> xr.D
     sources : DataArray, float or str
         Half width of the 95 % interval; or a text: why the source does not enter. Others are not measured.
     """
-    import xarray as xr
-
     parts, why = [], {}
     for source in SOURCES:
         told = sources.pop(source, math.nan)
@@ -504,8 +476,6 @@ def evaluated(expression: str, values: Mapping[str, Any]) -> Any:
 
 def _at(expression: str, values: Mapping[str, xr.DataArray]) -> xr.DataArray:
     """Evaluate an expression of variables; a number becomes an array, too."""
-    import xarray as xr
-
     found = evaluated(expression, values)
     return found if isinstance(found, xr.DataArray) else xr.DataArray(found)
 
@@ -527,7 +497,6 @@ def power_law(data: xr.Dataset, name: str, *, of: str, x: str, along: Sequence[s
         Dimensions that are fitted over.
     """
     import scipy.stats
-    import xarray as xr
 
     def fit(y: Array, at: Array) -> tuple[float, float, float]:
         kept = np.isfinite(y) & (y > 0) & np.isfinite(at)

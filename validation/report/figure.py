@@ -18,18 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.axis import Axis
 
 
-__all__ = [
-    "COLOURS",
-    "STYLE",
-    "STYLES",
-    "SYMBOLS",
-    "embeddable",
-    "new_figure",
-    "readable_ticks",
-    "save_figure",
-]
-
-
 #: One look for every figure; markers and line styles differ, so that it reads in black and white.
 STYLE: Any = {
     "font.size": 10,

@@ -21,8 +21,6 @@ from validation.report.values import Value, value_of, values_of
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["KINDS", "Finding", "finding", "note", "of_one_surface", "ranking"]
-
 
 def _sign(value: Value) -> str:
     """Sign of what its interval excludes from zero; 0 where it does not, ? where there is none."""
@@ -97,22 +95,10 @@ KINDS: dict[str, tuple[Callable[[Value], str] | None, dict[str, str]]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class Finding:
-    """One thing found.
+    """One thing found: of a kind of `KINDS`, a sentence with named values in braces, ``{verdict}`` and ``{each}``.
 
-    Attributes
-    ----------
-    kind : str
-        One of `KINDS`.
-    form : str
-        A sentence with names of values in braces (formats of `Value`), ``{verdict}`` and ``{each}``.
-    values : mapping of str to Value
-    item : str
-        Form of one row, of which ``{each}`` is the list.
-    rows : tuple of mappings of str to Value
-    by : str
-        Name of the value that decides; in a row where rows have it.
-    words : mapping of str to str
-        What outcomes are called here.
+    ``{each}`` lists the `rows` in the form `item`; the value that decides is called `by`, in a row where rows have
+    it; `words` are what outcomes are called here.
 
     Examples
     --------

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
+import xarray as xr
 
 from validation.errors import UsageError
 from validation.report.drawing import Drawing, Drawn
@@ -29,32 +30,15 @@ from validation.report.quantities import (
 from validation.report.words import mathtext
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
-
-__all__ = ["Band", "Figure", "Image", "Level", "Line", "Panel", "against", "draw", "panels_along"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Mark:
-    """What all marks have.
+    """What all marks have: the variable `y`, along `x` (that of the panel if not given).
 
-    Attributes
-    ----------
-    y : str
-        The variable.
-    x : str
-        Along the axis; that of the panel if not given.
-    by : tuple of str
-        Dimensions: one mark is drawn for each place along them.
-    at : mapping
-        Position along other dimensions, or several of them.
-    where : mapping
-        Values of coordinates: only these cases are shown.
-    look : mapping
-        Overrides of how it is drawn.
-    label : str
-        Legend, with values in braces as in a finding; made from the registry and the place if not given.
+    One is drawn for each place along the dimensions `by`, at positions `at` of others, where coordinates have the
+    values `where`. `look` overrides how it is drawn, `label` the legend, with values in braces as in a finding.
     """
 
     y: str
@@ -100,24 +84,9 @@ class Image(_Mark):
 
 @dataclass(frozen=True, kw_only=True)
 class Panel:
-    """Axes with marks on them.
+    """Axes with marks on them: quantities `x` and `y` (that of the first mark if not given), `log` "x", "y" or "xy".
 
-    Attributes
-    ----------
-    marks : sequence of marks
-    x : str
-        Quantity along the axis.
-    y : str
-        Quantity up the axis; that of the first mark if not given.
-    log : str
-        "x", "y", "xy" or none.
-    base : int
-        Of the logarithmic axes.
-    title : str
-    at : mapping
-        Position along dimensions, or several of them, for all marks.
-    bottom, top, right : float, optional
-        Ends of the axes.
+    `at` holds for all marks.
     """
 
     marks: Sequence[_Mark]
@@ -201,7 +170,6 @@ def _asked(data: xr.Dataset) -> dict[str, Any]:
 
 
 def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
-    """Draw the marks of one panel; units are chosen so that the largest number reads well."""
     places = [
         (mark, here, k)
         for mark in panel.marks
@@ -284,8 +252,6 @@ def _places(mark: _Mark, data: xr.Dataset) -> Iterable[xr.Dataset]:
 
 @dataclass(frozen=True, kw_only=True)
 class _Numbers:
-    """What an artist is given: plain arrays in the units of the axes."""
-
     x: Any
     y: Any
     error: Any = None
@@ -318,7 +284,6 @@ class _Numbers:
 
 
 def _put(mark: _Mark, axes: Axes, n: _Numbers, look: dict[str, Any]) -> Any:
-    """Hand the numbers of one mark to matplotlib."""
     if isinstance(mark, Level):
         plain = {k: v for k, v in look.items() if k in ("color", "ls", "lw", "label")}
         line = axes.axhline(float(n.y), **{"lw": 1, **plain})
@@ -380,7 +345,6 @@ def _by(mark: _Mark) -> tuple[str, ...]:
 
 
 def _label(mark: _Mark, here: xr.Dataset, data: xr.Dataset) -> str:
-    """Legend: what tells the quantity apart, or its words, and where."""
     from validation.report.values import values_of
 
     if mark.label is not None:
@@ -398,7 +362,6 @@ def _scale(what: Quantity, values: Iterable[xr.DataArray]) -> tuple[float, str]:
 
 
 def _axis_label(what: Quantity, unit: str, *, width: int = 36) -> str:
-    """Words, symbol and unit of an axis."""
     unit = "" if unit == "1" else f" [{unit}]"
     lines = textwrap.wrap(what.words, width, break_on_hyphens=False) or [""]
     if what.symbol in what.words:

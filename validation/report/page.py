@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 
     from validation.report.views import Views
 
-__all__ = ["Answer", "Note", "Page", "Picture", "clear_page", "page_of", "render", "versions", "write_page"]
-
 #: Width over height from which on a figure has several panels, and the width of the page to itself.
 _WIDE = 1.7
 
@@ -81,26 +79,8 @@ def versions() -> dict[str, str]:
 class Page:
     """Everything that a results folder shows, before any of it is written.
 
-    Attributes
-    ----------
-    lead : str
-        The question or the case in one sentence.
-    findings : tuple of str
-        What was found, the most asked-for first.
-    budget : ResultTable, optional
-        What is uncertain, source by source.
-    no_picture : str
-        Why there is none.
-    settings : mapping
-        Everything that was asked for, ready for JSON.
-    papers : tuple of str
-        What to cite.
-    records : mapping of str to ResultTable
-        Tables to be written as CSV by name, every digit.
-    data : xarray.Dataset, optional
-        To be written as data.csv, with one more file for each further set of dimensions.
-    summary : mapping, optional
-        To be written as summary.json, with the papers to cite.
+    `records` are written as CSV by name, `data` as data.csv, with one more file for each further set of dimensions,
+    and `summary` as summary.json, with the papers to cite.
     """
 
     title: str
@@ -241,7 +221,6 @@ def render(page: Page) -> str:
 
 
 def _embedded(drawing: Drawing, files: tuple[Path, ...]) -> dict[str, Any]:
-    """Return a figure on disk as the page shows it."""
     from markupsafe import Markup
 
     from validation.report.figure import embeddable

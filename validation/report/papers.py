@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["PAPERS"]
-
 PAPERS = {
     "borri2006": "M. Borri-Brunetto, private communication in Persson 2006, Sec. 3.5.",
     "campana2007": "C. Campana, M. H. Müser, Europhys. Lett. 77, 38005 (2007).",

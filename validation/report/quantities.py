@@ -19,19 +19,6 @@ from validation.errors import UsageError
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "Quantity",
-    "glossary",
-    "in_prefixed_unit",
-    "labelled",
-    "named_at",
-    "place_words",
-    "prefixed_unit",
-    "quantity",
-    "quantity_of",
-    "registry",
-]
-
 #: Engineering prefixes by power of a thousand, for units that take them.
 _PREFIXES = {-4: "p", -3: "n", -2: "u", -1: "m", 0: "", 1: "k", 2: "M", 3: "G"}
 #: Coordinates whose texts are names of solvers and theories.
@@ -41,20 +28,10 @@ _PREFIXED = ("m", "Pa", "s", "J", "N", "W", "V", "Ohm", "m/s", "J/m^2", "Pa m", 
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
-    """What a variable is.
+    """What a variable is: symbol as it is typed (`validation.report.words` sets it), meaning, SI unit or "1".
 
-    Attributes
-    ----------
-    name : str
-        Of the quantity itself.
-    symbol, words, unit : str
-        The symbol as it is typed (`validation.report.words` sets it), its meaning, its SI unit or "1".
-    which : str
-        What tells it from its like, such as "counted" or "Persson"; empty for the thing itself.
-    look : mapping
-        How it is drawn wherever it is drawn, where that is fixed.
-    linear : bool
-        Whether its axis is linear, whatever it spans, and no power of it is a law.
+    `which` tells it from its like, such as "counted" or "Persson", and is empty for the thing itself; `look` is how
+    it is drawn wherever it is drawn. Where it is `linear` its axis is, whatever it spans, and no power of it a law.
     """
 
     name: str

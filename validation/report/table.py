@@ -21,18 +21,6 @@ from validation.report.words import with_error
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "Column",
-    "Listing",
-    "ResultTable",
-    "Table",
-    "WordTable",
-    "budget_table",
-    "shown",
-    "write_dataset",
-    "write_table",
-]
-
 #: How variables of single surfaces end.
 _SINGLE = ("_each", "_each_error", "_each_drift")
 
@@ -53,19 +41,8 @@ class Column:
 class Table:
     """A table of a dataset: one row for each place along `rows`, the last one running first.
 
-    Attributes
-    ----------
-    rows : tuple of str
-        Dimensions; a place at which nothing but its coordinates is known has no row.
-    columns : tuple of str or Column
-        Variables and coordinates. Titles and units are those of the registry, intervals stand behind their
-        values.
-    title, note : str
-        Above and below it.
-    file : str
-        Its name as CSV.
-    sparse : bool
-        Whether places where nothing was solved have no row.
+    A place at which nothing but its coordinates is known has no row; with `sparse`, nor has one where nothing was
+    solved. Titles and units of the columns are those of the registry, intervals stand behind their values.
     """
 
     rows: tuple[str, ...]
@@ -160,7 +137,6 @@ def _known(value: float | str) -> bool:
 
 
 def _place(column: str | Column, data: xr.Dataset) -> tuple[str, str, Mapping[str, int]]:
-    """Name, title and place of a column."""
     if isinstance(column, str):
         column = Column(column)
     title = quantity_of(data, column.name).title
@@ -239,16 +215,9 @@ class ResultTable:
 
 @dataclass(frozen=True, kw_only=True)
 class WordTable:
-    """A table as it is read, on a page or in a terminal.
+    """A table as it is read, on a page or in a terminal; `sums`, below a line, are what the others come to.
 
-    Attributes
-    ----------
-    sums : tuple of tuples of str
-        Rows below a line: what the others come to.
-    left : frozenset of str
-        Columns of words, which begin at the left; numbers end at the right.
-    yielding : tuple of str
-        Columns that leave first where there is no room for all, in this order.
+    Columns that begin at the `left` are words; those `yielding` leave first, in this order, where there is no room.
     """
 
     columns: tuple[str, ...]

@@ -5,37 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from validation.errors import UsageError
 from validation.report.estimates import sources_of, total_error
 from validation.report.quantities import in_prefixed_unit, prefixed_unit, quantity
 from validation.report.words import significant, with_error
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Value", "combined", "place_of", "value_of", "values_of", "with_places"]
-
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Value:
-    """A number as it is said: with its 95 % interval where it has one, and shown with symbol and unit.
+    """A number as it is said: with half of its 95 % interval where it has one, and shown with symbol and unit.
 
-    Attributes
-    ----------
-    value : float or str
-    error : float or None
-        Half width of the 95 % interval; NaN where it was not measured, None or 0 for what is exact, such as
-        a load.
-    sources : str
-        What the interval holds, where not all that enters was measured.
-    name : str
-        The variable it was read from.
-    at : mapping
-        Where, by dimension: the position.
+    An `error` of NaN was not measured, None or 0 is that of what is exact, such as a load; `sources` are what it
+    holds, where not all that enters was measured. It was read from the variable `name`, `at` a position by dimension.
 
     Examples
     --------

@@ -13,8 +13,6 @@ from validation.report.table import Listing, Table
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Card", "Views"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Card:
@@ -29,17 +27,8 @@ class Card:
 class Views:
     """Declarations that `validation.report` shows; nothing in them computes.
 
-    Attributes
-    ----------
-    table : Table, optional
-    budget : sequence of str
-        Variables whose intervals are listed source by source.
-    figures : sequence of Figure
-    findings : sequence of Finding
-        At most six, the most asked-for first.
-    cards : sequence of Card
-    more : sequence of Table or Listing
-        Further tables, below the first.
+    Variables of the `budget` are listed source by source; findings are at most six, the most asked-for first;
+    `more` tables stand below the first.
     """
 
     table: Table | None = None

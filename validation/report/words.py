@@ -12,8 +12,6 @@ from validation.errors import harmless
 if TYPE_CHECKING:
     from markupsafe import Markup
 
-__all__ = ["json_ready", "mathematics", "mathtext", "percent", "significant", "with_error"]
-
 _GREEK = {"kappa": "κ", "sigma": "σ", "gamma": "γ", "lambda": "λ", "zeta": "ζ", "alpha": "α"}
 _APART = r"(?<![\w-])(?:{})(?![\w-])"
 #: How symbols of the field are typed (in text that was made safe for HTML), and how they are set.
