@@ -34,7 +34,7 @@ class Drawn:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Drawing:
-    """One figure of a report: its name, that of its files, the numbers in it with units, and what is seen in words."""
+    """One figure of a report, called as its files: what is drawn, every number in it, and a caption."""
 
     name: str
     figure: Figure

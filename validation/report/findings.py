@@ -95,10 +95,12 @@ KINDS: dict[str, tuple[Callable[[Value], str] | None, dict[str, str]]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class Finding:
-    """One thing found: of a kind of `KINDS`, a sentence with named values in braces, ``{verdict}`` and ``{each}``.
+    """One thing found: of a kind of `KINDS`, a sentence with named values in braces.
 
-    ``{each}`` lists the `rows` in the form `item`; the value that decides is called `by`, in a row where rows have
-    it; `words` are what outcomes are called here.
+    ``{verdict}`` and ``{each}``.
+
+    ``{each}`` lists the `rows` in the form `item`; the value that decides is called `by`, in a row where rows
+    have it; `words` are what outcomes are called here.
 
     Examples
     --------

@@ -37,8 +37,9 @@ if TYPE_CHECKING:
 class _Mark:
     """What all marks have: the variable `y`, along `x` (that of the panel if not given).
 
-    One is drawn for each place along the dimensions `by`, at positions `at` of others, where coordinates have the
-    values `where`. `look` overrides how it is drawn, `label` the legend, with values in braces as in a finding.
+    One is drawn for each place along the dimensions `by`, at positions `at` of others, where coordinates have
+    the values `where`. `look` overrides how it is drawn, `label` the legend, with values in braces as in a
+    finding.
     """
 
     y: str
@@ -84,7 +85,9 @@ class Image(_Mark):
 
 @dataclass(frozen=True, kw_only=True)
 class Panel:
-    """Axes with marks on them: quantities `x` and `y` (that of the first mark if not given), `log` "x", "y" or "xy".
+    """Axes with marks on them: quantities `x` and `y` (that of the first mark if not given), `log` "x".
+
+    "y" or "xy".
 
     `at` holds for all marks.
     """

@@ -79,8 +79,8 @@ def versions() -> dict[str, str]:
 class Page:
     """Everything that a results folder shows, before any of it is written.
 
-    `records` are written as CSV by name, `data` as data.csv, with one more file for each further set of dimensions,
-    and `summary` as summary.json, with the papers to cite.
+    `records` are written as CSV by name, `data` as data.csv, with one more file for each further set of
+    dimensions, and `summary` as summary.json, with the papers to cite.
     """
 
     title: str

@@ -30,8 +30,9 @@ _PREFIXED = ("m", "Pa", "s", "J", "N", "W", "V", "Ohm", "m/s", "J/m^2", "Pa m", 
 class Quantity:
     """What a variable is: symbol as it is typed (`validation.report.words` sets it), meaning, SI unit or "1".
 
-    `which` tells it from its like, such as "counted" or "Persson", and is empty for the thing itself; `look` is how
-    it is drawn wherever it is drawn. Where it is `linear` its axis is, whatever it spans, and no power of it a law.
+    `which` tells it from its like, such as "counted" or "Persson", and is empty for the thing itself; `look`
+    is how it is drawn wherever it is drawn. Where it is `linear` its axis is, whatever it spans, and no power
+    of it a law.
     """
 
     name: str

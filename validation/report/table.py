@@ -41,8 +41,9 @@ class Column:
 class Table:
     """A table of a dataset: one row for each place along `rows`, the last one running first.
 
-    A place at which nothing but its coordinates is known has no row; with `sparse`, nor has one where nothing was
-    solved. Titles and units of the columns are those of the registry, intervals stand behind their values.
+    A place at which nothing but its coordinates is known has no row; with `sparse`, nor has one where nothing
+    was solved. Titles and units of the columns are those of the registry, intervals stand behind their
+    values.
     """
 
     rows: tuple[str, ...]
@@ -217,7 +218,8 @@ class ResultTable:
 class WordTable:
     """A table as it is read, on a page or in a terminal; `sums`, below a line, are what the others come to.
 
-    Columns that begin at the `left` are words; those `yielding` leave first, in this order, where there is no room.
+    Columns that begin at the `left` are words; those `yielding` leave first, in this order, where there is no
+    room.
     """
 
     columns: tuple[str, ...]
