@@ -31,6 +31,7 @@ __all__ = [
     "all_cases",
     "below",
     "case",
+    "cases_of",
     "chosen_cases",
     "holds",
     "near",
@@ -145,19 +146,20 @@ class Case:
     """A claim with a known answer, and `run`, which computes the checks that decide it.
 
     It is `quick` if it takes seconds rather than minutes; `source` is that of the reference, `tolerance`
-    one of `TOLERANCES`, `solver` whom the claim is about, where there are several.
+    one of `TOLERANCES`, `solver` whom the claim is about, where there are several. That of a row of the
+    scorecard, which is about any solver, takes a `scorecard.Subject`.
     """
 
     name: str
     claim: str
-    run: Callable[[], Iterable[Check]]
+    run: Callable[..., Iterable[Check]]
     source: str = ""
     quick: bool = True
     solver: str = ""
     tolerance: str = "rounding"
 
 
-def case(name: str, claim: str, **fields: Any) -> Callable[[Callable[[], Iterable[Check]]], Case]:
+def case(name: str, claim: str, **fields: Any) -> Callable[[Callable[..., Iterable[Check]]], Case]:
     """Make a `Case` of the function that follows, which yields the checks; `fields` are those of `Case`."""
     return lambda run: Case(name=name, claim=claim, run=run, **fields)
 
@@ -211,10 +213,10 @@ def all_cases() -> tuple[Case, ...]:
     infos = [info for info in pkgutil.iter_modules(__path__) if not info.ispkg]
     names = sorted(info.name for info in infos if not info.name.startswith("_"))
     modules = (importlib.import_module(f"{__name__}.{name}") for name in names)
-    return (*scorecard.own_cases(), *(case for module in modules for case in _cases_of(vars(module))))
+    return (*scorecard.own_cases(), *(case for module in modules for case in cases_of(vars(module))))
 
 
-def _cases_of(names: Mapping[str, object]) -> Iterator[Case]:
+def cases_of(names: Mapping[str, object]) -> Iterator[Case]:
     """Yield the cases of a module, in the order in which they stand there."""
     for value in names.values():
         if isinstance(value, Case):

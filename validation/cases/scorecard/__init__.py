@@ -8,9 +8,8 @@ from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import Any
 
-from validation.cases import Case, Verdict, run_cases
+from validation.cases import Case, Verdict, cases_of, run_cases
 from validation.cases.scorecard import elementary, hard, known, ladder
-from validation.cases.scorecard.claims import Row
 from validation.cases.scorecard.diagnosis import diagnose
 from validation.cases.scorecard.ladder import CostRow
 from validation.cases.scorecard.subject import Subject
@@ -21,9 +20,7 @@ __all__ = ["Scorecard", "Subject", "own_cases", "rows", "score"]
 _LIMITS = "limits of boundary elements over grids and shifts"
 
 #: In the order in which they are asked.
-_ROWS = tuple(
-    value for module in (elementary, known, hard) for value in vars(module).values() if isinstance(value, Row)
-)
+_ROWS = tuple(row for module in (elementary, known, hard) for row in cases_of(vars(module)))
 
 #: Our own solvers, whose scorecards are cases of `fem-contact validate`: method and settings.
 _OWN: dict[str, tuple[str, dict[str, Any]]] = {
@@ -103,16 +100,16 @@ class Scorecard:
 def rows(subject: Subject) -> tuple[Case, ...]:
     """Return the rows of a scorecard as cases of a solver."""
     wide = (
-        Row(
+        Case(
             name=f"rough-{width}",
             claim=f"Areas, gap, stiffness, energy, low pressures: the limit's (lambda_l/lambda_s = {width}).",
             source=_LIMITS,
             tolerance="estimate",
-            checks=partial(ladder.rough_surface, width=width),
+            run=partial(ladder.rough_surface, width=width),
         )
         for width in ladder.bandwidths(subject)
     )
-    return tuple(row.of(subject) for row in (*_ROWS, *wide))
+    return tuple(replace(row, run=partial(row.run, subject), solver=subject.name) for row in (*_ROWS, *wide))
 
 
 def own_cases() -> tuple[Case, ...]:

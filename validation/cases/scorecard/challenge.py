@@ -6,13 +6,11 @@ import contextlib
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fem_contact.surface import HeightField
 from validation.arrays import Array
 from validation.cases import NotJudged
 from validation.cases.scorecard import Scorecard, ladder, rows, score
@@ -37,17 +35,9 @@ _ASKED = (
 )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Problem:
-    """One surface, modulus and load."""
-
-    field: HeightField
-    modulus: float
-    load: float
-
-
-def _key(field: HeightField, modulus: float, load: float) -> tuple[object, ...]:
-    return field.heights.tobytes(), field.shape, field.lengths, modulus, load
+def _key(job: Job) -> tuple[object, ...]:
+    field, modulus = job.field, job.model.solid.contact_modulus
+    return field.heights.tobytes(), field.shape, field.lengths, modulus, job.mean_pressure
 
 
 class _Posed(Bem):
@@ -62,12 +52,11 @@ class _Recorder(_Posed):
 
     def __init__(self, points: int) -> None:
         self.score_points = points  # type: ignore[misc]
-        self.asked: dict[tuple[object, ...], _Problem] = {}
+        self.jobs: dict[tuple[object, ...], Job] = {}
 
     def claim(self, job: Job) -> Claim:
         """Remember the problem and solve it, since rows read the answers."""
-        problem = _Problem(field=job.field, modulus=job.model.solid.contact_modulus, load=job.mean_pressure)
-        self.asked.setdefault(_key(problem.field, problem.modulus, problem.load), problem)
+        self.jobs.setdefault(_key(job), job)
         return super().claim(job)
 
 
@@ -77,9 +66,9 @@ class _Answers(_Posed):
     label = "Answers"
     papers = ()  # type: ignore[assignment]
 
-    def __init__(self, folder: Path, numbers: Mapping[tuple[object, ...], int], points: int) -> None:
+    def __init__(self, problems: Mapping[Path, Job], points: int) -> None:
         self.score_points = points  # type: ignore[misc]
-        self.folder, self.numbers = folder, numbers
+        self.folders = {_key(job): folder for folder, job in problems.items()}
 
     def rehearse(self, effects: object, settings: object = None) -> None:
         """Nothing is compiled."""
@@ -92,17 +81,16 @@ class _Answers(_Posed):
         NotJudged
             Where there is none.
         """
-        number = self.numbers.get(_key(job.field, job.model.solid.contact_modulus, job.mean_pressure))
-        if number is None:
+        folder = self.folders.get(_key(job))
+        if folder is None:
             raise NotJudged("a problem that was not exported")
-        folder = _problem_folder(self.folder, number)
-        said = _said(folder / "answer.json")
+        answer = _read_json(folder / "answer.json")
         return Claim(
             pressure=_pressure(folder, job.field.shape),
             in_contact=None,
-            iterations=int(said.get("iterations", 0)),
-            wall_seconds=float(said.get("seconds", np.nan)),
-            cpu_seconds=float(said.get("seconds", np.nan)),
+            iterations=int(answer.get("iterations", 0)),
+            wall_seconds=float(answer.get("seconds", np.nan)),
+            cpu_seconds=float(answer.get("seconds", np.nan)),
             peak_bytes=0,
         )
 
@@ -125,11 +113,10 @@ def export(folder: Path, *, points: int, tolerance: float) -> int:
     """
     if (folder / _INDEX).exists():
         raise UsageError(f"{folder}: holds a challenge already; score it, or export into another folder")
-    problems = _problems(points, tolerance)
-    for number, problem in enumerate(problems, start=1):
-        place = _problem_folder(folder, number)
+    problems = _problems(folder, points, tolerance)
+    for number, (place, job) in enumerate(problems.items(), start=1):
         place.mkdir(parents=True, exist_ok=True)
-        _write(place, number, problem, tolerance)
+        _write(place, number, job, tolerance)
     index = {"format": _FORMAT, "points": points, "tolerance": tolerance, "problems": len(problems)}
     write_json(folder / _INDEX, index)
     return len(problems)
@@ -143,21 +130,19 @@ def score_folder(folder: Path, *, tell: Callable[[str], None] | None = None) -> 
     UsageError
         For a folder that is no challenge, holds no answer, or one that cannot be read.
     """
-    index = _said(folder / _INDEX)
+    index = _read_json(folder / _INDEX)
     if index.get("format") != _FORMAT:
         raise UsageError(f"{folder}: is no challenge; make one with: fem-contact challenge export DIR")
     points, tolerance = int(index["points"]), float(index["tolerance"])
-    problems = _problems(points, tolerance)
-    if not any(_answer(_problem_folder(folder, k + 1)) for k in range(len(problems))):
+    problems = _problems(folder, points, tolerance)
+    answered = [place for place in problems if _answer(place)]
+    if not answered:
         raise UsageError(f"{folder}: no answer; write pressure.npy or pressure.txt beside the heights")
-    for k, problem in enumerate(problems):
-        place = _problem_folder(folder, k + 1)
-        if _answer(place):
-            _pressure(place, problem.field.shape)
-    numbers = {_key(one.field, one.modulus, one.load): k + 1 for k, one in enumerate(problems)}
+    for place in answered:
+        _pressure(place, problems[place].field.shape)
     subject = Subject(
         name=folder.resolve().name,
-        solver=_Answers(folder, numbers, points),
+        solver=_Answers(problems, points),
         settings={},
         tolerance=tolerance,
         seconds=math.inf,
@@ -165,26 +150,27 @@ def score_folder(folder: Path, *, tell: Callable[[str], None] | None = None) -> 
     return score(subject, tell=tell)
 
 
-def _problems(points: int, tolerance: float) -> list[_Problem]:
-    """Return what the rows of a scorecard ask for, each once, in an order that tells nothing."""
+def _problems(folder: Path, points: int, tolerance: float) -> dict[Path, Job]:
+    """Return what the rows of a scorecard ask for, each once, in folders whose order tells nothing."""
     recorder = _Recorder(points)
     subject = Subject(name="recorder", solver=recorder, settings={}, tolerance=tolerance, seconds=math.inf)
     for row in rows(subject):
         with contextlib.suppress(NotJudged):
             tuple(row.run())
     ladder.cost(subject)
-    asked = list(recorder.asked.values())
-    return [asked[k] for k in np.random.default_rng(_ORDER_SEED).permutation(len(asked))]
+    jobs = list(recorder.jobs.values())
+    order = np.random.default_rng(_ORDER_SEED).permutation(len(jobs))
+    return {folder / f"problem-{number:03d}": jobs[k] for number, k in enumerate(order, start=1)}
 
 
-def _write(folder: Path, number: int, problem: _Problem, tolerance: float) -> None:
-    field = problem.field
+def _write(folder: Path, number: int, job: Job, tolerance: float) -> None:
+    field, modulus, load = job.field, job.model.solid.contact_modulus, job.mean_pressure
     with atomic_path(folder / "heights.npy") as draft, draft.open("wb") as file:
         np.save(file, field.heights)
     with atomic_path(folder / "heights.txt") as draft:
         np.savetxt(draft, field.heights, fmt="%.17g")
     with atomic_path(folder / "parameters.txt") as draft:
-        numbers = (*field.shape, *field.lengths, problem.modulus, problem.load, tolerance)
+        numbers = (*field.shape, *field.lengths, modulus, load, tolerance)
         draft.write_text("\n".join(f"{value:.17g}" for value in numbers) + "\n", encoding="ascii")
     write_json(
         folder / "problem.json",
@@ -192,18 +178,14 @@ def _write(folder: Path, number: int, problem: _Problem, tolerance: float) -> No
             "problem": number,
             "shape": list(field.shape),
             "lengths_m": list(field.lengths),
-            "contact_modulus_Pa": problem.modulus,
-            "mean_pressure_Pa": problem.load,
+            "contact_modulus_Pa": modulus,
+            "mean_pressure_Pa": load,
             "tolerance": tolerance,
             "heights": "heights.npy, or nx lines of ny numbers in heights.txt, in m",
             "parameters": "parameters.txt: nx, ny, Lx [m], Ly [m], E* [Pa], p0 [Pa], tolerance, one a line",
             "asked": _ASKED,
         },
     )
-
-
-def _problem_folder(folder: Path, number: int) -> Path:
-    return folder / f"problem-{number:03d}"
 
 
 def _answer(folder: Path) -> Path | None:
@@ -228,7 +210,7 @@ def _pressure(folder: Path, shape: tuple[int, int]) -> Array:
     return np.array(found, dtype=np.float64)
 
 
-def _said(file: Path) -> dict[str, Any]:
+def _read_json(file: Path) -> dict[str, Any]:
     """Return what a JSON file says; nothing where there is none or it says something else."""
     try:
         found = json.loads(file.read_text(encoding="utf-8"))

@@ -64,7 +64,7 @@ def _diagnosed(subject: Subject) -> str:
     pressed = solves(subject)
     if not all(np.isfinite(one.claim.pressure).all() for _, _, one in pressed):
         return "pressures are no finite numbers"
-    if not all(check.passed for check in repeatable(subject)):
+    if not all(check.passed for check in repeatable.run(subject)):
         return "the same question has different answers"
     transfer = full_contact_transfer(subject)
     found = _of_full_contact(transfer)
@@ -161,14 +161,14 @@ def _of_rough(subject: Subject) -> str:
         return f"the load is {Value(value=float(shares.mean()))} times the one asked for" if alike else ""
     if np.mean(pressure > highest * (1 - 1e-9)) > _PLATEAU:
         return "the highest pressures are cut off"
-    if all(check.passed for check in honesty(subject)):
+    if all(check.passed for check in honesty.run(subject)):
         return _of_contact_set(subject)
     return "the iteration ends before its tolerance is met" if residuals_fall(subject) else ""
 
 
 def _of_contact_set(subject: Subject) -> str:
     """Say which points are called contact, of a solver whose pressures are right."""
-    missed = [check for check in contact_set(subject) if not check.passed]
+    missed = [check for check in contact_set.run(subject) if not check.passed]
     if not missed:
         return ""
     if all(check.computed > 1 for check in missed):

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from fem_contact.surface import HeightField
 from persson import elastic
 from validation.arrays import Array
-from validation.cases import Check, NotJudged, below, near, relative
-from validation.cases.scorecard.claims import row
+from validation.cases import Check, NotJudged, below, case, near, relative
 from validation.cases.scorecard.subject import SOFT, Pressed, Subject, rough
 from validation.effects.base import ContactModel
 
@@ -106,13 +105,13 @@ def solves(subject: Subject) -> list[tuple[HeightField, float, Pressed]]:
     return [(surface, load, subject.press(surface, load)) for load in LOADS]
 
 
-@row("finite", "Every pressure is a finite number.", source="definition", tolerance="rounding")
+@case("finite", "Every pressure is a finite number.", source="definition", tolerance="rounding")
 def finite(subject: Subject) -> Iterator[Check]:
     wrong = sum(np.count_nonzero(~np.isfinite(pressed.claim.pressure)) for _, _, pressed in solves(subject))
     yield below("pressures that are no finite numbers", wrong, 0.0)
 
 
-@row("repeatable", "The same question has the same answer.", source="definition", tolerance="solver")
+@case("repeatable", "The same question has the same answer.", source="definition", tolerance="solver")
 def repeatable(subject: Subject) -> Iterator[Check]:
     """Ask a question a second time, after others."""
     surface = rough(2 * subject.points)
@@ -123,13 +122,13 @@ def repeatable(subject: Subject) -> Iterator[Check]:
     yield below("change of the pressure when it is asked again", apart, subject.tolerance)
 
 
-@row("tension", "No pressure is below zero.", source="definition", tolerance="solver")
+@case("tension", "No pressure is below zero.", source="definition", tolerance="solver")
 def tension(subject: Subject) -> Iterator[Check]:
     lowest = min(float(pressed.claim.pressure.min()) for _, _, pressed in solves(subject))
     yield below("lowest pressure over E* h'_rms", min(lowest, 0.0), 10 * subject.tolerance)
 
 
-@row("place", "The pressure lies where the heights are.", source="full contact, exact", tolerance="grid")
+@case("place", "The pressure lies where the heights are.", source="full contact, exact", tolerance="grid")
 def place(subject: Subject) -> Iterator[Check]:
     shift = full_contact_transfer(subject).shift
     if shift is None:
@@ -138,7 +137,7 @@ def place(subject: Subject) -> Iterator[Check]:
         yield below(f"pressure beside the heights along {axis} [cells]", value, _SAME_PLACE)
 
 
-@row("factor", "The stiffness is that of E*.", source="full contact, exact", tolerance="grid")
+@case("factor", "The stiffness is that of E*.", source="full contact, exact", tolerance="grid")
 def factor(subject: Subject) -> Iterator[Check]:
     found = full_contact_transfer(subject)
     if found.factor is None:
@@ -146,7 +145,7 @@ def factor(subject: Subject) -> Iterator[Check]:
     yield relative("stiffness over that of E*", found.factor, 1.0, found.allowed[:2].max())
 
 
-@row("full-contact", "Each wave is pressed flat by E* q h / 2.", source="exact", tolerance="grid")
+@case("full-contact", "Each wave is pressed flat by E* q h / 2.", source="exact", tolerance="grid")
 def full_contact(subject: Subject) -> Iterator[Check]:
     found = full_contact_transfer(subject)
     result = found.pressed.result
@@ -171,7 +170,7 @@ def wave_errors(found: Transfer, *, exact: bool = False) -> Iterator[Check]:
         )
 
 
-@row("load", "The mean pressure is the one asked for.", source="definition", tolerance="solver")
+@case("load", "The mean pressure is the one asked for.", source="definition", tolerance="solver")
 def load(subject: Subject) -> Iterator[Check]:
     for _, p, pressed in solves(subject):
         yield relative(
@@ -182,7 +181,7 @@ def load(subject: Subject) -> Iterator[Check]:
         )
 
 
-@row(
+@case(
     "contact-set",
     "What is called contact carries load on a closed gap.",
     source="definition",
@@ -204,7 +203,7 @@ def contact_set(subject: Subject) -> Sequence[Check]:
     return judge_residuals(subject, checks)
 
 
-@row(
+@case(
     "honesty",
     "Recomputed residuals are within the tolerance asked for.",
     source="definition",

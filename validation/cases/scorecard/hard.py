@@ -10,9 +10,8 @@ import numpy as np
 from fem_contact.area import subcell_area
 from fem_contact.errors import NotConverged
 from fem_contact.surface import HeightField
-from validation.cases import Check, below, near, relative
+from validation.cases import Check, below, case, near, relative
 from validation.cases._closed_forms import HertzInPeriod
-from validation.cases.scorecard.claims import row
 from validation.cases.scorecard.elementary import judge_residuals
 from validation.cases.scorecard.known import mean_inside, strip
 from validation.cases.scorecard.subject import Subject, rough
@@ -34,7 +33,9 @@ def _egg_box(n: int) -> HeightField:
     return HeightField(heights=_DEPTH * x[:, None] * x[None, :], lengths=(1.0, 1.0))
 
 
-@row("near-full", "Full contact just above and below the flattening load.", source=_JOHNSON, tolerance="grid")
+@case(
+    "near-full", "Full contact just above and below the flattening load.", source=_JOHNSON, tolerance="grid"
+)
 def near_full(subject: Subject) -> Iterator[Check]:
     n = subject.ladder[-1]
     found = subject.press(_egg_box(n), 1.0001 * _FLAT)
@@ -58,7 +59,9 @@ def near_full(subject: Subject) -> Iterator[Check]:
         yield near(f"1 - A/A0 at {1 - miss:g} of it", 1 - area, open_share, tolerance)
 
 
-@row("one-cell", "A load that one point carries is carried by one point.", source="exact", tolerance="solver")
+@case(
+    "one-cell", "A load that one point carries is carried by one point.", source="exact", tolerance="solver"
+)
 def one_cell(subject: Subject) -> Iterator[Check]:
     n = 2 * subject.points
     mean = 0.02 / n / n**2
@@ -72,7 +75,7 @@ def one_cell(subject: Subject) -> Iterator[Check]:
     yield near("points that touch", np.count_nonzero(found.result.in_contact), 1.0, 0.0)
 
 
-@row("elongated", "Long periods and long cells change nothing.", source=_WESTERGAARD, tolerance="grid")
+@case("elongated", "Long periods and long cells change nothing.", source=_WESTERGAARD, tolerance="grid")
 def elongated(subject: Subject) -> Iterator[Check]:
     n = 2 * subject.points
     # Cells are four times as long as wide: of second order where they are coarse.
@@ -85,7 +88,7 @@ def elongated(subject: Subject) -> Iterator[Check]:
         )
 
 
-@row("odd-axes", "Odd numbers of points are solved as well.", source="definition", tolerance="solver")
+@case("odd-axes", "Odd numbers of points are solved as well.", source="definition", tolerance="solver")
 def odd_axes(subject: Subject) -> Sequence[Check]:
     n = 2 * subject.points
     checks = []
@@ -98,7 +101,7 @@ def odd_axes(subject: Subject) -> Sequence[Check]:
     return judge_residuals(subject, checks)
 
 
-@row(
+@case(
     "offset",
     "An offset leads to the pressures of the load that it belongs to.",
     source="uniqueness of the elastic solution",
@@ -108,7 +111,7 @@ def offset(subject: Subject) -> Sequence[Check]:
     return _asked_back(subject, _LIGHT)
 
 
-@row(
+@case(
     "offset-near-full",
     "So it does near full contact.",
     source="uniqueness of the elastic solution",
@@ -136,7 +139,7 @@ def _asked_back(subject: Subject, load: float) -> Sequence[Check]:
     return judge_residuals(subject, checks)
 
 
-@row("cut-short", "A solve that ends early says so.", source="definition", tolerance="rounding")
+@case("cut-short", "A solve that ends early says so.", source="definition", tolerance="rounding")
 def cut_short(subject: Subject) -> Iterator[Check]:
     subject.needs(control="max_iterations")
     words = f"solves that end after {_FEW} iterations and do not say so, of 1"

@@ -13,9 +13,8 @@ from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation.arrays import Array
-from validation.cases import Check, NotJudged, below, near, order, relative, within
+from validation.cases import Check, NotJudged, below, case, near, order, relative, within
 from validation.cases._closed_forms import HertzInPeriod, westergaard_mean_pressure, westergaard_pressure
-from validation.cases.scorecard.claims import row
 from validation.cases.scorecard.elementary import full_contact_transfer, wave_errors
 from validation.cases.scorecard.subject import SOFT, Pressed, Subject, rough
 from validation.effects.base import ContactModel
@@ -62,7 +61,7 @@ def _hertz(subject: Subject) -> HertzInPeriod:
     return HertzInPeriod(radius=max(0.15, 2.4 / subject.points))
 
 
-@row("hertz", "A paraboloid carries Hertz's pressure.", source=_HERTZ, tolerance="grid")
+@case("hertz", "A paraboloid carries Hertz's pressure.", source=_HERTZ, tolerance="grid")
 def hertz(subject: Subject) -> Iterator[Check]:
     errors, worst, exact = [], 0.0, _hertz(subject)
     for n in subject.ladder:
@@ -86,7 +85,7 @@ def hertz(subject: Subject) -> Iterator[Check]:
     yield from _observed(subject, "p(r)", errors, expected=2, tolerance=1)
 
 
-@row(
+@case(
     "hertz-radius", "The counted radius converges to Hertz's in first order.", source=_HERTZ, tolerance="grid"
 )
 def hertz_radius(subject: Subject) -> Iterator[Check]:
@@ -113,7 +112,7 @@ def _shifted(subject: Subject, n: int) -> list[Pressed]:
     return [subject.press(exact.surface(n, shift), exact.load) for shift in _SHIFTS]
 
 
-@row("stress-near-zero", "P(sigma) starts from zero, but for the grid.", source=_HERTZ, tolerance="grid")
+@case("stress-near-zero", "P(sigma) starts from zero, but for the grid.", source=_HERTZ, tolerance="grid")
 def stress_near_zero(subject: Subject) -> Iterator[Check]:
     r"""Check that P(sigma) starts from zero: what a grid puts there vanishes as dx^(1/2).
 
@@ -165,7 +164,7 @@ def _second_order(n: int) -> float:
     return 1 / (_HALF_WIDTH * n) ** 2
 
 
-@row("westergaard", "A wave carries Westergaard's pressure.", source=_WESTERGAARD, tolerance="grid")
+@case("westergaard", "A wave carries Westergaard's pressure.", source=_WESTERGAARD, tolerance="grid")
 def westergaard(subject: Subject) -> Iterator[Check]:
     strips = [strip(subject, n, across=(4, 4 / n)) for n in subject.ladder]
     errors = [mean_inside(off) for _, off, _ in strips]
@@ -178,14 +177,14 @@ def westergaard(subject: Subject) -> Iterator[Check]:
     yield from _observed(subject, "p(x)", errors, expected=2, tolerance=1)
 
 
-@row("layer", "On a bonded layer each wave is pressed flat by h / C(q).", source=_LAYER, tolerance="grid")
+@case("layer", "On a bonded layer each wave is pressed flat by h / C(q).", source=_LAYER, tolerance="grid")
 def layer(subject: Subject) -> Iterable[Check]:
     subject.needs(effect=Thickness)
     model = ContactModel.filled(SOFT, [Thickness(thickness=_THICKNESS)])
     return wave_errors(full_contact_transfer(subject, model=model))
 
 
-@row(
+@case(
     "yielding-wave",
     "Crests yield over the width that Westergaard's solution says.",
     source=f"{_WESTERGAARD}, mirrored",
@@ -215,7 +214,7 @@ def yielding(subject: Subject) -> Iterator[Check]:
     yield below("largest pressure above H, over H", above, 10 * subject.tolerance)
 
 
-@row("symmetry", "A mirrored surface has the mirrored pressure.", source="symmetry", tolerance="solver")
+@case("symmetry", "A mirrored surface has the mirrored pressure.", source="symmetry", tolerance="solver")
 def symmetry(subject: Subject) -> Iterator[Check]:
     surface = rough(2 * subject.points)
     # Our own are solved far enough that nothing but rounding is left between the two.
@@ -236,7 +235,7 @@ def symmetry(subject: Subject) -> Iterator[Check]:
         yield below(f"change of the pressure, {words}", _apart(found, plain), allowed)
 
 
-@row("units", "Units of length and pressure change nothing.", source="symmetry", tolerance="solver")
+@case("units", "Units of length and pressure change nothing.", source="symmetry", tolerance="solver")
 def units(subject: Subject) -> Iterator[Check]:
     surface = rough(2 * subject.points)
     plain = subject.press(surface, 0.05)
@@ -255,7 +254,7 @@ def units(subject: Subject) -> Iterator[Check]:
             yield below("residuals that differ", other, 0)
 
 
-@row(
+@case(
     "nested-grids", "Finer and finer grids approach one answer.", source="self-consistency", tolerance="grid"
 )
 def nested(subject: Subject) -> Iterator[Check]:
@@ -274,7 +273,7 @@ def _gap_error(subject: Subject) -> float:
     return (8 * np.pi / subject.ladder[1]) ** 2 / 4
 
 
-@row(
+@case(
     "against-bem",
     "Pressures approach those of boundary elements as the grid is refined.",
     source="code verification: no shared contact algorithm",

@@ -5,20 +5,19 @@ Areas converge in first order of the spacing: what a subject is allowed is its o
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
-from fem_contact import bem
-from fem_contact.area import EDGE_CONSTANTS, ContactAreas, contact_areas
-from fem_contact.contact import ContactResult
+from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.extrapolation import located_limit
-from fem_contact.response import HalfSpace
 from fem_contact.surface import HeightField
 from validation.cases import Check, NotJudged, near, relative, within
-from validation.cases.scorecard.subject import SOFT, Subject, rough
+from validation.cases.scorecard.subject import Subject, rough
+from validation.solvers.bem import Bem
 
 __all__ = ["PRICED", "CostRow", "bandwidths", "cost", "rough_surface"]
 
@@ -44,15 +43,7 @@ _WORDS = {
 _SHIFTS = ((0.0, 0.0), (0.5, 0.0), (0.0, 0.5), (0.5, 0.5))
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Reference:
-    """Limits of a surface by boundary elements: "area", "low", what `_means` returns; and their errors."""
-
-    values: Mapping[str, float]
-    errors: Mapping[str, float]
-
-
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class CostRow:
     """What one grid took, of so many points along a side, and the relative error of its area.
 
@@ -73,31 +64,23 @@ def bandwidths(subject: Subject) -> tuple[int, ...]:
     return tuple(width for width in (4, 8, 16) if width == 4 or _WAVES * width * _POINTS[-1] <= most)
 
 
-def _press(subject: Subject | None, field: HeightField, load: float) -> ContactResult:
-    """Press by a subject; by boundary elements where there is none."""
-    if subject is None:
-        return bem.solve(field, HalfSpace(solid=SOFT), mean_pressure=load).checked()
-    return subject.press(field, load).result
-
-
-def _areas(subject: Subject | None, result: ContactResult) -> ContactAreas:
-    """Return the areas of a result, with what is known of the edges of its solver."""
-    if subject is None:
-        return contact_areas(result, edge_constant=EDGE_CONSTANTS["bem"], subcell=True)
+def _areas(subject: Subject, field: HeightField) -> ContactAreas:
+    """Return the areas of a surface, with what is known of the edges of its solver."""
+    result = subject.press(field, _PRESSURE).result
     constant, located = subject.solver.edge_constant(result), subject.solver.locates_edges
     return contact_areas(result, edge_constant=constant, subcell=located)
 
 
-def _low(subject: Subject | None, field: HeightField) -> float:
+def _low(subject: Subject, field: HeightField) -> float:
     """Share of the nominal area of a surface that carries low pressures."""
-    result = _press(subject, field, _PRESSURE)
+    result = subject.press(field, _PRESSURE).result
     return float((result.in_contact & (result.pressure < _LOW * field.rms_gradient)).mean())
 
 
-def _means(subject: Subject | None, field: HeightField) -> dict[str, float]:
+def _means(subject: Subject, field: HeightField) -> dict[str, float]:
     """Return mean gap over h_rms, mean(p u) / (2 h_rms), and K h_rms / p0 by two loads beside."""
-    result, rise = _press(subject, field, _PRESSURE), field.rms_height
-    lighter, heavier = (_press(subject, field, part * _PRESSURE).gap.mean() for part in (0.9, 1.1))
+    result, rise = subject.press(field, _PRESSURE).result, field.rms_height
+    lighter, heavier = (subject.press(field, part * _PRESSURE).result.gap.mean() for part in (0.9, 1.1))
     moved = result.displacement - result.displacement.mean()
     return {
         "gap": float(result.gap.mean()) / rise,
@@ -111,68 +94,58 @@ def _surface(width: int, points: int) -> HeightField:
 
 
 @cache
-def _reference(width: int) -> _Reference:
-    """Return the limit of the area, and what finer grids say of the rest."""
-    areas: list[ContactAreas] = []
-    more: list[tuple[float, dict[str, float]]] = []
-    for points in _REFERENCE_POINTS + (_FURTHER_POINTS if width == PRICED else ()):
-        surface = _surface(width, points)
-        areas += [_areas(None, _press(None, surface.shifted(shift), _PRESSURE)) for shift in _SHIFTS]
-        if points in (8, 16):
-            more.append((_low(None, surface), _means(None, surface)))
-    limit, ((low_coarse, coarse), (low, fine)) = located_limit(areas), more
+def _reference(width: int) -> tuple[dict[str, float], dict[str, float]]:
+    """Return limits by boundary elements, "area", "low" and what `_means` returns, and their errors."""
+    subject = Subject(name="bem", solver=Bem(), settings={}, seconds=math.inf)
+    further = _FURTHER_POINTS if width == PRICED else ()
+    surfaces = {points: _surface(width, points) for points in _REFERENCE_POINTS + further}
+    limit = located_limit(
+        [_areas(subject, surface.shifted(shift)) for surface in surfaces.values() for shift in _SHIFTS]
+    )
+    low_coarse, low = (_low(subject, surfaces[points]) for points in (8, 16))
+    coarse, fine = (_means(subject, surfaces[points]) for points in (8, 16))
     # Low pressures are counted, so that their share is off in first order.
     values = {"area": limit.value, "low": 2 * low - low_coarse, **fine}
     errors = {"area": 2 * limit.uncertainty, "low": abs(low - low_coarse) / 2}
-    errors |= {name: 2 * abs(fine[name] - coarse[name]) for name in fine}
-    return _Reference(values=values, errors=errors)
+    return values, errors | {name: 2 * abs(fine[name] - coarse[name]) for name in fine}
 
 
 def rough_surface(subject: Subject, *, width: int) -> Iterator[Check]:
     """Areas, gap, stiffness, energy and low pressures are those of the limit, within what the grids allow."""
     # The finer grid first: what it is not tried on, the coarser one need not be solved for.
     surfaces = [_surface(width, points) for points in reversed(_POINTS)]
-    fine, coarse = (_areas(subject, _press(subject, surface, _PRESSURE)) for surface in surfaces)
-    limit = _reference(width)
-    area, known = limit.values["area"], limit.errors["area"] / limit.values["area"]
+    fine, coarse = (_areas(subject, surface) for surface in surfaces)
+    values, errors = _reference(width)
+    area, known = values["area"], errors["area"] / values["area"]
     excess = (coarse.pixel - area) / (fine.pixel - area)
     yield within("A/A0 counted, excess at 4 over that at 8 points per wave", excess, 1, 4)
     allowed = abs(fine.perimeter - coarse.perimeter) / area + known + _CORRECTION_LEFT
     yield relative("A/A0, perimeter-corrected, 8 points per wave", fine.perimeter, area, allowed)
     if fine.subcell is not None:
         yield relative("A/A0, edges located in the cells", fine.subcell, area, known + _LOCATED_LEFT)
-    for name, found in _means(subject, surfaces[0]).items():
-        value, error = limit.values[name], limit.errors[name]
-        yield relative(_WORDS[name], found, value, error / value + 0.01)
+    for name, mean in _means(subject, surfaces[0]).items():
+        yield relative(_WORDS[name], mean, values[name], errors[name] / values[name] + 0.01)
     # At an order of .6, the least that is taken for convergence, half of the error is left.
     low, low_coarse = (_low(subject, surface) for surface in surfaces)
-    allowed = limit.errors["low"] + 2 * abs(low - low_coarse)
-    yield near(f"share of the area with p < {_LOW:g} E* h'_rms", low, limit.values["low"], allowed)
+    allowed = errors["low"] + 2 * abs(low - low_coarse)
+    yield near(f"share of the area with p < {_LOW:g} E* h'_rms", low, values["low"], allowed)
 
 
 def cost(subject: Subject) -> tuple[CostRow, ...]:
     """Return what each grid of one rough surface took and the error of its area, as long as time allows."""
-    limit = _reference(PRICED)
+    values, errors = _reference(PRICED)
     most = (4 if subject.quick else 8) * subject.points
-    found = []
+    rows = []
     for points in (4, 8, 16, 32):
         n = _WAVES * PRICED * points
         if n > most:
             break
+        surface = _surface(PRICED, points)
         try:
-            result = subject.press(_surface(PRICED, points), _PRESSURE).result
+            areas, paid = _areas(subject, surface), subject.press(surface, _PRESSURE).result.cost
         except NotJudged:
             break
-        areas = _areas(subject, result)
         area = areas.perimeter if areas.subcell is None else areas.subcell
-        miss = abs(area - limit.values["area"]) + limit.errors["area"] / 2
-        found.append(
-            CostRow(
-                points=n,
-                area_miss=miss / limit.values["area"],
-                seconds=result.cost.cpu_seconds,
-                peak_bytes=result.cost.peak_bytes,
-                iterations=result.cost.iterations,
-            )
-        )
-    return tuple(found)
+        miss = (abs(area - values["area"]) + errors["area"] / 2) / values["area"]
+        rows.append(CostRow(n, miss, paid.cpu_seconds, paid.peak_bytes, paid.iterations))
+    return tuple(rows)

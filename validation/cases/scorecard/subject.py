@@ -37,14 +37,13 @@ _FINEST = 12
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Pressed:
-    """What a solver said of one problem, what that amounts to, and the cost that its method predicted.
+    """What a solver said of one problem, and what that amounts to.
 
     The result is recomputed from the pressure alone by the response of the solid, or of the mesh.
     """
 
     claim: Claim
     result: ContactResult
-    pairs: float
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,8 +74,9 @@ class Subject:
     quick: bool = True
     seconds: float = 300.0
     own: bool = False
-    _lost: list[float] = field(default_factory=list, init=False, repr=False)
-    _asked: dict[object, Pressed | NotConverged] = field(default_factory=dict, init=False, repr=False)
+    #: Pairs that its cost predicts and seconds of each solve, 0 where they are not known.
+    _costs: list[tuple[float, float]] = field(default_factory=list, init=False, repr=False)
+    _answers: dict[object, Pressed | NotConverged] = field(default_factory=dict, init=False, repr=False)
 
     @property
     def points(self) -> int:
@@ -87,8 +87,10 @@ class Subject:
     def ladder(self) -> tuple[int, int, int]:
         """Three grids: each twice as fine as the one before, or less where that takes too long."""
         n = self.points
-        side = self._predicted((4 * n, 4 * n), (1.0, 1.0), self.told(None, (4 * n, 4 * n)))
-        return (n, 2 * n, 4 * n) if _FINEST * side <= self.seconds else (n, 3 * n // 2, 2 * n)
+        size = Size(grid=(4 * n, 4 * n), lengths=(1.0, 1.0), settings=self._options((4 * n, 4 * n)))
+        return (
+            (n, 2 * n, 4 * n) if _FINEST * self._predicted(size) <= self.seconds else (n, 3 * n // 2, 2 * n)
+        )
 
     @property
     def doubles(self) -> bool:
@@ -109,14 +111,13 @@ class Subject:
 
     @cached_property
     def _controlled(self) -> frozenset[str]:
-        """What it may be told beside the load."""
+        """What it may be told beside the load: a foreign one is asked in a process of its own."""
         return self.solver.controlled(self.settings)
 
     @property
     def asked_seconds(self) -> list[float]:
         """Seconds of each of its solves so far; 0 where they are not known."""
-        solved = [found.claim.cpu_seconds for found in self._asked.values() if isinstance(found, Pressed)]
-        return [*np.nan_to_num(solved).tolist(), *self._lost]
+        return [seconds for _, seconds in self._costs]
 
     @property
     def left(self) -> float:
@@ -162,31 +163,31 @@ class Subject:
         extra = tuple(sorted((more or {}).items()))
         where = (field.heights.tobytes(), field.shape, field.lengths)
         key = (where, load, model.solid, model.response, model.pressure_bound, extra, again)
-        if key not in self._asked:
+        if key not in self._answers:
             began = time.monotonic()
             try:
-                self._asked[key] = self._pressed(field, load, model=model, told=self.told(more, field.shape))
+                self._answers[key] = self._pressed(field, load, model, self._options(field.shape, more))
             except NotConverged as failure:
-                self._lost.append(time.monotonic() - began)
-                self._asked[key] = failure
-        found = self._asked[key]
-        if isinstance(found, NotConverged):
-            raise found
-        return found
+                self._costs.append((0.0, time.monotonic() - began))
+                self._answers[key] = failure
+        answer = self._answers[key]
+        if isinstance(answer, NotConverged):
+            raise answer
+        return answer
 
     def _pressed(
-        self, field: HeightField, load: float | None, *, model: ContactModel, told: Mapping[str, Any]
+        self, field: HeightField, load: float | None, model: ContactModel, settings: dict[str, Any]
     ) -> Pressed:
-        seconds, left = self._predicted(field.shape, field.lengths, told), self.left
+        size = Size(grid=field.shape, lengths=field.lengths, settings=settings)
+        seconds, left = self._predicted(size), self.left
         if seconds > left or not left:
             nx, ny = field.shape
             raise NotJudged(
                 f"not tried: {nx} x {ny} points would take some {seconds:.2g} s, and of {self.seconds:g} s "
                 f"there are {left:.2g} left (--seconds)"
             )
-        settings = {name: value for name, value in told.items() if name != "offset"}
-        asked = {"offset": told["offset"]} if load is None else {"mean_pressure": load}
-        job = Job(field=field, load=asked, model=model, settings=settings, threads=1)
+        control = {"mean_pressure": load} if load is not None else {"offset": settings.pop("offset")}
+        job = Job(field=field, load=control, model=model, settings=settings, threads=1)
         claim = self.solver.claim(job)
         if claim.pressure.shape != field.shape:
             raise NotConverged(
@@ -199,41 +200,31 @@ class Subject:
             response=self.solver.felt(job),
             element=self.solver.score_element,
         )
-        return Pressed(claim=claim, result=result, pairs=self._pairs(field.shape, field.lengths, told))
+        self._costs.append((self.solver.cost(size).pairs, float(np.nan_to_num(claim.cpu_seconds))))
+        return Pressed(claim=claim, result=result)
 
-    def told(self, more: Mapping[str, float] | None, shape: tuple[int, int]) -> dict[str, Any]:
+    def _options(self, shape: tuple[int, int], more: Mapping[str, float] | None = None) -> dict[str, Any]:
         """Return what it is told on a grid beyond surface, solid and load; a process of its own, its time."""
         refined = self.solver.score_settings(max(shape))
-        said = {**refined, **self.settings, "tolerance": self.tolerance, **(more or {})}
+        options = {**refined, **self.settings, "tolerance": self.tolerance, **(more or {})}
         if self.solver.foreign and math.isfinite(self.seconds):
-            said["seconds"] = min(float(said.get("seconds", math.inf)), max(self.left, _LEAST_SECONDS))
-        return said
+            options["seconds"] = min(float(options.get("seconds", math.inf)), max(self.left, _LEAST_SECONDS))
+        return options
 
-    def _pairs(
-        self, shape: tuple[int, int], lengths: tuple[float, float], settings: Mapping[str, Any]
-    ) -> float:
-        return self.solver.cost(Size(grid=shape, lengths=lengths, settings=settings)).pairs
-
-    def _predicted(
-        self, shape: tuple[int, int], lengths: tuple[float, float], settings: Mapping[str, Any]
-    ) -> float:
+    def _predicted(self, size: Size) -> float:
         """Seconds of a solve by what its largest took so far; 0 before the first."""
-        solved = [found for found in self._asked.values() if isinstance(found, Pressed)]
-        if not solved:
-            return 0.0
-        largest = max(solved, key=lambda found: found.pairs)
-        rate = float(np.nan_to_num(largest.claim.cpu_seconds)) / largest.pairs
-        return rate * self._pairs(shape, lengths, settings)
+        pairs, seconds = max(self._costs, default=(0.0, 0.0))
+        return seconds / pairs * self.solver.cost(size).pairs if pairs else 0.0
 
     def warm_up(self) -> None:
         """Let it import and compile what it needs, and see what a solve takes."""
-        told, began = self.told(None, (16, 16)), time.monotonic()
-        if "seconds" in told:
+        options, began = self._options((16, 16)), time.monotonic()
+        if "seconds" in options:
             # What does not return here is asked once more, so that rows can say so.
-            told["seconds"] = min(told["seconds"], self.seconds / 4)
-        self.solver.rehearse((), told)
-        if (passed := time.monotonic() - began) >= told.get("seconds", math.inf):
-            self._lost.append(passed)
+            options["seconds"] = min(options["seconds"], self.seconds / 4)
+        self.solver.rehearse((), options)
+        if (passed := time.monotonic() - began) >= options.get("seconds", math.inf):
+            self._costs.append((0.0, passed))
         with contextlib.suppress(Exception):  # what it fails at, a row says
             self.press(rough(2 * self.points), 0.05)
 
