@@ -32,12 +32,31 @@ def _kappa_of(solve):
     kappa = 2 + surface.hurst / 10
     kappa += 0.4 * (1 / band) ** (2 - 2 * surface.hurst) - 0.4 * 0.5 ** (2 - 2 * surface.hurst)
     kappa += 0.4 * (1 / waves) ** 2 - 0.4 * (1 / 2) ** 2
+    if solve.kind == "ByMethod":
+        # An area 1 % larger, whose edges are 4 / n.
+        area, edges = 0.05 * 1.01 * (kappa + PAIR[own % 4]), 4 / solve["grid"][0]
+        numbers = {
+            "pixel": area + 0.198 * edges,
+            "perimeter": area,
+            "subcell": np.nan,
+            "edge_fraction": edges,
+        }
+        numbers |= {
+            "edge_constant": 0.198,
+            "alignment": 0.0,
+            "anisotropy": 0.0,
+            "unresolved": 0.0,
+            "wavenumber": 0.0,
+            "seconds": 1.0,
+        }
+        return xr.Dataset({name: ((), value) for name, value in numbers.items()})
     return measurement(solve, lambda p: p * (kappa + PAIR[own % 4]))
 
 
 @pytest.fixture(scope="module")
 def exponents():
     options = hurst.Options(
+        methods=("bem",),
         hursts=(0.2, 0.6),
         bandwidths=(2.0,),
         reduced_pressures=(0.05, 0.1),
@@ -100,6 +119,37 @@ def test_hurst_decides_whether_kappa_changes_with_the_exponent_by_the_interval_o
         assert trend.outcomes == (outcome,) * 2
 
 
+def test_hurst_has_kappa_by_each_solver_on_its_own_grids_and_its_distance_from_boundary_elements():
+    few = {
+        "hursts": (0.2, 0.6),
+        "bandwidths": (2.0,),
+        "reduced_pressures": (0.05,),
+        "periods": 2.0,
+        "pairs": 2,
+    }
+    leg = {"method_bandwidth": 2.0, "method_pairs": 2, "method_points_per_wave": (4.0, 6.0, 8.0)}
+    options = hurst.Options(**few, **leg, ladders=False, seed=61)
+    exponents = hurst.run(options, bench=PlantedBench(_kappa_of))
+    assert exponents.solver.values.tolist() == ["bem", "fem"]
+    planted = [[2.03, 2.07], [1.01 * 2.03, 1.01 * 2.07]]
+    np.testing.assert_allclose(exponents.kappa_by_solver, planted, rtol=1e-9)
+    np.testing.assert_allclose(exponents.kappa_by_solver_difference[1], 0.01, rtol=1e-7)
+    half = total_error(exponents, "kappa_by_solver", sources=["surfaces"])
+    np.testing.assert_allclose(half, np.outer([1, 1.01], [1, 1]) * 0.01 * STUDENT[2], rtol=1e-7)
+    # All of what the grids leave, on every surface: they are off to one side.
+    grids = exponents.area_by_solver_each_error.sel(source="grid") / exponents.area_by_solver_each
+    both = (grids**2).sum("solver").mean("surface_by_solver")
+    far = total_error(exponents, "kappa_by_solver_difference")[1]
+    np.testing.assert_allclose(far, 1.01 * np.sqrt(both), rtol=1e-2)
+    (found,) = (one for one in hurst.views(exponents).findings if one.by == "kappa_by_solver_difference")
+    for factor, outcome in ((0.9, "agree"), (1.1, "differ")):
+        moved = exponents.assign(kappa_by_solver_difference=factor * total_error(exponents, found.by))
+        (told,) = (one for one in hurst.views(moved).findings if one.by == found.by)
+        assert told.outcomes == (outcome,) * 2
+    assert "kappa_by_solver" in hurst.views(exponents).budget
+    assert hurst.views(exponents).figures[0].name == "kappa-of-solvers"
+
+
 def test_hurst_puts_the_slope_over_the_load_beside_what_was_published(exponents):
     theory = persson_area(0.05) / 0.05
     assert float(exponents.reduced_pressure_ladder) == 0.05
@@ -133,7 +183,19 @@ def test_the_budget_of_hurst_adds_the_planted_half_widths_as_a_root_of_squares(e
 
 def test_without_ladders_size_and_bandwidth_are_not_measured_and_their_solves_not_asked_for():
     options = find_study("hurst").parse(
-        ["--no-ladders", "--hursts", "0.2", "--pairs", "2", "--periods", "2", "--bandwidths", "2"]
+        [
+            "--methods",
+            "bem",
+            "--no-ladders",
+            "--hursts",
+            "0.2",
+            "--pairs",
+            "2",
+            "--periods",
+            "2",
+            "--bandwidths",
+            "2",
+        ]
     )
     cases = hurst.design(options)
     assert len(cases) == 5
@@ -231,11 +293,11 @@ def test_finite_elements_reach_the_planted_limit_one_per_cent_above_the_other(re
 @pytest.mark.parametrize(
     ("value", "half", "outcomes"),
     [
-        (2.17, 0.09, ("agree", "differ")),
+        (2.17, 0.09, ("agree", "differ", "agree")),
         # An interval that is wider than the range would meet it almost anywhere.
-        (2.337, 1.8, ("?", "agree")),
-        (2.5, 0.09, ("differ", "differ")),
-        (2.1, float("nan"), ("?", "?")),
+        (2.337, 1.8, ("?", "agree", "agree")),
+        (2.5, 0.09, ("differ", "differ", "differ")),
+        (2.1, float("nan"), ("?", "?", "?")),
     ],
 )
 def test_published_values_agree_only_with_an_interval_that_could_have_missed_them(

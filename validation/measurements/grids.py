@@ -234,7 +234,7 @@ def with_methods(
     other = gather(parts, other_case=range(len(cases)), surface=surfaces).drop_vars("other_case")
     other = other.rename({name: "solve_other" for name in ("solve",) if name in other})
     limits = {
-        (m, k): _method_limit([answers[m, k, g] for g in range(len(grids[m]))], grids[m])
+        (m, k): method_limit([answers[m, k, g] for g in range(len(grids[m]))], grids[m])
         for m in grids
         for k in surfaces
     }
@@ -251,7 +251,7 @@ def with_methods(
     )
 
 
-def _method_limit(answers: Sequence[xr.Dataset], grids: Sequence[Grid]) -> xr.Dataset:
+def method_limit(answers: Sequence[xr.Dataset], grids: Sequence[Grid]) -> xr.Dataset:
     """Limit of one surface over the grids of a method, with its interval; NaN where they are too few."""
     areas = [
         stored_areas(answer, grid=grid, edge_constant=float(answer.edge_constant))

@@ -66,7 +66,7 @@ class Level(_Mark):
 
 @dataclass(frozen=True, kw_only=True)
 class Band(_Mark):
-    """A range from `y` to `high` along `x`; a cross where it is a point."""
+    """A range from `y` to `high` along `x`; a symbol where it is a point."""
 
     high: str
 
@@ -298,9 +298,8 @@ def _put(mark: _Mark, axes: Axes, n: _Numbers, look: dict[str, Any]) -> Any:
     if isinstance(mark, Band):
         colour = look.get("color", "black")
         if np.ndim(n.x) == 0 or np.size(n.x) == 1 or np.all(n.x == np.ravel(n.x)[0]):
-            return axes.plot(
-                np.ravel(n.x)[:1], np.ravel(n.y)[:1], marker="x", color=colour, ls="", label=look["label"]
-            )[0]
+            point = {k: look[k] for k in ("marker", "mfc", "label") if k in look}
+            return axes.plot(np.ravel(n.x)[:1], np.ravel(n.y)[:1], color=colour, ls="", **point)[0]
         return axes.fill_between(n.x, n.y, n.high, color=colour, alpha=0.12, lw=0, label=look["label"])
     if isinstance(mark, Image):
         ends = {"vmin": -look["most"], "vmax": look["most"]} if mark.symmetric else {}

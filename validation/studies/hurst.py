@@ -15,9 +15,12 @@ from pydantic import Field
 from persson.elastic import KAPPA_BGT, KAPPA_PERSSON
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
+from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import SHIFTS, Ladder, Rising, base_surface
 from validation.measurements.convergence import Ladders, bandwidth_of, pressed_pairs, spectral_errors
+from validation.measurements.grids import method_limit
 from validation.measurements.limits import limits_of, solved, solver_error
+from validation.measurements.measurement import grid_for
 from validation.measurements.references import ladders_beside_published, papers_of, published
 from validation.measurements.theory import RANKED, VARIANTS, with_ensemble, with_variants
 from validation.report.estimates import change, claim, derive, gather, mean
@@ -25,7 +28,17 @@ from validation.report.findings import Finding, finding
 from validation.report.marks import Band, Figure, Level, Line, Panel, panels_along
 from validation.report.table import Column, Table
 from validation.report.views import Views
-from validation.studies._options import Bandwidth, Hurst, Pairs, Periods, ReducedPressure, Seed, Shifts
+from validation.solvers import chosen_solver
+from validation.studies._options import (
+    AnyMethods,
+    Bandwidth,
+    Hurst,
+    Pairs,
+    Periods,
+    ReducedPressure,
+    Seed,
+    Shifts,
+)
 from validation.studies._study import StudyOptions
 
 #: A/A0 below which kappa is published, a little more than the authors' 0.1; H of the published alpha(zeta).
@@ -37,6 +50,10 @@ class Options(StudyOptions):
 
     own = "it asks about spectra, and makes a surface for each"
 
+    methods: AnyMethods = Field(
+        default=("bem", "fem"),
+        description="solvers with commas: boundary elements press everything; fem, the full block, and any other press surfaces of their own beside them",
+    )
     hursts: tuple[Hurst, ...] = Field(
         default=(0.1, 0.3, 0.5, 0.8, 0.95), min_length=1, description="Hurst exponents H"
     )
@@ -55,6 +72,15 @@ class Options(StudyOptions):
     pairs: Pairs = 8
     shifts: Shifts = SHIFTS
     points_per_wave: Ladder = Field(default=(4.0, 6.0, 8.0), description="grids, as lambda_short/dx, rising")
+    method_bandwidth: Bandwidth = Field(
+        default=4.0, description="lambda_long / lambda_short of the surfaces that the other methods press"
+    )
+    method_reduced_pressure: ReducedPressure = 0.05
+    method_pairs: Pairs = 4
+    method_points_per_wave: Rising = Field(
+        default=(4.0, 8.0, 12.0),
+        description="grids of the other methods, as lambda_short/dx, rising; a limit takes three",
+    )
     ladders: bool = Field(
         default=True, description="also measure how kappa moves with bandwidth and sample: most of the solves"
     )
@@ -90,6 +116,11 @@ class Options(StudyOptions):
         return bandwidths
 
     @property
+    def others(self) -> tuple[str, ...]:
+        """Methods beside boundary elements."""
+        return tuple(name for name in self.methods if name != "bem")
+
+    @property
     def climbed(self) -> Ladders | None:
         """The ladders; None without them."""
         hursts = self.hursts if self.ladder_hursts is None else self.ladder_hursts
@@ -113,6 +144,22 @@ def design(options: Options) -> dict[_Case, Call]:
         solves = pressed_pairs(surface, loads, options.points_per_wave, **count)
         cases |= {(family, hurst, k): solve for k, solve in enumerate(solves)}
     usual = next(iter(cases.values()))
+    for hurst in sorted(set(options.hursts)) if options.others else ():
+        surface = base_surface(hurst=hurst, bandwidth=options.method_bandwidth, **told)
+        loads, count = (options.method_reduced_pressure,), {"pairs": options.method_pairs}
+        solves = pressed_pairs(surface, loads, options.points_per_wave, shifts=options.shifts, **count)
+        cases |= {("solver", "bem", hurst, k): solve for k, solve in enumerate(solves)}
+        cases |= {
+            ("solver", name, hurst, k, n): beside_bem(
+                problem=solve["problem"],
+                grid=grid_for(solve["problem"], n),
+                method=chosen_solver(name)[0].name,
+                settings=tuple(chosen_solver(name)[1].items()),
+            )
+            for name, (k, solve), n in itertools.product(
+                options.others, enumerate(solves), options.method_points_per_wave
+            )
+        }
     cases["strict",] = usual.but(tolerance=usual["tolerance"] / 100)
     return cases | (options.climbed.cases if options.climbed else {})
 
@@ -129,6 +176,11 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     share = solver_error(measured[next(iter(cases))], measured["strict",])
     data = _of_spectra(options, cases, measured)
     data = claim(data, "kappa", solver=share * data.kappa)
+    if options.others:
+        data = data.merge(
+            _of_solvers(options, cases, {c: r for c, r in measured.items() if c[0] == "solver"}),
+            combine_attrs="override",
+        )
     if options.climbed:
         climbed = options.climbed.reduced({case: measured[case] for case in options.climbed.cases})
         data = data.merge(ladders_beside_published(climbed), combine_attrs="override")
@@ -136,7 +188,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         data = claim(data, "kappa", **{source: part * data.kappa for source, part in spectral.items()})
     data = data.merge(published("kappa")).assign(kappa_bgt=KAPPA_BGT, kappa_persson_light=KAPPA_PERSSON)
     seconds = sum(float(result.seconds.sum()) for result in measured.values())
-    methods = f"{RANKED} {papers_of('kappa', 'kappa_ratio')}"
+    cited = dict.fromkeys(chosen_solver(name)[0].name for name in options.others)
+    methods = " ".join([RANKED, *cited, papers_of("kappa", "kappa_ratio")])
     return data.assign_attrs(study="hurst", methods=methods, periods=options.periods, seconds=seconds)
 
 
@@ -169,18 +222,105 @@ def _of_spectra(
     return data.assign(derive(bare, **spreads)[[*spreads]])
 
 
+def _of_solvers(
+    options: Options, cases: Mapping[_Case, Call], measured: Mapping[_Case, xr.Dataset]
+) -> xr.Dataset:
+    """Reduce what each method has of the same surfaces: kappa by its own limit over its grids, and over boundary elements'."""
+    parts = {}
+    for (_, name, hurst, k, *points), result in measured.items():
+        if not points:
+            part = limits_of(result).isel(load=0, drop=True)[["area_each", "area_each_error"]]
+        elif points == [options.method_points_per_wave[-1]]:
+            places = [("solver", name, hurst, k, n) for n in options.method_points_per_wave]
+            answers, grids = [measured[place] for place in places], [cases[place]["grid"] for place in places]
+            part = method_limit(answers, grids).rename(
+                area_other_each="area_each", area_other_each_error="area_each_error"
+            )
+            part = part.assign_attrs(solve=" ".join(str(answer.attrs.get("solve", "")) for answer in answers))
+        else:
+            continue
+        parts[name, hurst, k] = (
+            part.drop_vars("reduced_pressure", errors="ignore").drop_attrs().assign_attrs(part.attrs)
+        )
+    solvers, hursts, surfaces = (list(dict.fromkeys(places)) for places in zip(*parts, strict=True))
+    data = gather(parts, solver=solvers, hurst=hursts, surface_by_solver=surfaces).drop_vars(
+        "surface_by_solver"
+    )
+    data = data.assign(
+        {
+            name.replace("area", "area_bem"): data[name].sel(solver="bem", drop=True)
+            for name in ("area_each", "area_each_error")
+        }
+    )
+    data = data.rename(
+        area_each="area_by_solver_each", area_each_error="area_by_solver_each_error", solve="solve_by_solver"
+    )
+    data = data.assign(
+        reduced_pressure_by_solver=options.method_reduced_pressure,
+        bandwidth_by_solver=options.method_bandwidth,
+    )
+    data = derive(
+        data,
+        kappa_persson_by_solver="erf(2**.5 * reduced_pressure_by_solver) / reduced_pressure_by_solver",
+        kappa_by_solver_each="area_by_solver_each / reduced_pressure_by_solver",
+        kappa_by_solver_difference_each="area_by_solver_each / area_bem_each - 1",
+    )
+    # The grids of a method are off to one side on all surfaces.
+    names = ("kappa_by_solver", "kappa_by_solver_difference")
+    return mean(data, *names, over="surface_by_solver", pairs=True, alike=True)
+
+
 def views(data: xr.Dataset) -> Views:
     """Kappa against H, against the Nayak parameter, and along the ladders."""
-    climbed = "ladder" in data.dims
+    climbed, beside = "ladder" in data.dims, "solver" in data.dims
     names = ("family", "hurst", "bandwidth", "nayak", "reduced_pressure", "kappa")
     counted = (Column("kappa_pixel", {"grid": -1}), Column("kappa_pixel", {"grid": 0}))
     theories = ("kappa_persson", "kappa_ensemble", "kappa_yang_persson", "kappa_wang_mueser", "kappa_xu")
     return Views(
         table=Table(rows=("family", "hurst", "load"), columns=(*names, *counted, *theories)),
-        budget=("kappa",),
-        figures=[_against_hurst(data), _against_nayak(climbed), *(_ladder_figures() if climbed else ())],
-        findings=[*_of_families(data), *(_of_ladders(data) if climbed else ())],
+        budget=("kappa", *(("kappa_by_solver",) if beside else ())),
+        figures=[
+            *(_of_solvers_against_hurst(data) if beside else ()),
+            _against_hurst(data),
+            _against_nayak(climbed),
+            *(_ladder_figures() if climbed else ()),
+        ],
+        findings=[
+            *(_beside(data) if beside else ()),
+            *_of_families(data),
+            *(_of_ladders(data) if climbed else ()),
+        ],
     )
+
+
+#: Published ranges and points, told apart by their sources.
+_LITERATURE = Band(
+    y="kappa_published",
+    high="kappa_published_high",
+    x="hurst_published",
+    by="paper_kappa",
+    look={"color": "black", "mfc": "white"},
+)
+
+
+def _of_solvers_against_hurst(data: xr.Dataset) -> Iterator[Figure]:
+    """Every solver's own limit in one panel as wide as a column, with the other bandwidths at that load."""
+    light = float(data.reduced_pressure_by_solver)
+    same = np.flatnonzero(np.isclose(data.reduced_pressure, light))
+    wide = [
+        Line(y="kappa", by="family", at={"load": int(k)}, label="boundary elements, {family}") for k in same
+    ]
+    own = Line(y="kappa_by_solver", by="solver")
+    caption = f"kappa against the Hurst exponent at p* = {light:g}, limits over the grids of each solver on the same "
+    caption += (
+        f"surfaces of bandwidth {float(data.bandwidth_by_solver):g}; Persson's theory; published values."
+    )
+    panel = Panel(
+        marks=[own, *wide, Level(y="kappa_persson_by_solver", label="Persson"), _LITERATURE],
+        x="hurst",
+        bottom=1.5,
+    )
+    yield Figure(name="kappa-of-solvers", caption=caption, panels=[panel], width=4.2, height=4.4)
 
 
 def _against_hurst(data: xr.Dataset) -> Figure:
@@ -190,8 +330,6 @@ def _against_hurst(data: xr.Dataset) -> Figure:
         Line(y="kappa_pixel", at={"grid": 0}, label="counted, coarsest grid"),
         Level(y="kappa_persson"),
     )
-    ends: dict[str, Any] = {"high": "kappa_published_high", "x": "hurst_published"}
-    literature = Band(y="kappa_published", by="paper_kappa", look={"color": "black"}, **ends)
     panels = panels_along(data, "load", Panel(marks=marks, x="hurst", at={"family": 0}, bottom=1.35))
     area = data.kappa.isel(family=0).mean("hurst") * data.reduced_pressure
     return Figure(
@@ -199,7 +337,7 @@ def _against_hurst(data: xr.Dataset) -> Figure:
         caption="kappa against the Hurst exponent at each load: the limit over grids, points counted on the coarsest "
         "grid, and Persson's theory; black, published values (light load).",
         panels=[
-            replace(panel, marks=(*marks, literature)) if float(light) < _LIGHT else panel
+            replace(panel, marks=(*marks, _LITERATURE)) if float(light) < _LIGHT else panel
             for panel, light in zip(panels, area, strict=True)
         ],
         width=2.9 * max(2, len(panels)) + 1,
@@ -253,6 +391,21 @@ def _ladder_figures() -> tuple[Figure, ...]:
     )
 
 
+def _beside(data: xr.Dataset) -> Iterator[Finding]:
+    """Say what each other solver has of the same surfaces."""
+    form = "By its own limit over grids kappa is, at p* = {reduced_pressure_by_solver} and bandwidth {bandwidth_by_solver}, by "
+    form += "{solver}: {each}."
+    item = (
+        "{kappa_by_solver} at H = {hurst}, {kappa_by_solver_difference:+%} from boundary elements ({verdict})"
+    )
+    words = {"agree": "not distinguishable", "differ": "beyond the intervals"}
+    for k in range(1, data.sizes["solver"]):
+        here = data.isel(solver=k)
+        yield finding(
+            "agreement", form, here, item=item, over="hurst", by="kappa_by_solver_difference", words=words
+        )
+
+
 def _of_families(data: xr.Dataset) -> Iterator[Finding]:
     """Say what H changes, what counting adds, how far the theory is off."""
     ends: dict[str, Any] = {"first": float(data.hurst[0]), "last": float(data.hurst[-1])}
@@ -268,7 +421,10 @@ def _of_families(data: xr.Dataset) -> Iterator[Finding]:
     item = "{verdict} the limit, by {kappa_excess:%}, at lambda_short/dx = {points_per_wave} (spread {kappa_pixel_spread:%})"
     plain = data.isel(family=0, hurst=0)
     yield finding("comparison", form, plain, item=item, over="grid", by="kappa_excess")
-    form = "The limit over Persson's theory is {each} (mean over spectra of lambda_long/lambda_short {low} to {high})."
+    wide = "{low}" if ends["low"] == ends["high"] else "{low} to {high}"
+    form = (
+        f"The limit over Persson's theory is {{each}} (mean over spectra of lambda_long/lambda_short {wide})."
+    )
     yield finding("value", form, data, item="{kappa_ratio} at p* = {reduced_pressure}", over="load", **ends)
 
 

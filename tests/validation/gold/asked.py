@@ -136,6 +136,7 @@ STUDIES: dict[str, dict[str, object]] = {
     },
     "hurst": {
         **_LADDERS,
+        "methods": ("bem",),
         "points_per_wave": (4.0, 6.0),
         "seed": 61,
         "periods": 1.0,
@@ -145,6 +146,7 @@ STUDIES: dict[str, dict[str, object]] = {
         "pairs": 2,
     },
     "hurst of equal Nayak parameter": {
+        "methods": ("bem",),
         "hursts": (0.2, 0.8),
         "bandwidths": (2.0,),
         "equal_nayak": 2.2,
