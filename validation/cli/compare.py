@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from validation.cli.options import JsonOption, ReportOption
+from validation.cli.options import JsonOption, OutputOption, ReportOption, print_json
 
 __all__ = ["compare"]
 
@@ -18,10 +17,7 @@ def compare(
     folders: Annotated[
         list[Path], typer.Argument(metavar="DIR DIR...", help="Results folders of one kind; the first leads.")
     ],
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="DIR", help="Default: results/compare-A-B."),
-    ] = None,
+    output: OutputOption = None,
     with_report: ReportOption = True,
     as_json: JsonOption = False,
 ) -> None:
@@ -39,6 +35,6 @@ def compare(
     with under_way("comparing, drawing figures", quiet=as_json):
         page, files = compare_folders(folders, target, report=with_report)
     if as_json:
-        typer.echo(json.dumps(page.summary, indent=2))
-        return
-    print_page(page, files)
+        print_json(page.summary)
+    else:
+        print_page(page, files)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from validation.errors import SceneError, UsageError
+from validation.errors import SceneError, UsageError, harmless
 
 if TYPE_CHECKING:
     from validation.execution.running import Execution
@@ -23,6 +23,7 @@ __all__ = [
     "WIDE",
     "AccuracyOption",
     "DryRunOption",
+    "FolderArgument",
     "JsonOption",
     "MemoryOption",
     "MpiOption",
@@ -41,6 +42,8 @@ __all__ = [
     "examples",
     "key_names",
     "naming",
+    "option",
+    "print_json",
     "print_plan",
     "say",
     "scene_names",
@@ -70,7 +73,7 @@ def examples(*lines: str) -> str:
     return "\n\n".join(("Examples:" if len(lines) > 1 else "Example:", *lines))
 
 
-def _option(*names: str, words: str, metavar: str = "", **more: Any) -> Any:
+def option(*names: str, words: str, metavar: str = "", **more: Any) -> Any:
     """Return an option; without a metavar a flag. Types and defaults would leave no room for words."""
     return typer.Option(*names, metavar=metavar, help=words, show_default=False, **more)
 
@@ -82,9 +85,12 @@ SceneArgument = Annotated[
     str,
     typer.Argument(metavar="SCENE", help="A built-in scene, or a TOML file.", autocompletion=scene_names),
 ]
+FolderArgument = Annotated[
+    Path, typer.Argument(metavar="DIR", help="Results folder of a run, a sweep or a study.")
+]
 SetOption = Annotated[
     list[str] | None,
-    _option(
+    option(
         "--set",
         metavar="KEY=VALUE",
         autocompletion=key_names,
@@ -92,13 +98,14 @@ SetOption = Annotated[
         "lists the keys.",
     ),
 ]
-JsonOption = Annotated[bool, _option("--json", words="Print JSON for scripts.")]
+JsonOption = Annotated[bool, option("--json", words="Print JSON for scripts.")]
 OutputOption = Annotated[
-    Path | None, _option("--output", "-o", metavar="DIR", words="Default: results/NAME.", **_FILES)
+    Path | None,
+    option("--output", "-o", metavar="DIR", words="Default: a folder in results, by name.", **_FILES),
 ]
 StoreOption = Annotated[
     Path | None,
-    _option(
+    option(
         "--store",
         metavar="DIR",
         envvar="FEM_CONTACT_STORE",
@@ -108,11 +115,11 @@ StoreOption = Annotated[
 ]
 WorkersOption = Annotated[
     int | None,
-    _option("--workers", "-w", metavar="N", min=1, words="Local processes of one thread each.", **_HOW),
+    option("--workers", "-w", metavar="N", min=1, words="Local processes of one thread each.", **_HOW),
 ]
 SchedulerOption = Annotated[
     str | None,
-    _option(
+    option(
         "--scheduler",
         metavar="URL",
         envvar="FEM_CONTACT_SCHEDULER",
@@ -122,11 +129,11 @@ SchedulerOption = Annotated[
 ]
 MemoryOption = Annotated[
     str | None,
-    _option("--memory", metavar="SIZE", words='For all solves, such as "4 GiB"; else what is free.', **_HOW),
+    option("--memory", metavar="SIZE", words='For all solves, such as "4 GiB"; else what is free.', **_HOW),
 ]
 MpiOption = Annotated[
     bool,
-    _option(
+    option(
         "--mpi",
         words="Under mpiexec: boundary elements alone, each solve on all processes, into results/NAME/mpi.",
         **_HOW,
@@ -134,7 +141,7 @@ MpiOption = Annotated[
 ]
 AccuracyOption = Annotated[
     str | None,
-    _option(
+    option(
         "--accuracy",
         metavar="SHARE",
         words="Choose grids, tolerance and number of surfaces for this error of A/A0 (95 %), such as 1%; "
@@ -143,22 +150,22 @@ AccuracyOption = Annotated[
 ]
 TimeLimitOption = Annotated[
     str | None,
-    _option("--time-limit", metavar="TIME", words='With --accuracy: for all solves, such as "10 min".'),
+    option("--time-limit", metavar="TIME", words='With --accuracy: for all solves, such as "10 min".'),
 ]
-DryRunOption = Annotated[bool, _option("--dry-run", words="Say what would be solved, and its cost.")]
+DryRunOption = Annotated[bool, option("--dry-run", words="Say what would be solved, and its cost.")]
 PicturesOption = Annotated[
     bool | None,
-    _option("--pictures/--no-pictures", words="3-D pictures in the report, which take seconds.", **_FILES),
+    option("--pictures/--no-pictures", words="3-D pictures in the report, which take seconds.", **_FILES),
 ]
 ReportOption = Annotated[
     bool,
-    _option(
+    option(
         "--report/--no-report",
         words="Figures and report, or tables alone; fem-contact report DIR makes them later.",
         **_FILES,
     ),
 ]
-QuietOption = Annotated[bool, _option("--quiet", "-q", words="No progress bar.")]
+QuietOption = Annotated[bool, option("--quiet", "-q", words="No progress bar.")]
 
 
 @contextlib.contextmanager
@@ -235,7 +242,7 @@ def print_plan(solves: Sequence[Solve], store: Store, *, as_json: bool) -> None:
         stored = os.path.exists(store.path(solve))
         rows.append({"key": solve.key, "solve": solve.describe(), **sizes, "stored": stored})
     if as_json:
-        typer.echo(json.dumps(rows, indent=2))
+        print_json(rows)
         return
     groups: dict[str, list[dict[str, Any]]] = {}
     for row in sorted(rows, key=lambda row: -row["seconds"]):
@@ -261,6 +268,11 @@ def _briefly(number: float) -> str:
     return f"{number:.2g}" if number < 100 else f"{number:.0f}"
 
 
+def print_json(value: Any) -> None:
+    """Print what a script reads."""
+    typer.echo(json.dumps(value, indent=2, default=str))
+
+
 #: Columns of a log or a pipe, which have no width of their own.
 WIDE = 160
 
@@ -269,13 +281,10 @@ def show(what: Any) -> None:
     """Print a text, what is dangerous to a terminal made harmless, or a table."""
     from rich.console import Console
 
-    from validation.errors import harmless
-
     # Without markup: a title such as "[/]" is a title. A table must not be squeezed to 80 columns in a log.
     width, text = None if terminal_width() else WIDE, isinstance(what, str)
-    Console(highlight=False, markup=False, width=width, soft_wrap=text).print(
-        harmless(what) if text else what
-    )
+    console = Console(highlight=False, markup=False, width=width, soft_wrap=text)
+    console.print(harmless(what) if text else what)
 
 
 def terminal_width() -> int | None:
@@ -288,6 +297,4 @@ def terminal_width() -> int | None:
 
 def say(message: Exception | str, *, prefix: str = "fem-contact: ") -> None:
     """Print a line for the user on stderr."""
-    from validation.errors import harmless
-
     typer.echo(harmless(f"{prefix}{message}"), err=True)

@@ -154,7 +154,7 @@ def _solved(solve: Press, folder: Path, comm: Any) -> dict[str, Any]:
 def _print(rows: list[dict[str, Any]], folder: Path, processes: int, *, as_json: bool) -> None:
     from rich.table import Table
 
-    from validation.cli.options import show
+    from validation.cli.options import print_json, show
     from validation.measurements.measurement import limit_over
 
     def area(row: dict[str, Any]) -> ContactAreas:
@@ -162,7 +162,7 @@ def _print(rows: list[dict[str, Any]], folder: Path, processes: int, *, as_json:
 
     limit = limit_over([area(row) for row in rows])
     if as_json:
-        typer.echo(json.dumps({"processes": processes, "grids": rows, "limit": asdict(limit)}, indent=2))
+        print_json({"processes": processes, "grids": rows, "limit": asdict(limit)})
         return
     table = Table("grid", "A/A0 counted", "located", "pairs", "seconds", "MiB of a process", "processes")
     for row in rows:

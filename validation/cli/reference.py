@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from validation.cli.options import JsonOption, OutputOption
+from validation.cli.options import JsonOption, OutputOption, print_json
 from validation.errors import UsageError
 
 __all__ = ["reference"]
@@ -92,7 +91,7 @@ def reference(
     persson = persson_theory(hurst=hurst, bandwidth=bandwidth, reduced_pressure=reduced_pressure)
     if as_json:
         record = {name: {**asdict(value), "persson": persson.get(name)} for name, value in values.items()}
-        typer.echo(json.dumps(record, indent=2))
+        print_json(record)
         return
     rows = [
         (

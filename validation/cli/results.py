@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import textwrap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
-
-from validation.cli.options import WIDE, show, terminal_width
+from validation.cli.options import WIDE, print_json, show, terminal_width
 from validation.errors import harmless
 
 if TYPE_CHECKING:
@@ -47,7 +44,7 @@ def print_page(
 def print_study(outputs: StudyOutputs, *, as_json: bool) -> None:
     """Print the page of a study, or its dataset for scripts."""
     if as_json:
-        typer.echo(json.dumps(outputs.data.to_dict(), indent=2, default=str))
+        print_json(outputs.data.to_dict())
     else:
         print_page(outputs.page, outputs.files)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -77,7 +76,7 @@ def run(
         done = solve(progress=bar, execution=execution, store_folder=store_folder, report=with_report)
     outputs, accurate = getattr(done, "outputs", done), getattr(done, "reached", None)
     if as_json:
-        typer.echo(json.dumps(outputs.page.summary, indent=2))
+        options.print_json(outputs.page.summary)
     else:
         solved, reused = (accurate.solves, accurate.reused) if accurate else (outputs.solved, outputs.reused)
         line = f"{solved} solves done, {reused} found finished. Written:"
@@ -142,7 +141,7 @@ def explain(
     with options.naming(scene):
         explanation = explain_sweep(loaded) if isinstance(loaded, Sweep) else explain_scene(loaded)
     if as_json:
-        typer.echo(json.dumps(explanation.summary(), indent=2))
+        options.print_json(explanation.summary())
     else:
         for part in explanation.parts():
             options.show(part)
@@ -164,15 +163,13 @@ def calibrate(
     with options.stopping_cleanly():
         measured = measure(points=points, tell=None if as_json else typer.echo)
     if as_json:
-        typer.echo(json.dumps({"factors": dict(measured.factors), "source": measured.source}, indent=2))
+        options.print_json({"factors": dict(measured.factors), "source": measured.source})
     else:
         typer.echo(f"Kept in {cache_file()}")
 
 
 def report(
-    folder: Annotated[
-        Path, typer.Argument(metavar="DIR", help="Results folder of a run, a sweep or a study.")
-    ],
+    folder: options.FolderArgument,
     pictures: options.PicturesOption = None,
     as_json: options.JsonOption = False,
 ) -> None:
@@ -197,6 +194,6 @@ def report(
         else:
             files = report_scene(folder, pictures=pictures).files
     if as_json:
-        typer.echo(json.dumps([str(path) for path in files], indent=2))
+        options.print_json([str(path) for path in files])
     else:
         typer.echo("\n".join(f"  {path}" for path in files))

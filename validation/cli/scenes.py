@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from validation.cli.options import JsonOption, SceneArgument, examples, show
+from validation.cli.options import JsonOption, SceneArgument, examples, print_json, show
 from validation.errors import UsageError, did_you_mean
 
 __all__ = ["scenes_app"]
@@ -24,10 +23,9 @@ def list_scenes(as_json: JsonOption = False) -> None:
 
     titles = {name: load_scene(name).title for name in builtin_scenes()}
     if as_json:
-        typer.echo(json.dumps(titles, indent=2))
-        return
-    for name, title in titles.items():
-        typer.echo(f"{name:20s} {title}")
+        print_json(titles)
+    else:
+        typer.echo("\n".join(f"{name:20s} {title}" for name, title in titles.items()))
 
 
 @scenes_app.command("keys", epilog=examples("fem-contact scenes keys hardness", "fem-contact scenes keys"))

@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from validation.cli.options import JsonOption, examples, say, show, stopping_cleanly
+from validation.cli.options import (
+    JsonOption,
+    examples,
+    option,
+    print_json,
+    say,
+    show,
+    stopping_cleanly,
+)
 from validation.errors import RunFailed, UsageError
 
 if TYPE_CHECKING:
@@ -29,12 +37,9 @@ def check(
     folder: Annotated[
         Path, typer.Argument(metavar="DIR", help="Folder of finished solves, or the results of a run.")
     ],
-    list_all: Annotated[bool, typer.Option("--list", metavar="", help="Name the intact ones, too.")] = False,
+    list_all: Annotated[bool, option("--list", words="Name the intact ones, too.")] = False,
     set_aside: Annotated[
-        bool,
-        typer.Option(
-            "--set-aside", metavar="", help="Rename damaged files to *.corrupt; the next run repeats them."
-        ),
+        bool, option("--set-aside", words="Rename damaged files to *.corrupt; the next run repeats them.")
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -58,7 +63,7 @@ def check(
                 show(_line(file))
     damaged, intact = sum(file.damaged for file in files), [file for file in files if file.problem is None]
     if as_json:
-        typer.echo(json.dumps([_summary(file) for file in files], indent=2))
+        print_json([_summary(file) for file in files])
     else:
         size = memory_words(sum(file.size for file in intact))
         show(f"{place}: {len(intact)} of {len(files)} solves are intact ({size}).")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -31,13 +30,13 @@ def study(
         str | None,
         typer.Argument(metavar="NAME", help="A study; see --list.", autocompletion=_study_names),
     ] = None,
-    list_all: Annotated[bool, typer.Option("--list", metavar="", help="List the studies.")] = False,
+    list_all: Annotated[bool, options.option("--list", words="List the studies.")] = False,
     scene: Annotated[
         str | None,
-        typer.Option(
+        options.option(
             "--scene",
             metavar="SCENE",
-            help="Scene that a study is asked about; or after NAME.",
+            words="Scene that a study is asked about; or after NAME.",
             autocompletion=options.scene_names,
         ),
     ] = None,
@@ -52,8 +51,7 @@ def study(
     quiet: options.QuietOption = False,
     as_json: options.JsonOption = False,
     wants_help: Annotated[
-        bool,
-        typer.Option("--help", "-h", metavar="", help="Show this; after a NAME, its options."),
+        bool, options.option("--help", "-h", words="Show this; after a NAME, its options.")
     ] = False,
 ) -> None:
     """Ask one question of many surfaces; study --list names the studies.
@@ -122,7 +120,7 @@ def _scene_of_study(scene: str | None, settings: Sequence[str]) -> Scene | None:
 def _list_studies(known: Mapping[str, Study], *, as_json: bool) -> None:
     """Print one line for each study, in groups; those of other packages last."""
     if as_json:
-        typer.echo(json.dumps({name: list(study.options.flags()) for name, study in known.items()}, indent=2))
+        options.print_json({name: list(study.options.flags()) for name, study in known.items()})
         return
     from validation.studies import GROUPS
 

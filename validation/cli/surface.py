@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from dataclasses import replace
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from validation.cli.options import JsonOption, SceneArgument, say, show
+from validation.cli.options import JsonOption, SceneArgument, print_json, say, show
 from validation.errors import SceneError, UsageError
 
 if TYPE_CHECKING:
@@ -88,7 +87,7 @@ def inspect(
     facts = _inspected(source, length=length, unit=unit, tilt=tilt, missing=missing)
     spectrum = facts.pop("spectrum")
     if as_json:
-        typer.echo(json.dumps({**facts, "spectrum": spectrum}, indent=2))
+        print_json({**facts, "spectrum": spectrum})
         return
     for name, value in facts.items():
         show(f"{name}: {value:.6g}" if isinstance(value, float) else f"{name}: {value}")

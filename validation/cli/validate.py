@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -10,7 +9,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from validation.cli.options import JsonOption, OutputOption, QuietOption, ReportOption, say, stopping_cleanly
+from validation.cli.options import (
+    JsonOption,
+    OutputOption,
+    QuietOption,
+    ReportOption,
+    option,
+    print_json,
+    say,
+    stopping_cleanly,
+)
 from validation.errors import RunFailed, UsageError
 from validation.report.words import json_ready
 
@@ -24,12 +32,8 @@ def validate(
     names: Annotated[
         list[str] | None, typer.Argument(metavar="CASE", help="Cases to run; all if not given.")
     ] = None,
-    quick: Annotated[
-        bool, typer.Option("--quick", metavar="", help="Only what takes seconds; under three minutes.")
-    ] = False,
-    list_all: Annotated[
-        bool, typer.Option("--list", metavar="", help="Name the cases and their claims.")
-    ] = False,
+    quick: Annotated[bool, option("--quick", words="Only what takes seconds; under three minutes.")] = False,
+    list_all: Annotated[bool, option("--list", words="Name the cases and their claims.")] = False,
     method: Annotated[
         list[str] | None,
         typer.Option(
@@ -88,7 +92,7 @@ def validate(
     record = {"cases": list(names or []), "quick": quick}
     page, files = write_claims(folder, failed_first, name="validate", asked=record, report=with_report)
     if as_json:
-        typer.echo(json.dumps([verdict.summary() for verdict in verdicts], indent=2))
+        print_json([verdict.summary() for verdict in verdicts])
     else:
         print_page(page, files)
     failed = [verdict.case for verdict in verdicts if verdict.word == "FAILS"]
@@ -99,8 +103,7 @@ def validate(
 def show_scorecards(cards: Sequence[Scorecard], files: Iterable[Path], *, as_json: bool) -> None:
     """Print what scorecards come to; fail where the first of them does."""
     if as_json:
-        record = json_ready({"scorecards": [card.summary() for card in cards]})
-        typer.echo(json.dumps(record, indent=2))
+        print_json(json_ready({"scorecards": [card.summary() for card in cards]}))
     else:
         for path in files:
             typer.echo(f"  {path}")
@@ -111,12 +114,8 @@ def show_scorecards(cards: Sequence[Scorecard], files: Iterable[Path], *, as_jso
 
 
 def reproduce(
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: results/persson-2006.")
-    ] = None,
-    figures: Annotated[
-        bool, typer.Option("--figures/--no-figures", metavar="", help="Draw the figures, too.")
-    ] = True,
+    output: OutputOption = None,
+    figures: Annotated[bool, option("--figures/--no-figures", words="Draw the figures, too.")] = True,
     quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -140,6 +139,6 @@ def reproduce(
     if as_json:
         assert page.data is not None
         claims = page.data[[name for name, value in page.data.items() if value.dims == ("claim",)]]
-        typer.echo(json.dumps(json_ready(claims.to_dataframe().reset_index().to_dict("records")), indent=2))
+        print_json(json_ready(claims.to_dataframe().reset_index().to_dict("records")))
         return
     print_page(page, files)
