@@ -25,6 +25,7 @@ from fem_contact.patches import find_patches
 from validation.comparison.run import report_scene, run_scene
 from validation.errors import RunFailed, UsageError
 from validation.execution.press import Press, solves_of
+from validation.execution.provenance import Made
 from validation.execution.running import solve_all
 from validation.execution.store import Store
 from validation.files import prepare_folder
@@ -199,7 +200,7 @@ def test_a_stored_result_is_read_back_bit_for_bit(write_scene, tmp_path):
     solve = solves_of(load_scene(str(write_scene(fem=False))))[0]
     store = Store(folder=prepare_folder(tmp_path / "store"))
     solved = solve.do()
-    store.save(solve, solved)
+    store.save(solve, solved, made=Made.now(threads=1, seconds=0.0))
     result, found = solved.contact, store.load(solve)
     for name in ("pressure", "gap", "displacement", "heights", "in_contact"):
         np.testing.assert_array_equal(getattr(found, name), getattr(result, name))

@@ -35,54 +35,34 @@ P = ParamSpec("P")
 Compiled = tuple[tuple[str, Mapping[str, Any], tuple[Any, ...]], ...]
 
 
+@dataclass(eq=False, kw_only=True)
 class Measurement(Generic[P]):
     """A function that solves and keeps numbers; called, it gives the solve.
 
-    Attributes
-    ----------
-    function : callable
-        Of hashable keyword arguments, to a dataset.
-    name, words : str
-        How names on disk begin, and what it is in a progress bar; with arguments, and ``{size}``, in braces.
-    kind : str
-        Of its results: with the arguments it determines the name on disk.
-    seconds : callable
-        Predicted time of a solve on one thread [s].
-    bytes : int
-        Of memory for each grid point.
-    predict : callable
-        `Prediction` in place of both.
-    located, version
-        Whether it keeps a located area, and the version of what is read off, in the recipe unless it is 0.
-    recipe : callable
-        Makes of the usual recipe, ``made``, that of this measurement.
-    compiled : callable
-        Methods whose compiled passes it runs through; plain boundary elements if not given.
-
-    Notes
-    -----
     Callables are given those of the arguments that they name, and ``points``, those of the finest grid.
     """
 
-    def __init__(
-        self,
-        function: Callable[P, xr.Dataset],
-        *,
-        name: str | Callable[..., str],
-        kind: str,
-        words: str,
-        seconds: Callable[..., float] = lambda: 0.0,
-        bytes: int = 0,
-        predict: Callable[..., Prediction] | None = None,
-        located: bool = False,
-        version: int = 0,
-        recipe: Callable[..., dict[str, Any]] = lambda made: made,
-        compiled: Callable[..., Compiled] = lambda: (("bem", {}, ()),),
-    ) -> None:
-        self.function, self.name, self.kind, self.words = function, name, kind, words
-        self.seconds, self.bytes, self.predict = seconds, bytes, predict
-        self.located, self.version, self.recipe, self.compiled = located, version, recipe, compiled
-        update_wrapper(self, function)
+    #: Of hashable keyword arguments, to a dataset.
+    function: Callable[P, xr.Dataset]
+    #: How names on disk begin, and what it is in a progress bar; with arguments, and ``{size}``, in braces.
+    name: str | Callable[..., str]
+    words: str
+    #: Of its results: with the arguments it determines the name on disk.
+    kind: str
+    #: Predicted time of a solve on one thread [s], bytes for each grid point; or a `Prediction` for both.
+    seconds: Callable[..., float] | None = None
+    bytes: int = 0
+    predict: Callable[..., Prediction] | None = None
+    #: Whether it keeps a located area; the version of what is read off, in the recipe unless it is 0.
+    located: bool = False
+    version: int = 0
+    #: Makes of the usual recipe, ``made``, that of this measurement.
+    recipe: Callable[..., dict[str, Any]] | None = None
+    #: Methods whose compiled passes it runs through; plain boundary elements if not given.
+    compiled: Callable[..., Compiled] | None = None
+
+    def __post_init__(self) -> None:
+        update_wrapper(self, self.function)
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> Call:
         """Return the solve of these arguments."""
@@ -99,7 +79,7 @@ def measurement(
     name: str | Callable[..., str], *, kind: str, words: str, **about: Any
 ) -> Callable[[Callable[P, xr.Dataset]], Measurement[P]]:
     """Make a `Measurement` of a function; see there for what else is said about it."""
-    return lambda function: Measurement(function, name=name, kind=kind, words=words, **about)
+    return lambda function: Measurement(function=function, name=name, kind=kind, words=words, **about)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -143,7 +123,8 @@ class Call(NumbersSolve):
                 made[name] = dict(value) if name == "settings" else _plain(value)
         made |= {"edges": LOCATED_EDGES} if self.measurement.located else {}
         made |= {"version": self.measurement.version} if self.measurement.version else {}
-        return cast("dict[str, Any]", self._asked(self.measurement.recipe, made=made))
+        own = self.measurement.recipe
+        return made if own is None else cast("dict[str, Any]", self._evaluated(own, made=made))
 
     @property
     def kind(self) -> str:
@@ -170,13 +151,16 @@ class Call(NumbersSolve):
         """Predict from the number of points, or as the measurement says."""
         about, points = self.measurement, math.prod(self.finest)
         if about.predict is not None:
-            return cast("Prediction", self._asked(about.predict, points=points, pair_seconds=pair_seconds))
-        seconds = self._asked(about.seconds, points=points)
+            return cast(
+                "Prediction", self._evaluated(about.predict, points=points, pair_seconds=pair_seconds)
+            )
+        seconds = self._evaluated(about.seconds, points=points) if about.seconds is not None else 0.0
         return Prediction(seconds=seconds, peak_bytes=about.bytes * points, unknowns=points)
 
     @cached_property
     def _compiled(self) -> Compiled:
-        return cast("Compiled", self._asked(self.measurement.compiled))
+        compiled = self.measurement.compiled
+        return (("bem", {}, ()),) if compiled is None else cast("Compiled", self._evaluated(compiled))
 
     @property
     def code_path(self) -> tuple[str, ...]:
@@ -192,18 +176,17 @@ class Call(NumbersSolve):
         for method, settings, effects in self._compiled:
             find_solver(method).rehearse(effects, settings)
 
-    def _asked(self, of: Callable[..., Any], **more: Any) -> Any:
+    def _evaluated(self, of: Callable[..., Any], **more: Any) -> Any:
         """Call with those of the arguments that are named."""
         known = {**dict(self.arguments), **more}
         return of(**{name: known[name] for name in inspect.signature(of).parameters})
 
     def _formatted(self, text: str | Callable[..., str]) -> str:
         if not isinstance(text, str):
-            return str(self._asked(text))
-        size = self.finest
-        square = len(set(size)) == 1 and "grids" not in dict(self.arguments)
-        said = str(size[0]) if square else "x".join(map(str, size))
-        return text.format(size=said, **dict(self.arguments))
+            return str(self._evaluated(text))
+        square = len(set(self.finest)) == 1 and "grids" not in dict(self.arguments)
+        size = "x".join(map(str, self.finest[:1] if square else self.finest))
+        return text.format(size=size, **dict(self.arguments))
 
 
 def _plain(value: Any) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import product
 from math import prod
 from pathlib import Path
@@ -30,18 +30,8 @@ __all__ = ["Press", "run_solves", "solves_of"]
 class Press(Solve):
     """One solve: a method, one realisation of the surface on one grid, a solid and a load.
 
-    Attributes
-    ----------
-    method : str
-        Name of a solver.
-    grid : tuple of int
-    shift : tuple of float
-        Sub-grid shift of the surface, in parts of a cell.
-    problem : ContactProblem
-        Surface, solid and load.
-    settings : tuple of (str, value)
-        What else the method was told, such as its tolerance; only what was said.
-    effects : tuple
+    The surface may be shifted by parts of a cell; `settings` has only what the method was told, such as its
+    tolerance.
     """
 
     method: str
@@ -95,16 +85,14 @@ class Press(Solve):
 
     def describe(self) -> str:
         """Return a few words for a progress bar."""
-        text = f"{self.solver.label} {self.grid[0]}x{self.grid[1]}"
-        if self.realisation:
-            text += f", surface {self.realisation + 1}"
-        if self.problem.variation:
-            text += f", {self.problem.variation}"
-        if self.problem.inverted:
-            text += ", inverted"
-        if self.shift != (0.0, 0.0):
-            text += f", shift ({self.shift[0]:g}, {self.shift[1]:g})"
-        return text
+        parts = {
+            f"surface {self.realisation + 1}": self.realisation,
+            self.problem.variation: self.problem.variation,
+            "inverted": self.problem.inverted,
+            f"shift ({self.shift[0]:g}, {self.shift[1]:g})": self.shift != (0.0, 0.0),
+        }
+        grid = f"{self.solver.label} {self.grid[0]}x{self.grid[1]}"
+        return ", ".join([grid, *(words for words, holds in parts.items() if holds)])
 
     def height_field(self) -> HeightField:
         """Return the heights that are pressed."""
@@ -129,13 +117,7 @@ class Press(Solve):
         )
 
     def do(self, *, threads: int | None = None) -> Solved:
-        """Solve; what comes of it can be used.
-
-        Raises
-        ------
-        FemContactError
-            When the solve failed.
-        """
+        """Solve; what comes of it can be used. A FemContactError when the solve failed."""
         problem = self.problem
         solved = self.solver.solve(
             Job(
@@ -197,27 +179,18 @@ class Press(Solve):
 def solves_of(scene: Scene, problem: ContactProblem | None = None) -> tuple[Press, ...]:
     """List the solves of a scene, coarse grids first; one that is asked for twice is listed once.
 
-    Parameters
-    ----------
-    scene : Scene
-    problem : ContactProblem, optional
-        What the scene asks for, where it has been made already.
+    The `problem` of the scene may have been made already.
     """
-    own = problem or realise(scene)
-    found: list[Press] = []
+    problem = problem or realise(scene)
+    solves: list[Press] = []
     for name, solver in scene.methods.solvers.items():
         options = scene.methods.options(name)
-        told: dict[str, Any] = {
-            "method": name,
-            "settings": solver.settings(options),
-            "effects": scene.effects,
-        }
-        for grid, shift in solver.places(options):
-            found.append(Press(grid=grid, shift=shift, problem=own, **told))
+        press = partial(Press, method=name, settings=solver.settings(options), effects=scene.effects)
+        solves += (press(grid=g, shift=shift, problem=problem) for g, shift in solver.places(options))
         if scene.ensemble is not None and solver is scene.ensemble_solver:
             for k, grid in product(range(scene.ensemble.realisations), sorted(scene.ensemble.grids)):
-                found.append(Press(grid=grid, problem=own.further(k), **told))
-    return tuple({solve.key: solve for solve in found}.values())
+                solves.append(press(grid=grid, problem=problem.further(k)))
+    return tuple({solve.key: solve for solve in solves}.values())
 
 
 def run_solves(scene: Scene, problem: ContactProblem) -> tuple[Press, ...]:

@@ -63,11 +63,7 @@ class Solve(ABC):
     def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict what it takes on one thread, storing included, beyond what an idle process takes.
 
-        Parameters
-        ----------
-        pair_seconds : float
-            Time of one pair of real 256 x 256 transforms on this machine [s], which tells one machine from
-            another.
+        Machines differ by the time of one pair of real 256 x 256 transforms (`pair_seconds` [s]).
         """
 
     @abstractmethod
@@ -102,14 +98,11 @@ class Solve(ABC):
         return self
 
     @property
-    def full_recipe(self) -> dict[str, Any]:
-        """Return the recipe with the kind of work and the version of the results."""
-        return {"results_version": RESULTS_VERSION, "kind": self.kind, **self.recipe}
-
-    @property
     def recipe_text(self) -> str:
-        """Return the full recipe as text: what is hashed, and what is stored beside the result."""
-        return json.dumps(self.full_recipe, sort_keys=True)
+        """Return recipe, kind and version as text: what is hashed, and what is stored beside the result."""
+        return json.dumps(
+            {"results_version": RESULTS_VERSION, "kind": self.kind, **self.recipe}, sort_keys=True
+        )
 
     @property
     def key(self) -> str:
