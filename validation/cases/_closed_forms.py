@@ -12,7 +12,10 @@ from fem_contact.surface import HeightField
 from validation.arrays import Array
 
 __all__ = [
+    "EGG_BOX_DEPTH",
+    "EGG_BOX_FLAT",
     "HertzInPeriod",
+    "egg_box",
     "huber_stress",
     "westergaard_mean_pressure",
     "westergaard_pressure",
@@ -84,6 +87,18 @@ class HertzInPeriod:
     def pressure(self, r: Array) -> Array:
         """Exact pressure [Pa] at a distance from the apex."""
         return np.asarray(self.peak * np.sqrt(np.maximum(1 - (r / self.radius) ** 2, 0)))
+
+
+#: D of the egg box D cos(2 pi x) cos(2 pi y), and the mean pressure at which it is pressed flat where E* = 1:
+#: E* q D / 2 with q = 2 pi sqrt 2.
+EGG_BOX_DEPTH = 0.01
+EGG_BOX_FLAT = math.sqrt(2) * math.pi * EGG_BOX_DEPTH
+
+
+def egg_box(n: int) -> HeightField:
+    """Return the egg box on n x n points, none of which is a peak."""
+    x = np.cos(2 * np.pi * (np.arange(n) + 0.5) / n)
+    return HeightField(heights=EGG_BOX_DEPTH * x[:, None] * x[None, :], lengths=(1.0, 1.0))
 
 
 def westergaard_mean_pressure(amplitude: float, *, half_width: float, contact_modulus: float = 1.0) -> float:

@@ -68,26 +68,26 @@ def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard] = ())
     judged = [verdict for verdict in verdicts if not verdict.left_out]
     checks = [(verdict, check) for verdict in judged for check in verdict.checks]
 
-    def whole(of: Callable[[Verdict], Any], empty: Any) -> tuple[tuple[str, str], list[list[Any]]]:
-        there = ([by_place.get((claim, solver)) for solver in solvers] for claim in claims)
-        return ("claim", "solver"), [[empty if one is None else of(one) for one in row] for row in there]
+    def placed(value: Callable[[Verdict], Any], empty: Any) -> tuple[tuple[str, str], list[list[Any]]]:
+        rows = ([by_place.get((claim, solver)) for solver in solvers] for claim in claims)
+        return ("claim", "solver"), [[empty if one is None else value(one) for one in row] for row in rows]
+
+    def words(value: Callable[[Verdict, Check], str]) -> tuple[str, Array]:
+        return "check", np.array([value(*pair) for pair in checks], str)
 
     data = xr.Dataset(
         {
-            "verdict": whole(lambda one: one.word, ""),
-            "reason": whole(lambda one: one.error or one.left_out, ""),
-            "tolerance_used": whole(lambda one: one.used if one.checks else math.nan, math.nan),
-            "wall_seconds": whole(lambda one: one.seconds, math.nan),
+            "verdict": placed(lambda one: one.word, ""),
+            "reason": placed(lambda one: one.error or one.left_out, ""),
+            "tolerance_used": placed(lambda one: one.used if one.checks else math.nan, math.nan),
+            "wall_seconds": placed(lambda one: one.seconds, math.nan),
             "statement": ("claim", [of_claim[claim].claim for claim in claims]),
             "tolerance_from": ("claim", [of_claim[claim].tolerance for claim in claims]),
             "claim_source": ("claim", [of_claim[claim].source for claim in claims]),
-            "check_claim": ("check", np.array([verdict.case for verdict, _ in checks], str)),
-            "check_solver": ("check", np.array([_solver(verdict) for verdict, _ in checks], str)),
-            "check_quantity": ("check", np.array([check.quantity for _, check in checks], str)),
-            "check_verdict": (
-                "check",
-                np.array(["holds" if check.passed else "FAILS" for _, check in checks], str),
-            ),
+            "check_claim": words(lambda verdict, _: verdict.case),
+            "check_solver": words(lambda verdict, _: _solver(verdict)),
+            "check_quantity": words(lambda _, check: check.quantity),
+            "check_verdict": words(lambda _, check: "holds" if check.passed else "FAILS"),
             "check_value": ("check", [check.computed for _, check in checks]),
             "check_reference": ("check", [check.reference for _, check in checks]),
             "check_tolerance": ("check", [check.tolerance for _, check in checks]),
@@ -98,9 +98,7 @@ def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard] = ())
         coords={
             "claim": claims,
             "solver": solvers,
-            "check": _unique(
-                f"{_solver(verdict)}, {verdict.row}: {check.quantity}" for verdict, check in checks
-            ),
+            "check": _unique(f"{_solver(one)}, {one.row}: {check.quantity}" for one, check in checks),
         },
     )
     data = derive(data, check_used="abs(check_value - check_reference) / check_tolerance")
@@ -190,10 +188,11 @@ def claims_views(data: xr.Dataset) -> Views:
         + "; ".join(f"{name}: {words}" for name, words in TOLERANCES.items())
         + ".",
     )
+    columns = ("claim", "solver", "quantity", "value", "reference", "tolerance", "used", "verdict")
     numbers = Table(
         title="Every number",
         rows=("check",),
-        columns=tuple(f"check_{name}" for name in _COLUMNS),
+        columns=tuple(f"check_{name}" for name in columns),
         file="numbers",
     )
     costs = Table(
@@ -226,24 +225,18 @@ def claims_views(data: xr.Dataset) -> Views:
 
 def _ladder_figures(data: xr.Dataset) -> list[Figure]:
     """Draw what converges for each solver, three claims a figure; the others stand in the table."""
-    asked = data.ladder_solver.values != _OTHER
-    claims = list(dict.fromkeys(data.ladder_claim.values[asked].tolist()))
+    claims = list(dict.fromkeys(data.ladder_claim.values[data.ladder_solver.values != _OTHER].tolist()))
     looks = {
         solver: {"color": COLOURS[k % len(COLOURS)], "marker": SYMBOLS[k % len(SYMBOLS)]}
         for k, solver in enumerate(data.solver.values.tolist())
     }
-
-    def lines(claim: str) -> list[Line]:
-        line = Line(y="ladder_miss", by="ladder", label="{ladder_solver}")
-        places = {"ladder_claim": claim}
-        return [
-            replace(line, where={**places, "ladder_solver": solver}, look=look)
-            for solver, look in looks.items()
-        ]
-
+    line = Line(y="ladder_miss", by="ladder", label="{ladder_solver}")
     panels = [
         Panel(
-            marks=lines(claim),
+            marks=[
+                replace(line, where={"ladder_claim": claim, "ladder_solver": solver}, look=look)
+                for solver, look in looks.items()
+            ],
             x="ladder_points",
             log="xy",
             title=claim.replace(": observed order of", "\n"),
@@ -259,9 +252,6 @@ def _ladder_figures(data: xr.Dataset) -> list[Figure]:
         )
         for k in range(0, len(panels), 3)
     ]
-
-
-_COLUMNS = ("claim", "solver", "quantity", "value", "reference", "tolerance", "used", "verdict")
 
 
 def _cards(data: xr.Dataset) -> list[Card]:
@@ -293,40 +283,33 @@ def _findings(data: xr.Dataset) -> list[Finding]:
     if "diagnosis" in data:
         mine = data.check_solver.values == data.solver.values[0]
         data = data.isel(solver=[0])
-    missed = np.flatnonzero(mine & (data.check_verdict.values == "FAILS"))
-    said = [
-        finding("refusal", "{claim} could not be computed: {reason}.", here)
-        for here in (data.isel(claim=int(i), solver=int(j)) for i, j in np.argwhere(_crashed(data)))
+    crashed = ((data.verdict == "FAILS") & (data.reason != "")).transpose("claim", "solver").values
+    findings = [
+        finding("refusal", "{claim} could not be computed: {reason}.", data.isel(claim=int(i), solver=int(j)))
+        for i, j in np.argwhere(crashed)
     ]
-    form = (
-        "{check_claim}FAILS: {check_quantity} is {check_value:~}, allowed is {check_reference:~} within "
-        "{check_tolerance:~}"
-    )
-    fails = form.replace("FAILS", " FAILS")
-    worst = missed[np.argsort(-np.nan_to_num(data.check_used.values[missed], nan=np.inf), kind="stable")]
+    number = "{check_quantity} is {check_value:~}, allowed is {check_reference:~} within {check_tolerance:~}"
+    missed = np.flatnonzero(mine & (data.check_verdict.values == "FAILS"))
     of_claim: dict[str, list[int]] = {}
-    for k in worst:
+    for k in missed[np.argsort(-np.nan_to_num(data.check_used.values[missed], nan=np.inf), kind="stable")]:
         of_claim.setdefault(str(data.check_claim.values[k]), []).append(int(k))
     for places in of_claim.values():
         more = f" ({len(places)} numbers of it fail)" if len(places) > 1 else ""
-        said.append(finding("value", f"{fails}{more}.", data.isel(check=places[0])))
-    if len(said) > _FINDINGS + 1:
-        rest = note("{count} more claims fail; the table has them.", count=float(len(said) - _FINDINGS))
-        said[_FINDINGS:] = [rest]
-    if said:
-        return said
-    said = [finding("value", "Every claim holds: {claims_judged} of them.", data)]
+        words = "{check_claim} FAILS: " + number + more + "."
+        findings.append(finding("value", words, data.isel(check=places[0])))
+    if len(findings) > _FINDINGS + 1:
+        rest = float(len(findings) - _FINDINGS)
+        findings[_FINDINGS:] = [note("{count} more claims fail; the table has them.", count=rest)]
+    if findings:
+        return findings
+    findings = [finding("value", "Every claim holds: {claims_judged} of them.", data)]
     # Ranges, in which any place is good, are not near to anything.
     wide = data.check_tolerance > 0.2 * abs(data.check_reference.where(data.check_reference != 0, np.inf))
     share = np.where(mine & ~wide.values, data.check_used.values, np.nan)
     if np.isfinite(share).any():
-        near = "Nearest to its tolerance: " + form.replace("FAILS", "") + " ({check_used:%} of it)."
-        said.append(finding("value", near, data.isel(check=int(np.nanargmax(share)))))
-    return said
-
-
-def _crashed(data: xr.Dataset) -> Any:
-    return ((data.verdict == "FAILS") & (data.reason != "")).transpose("claim", "solver").values
+        words = "Nearest to its tolerance: {check_claim}: " + number + " ({check_used:%} of it)."
+        findings.append(finding("value", words, data.isel(check=int(np.nanargmax(share)))))
+    return findings
 
 
 def claims_page(result: Result, *, figures: bool = True) -> Page:

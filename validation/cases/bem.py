@@ -12,22 +12,13 @@ from fem_contact.bem import solve, solve_path
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.stress import elastic_energy, loading_work
-from fem_contact.surface import HeightField, random_surface
+from fem_contact.surface import HeightField
 from validation.cases import Check, below, case, order, relative
+from validation.cases._closed_forms import EGG_BOX_DEPTH, EGG_BOX_FLAT, egg_box
+from validation.cases.scorecard.subject import rough
 
 _SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 _JOHNSON = "K. L. Johnson, J. A. Greenwood, J. G. Higginson, Int. J. Mech. Sci. 27, 383 (1985)"
-
-
-def _rough(n: int, *, seed: int = 2718) -> HeightField:
-    surface = random_surface(
-        lambda q: np.where(q > 12.0, q**-3.6, 0.0),
-        q_short=16 * math.pi,
-        lengths=(1.0, 1.0),
-        shape=(n, n),
-        seed=seed,
-    )
-    return HeightField(heights=surface.heights / surface.rms_gradient, lengths=(1.0, 1.0))
 
 
 @case(
@@ -55,15 +46,6 @@ def _punch() -> Iterator[Check]:
     yield order("its observed order", sizes, errors, expected=1, tolerance=0.05)
 
 
-def _egg_box(n: int) -> HeightField:
-    x = np.cos(2 * np.pi * (np.arange(n) + 0.5) / n)
-    return HeightField(heights=0.01 * x[:, None] * x[None, :], lengths=(1.0, 1.0))
-
-
-#: Mean pressure at which h = D cos(2 pi x) cos(2 pi y) is pressed flat: E* q D / 2 with q = 2 pi sqrt 2.
-_FLAT = math.sqrt(2) * math.pi * 0.01
-
-
 @case(
     "bem-egg-box-light",
     "An egg box under light load touches like isolated spheres.",
@@ -73,9 +55,9 @@ _FLAT = math.sqrt(2) * math.pi * 0.01
 def _egg_box_light() -> Iterator[Check]:
     """Each peak is a sphere of radius 1 / (4 pi^2 D): two contacts of Hertz in a period."""
     for share, allowed in ((2e-3, 0.03), (2e-4, 0.015)):
-        result = solve(_egg_box(512), _SOFT, mean_pressure=share * _FLAT).checked()
-        curvature = 4 * math.pi**2 * 0.01
-        radius = (3 * share * _FLAT / 2 / (4 * curvature)) ** (1 / 3)
+        result = solve(egg_box(512), _SOFT, mean_pressure=share * EGG_BOX_FLAT).checked()
+        curvature = 4 * math.pi**2 * EGG_BOX_DEPTH
+        radius = (3 * share * EGG_BOX_FLAT / 2 / (4 * curvature)) ** (1 / 3)
         area = subcell_area(result)
         # Neighbours add to the curvature in the third power of a over their distance, 1/sqrt 2.
         yield relative(f"A/A0 at {share:g} of the flattening load", area, 2 * math.pi * radius**2, allowed)
@@ -90,7 +72,7 @@ def _egg_box_light() -> Iterator[Check]:
 def _energy() -> Iterator[Check]:
     misses = []
     for count in (9, 17, 33):
-        path = solve_path(_rough(96), _SOFT, mean_pressures=np.geomspace(0.02, 0.5, count), tolerance=1e-10)
+        path = solve_path(rough(96), _SOFT, mean_pressures=np.geomspace(0.02, 0.5, count), tolerance=1e-10)
         stored = elastic_energy(path[-1].checked()) - elastic_energy(path[0])
         misses.append(abs(loading_work(path)[-1] / stored - 1))
     yield below("relative difference in 32 steps", misses[-1], 1e-3)

@@ -67,11 +67,6 @@ def _self_affine() -> Iterator[Check]:
             q_min=edges[0],
         )
         yield from _judged(f"{rolloff} roll-off", spectrum, power, edges)
-        m0, m2, m4 = (_moment(power, k, edges) for k in range(3))
-        moments = spectrum.moments()
-        yield relative(f"h_rms, {rolloff}", moments.rms_height, math.sqrt(m0), 1e-9)
-        yield relative(f"h'_rms, {rolloff}", moments.rms_gradient, math.sqrt(m2), 1e-9)
-        yield relative(f"Nayak parameter, {rolloff}", moments.nayak, 1.5 * m0 * m4 / m2**2, 1e-9)
 
 
 @case(
@@ -160,7 +155,3 @@ def _generator() -> Iterator[Check]:
     finer = _drawn((80, 64))
     off = float(np.max(np.abs(finer.heights[::2, ::2] - surface.heights)) / surface.rms_height)
     yield below("difference of two grids at their common points", off, 1e-12)
-    other = random_surface(_power, q_short=80.0, lengths=_LENGTHS, shape=(40, 32), seed=7_920)
-    likeness = float(np.mean(surface.heights * other.heights)) / surface.rms_height / other.rms_height
-    # Of m waves with independent phases the correlation has the deviation (2 / m)^(1/2): .15 or less here.
-    yield below("correlation of two seeds", likeness, 4 * math.sqrt(2 / np.sum(waves)))

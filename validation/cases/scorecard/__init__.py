@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import Any
@@ -75,10 +75,6 @@ class Scorecard:
         why = f"; {self.diagnosis}" if self.diagnosis else ""
         return f"{name}: {count}: {', '.join(verdict.case for verdict in failed)}{why}"
 
-    def verdict(self, row: str) -> Verdict:
-        """Return the verdict of a row."""
-        return next(verdict for verdict in self.verdicts if verdict.case == row)
-
     def needed(self, what: str, accuracy: float) -> float:
         """Return the least `seconds` or `peak_bytes` of a grid whose area is that near; NaN where none is."""
         near = [float(getattr(row, what)) for row in self.cost if row.area_miss <= accuracy]
@@ -132,23 +128,15 @@ def score(subject: Subject, *, tell: Callable[[str], None] | None = None) -> Sco
         Given a line for every row.
     """
     subject.warm_up()
-    verdicts = sorted(run_cases(rows(subject), tell=tell), key=_worst_first)
+    verdicts = sorted(
+        run_cases(rows(subject), tell=tell),
+        key=lambda verdict: (bool(verdict.left_out), verdict.passed, -verdict.used),
+    )
     wrong = any(verdict.word == "FAILS" for verdict in verdicts)
+    priced = any(v.case == f"rough-{ladder.PRICED}" and v.error is None and not v.left_out for v in verdicts)
     return Scorecard(
         subject=subject,
         verdicts=tuple(verdicts),
-        cost=_cost(subject, verdicts),
+        cost=ladder.cost(subject) if priced else (),
         diagnosis=diagnose(subject) if wrong else "",
     )
-
-
-def _cost(subject: Subject, verdicts: Sequence[Verdict]) -> tuple[CostRow, ...]:
-    """Price a digit where the surface that it is priced on was solved."""
-    if any(v.case == f"rough-{ladder.PRICED}" and v.error is None and not v.left_out for v in verdicts):
-        return ladder.cost(subject)
-    return ()
-
-
-def _worst_first(verdict: Verdict) -> tuple[bool, bool, float]:
-    """Sort failures first, the larger before the smaller."""
-    return bool(verdict.left_out), verdict.passed, -verdict.used

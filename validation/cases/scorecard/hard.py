@@ -9,9 +9,8 @@ import numpy as np
 
 from fem_contact.area import subcell_area
 from fem_contact.errors import NotConverged
-from fem_contact.surface import HeightField
 from validation.cases import Check, below, case, near, relative
-from validation.cases._closed_forms import HertzInPeriod
+from validation.cases._closed_forms import EGG_BOX_DEPTH, EGG_BOX_FLAT, HertzInPeriod, egg_box
 from validation.cases.scorecard.elementary import judge_residuals
 from validation.cases.scorecard.known import mean_inside, strip
 from validation.cases.scorecard.subject import Subject, rough
@@ -21,16 +20,8 @@ __all__ = []
 _JOHNSON = "K. L. Johnson, J. A. Greenwood, J. G. Higginson, Int. J. Mech. Sci. 27, 383 (1985)"
 _WESTERGAARD = "H. M. Westergaard, J. Appl. Mech. 6, 49 (1939)"
 
-_DEPTH = 0.01
-#: Mean pressure at which D cos(2 pi x) cos(2 pi y) is pressed flat: E* q D / 2 with q = 2 pi sqrt 2.
-_FLAT = math.sqrt(2) * math.pi * _DEPTH
 _LIGHT, _NEAR_FULL = 0.05, 1.6
 _FEW = 2
-
-
-def _egg_box(n: int) -> HeightField:
-    x = np.cos(2 * np.pi * (np.arange(n) + 0.5) / n)
-    return HeightField(heights=_DEPTH * x[:, None] * x[None, :], lengths=(1.0, 1.0))
 
 
 @case(
@@ -38,18 +29,18 @@ def _egg_box(n: int) -> HeightField:
 )
 def near_full(subject: Subject) -> Iterator[Check]:
     n = subject.ladder[-1]
-    found = subject.press(_egg_box(n), 1.0001 * _FLAT)
-    exact = 1.0001 * _FLAT + _FLAT * _egg_box(n).heights / _DEPTH
+    found = subject.press(egg_box(n), 1.0001 * EGG_BOX_FLAT)
+    exact = 1.0001 * EGG_BOX_FLAT + EGG_BOX_FLAT * egg_box(n).heights / EGG_BOX_DEPTH
     # A discretisation of second order errs by (q dx)^2 / 4, and by the tolerance.
     allowed = (2 * math.pi * math.sqrt(2) / n) ** 2 / 4 + subject.pressure_error
     yield below(
         "error of the pressure over the mean, at 1.0001 of the flattening load",
-        float(np.abs(found.claim.pressure - exact).max()) / _FLAT,
+        float(np.abs(found.claim.pressure - exact).max()) / EGG_BOX_FLAT,
         allowed,
     )
     yield near("A/A0 at it", found.result.in_contact.mean(), 1.0, 0.0)
     for miss in (0.02, 0.04):
-        pressed = subject.press(_egg_box(n), (1 - miss) * _FLAT).result
+        pressed = subject.press(egg_box(n), (1 - miss) * EGG_BOX_FLAT).result
         open_share = 3 / (2 * math.pi) * miss
         # Two gaps in a period, counted to half a cell along their edges; where edges are located, to a tenth.
         edge = 2 * 2 * math.pi * math.sqrt(open_share / 2 / math.pi) / n

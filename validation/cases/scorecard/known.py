@@ -265,12 +265,9 @@ def nested(subject: Subject) -> Iterator[Check]:
     gaps = fine.result.gap.mean() / middle.result.gap.mean() - 1
     # At an edge p grows like the square root of the distance: the cells there leave an error of order 1.
     yield from _observed(subject, "the pressure from grid to grid", steps, expected=1, tolerance=0.7)
-    yield below("change of the mean gap to the finest grid", gaps, _gap_error(subject))
-
-
-def _gap_error(subject: Subject) -> float:
-    """Share by which a grid of second order may miss the mean gap: (q_short dx)^2 / 4, of the middle grid."""
-    return (8 * np.pi / subject.ladder[1]) ** 2 / 4
+    # A grid of second order may miss the mean gap by (q_short dx)^2 / 4, of the middle grid.
+    allowed = (8 * np.pi / subject.ladder[1]) ** 2 / 4
+    yield below("change of the mean gap to the finest grid", gaps, allowed)
 
 
 @case(
