@@ -1,11 +1,18 @@
 """Settings shared by all tests: reproducible property tests, and no window ever opened."""
 
 import os
+import sys
 
 from hypothesis import settings
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 os.environ.setdefault("PYVISTA_OFF_SCREEN", "true")
+
+# Hundreds of processes import the same modules, and share their bytecode. Under -B nobody does: with a planted
+# fault in a module the bytecode of before would pass for it.
+if "-B" not in sys.orig_argv:
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    sys.dont_write_bytecode = False
 
 # No deadline: the first call of a compiled kernel pays for its compilation. Derandomised: a red test is red
 # for everybody; `--hypothesis-profile=explore` looks for new examples.

@@ -130,6 +130,7 @@ def run_tests(tree: Path, tests: Sequence[str], *, cache: Path, limit: float = 6
 
 def _run(tree: Path, arguments: Sequence[str], *, cache: Path, limit: float) -> tuple[int, str]:
     environment = os.environ | {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(cache)}
+    environment["PYTHONDONTWRITEBYTECODE"] = "1"  # a file that changes within a second keeps its bytecode
     environment.pop("PYTEST_ADDOPTS", None)
     command = [sys.executable, "-B", *arguments]
     try:

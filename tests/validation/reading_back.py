@@ -102,6 +102,8 @@ def _slices(one, data: xr.Dataset, kind: str):
     kept = set(one.data[one.mark.y].dims)
     sliced = [dim for dim in values.dims if dim not in kept]
     where = dict(one.mark.where)
+    shown = {one.mark.y, f"{one.mark.y}_error", one.x, *where}
+    data = data[[name for name in data.variables if name in shown or name in data.coords]]
     for index in np.ndindex(*(data.sizes[dim] for dim in sliced)):
         place = dict(zip(sliced, index, strict=True))
         here = data.isel(place)
@@ -121,9 +123,9 @@ def _slices(one, data: xr.Dataset, kind: str):
 
 
 def _total(data: xr.Dataset, name: str):
-    errors = data.get(f"{name}_error")
-    if errors is None:
+    if f"{name}_error" not in data.variables:
         return None
+    errors = data[f"{name}_error"]
     limit = errors.attrs.get("limit_in")
     kept = errors.sel(source=[s for s in errors.source.values if s not in SPECTRAL or s == limit])
     squares = kept.transpose("source", ...).values.astype(float) ** 2

@@ -88,6 +88,7 @@ def test_two_workers_give_the_same_bits_although_one_is_killed(serial, tmp_path)
     assert not list(tmp_path.glob(".*")), "drafts of the dead"
 
 
+@pytest.mark.nightly
 @pytest.mark.filterwarnings("default")  # of dask's own threads and sockets when a worker is killed
 def test_a_dask_cluster_gives_the_same_bits_although_a_worker_is_killed(serial, tmp_path):
     pytest.importorskip("distributed", reason="LOUD: no Dask installed, the cluster is not tested")

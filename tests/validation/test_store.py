@@ -377,7 +377,8 @@ def test_a_complete_store_is_used_though_it_cannot_be_written_to(tmp_path, monke
         solve_all([*solves, Numbers(3)], store)
 
 
-@pytest.mark.parametrize("limit", ["ulimit -f 8", pytest.param("ulimit -n 24", marks=pytest.mark.nightly)])
+@pytest.mark.nightly
+@pytest.mark.parametrize("limit", ["ulimit -f 8", "ulimit -n 24"])
 def test_limits_of_the_shell_end_in_one_line(tmp_path, limit):
     code = (
         "import sys; sys.path.insert(0, 'tests/validation')\n"

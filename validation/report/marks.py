@@ -17,7 +17,7 @@ import xarray as xr
 
 from validation.errors import UsageError
 from validation.report.drawing import Drawing, Drawn
-from validation.report.estimates import each, shown_sources, total_error
+from validation.report.estimates import each, optional, shown_sources, total_error
 from validation.report.quantities import (
     Quantity,
     named_at,
@@ -395,7 +395,7 @@ def _caption(text: str, drawn: Sequence[Drawn]) -> str:
     """Return what the author says, then which measured sources the bars stand for."""
     labels: dict[str, list[str]] = {}
     for one in drawn:
-        errors = one.data.get(f"{one.mark.y}_error")
+        errors = optional(one.data, f"{one.mark.y}_error")
         if errors is not None and not isinstance(one.mark, Image):
             kept = errors.sel(source=list(shown_sources(errors)))
             there = (kept > 0).any([d for d in kept.dims if d != "source"])

@@ -129,8 +129,9 @@ def with_places(data: xr.Dataset) -> xr.Dataset:
 
 def place_of(data: xr.Dataset) -> dict[str, int]:
     """Return the position along each dimension that was sliced away."""
-    names = [str(name) for name in data.coords if str(name).startswith(_PLACE)]
-    told = {name.removeprefix(_PLACE): int(data[name]) for name in names if data[name].ndim == 0}
+    names = [str(name) for name in data.variables if str(name).startswith(_PLACE)]
+    variables = {name.removeprefix(_PLACE): data.variables[name] for name in names}
+    told = {dim: int(place) for dim, place in variables.items() if place.ndim == 0}
     return {**data.attrs.get("at", {}), **told}
 
 
