@@ -8,8 +8,8 @@ from hypothesis import settings
 os.environ.setdefault("MPLBACKEND", "Agg")
 os.environ.setdefault("PYVISTA_OFF_SCREEN", "true")
 
-# Hundreds of processes import the same modules, and share their bytecode. Under -B nobody does: with a planted
-# fault in a module the bytecode of before would pass for it.
+# Hundreds of processes import the same modules, and share their bytecode. Under -B nobody does: the bytecode
+# of before would pass for a module with a planted fault.
 if "-B" not in sys.orig_argv:
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     sys.dont_write_bytecode = False

@@ -215,7 +215,7 @@ def _of(data: xr.Dataset, name: str, who: str, along: str = "") -> xr.DataArray:
 
 
 def optional(data: xr.Dataset, name: str) -> xr.DataArray | None:
-    """Return a variable, None where there is none: `get` looks for names like it first, which takes milliseconds."""
+    """Return a variable, or None; `Dataset.get` first looks for names like it, for milliseconds."""
     return data[name] if name in data.variables else None
 
 
