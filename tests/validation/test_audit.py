@@ -12,7 +12,7 @@ from fem_contact.area import EDGE_CONSTANTS, EDGE_MAPS
 from validation.audit import audit, stored
 from validation.audit.ledger import Ledger, printed
 from validation.audit.reading import judge_fields, judge_surfaces
-from validation.audit.recomputed import Run
+from validation.audit.runs import Run
 from validation.cli.commands import app
 from validation.comparison.accuracy import run_accurate
 from validation.comparison.run import run_scene

@@ -15,10 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from validation.audit.stored import Array, Stored, regular_bytes, sealed_bytes
-
-#: No file that a result consists of is larger.
-_LARGEST = 2**31
+from validation.audit.stored import LARGEST, Array, Stored, sealed_bytes
+from validation.files import read_record, read_whole
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,10 +91,12 @@ class Result:
         self._read: dict[str, Any] = {}
         #: h'_rms by the pressure of solves, once they were looked at.
         self.gradients: dict[float, float] = {}
-        self.record = _record(folder / "result.json")
+        self.record = read_record(folder / "result.json")
         self.data = Labelled.of(_bytes(folder / "data.nc", str(self.record["data"])))
-        self.digests: Mapping[str, str] = _record(folder / "shown.json")["files"]
-        self.summary = _table("summary.json", self._shown("summary.json"))
+        self.digests: Mapping[str, str] = read_record(folder / "shown.json")["files"]
+        self.summary: Mapping[str, Any] = json.loads(self._shown("summary.json"))
+        if not isinstance(self.summary, dict):
+            raise ValueError("summary.json holds no table")
 
     def _shown(self, name: str) -> bytes:
         """Return the bytes of a file that shows the result, once they are those that were written."""
@@ -154,29 +154,7 @@ class Result:
 
 def _bytes(path: Path, digest: str) -> bytes:
     """Return the bytes of a file that has this digest."""
-    content = regular_bytes(path)
+    content = read_whole(path, most=LARGEST)
     if hashlib.sha256(content).hexdigest() != digest:
         raise ValueError(f"{path.name} is not what was written (SHA-256)")
     return content
-
-
-def _table(name: str, content: bytes) -> dict[str, Any]:
-    """Return what JSON says; a table, or it is refused."""
-    try:
-        found = json.loads(content)
-    except RecursionError:
-        raise ValueError(f"{name} is nested too deeply") from None
-    except ValueError as error:
-        raise ValueError(f"{name} is not what was written ({error})") from None
-    if not isinstance(found, dict):
-        raise ValueError(f"{name} holds no table")
-    return found
-
-
-def _record(path: Path) -> dict[str, Any]:
-    """Return a record that is what was written, by the digest in it."""
-    said = _table(path.name, regular_bytes(path))
-    digest = said.pop("sha256", None)
-    if hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest() != digest:
-        raise ValueError(f"{path.name} is not what was written (SHA-256)")
-    return said

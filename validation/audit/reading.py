@@ -9,8 +9,7 @@ import numpy as np
 
 from validation.audit.dataset import Result
 from validation.audit.ledger import Ledger
-from validation.audit.recomputed import Run
-from validation.audit.runs import audit_run
+from validation.audit.runs import Run, audit_run
 from validation.audit.stored import Array, Stored, wavevectors
 from validation.audit.values import judge_shown, judged
 
@@ -33,7 +32,10 @@ def audit(folder: Path) -> Ledger:
     OSError, ValueError, LookupError
         For a folder that holds no finished run of this version.
     """
-    result = Result(folder)
+    try:
+        result = Result(folder)
+    except RecursionError:
+        raise ValueError("a file is nested too deeply") from None
     kind = result.record.get("kind")
     if kind in ("study", "claims", "paper"):
         return judged(result)

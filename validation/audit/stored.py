@@ -5,14 +5,14 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-import os
-import stat
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from validation.files import read_whole
 
 Array = NDArray[Any]
 
@@ -65,23 +65,12 @@ def moments(heights: Array, lengths: tuple[float, float]) -> tuple[float, float,
 
 
 #: No file that a result consists of is larger.
-_LARGEST = 2**31
-
-
-def regular_bytes(path: Path) -> bytes:
-    """Return the bytes of a plain file; a link, a pipe, or what is too large is refused."""
-    handle = os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))
-    with open(handle, "rb") as file:
-        about = os.fstat(handle)
-        if not stat.S_ISREG(about.st_mode) or about.st_size > _LARGEST:
-            raise ValueError(f"{path.name} is no file of a result")
-        content: bytes = file.read()
-    return content
+LARGEST = 2**31
 
 
 def sealed_bytes(path: Path) -> bytes:
     """Return the bytes of a stored solve, whose last line has the digest of those before it."""
-    content = regular_bytes(path)
+    content = read_whole(path, most=LARGEST)
     body, foot = memoryview(content)[:-72], content[-72:]
     if foot != b"sha256 %s\n" % hashlib.sha256(body).hexdigest().encode():
         raise ValueError(f"{path.name} is not what was written (SHA-256)")

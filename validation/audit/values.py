@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -155,18 +155,14 @@ def judge_findings(result: Result, ledger: Ledger) -> None:
             if named not in result.data or not set(result.data[named].dims) <= set(at):
                 ledger.unread.append(f"finding {k + 1}: {name} = {value.get('value')}")
                 continue
-            _said(place, where, value.get("value"), result.data[named].at(at), ledger)
+            stands, expected = value.get("value"), result.data[named].at(at).values.item()
+            if isinstance(expected, str | bytes):
+                plain = expected if isinstance(expected, str) else expected.decode()
+                ledger.same(place, where, stands, plain)
+            else:
+                ledger.number(place, where, stands, float(expected), rtol=1e-12, atol=0.0)
             if "error" in value:
                 ledger.number(place, f"{where}, its interval", value["error"], _total(result.data, named, at))
-
-
-def _said(place: str, where: str, found: Any, variable: Variable, ledger: Ledger) -> None:
-    """Enter a number or a word beside that of the dataset."""
-    expected = variable.values.item()
-    if isinstance(expected, str | bytes):
-        ledger.same(place, where, found, expected if isinstance(expected, str) else expected.decode())
-    else:
-        ledger.number(place, where, found, float(expected), rtol=1e-12, atol=0.0)
 
 
 def judge_table(result: Result, ledger: Ledger) -> None:
@@ -222,7 +218,7 @@ def judge_budget(result: Result, ledger: Ledger) -> None:
     if not lines:
         return
     places = [
-        (name, dict(zip(_plain(result.data[name].dims), map(int, place), strict=True)))
+        (name, dict(zip(result.data[name].dims, map(int, place), strict=True)))
         for name in names
         for place in np.ndindex(result.data[name].values.shape)
     ]
@@ -252,10 +248,6 @@ def judge_budget(result: Result, ledger: Ledger) -> None:
                 ledger.same("budget.csv", f"{where}, {source}", cell, "not measured")
             else:
                 ledger.number("budget.csv", f"{where}, {source}", _float(cell), float(share))
-
-
-def _plain(dims: Sequence[str]) -> list[str]:
-    return [dim for dim in dims if dim != "source"]
 
 
 def _float(text: str) -> float:

@@ -41,10 +41,7 @@ def with_usual_grids(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
     A method has those that it can afford, the ensemble the first two.
 
-    Raises
-    ------
-    UsageError
-        For a method that cannot afford the coarsest.
+    A UsageError for a method that cannot afford the coarsest.
     """
     filled, tables, ensemble = dict(data), data.get("methods"), data.get("ensemble")
     solvers = {name: method for name, method in methods().items() if isinstance(method, Solver)}

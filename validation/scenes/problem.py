@@ -153,10 +153,7 @@ class ContactProblem:
     def pressures(self) -> tuple[float, ...]:
         """p0 [Pa] of each load: as given, p* E* h'_rms, or force over nominal area.
 
-        Raises
-        ------
-        UsageError
-            Where a distance is held: what load that takes, a solve says.
+        A UsageError where a distance is held: what load that takes, a solve says.
         """
         if self.load.held:
             (value,) = self.load.values

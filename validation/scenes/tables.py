@@ -98,10 +98,7 @@ class RandomSurface(Table):
     def seed_of(self, realisation: int) -> int:
         """Return the seed of a realisation: that of the scene for 0, the next for 1, and so on.
 
-        Raises
-        ------
-        UsageError
-            Without a seed there is C(q), but no surface.
+        A UsageError without a seed there is C(q), but no surface.
         """
         if self.seed is None:
             raise UsageError("surface.seed: missing; a surface is drawn by a whole number that names it")

@@ -35,10 +35,7 @@ def methods() -> Mapping[str, Method]:
 def find_method(name: str) -> Method:
     """Return one method.
 
-    Raises
-    ------
-    UsageError
-        For an unknown name.
+    A UsageError for an unknown name.
     """
     if name not in methods():
         raise UsageError(f"method {name!r}: no such method; one of: {', '.join(methods())}")
@@ -48,10 +45,7 @@ def find_method(name: str) -> Method:
 def chosen_solver(text: str) -> tuple[Solver, dict[str, float | str]]:
     """Return a solver by name, or the user's own by ``module:function``, and what it is told.
 
-    Raises
-    ------
-    UsageError
-        For one that is unknown, presses no surface, or is not installed.
+    A UsageError for one that is unknown, presses no surface, or is not installed.
     """
     from validation.solvers.user_function import Own
 
@@ -70,10 +64,7 @@ def chosen_solver(text: str) -> tuple[Solver, dict[str, float | str]]:
 def find_solver(name: str) -> Solver:
     """Return one method that solves.
 
-    Raises
-    ------
-    UsageError
-        For an unknown name, or a method that presses no surface.
+    A UsageError for an unknown name, or a method that presses no surface.
     """
     found = find_method(name)
     if not isinstance(found, Solver):

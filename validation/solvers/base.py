@@ -61,10 +61,7 @@ class Job:
     def mean_pressure(self) -> float:
         """The load [Pa].
 
-        Raises
-        ------
-        UsageError
-            Where a distance is to be held, which the solver that asks cannot.
+        A UsageError where a distance is to be held, which the solver that asks cannot.
         """
         if "mean_pressure" not in self.load:
             raise UsageError(f"load: the solver presses with a load, and holds no {' or '.join(self.load)}")
@@ -168,12 +165,7 @@ class Method(ABC):
         return self.papers
 
     def check(self, options: Any, problem: ContactProblem, effects: Sequence[Effect]) -> None:  # noqa: B027
-        """Refuse, before anything is computed, what it cannot do.
-
-        Raises
-        ------
-        UsageError
-        """
+        """Refuse, before anything is computed, what it cannot do."""
 
     def facts(self, options: Any, problem: ContactProblem) -> Iterator[tuple[str, str]]:
         """Yield what a reader of `explain` should know of it: name and words."""
@@ -198,6 +190,7 @@ class Solver(Method):
     score_points: ClassVar[int] = 32  # Points along a side of the coarsest grid of its scorecard
     #: What the edges of its contacts are those of there: "bem", or a finite element.
     score_element: ClassVar[str] = "bem"
+    told: ClassVar[tuple[str, ...]] = ("tolerance",)  # Keys of its table that a solve is told
 
     def handles(self, effect: type[Effect]) -> bool:
         """Whether the slot of the effect is one of its own."""
@@ -210,7 +203,8 @@ class Solver(Method):
 
     def settings(self, options: Any) -> Settings:
         """Return what a solve is told, of what the scene's table says."""
-        return (("tolerance", options.tolerance),)
+        said = ((name, getattr(options, name)) for name in self.told)
+        return tuple((name, value) for name, value in said if value is not None)
 
     @abstractmethod
     def cost(self, size: Size) -> Cost:
@@ -257,10 +251,7 @@ def check_effects_handled(
 ) -> None:
     """Refuse an effect that a wanted method cannot be given.
 
-    Raises
-    ------
-    UsageError
-        Naming the key, the method, and the methods that handle it.
+    A UsageError naming the key, the method, and the methods that handle it.
     """
     for k, effect in enumerate(effects):
         able = sorted(name for name, method in known.items() if method.handles(type(effect)))
@@ -287,10 +278,6 @@ def check_bodies(
         What the options of the method say of it [m].
     layered : bool
         Whether the modulus may vary.
-
-    Raises
-    ------
-    UsageError
     """
     for k, effect in enumerate(effects):
         if effect.slot != "response":

@@ -25,7 +25,7 @@ from fem_contact.errors import NotConverged
 from fem_contact.response import Response
 from validation.arrays import Array
 from validation.effects.base import Effect, SlotName
-from validation.solvers.base import Claim, Cost, Gridded, Job, Settings, Size, Solved, Solver, check_bodies
+from validation.solvers.base import Claim, Cost, Gridded, Job, Size, Solved, Solver, check_bodies
 from validation.solvers.bem import FIXED_BYTES, FIXED_PAIRS
 from validation.solvers.external import judged
 from validation.solvers.fem import block_response, planned, unknowns_of
@@ -72,6 +72,7 @@ class Calculix(Solver):
     slots: ClassVar[frozenset[SlotName]] = frozenset({"response"})
     score_element = "Hex1"
     score_points = 8
+    told = ("tolerance", "growth", "depth", "seconds")
     papers = (
         "CalculiX: G. Dhondt, The Finite Element Method for Three-Dimensional Thermomechanical "
         "Applications (Wiley, 2004).",
@@ -95,16 +96,6 @@ class Calculix(Solver):
         """Return the block of its mesh by our reduction to the surface."""
         return block_response(job)
 
-    def settings(self, options: CalculixOptions) -> Settings:
-        """Return what was said."""
-        given = {
-            "tolerance": options.tolerance,
-            "growth": options.growth,
-            "depth": options.depth,
-            "seconds": options.seconds,
-        }
-        return tuple((name, value) for name, value in given.items() if value is not None)
-
     def score_settings(self, points: int) -> dict[str, float | str]:
         """Refine the layers with the grid."""
         return {"growth": 1.2 ** (self.score_points / points)}
@@ -121,10 +112,7 @@ class Calculix(Solver):
     def solve(self, job: Job) -> Solved:
         """Write the deck, run ccx, and judge the nodal forces it prints.
 
-        Raises
-        ------
-        NotConverged
-            When it fails, takes too long, or prints no answer.
+        A NotConverged when it fails, takes too long, or prints no answer.
         """
         deck = _Deck.of(job)
         clock, began = os.times(), time.perf_counter()

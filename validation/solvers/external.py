@@ -76,6 +76,7 @@ class ExternalSolver(Solver):
     options: ClassVar[type[Table]] = ExternalOptions
     independent = True
     foreign = True
+    told = ("tolerance", "seconds", "memory")
     accepted: ClassVar[float] = 1e-6  # Tolerance that holds where none is said
     package: ClassVar[str | None] = None  # What must be installed; its version is part of the recipe
     install: ClassVar[str] = "pip install 'fem-contact[peers]'"  # How
@@ -116,17 +117,13 @@ class ExternalSolver(Solver):
 
     def settings(self, options: Any) -> Settings:
         """Return what was said, and which version of the solver is told so."""
-        given = {"tolerance": options.tolerance, "seconds": options.seconds, "memory": options.memory}
-        said = tuple((name, value) for name, value in given.items() if value is not None)
+        said = super().settings(options)
         return said + self.source(dict(said))
 
     def claim(self, job: Job) -> Claim:
         """Return what the solver says, unjudged.
 
-        Raises
-        ------
-        NotConverged
-            When it raised, crashed, took too much time or memory, or returned no pressures.
+        A NotConverged when it raised, crashed, took too much time or memory, or returned no pressures.
         """
         function, more = self.call(job.settings)
         wanted = {name: job.settings[name] for name in self.controls if name in job.settings}
@@ -138,7 +135,8 @@ class ExternalSolver(Solver):
     def solve(self, job: Job) -> Solved:
         """Ask the solver, and judge its pressures; its process has one thread."""
         _ = job.mean_pressure  # no distance: who wrote it may or may not have thought of them
-        return Solved(contact=judged(self.claim(job), _with_tolerance(job, self.accepted), method=self.label))
+        asked = replace(job, settings={"tolerance": self.accepted, **job.settings})
+        return Solved(contact=judged(self.claim(job), asked, method=self.label))
 
     def cost(self, size: Size) -> Cost:
         """Guess from the size of the grid."""
@@ -162,11 +160,6 @@ class ExternalSolver(Solver):
     def edge_constant(self, result: ContactResult) -> float:
         """Return that of boundary elements: the residuals say that it is the same discrete problem."""
         return EDGE_CONSTANTS["bem"]
-
-
-def _with_tolerance(job: Job, accepted: float) -> Job:
-    """Return a job that says its tolerance."""
-    return replace(job, settings={"tolerance": accepted, **job.settings})
 
 
 def _effects(model: ContactModel) -> dict[str, float]:
@@ -217,7 +210,10 @@ def judged(
     if displacement is None:
         displacement = felt_displacement(pressure, field, response=response)
     at_bound = np.zeros(pressure.shape, dtype=bool) if bound is None else pressure >= bound * (1 - tolerance)
-    offset = _offset(field.heights - displacement, np.where(at_bound, 0.0, np.maximum(pressure, 0)))
+    # The gap vanishes in the mean over what bears.
+    below, bearing = field.heights - displacement, np.where(at_bound, 0.0, np.maximum(pressure, 0))
+    total = float(bearing.sum())
+    offset = float((bearing * below).sum() / total) if total > 0 else float(below.max())
     gap = displacement - field.heights + offset
     residuals = measure_residuals(
         pressure=pressure,
@@ -254,12 +250,6 @@ def judged(
     )
 
 
-def _offset(below: Array, bearing: Array) -> float:
-    """Offset [m] at which the gap vanishes in the mean over what bears; `below` is h - u."""
-    total = float(bearing.sum())
-    return float((bearing * below).sum() / total) if total > 0 else float(below.max())
-
-
 def _stiffness(field: HeightField, modulus: float) -> float:
     """Pressure over gap [Pa/m] that tells contact: E* h'_rms / h_rms, of a flat surface E* / L."""
     height, gradient = field.rms_height, field.rms_gradient
@@ -287,10 +277,7 @@ def claimed_in_own_process(function: str, job: Job, *, told: Mapping[str, Any]) 
     told : mapping
         Keywords that it is given if it takes them.
 
-    Raises
-    ------
-    NotConverged
-        When nothing comes of it, with what happened.
+    A NotConverged when nothing comes of it, with what happened.
     """
     field, load = job.field, dict(job.load)
     given = {

@@ -18,7 +18,6 @@ from validation.solvers.base import (
     Cost,
     Gridded,
     Job,
-    Settings,
     Size,
     Solved,
     Solver,
@@ -71,6 +70,7 @@ class Fem(Solver):
     holds = frozenset({"offset"})
     sinks = True
     controls = frozenset({"offset", "max_iterations"})
+    told = ("method", "tolerance", "growth", "depth")
     score_element = "Hex1"
     score_points = 16
     papers = (
@@ -99,16 +99,6 @@ class Fem(Solver):
                     "give one in place of load.offset, or leave [methods.fem] out"
                 )
         check_bodies(self.name, problem.elastic, effects, depth=options.depth, layered=True)
-
-    def settings(self, options: FemOptions) -> Settings:
-        """Return what was said."""
-        said = {
-            "method": options.method,
-            "tolerance": options.tolerance,
-            "growth": options.growth,
-            "depth": options.depth,
-        }
-        return tuple((name, value) for name, value in said.items() if value is not None)
 
     def variant(self, settings: Mapping[str, Any]) -> str:
         """Full or reduced."""
@@ -237,12 +227,7 @@ def block_response(job: Job) -> Response:
 
 
 def _check_layers(options: FemOptions, grid: Grid, lengths: tuple[float, float]) -> None:
-    """Refuse a block of more layers than are solved.
-
-    Raises
-    ------
-    UsageError
-    """
+    """Refuse a block of more layers than are solved."""
     depth = options.depth or max(lengths)
     first = max(length / n for length, n in zip(lengths, grid, strict=True))
     faster = math.log(options.growth)

@@ -59,10 +59,7 @@ class Own(ExternalSolver):
 def _digest(function: str) -> str:
     """Return a digest of the module of a function; in a package, of all modules of the package.
 
-    Raises
-    ------
-    UsageError
-        Where there is no such module.
+    A UsageError where there is no such module.
     """
     package = function.partition(":")[0].partition(".")[0]
     with with_own_folder() as here:

@@ -27,10 +27,7 @@ def theories() -> Mapping[str, Theory]:
 def find_theory(text: str) -> Theory:
     """Return a theory by name, or the user's own by ``module:function``, or ``module`` for all it has.
 
-    Raises
-    ------
-    UsageError
-        For a name that is neither.
+    A UsageError for a name that is neither.
     """
     if text in theories():
         return theories()[text]

@@ -39,10 +39,7 @@ class OwnTheory(Theory):
     def named(cls, text: str) -> OwnTheory | None:
         """Return the functions of ``module:function``, an area, or of ``module``; None without such a module.
 
-        Raises
-        ------
-        UsageError
-            For a module that cannot be imported or has no such function.
+        A UsageError for a module that cannot be imported or has no such function.
         """
         home, colon, name = text.partition(":")
         module = _module(home)
@@ -54,7 +51,7 @@ class OwnTheory(Theory):
             raise UsageError(f"theory {text!r}: module {home!r} has no function {name or 'area'!r}")
         return cls(text, values)
 
-    def _call(self, quantity: str, *values: Any, rough: Rough) -> Any:
+    def _call(self, quantity: str, *values: Any, rough: Rough) -> Array | None:
         function = self._functions.get(quantity)
         if function is None:
             return None
@@ -77,18 +74,15 @@ class OwnTheory(Theory):
 
     def pressure_distribution(self, stress: Array, pressure: float, rough: Rough) -> Array | None:
         """Return P(sigma) [1/Pa], if the module has it."""
-        values: Array | None = self._call("pressure_distribution", stress, pressure, rough=rough)
-        return values
+        return self._call("pressure_distribution", stress, pressure, rough=rough)
 
     def mean_gap(self, pressure: Array, rough: Rough) -> Array | None:
         """Return the mean gap [m], if the module has it."""
-        values: Array | None = self._call("mean_gap", pressure, rough=rough)
-        return values
+        return self._call("mean_gap", pressure, rough=rough)
 
     def elastic_energy(self, pressure: Array, rough: Rough) -> Array | None:
         """Return the elastic energy [J/m^2], if the module has it."""
-        values: Array | None = self._call("elastic_energy", pressure, rough=rough)
-        return values
+        return self._call("elastic_energy", pressure, rough=rough)
 
 
 def _module(name: str) -> Any:

@@ -124,11 +124,8 @@ def read_topography(path: Path, *, lengths: Lengths | None = None, unit: float |
     unit : float, optional
         Unit of the heights [m]; that of the file if not given.
 
-    Raises
-    ------
-    UsageError
-        For a file that cannot be read, or says neither size nor unit and is not given them: heights taken for
-        metres by default would be wrong by the factor that instruments most often leave out.
+    A UsageError for a file that cannot be read, or says neither size nor unit and is not given them: heights
+    taken for metres by default would be wrong by the factor that instruments most often leave out.
     """
     says = file_says(path)
     size = lengths or says.lengths
