@@ -28,16 +28,8 @@ from validation import errors
 __all__ = ["ONE_THREAD", "Child", "OutOfBounds", "call", "end"]
 
 #: What makes the numerical libraries of a new process use one thread.
-ONE_THREAD = dict.fromkeys(
-    (
-        "OMP_NUM_THREADS",
-        "OPENBLAS_NUM_THREADS",
-        "MKL_NUM_THREADS",
-        "NUMBA_NUM_THREADS",
-        "VECLIB_MAXIMUM_THREADS",
-    ),
-    "1",
-)
+ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMBA")}
+ONE_THREAD |= {"VECLIB_MAXIMUM_THREADS": "1"}
 #: What an interpreter may take to start and to import a function [s]; a loaded machine needs many.
 _START_SECONDS = 120.0
 #: Processor time beyond the time of a call after which the system ends a child whose parent is gone [s].
@@ -195,15 +187,12 @@ class Child:
     @contextlib.contextmanager
     def _ended_after(self, seconds: float, late: threading.Event) -> Iterator[None]:
         """End the child when a time is over, which whoever waits for it sees as the end of the file."""
-        if math.isinf(seconds):
-            yield
-            return
 
         def end() -> None:
             late.set()
             self.kill()
 
-        timer = threading.Timer(seconds, end)
+        timer = threading.Timer(min(seconds, threading.TIMEOUT_MAX), end)
         timer.daemon = True
         timer.start()
         try:

@@ -119,13 +119,7 @@ def brief(value: object) -> str:
 
 
 def read_quantity(kind: Any, text: str, key: str) -> float:
-    """Return a quantity that stands alone, in SI; a bare number counts in SI.
-
-    Raises
-    ------
-    UsageError
-        Naming it by `key`.
-    """
+    """Return a quantity that stands alone, in SI, as a bare number counts; a UsageError names it by `key`."""
     try:
         return float(TypeAdapter(kind).validate_python(plain_number(text)))
     except ValidationError as error:
@@ -220,14 +214,11 @@ def _read(value: object, *, unit: str, kind: str, example: str) -> float:
         raise wrong(f"has no unit; {allowed} without quotes")
     if symbol in _PLAIN.get(unit, ()):
         return _in_bounds(Fraction(number) * _PLAIN[unit][symbol], unit)
-    import pint
-
     try:
         converted = _converted(Fraction(number), symbol, unit)
-    except pint.DimensionalityError:
-        raise wrong(f"is not a {kind}; {allowed}") from None
-    except Exception:  # the parser of unit names raises whatever its tokens lead to
-        raise wrong(f"has an unknown unit; {allowed}") from None
+    except Exception as error:  # the parser of unit names raises whatever its tokens lead to
+        known = type(error).__name__ == "DimensionalityError"
+        raise wrong(f"{f'is not a {kind}' if known else 'has an unknown unit'}; {allowed}") from None
     return _in_bounds(converted, unit)
 
 
@@ -256,24 +247,16 @@ def _in_bounds(value: float | Fraction, unit: str) -> float:
 
 
 def metres(symbol: str | None) -> float | None:
-    """Return a unit of length in metres; None for none.
+    """Return a unit of length in metres, None for none; a ValueError for what is no unit of length.
 
-    Raises
-    ------
-    ValueError
-        For what is no unit of length.
-
-    Examples
-    --------
     >>> metres("um"), metres(None)
     (1e-06, None)
     """
-    if symbol is None or not symbol.strip():
+    symbol = (symbol or "").strip()
+    if not symbol:
         return None
-    if symbol.strip() == "m":
-        return 1.0
     try:
-        return _in_bounds(_converted(Fraction(1), symbol.strip(), "m"), "m")
+        return _in_bounds(_PLAIN["m"].get(symbol) or _converted(Fraction(1), symbol, "m"), "m")
     except Exception:
         raise ValueError(f"unit {symbol[:64]!r} is not a length") from None
 
@@ -321,10 +304,8 @@ def pair_of(value: object) -> object:
 
 def grid_of(value: object) -> object:
     """Return a pair of whole numbers of points; a single one stands for both."""
-    pair = pair_of(value)
-    if not (
-        isinstance(pair, (list, tuple)) and len(pair) == 2 and all(type(n) is int and n >= 2 for n in pair)
-    ):
+    pair: Any = pair_of(value)
+    if len(pair) != 2 or not all(type(n) is int and n >= 2 for n in pair):
         raise wrong("must be a whole number of points n >= 2, or [nx, ny]")
     if max(pair) > MOST_POINTS:
         raise wrong(f"must have at most {MOST_POINTS} points along a side")
@@ -345,14 +326,9 @@ Lengths = Annotated[tuple[Length, Length], BeforeValidator(pair_of)]
 
 
 class Table(BaseModel):
-    """A table of the scene file: unknown keys are errors that name the known ones.
+    """A table of the scene file: unknown keys are errors that name the known ones."""
 
-    Attributes
-    ----------
-    meant : mapping of str to str
-        Which key is meant by another word for it.
-    """
-
+    #: Which key is meant by another word for it.
     meant: typing.ClassVar[Mapping[str, str]] = {}
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)

@@ -24,13 +24,14 @@ from validation.comparison.pages import result_page
 from validation.comparison.run import report_scene, run_scene
 from validation.errors import UsageError
 from validation.execution.bench import Bench
+from validation.execution.results import record_of
 from validation.report.figure import new_figure, save_figure
 from validation.report.page import Answer, Page, render, write_page
 from validation.report.table import ResultTable, WordTable, shown, write_dataset
 from validation.report.words import mathematics
 from validation.scenes.scene import load_scene
 from validation.studies import find_study
-from validation.studies._outputs import is_study, report_study, run_study
+from validation.studies._outputs import report_study, run_study
 
 
 def _scene(run):
@@ -165,11 +166,11 @@ def test_an_interrupted_run_of_another_scene_does_not_stand_beside_the_old_repor
 def test_a_folder_is_that_of_what_ran_in_it_last(outputs, small_run, tmp_path):
     folder = tmp_path / "both"
     shutil.copytree(outputs["study"][1], folder)
-    assert is_study(folder)
+    assert record_of(folder)["kind"] == "study"
     run_scene(_scene(small_run), folder, store_folder=small_run.folder / "solves")
-    assert not is_study(folder)
+    assert record_of(folder)["kind"] == "run"
     _run_area(folder, tmp_path / "solves")
-    assert is_study(folder)
+    assert record_of(folder)["kind"] == "study"
     assert not (folder / "methods.csv").exists()
 
 

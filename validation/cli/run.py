@@ -176,20 +176,22 @@ def report(
     """Write the report of finished results again, from what is stored."""
     from validation.cli.progress import under_way
     from validation.comparison.run import report_scene
-    from validation.execution.results import check_results, holds_result
-    from validation.studies._outputs import is_study, report_study
+    from validation.execution.results import check_results, record_of
 
     check_results(folder)
+    kind = record_of(folder).get("kind")
     with under_way("drawing figures, writing the report", quiet=as_json):
-        if holds_result(folder, "claims"):
+        if kind == "claims":
             from validation.cases._result import report_claims
 
             files = report_claims(folder)[1]
-        elif holds_result(folder, "paper"):
+        elif kind == "paper":
             from validation.paper.reproduce import report as report_paper
 
             files = report_paper(folder)[1]
-        elif is_study(folder):
+        elif kind == "study":
+            from validation.studies._outputs import report_study
+
             files = report_study(folder).files
         else:
             files = report_scene(folder, pictures=pictures).files

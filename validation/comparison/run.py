@@ -21,7 +21,7 @@ from validation.errors import RunFailed
 from validation.execution.attempt import Progress
 from validation.execution.press import Press, run_solves, solves_of
 from validation.execution.provenance import SOLVES_MADE, made_words
-from validation.execution.results import Result, asked_of, clear_results, read_results, write_results
+from validation.execution.results import Result, clear_results, read_results, record_of, write_results
 from validation.execution.running import Execution, Solves, solve_all
 from validation.execution.store import Store
 from validation.files import atomic_path, locked, prepare_folder
@@ -170,7 +170,7 @@ def leave(
 def begin(folder: Path, asked: Mapping[str, Any]) -> None:
     """Take away what a folder holds of another question: if this is interrupted, nothing in it belies it."""
     with locked(folder):
-        if asked_of(folder) == asked:
+        if record_of(folder).get("asked") == asked:
             return
         clear_results(folder)
         clear_page(folder)

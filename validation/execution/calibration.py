@@ -53,23 +53,17 @@ def effect_costs() -> EffectCosts:
     try:
         record = read_record(cache_file())
         factors = {str(kind): float(value) for kind, value in record["factors"].items()}
-        measured_on = str(record["date"])
+        measured = {name for name, kind in effect_kinds().items() if find_solver("bem").handles(kind)}
+        if set(factors) != measured or not all(0 < value < math.inf for value in factors.values()):
+            raise ValueError("not the effects that are measured")
+        source = f"measured on this machine, {record['date']}"
     except FileNotFoundError:
         return reference()
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        return _damaged()
-    measured = {name for name, kind in effect_kinds().items() if find_solver("bem").handles(kind)}
-    if set(factors) != measured or not all(math.isfinite(value) and value > 0 for value in factors.values()):
-        return _damaged()
+        words = f"{cache_file()}: damaged, or of another version; 'fem-contact calibrate' makes it again"
+        return replace(reference(), source=f"{reference().source} ({words})")
     # What boundary elements are not given is not measured.
-    known = {**reference().factors, **factors}
-    return EffectCosts(factors=MappingProxyType(known), source=f"measured on this machine, {measured_on}")
-
-
-def _damaged() -> EffectCosts:
-    """Return the reference, and say that the file of this machine is not what this version writes."""
-    words = f"{cache_file()}: damaged, or of another version; 'fem-contact calibrate' makes it again"
-    return replace(reference(), source=f"{reference().source} ({words})")
+    return EffectCosts(factors=MappingProxyType({**reference().factors, **factors}), source=source)
 
 
 def calibrate(

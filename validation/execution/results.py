@@ -7,6 +7,7 @@ them and never read.
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -24,11 +25,10 @@ __all__ = [
     "DATA",
     "RECORD",
     "Result",
-    "asked_of",
     "check_results",
     "clear_results",
-    "holds_result",
     "read_results",
+    "record_of",
     "write_results",
 ]
 
@@ -84,24 +84,13 @@ def clear_results(folder: Path) -> None:
         (folder / name).unlink(missing_ok=True)
 
 
-def _record(folder: Path) -> Mapping[str, Any]:
+def record_of(folder: Path) -> Mapping[str, Any]:
     """Return the record of a folder if it is sound and of this version, else nothing."""
-    try:
+    with contextlib.suppress(OSError, ValueError):
         record = read_record(folder / RECORD)
-    except (OSError, ValueError):
-        return {}
-    return record if record.get("format") == _FORMAT else {}
-
-
-def holds_result(folder: Path, kind: str = "") -> bool:
-    """Whether a folder holds a record that is sound, of this kind if one is named."""
-    record = _record(folder)
-    return bool(record) and kind in ("", record["kind"])
-
-
-def asked_of(folder: Path) -> Any:
-    """Return what was asked for where a folder holds a record that is sound, else None."""
-    return _record(folder).get("asked")
+        if record.get("format") == _FORMAT:
+            return record
+    return {}
 
 
 def read_results(folder: Path) -> Result:

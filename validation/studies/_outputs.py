@@ -11,7 +11,7 @@ from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from validation.effects import effect_kinds
 from validation.errors import UsageError
 from validation.execution.provenance import SOLVES_MADE, made_words
-from validation.execution.results import DATA, holds_result, read_results, write_results
+from validation.execution.results import DATA, read_results, write_results
 from validation.files import locked
 from validation.report.page import Page, page_of, write_page
 from validation.report.papers import PAPERS
@@ -50,11 +50,6 @@ def run_study(
             words=list(options.words()),
         )
         return report_study(folder, numbers_only=not report)
-
-
-def is_study(folder: Path) -> bool:
-    """Whether a results folder is that of a study."""
-    return holds_result(folder, "study")
 
 
 def report_study(folder: Path, *, numbers_only: bool = False) -> StudyOutputs:
