@@ -97,12 +97,7 @@ def locked(folder: Path, *, shared: bool = False) -> Iterator[None]:
     """Hold a results folder while dataset, record and page are written, or `shared` while they are read.
 
     The system forgets the lock with the process. A folder that is not there, or whose file system has no
-    locks, is entered without.
-
-    Raises
-    ------
-    RunFailed
-        When another process writes there for minutes.
+    locks, is entered without; a RunFailed where another process writes there for minutes.
     """
     place = Path(os.path.realpath(folder))
     if fcntl is None or place in _HELD.get():
@@ -131,10 +126,11 @@ def locked(folder: Path, *, shared: bool = False) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def atomic_path(path: Path) -> Iterator[Path]:
+def atomic_path(path: Path, *, synced: bool = False) -> Iterator[Path]:
     """Yield a temporary path beside `path` that takes its name only when the block ends well.
 
-    The bytes are on the disk before the name is, so that a loss of power leaves the old file or the new one.
+    The bytes are on the disk before the name is, so that a loss of power leaves the old file or the new one;
+    a block may have `synced` them itself, whose caller syncs the folder when it suits it.
 
     Raises
     ------
@@ -144,9 +140,11 @@ def atomic_path(path: Path) -> Iterator[Path]:
     draft = _draft_of(path)
     try:
         yield draft
-        _sync(draft)
+        if not synced:
+            _sync(draft)
         os.replace(draft, path)
-        sync_folder(path.parent)
+        if not synced:
+            sync_folder(path.parent)
     except OSError as error:
         raise NotWritten(refusal(path, error), error) from None
     except RuntimeError as error:
@@ -161,32 +159,18 @@ def atomic_path(path: Path) -> Iterator[Path]:
 
 
 def write_whole(path: Path, parts: tuple[bytes | memoryview, ...]) -> None:
-    """Write a file from its parts, whole or not at all; the caller syncs the folder when it suits it.
-
-    Raises
-    ------
-    NotWritten
-        When the system refuses it; finished files are untouched.
-    """
-    draft = _draft_of(path)
+    """Write a file from its parts as `atomic_path` does; the caller syncs the folder."""
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_CLOEXEC", 0)
-    try:
+    with atomic_path(path, synced=True) as draft:
+        handle = os.open(draft, flags, 0o666)
         try:
-            handle = os.open(draft, flags, 0o666)
-            try:
-                for part in parts:
-                    left = memoryview(part).cast("B")
-                    while left:
-                        left = left[os.write(handle, left) :]
-                os.fsync(handle)
-            finally:
-                os.close(handle)
-            os.replace(draft, path)
+            for part in parts:
+                left = memoryview(part).cast("B")
+                while left:
+                    left = left[os.write(handle, left) :]
+            os.fsync(handle)
         finally:
-            with contextlib.suppress(OSError):
-                os.unlink(draft)
-    except OSError as error:
-        raise NotWritten(refusal(path, error), error) from None
+            os.close(handle)
 
 
 def read_whole(path: Path, *, most: int | None = None) -> bytes:

@@ -163,6 +163,7 @@ class Child:
         self.close()
 
     def _ask(self, request: Any, seconds: float, most_bytes: int) -> tuple[Any, Exception | None]:
+        """Send a call, and return value and error once it has ended."""
         connection, late, limit = self._connection, threading.Event(), _START_SECONDS
         assert connection is not None
         self.begun = False

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import shutil
+import signal
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +20,7 @@ from validation.cli.commands import app
 from validation.comparison.accuracy import run_accurate
 from validation.comparison.run import run_scene
 from validation.comparison.sweep import run_sweep
+from validation.errors import RunFailed, UsageError
 from validation.execution.results import read_results, write_results
 from validation.scenes.scene import load_scene
 from validation.scenes.sweep import load_asked
@@ -227,6 +231,52 @@ def test_the_command_refuses_a_folder_without_a_run(tmp_path):
     outcome = CliRunner().invoke(app, ["audit", str(tmp_path)])
     assert type(outcome.exception).__name__ == "UsageError"
     assert "cannot be audited" in str(outcome.exception)
+
+
+def _pipe(path):
+    os.mkfifo(path)
+
+
+def _link_out(path):
+    outside = path.parent.parent.parent / f"outside-{path.name}"
+    outside.write_text("{}")
+    path.symlink_to(outside)
+
+
+def _nested(path):
+    path.write_text("[" * 1_000_000)
+
+
+@pytest.mark.parametrize("hostile", [_pipe, _link_out, _nested, Path.mkdir])
+def test_a_hostile_folder_ends_in_a_line_within_seconds(copied, hostile):
+    def late(*_):
+        pytest.fail(f"{path.name}: no end")  # no Exception, which the command might take for one of a file
+
+    before = signal.signal(signal.SIGALRM, late)
+    names = (
+        "result.json",
+        "data.nc",
+        "summary.json",
+        "table.csv",
+        "report.html",
+        "solves/*.nc",
+        "figures/*.nc",
+    )
+    try:
+        for name in names:
+            path = sorted(copied.glob(name))[0]
+            whole = path.read_bytes()
+            path.unlink()
+            hostile(path)
+            signal.alarm(60)
+            outcome = CliRunner().invoke(app, ["audit", str(copied)])
+            assert isinstance(outcome.exception, UsageError | RunFailed), (path, repr(outcome.exception))
+            assert str(outcome.exception).count("\n") == 0
+            path.rmdir() if path.is_dir() else path.unlink()
+            path.write_bytes(whole)
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
 
 
 @pytest.mark.parametrize(

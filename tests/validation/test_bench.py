@@ -21,7 +21,7 @@ import psutil
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
-from solving import Killing, Notes, dask_cluster, still_running
+from solving import Killing, Notes, Slow, dask_cluster, still_running
 
 from validation.audit import audit
 from validation.errors import RunFailed, UsageError
@@ -313,6 +313,28 @@ def test_ctrl_c_ends_the_workers_and_keeps_what_is_finished(tmp_path):
     assert not list(store.glob(".*")), "half-written files"
     with pytest.raises(ProcessLookupError):
         os.killpg(process.pid, 0)
+
+
+@pytest.mark.parametrize("where", ["begin", "submit", "done"])
+def test_an_interruption_anywhere_ends_the_workers_and_keeps_what_is_finished(tmp_path, monkeypatch, where):
+    store, progress, calls = Store(folder=tmp_path), Notes(), itertools.count(1)
+    place = pool.ThreadPoolExecutor if where == "submit" else progress
+    real = getattr(place, where)
+
+    def interrupted(*arguments):
+        if next(calls) == 3:
+            raise KeyboardInterrupt
+        return real(*arguments)
+
+    monkeypatch.setattr(place, where, interrupted)
+    solves, began = [Slow(k) for k in range(8)], time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        solve_all(solves, store, progress=progress, execution=Execution(workers=2))
+    assert time.monotonic() - began < 120
+    assert workers_of(os.getpid()) == []
+    assert len(progress.finished) >= 1
+    assert set(progress.finished) <= {solve.key for solve in solves if store.holds(solve)}
+    assert not list(tmp_path.glob(".*")), "half-written files"
 
 
 @pytest.mark.benchmark
