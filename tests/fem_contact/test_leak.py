@@ -10,46 +10,6 @@ from fem_contact.leak import critical_gap, flow_conductance, percolates
 from fem_contact.patches import find_patches
 
 
-def channel(n, wave):
-    """A gap 1 + .6 cos on n points along a side, the wave along x, y, or both."""
-    x = (np.arange(n) + 0.5) / n
-    phase = {"x": x[:, None], "y": x[None, :], "both": x[:, None] + x[None, :]}[wave]
-    return 1 + 0.6 * np.cos(2 * np.pi * phase) + np.zeros((n, n))
-
-
-#: Means of (1 + a cos)^3 and, inverted, of (1 + a cos)^-3, at a = .6: along and across the grooves.
-ALONG, ACROSS = 1 + 1.5 * 0.36, (1 - 0.36) ** 2.5 / (1 + 0.36 / 2)
-
-
-def test_a_channel_of_constant_width_has_a_twelfth_of_its_cube():
-    gap = np.zeros((9, 7))
-    gap[:, 2:5] = 0.2
-    found = flow_conductance(gap, (3.0, 1.4), axis="x")
-    assert found.conductance == pytest.approx(3 / 7 * 0.2**3 / 12, rel=1e-13)
-    across = flow_conductance(gap, (3.0, 1.4), axis="y")
-    assert across.closed
-    assert across.conductance == 0
-
-
-@pytest.mark.parametrize("axis", ["x", "y"])
-def test_along_grooves_cubes_add_and_across_them_their_inverses_do(axis):
-    other = {"x": "y", "y": "x"}[axis]
-    along = flow_conductance(channel(32, other), (1.0, 2.5), axis=axis).conductance * 12
-    across = flow_conductance(channel(64, axis), (1.0, 2.5), axis=axis).conductance * 12
-    assert along == pytest.approx(ALONG, rel=1e-13)
-    assert across == pytest.approx(ACROSS, rel=1e-8)
-
-
-def test_oblique_grooves_converge_in_second_order_to_the_mean_of_both():
-    exact = (ALONG + ACROSS) / 2
-    errors = [
-        flow_conductance(channel(n, "both"), (1.0, 1.0)).conductance * 12 / exact - 1 for n in (16, 32, 64)
-    ]
-    orders = np.log2(np.abs(errors[:-1]) / np.abs(errors[1:]))
-    assert np.all((orders > 1.8) & (orders < 2.2))
-    assert abs(4 * errors[2] - errors[1]) / 3 < 1e-4
-
-
 def test_the_flux_is_the_same_through_every_section_of_a_gap_of_many_decades():
     rng = np.random.default_rng(5)
     gap = 10.0 ** rng.uniform(-3, 0, (40, 33))
