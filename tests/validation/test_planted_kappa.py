@@ -210,7 +210,7 @@ def test_without_ladders_size_and_bandwidth_are_not_measured_and_their_solves_no
 def _refined(solve):
     kind = solve.kind
     if kind == "GridRoughness":
-        slopes = {"kappa": ("slope", np.array([3.0, 2.5, 1.9]))}
+        slopes = {"kappa": ("slope", np.array([3.0, 2.5, 1.9]) * (1.2 if solve["method"] == "fem" else 1.0))}
         return xr.Dataset(slopes, coords={"slope": ["spectral", "forward", "central"]})
     own = 0.1 * THREE[solve["problem"].realisation]
     if kind == "BlockMeasurement":
@@ -313,6 +313,30 @@ def test_published_values_agree_only_with_an_interval_that_could_have_missed_the
 def test_refinement_has_kappa_of_the_protocols_by_slope_and_their_spread(refined):
     np.testing.assert_allclose(refined.kappa_protocol[-1], [3.0, 2.5, 1.9], rtol=1e-12)
     assert float(refined.kappa_protocol_spread) == pytest.approx(3 / 1.9 - 1, rel=1e-12)
+
+
+def test_the_protocol_by_full_elements_says_what_the_grid_adds_to_what_converges_and_where_hyun_lies(refined):
+    kappas = np.array([[3.0, 2.5, 1.9]]) * np.array([[1.0], [1.2]])
+    for k in range(3):
+        np.testing.assert_allclose(
+            refined.kappa_protocol_by_solver.isel(hurst_protocol=k), kappas, rtol=1e-12
+        )
+    np.testing.assert_allclose(refined.kappa_protocol_limit, 2.0, rtol=1e-9)
+    each, theory = 2.0 * THREE, math.erf(math.sqrt(2) * 0.05) / 0.05
+    fem = refined.sel(solver="fem").isel(slope=0, hurst_protocol=-1)
+    assert float(fem.kappa_excess_protocol) == pytest.approx(np.mean(3.6 / each - 1), rel=1e-9)
+    assert float(fem.grid_part_protocol) == pytest.approx(np.mean((3.6 - each) / (3.6 - theory)), rel=1e-9)
+    half = float(total_error(refined, "kappa_hyun_difference")[-1])
+    assert half == pytest.approx(float(total_error(refined, "kappa_protocol_limit")[-1]), rel=1e-9)
+    for value, outcome in ((0.9, "0"), (1.1, "+"), (-1.1, "-")):
+        moved = refined.assign(kappa_hyun_difference=value * total_error(refined, "kappa_hyun_difference"))
+        (found,) = (one for one in refinement.views(moved).findings if one.by == "kappa_hyun_difference")
+        assert found.outcomes == (outcome,)
+        assert ("explains none" in found.text) == (outcome == "-")
+        # Where the intervals do not show that the grid raises kappa, nothing is concluded from it.
+        same = moved.assign(kappa_excess_protocol=-0.1 + 0 * moved.kappa_excess_protocol)
+        (found,) = (one for one in refinement.views(same).findings if one.by == "kappa_hyun_difference")
+        assert "explains none" not in found.text
 
 
 # theory-verdict -----------------------------------------------------------------------------------------

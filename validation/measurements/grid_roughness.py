@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import replace
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -13,14 +14,22 @@ from fem_contact.response import HalfSpace
 from fem_contact.surface import HeightField, random_surface
 from validation.arrays import Grid
 from validation.execution.measurement import measurement
+from validation.execution.solve import Prediction
 from validation.measurements.common import reduced_load
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
 
 
-def _recipe(made: dict[str, Any]) -> dict[str, Any]:
+def _recipe(made: dict[str, Any], method: str) -> dict[str, Any]:
+    made = {name: value for name, value in made.items() if (name, value) != ("method", "bem")}
     return made | {"surface": {n: v for n, v in made["surface"].items() if n != "lambda_short"}}
+
+
+def _predicted(points: int, method: str) -> Prediction:
+    """Such roughness converges slowly; a block has some fifty unknowns below each of its points."""
+    seconds, size = (1.2e-4, 2500) if method == "fem" else (4e-6, 120)
+    return Prediction(seconds=2e-3 + seconds * points, peak_bytes=size * points, unknowns=points)
 
 
 @measurement(
@@ -28,32 +37,48 @@ def _recipe(made: dict[str, Any]) -> dict[str, Any]:
     kind="GridRoughness",
     words="roughness to the grid scale,",
     recipe=_recipe,
-    seconds=lambda points: 2e-3 + 4e-6 * points,  # such roughness converges slowly
-    bytes=120,
+    predict=_predicted,
 )
-def grid_roughness(*, problem: ContactProblem, grid: Grid) -> xr.Dataset:
+def grid_roughness(
+    *, problem: ContactProblem, grid: Grid, method: Literal["bem", "fem"] = "bem"
+) -> xr.Dataset:
     """Continue the waves of a surface with its power law to the shortest a grid can carry, and press them on that grid.
 
     The surface gives H, lambda_long, period and seed; its lambda_short is replaced by two spacings. The reduced
-    pressure is that of the spectral slope. Returns kappa for the three slopes.
+    pressure is that of the spectral slope. Returns kappa for the three slopes, by boundary elements or, as Hyun et al.
+    had them, by a whole block of finite elements one period deep.
     """
-    surface, modulus = problem.surface, problem.contact_modulus
+    wide, modulus = down_to_grid(problem, grid[0]), problem.contact_modulus
+    surface = wide.surface
     assert isinstance(surface, SelfAffineSurface)
-    # The Nyquist wave itself has no phase on the grid: stop one wave short of it.
-    q_short = 2 * np.pi / surface.length[0] * (grid[0] // 2 - 1)
-    wide = surface.model_copy(update={"lambda_short": 2 * np.pi / q_short})
-    seed = surface.seed_of(problem.realisation)
-    field = random_surface(spectrum_of(wide), q_short=q_short, lengths=surface.length, shape=grid, seed=seed)
+    seed, q_short = surface.seed_of(problem.realisation), 2 * np.pi / surface.lambda_short
+    field = random_surface(
+        spectrum_of(surface), q_short=q_short, lengths=surface.length, shape=grid, seed=seed
+    )
     slopes = rms_slopes(field)
     pressure = reduced_load(problem) * modulus * slopes["spectral"]
-    half_space = HalfSpace(solid=problem.elastic)
-    result = bem.solve(field, half_space, mean_pressure=pressure, threads=1).checked()
+    if method == "fem":
+        from fem_contact import block
+
+        result = block.solve(field, problem.elastic, mean_pressure=pressure, method="full").contact.checked()
+    else:
+        half_space = HalfSpace(solid=problem.elastic)
+        result = bem.solve(field, half_space, mean_pressure=pressure, threads=1).checked()
     pixel = contact_areas(result).pixel
     kappa = [pixel * modulus * slope / pressure for slope in slopes.values()]
     return xr.Dataset(
         {"kappa": ("slope", kappa), "pixel": ((), pixel), "seconds": ((), result.cost.wall_seconds)},
         coords={"slope": list(slopes)},
     )
+
+
+def down_to_grid(problem: ContactProblem, points: int) -> ContactProblem:
+    """Continue the waves of a surface to the shortest that so many points along a side carry."""
+    surface = problem.surface
+    assert isinstance(surface, SelfAffineSurface)
+    # The Nyquist wave itself has no phase on the grid: stop one wave short of it.
+    shortest = surface.length[0] / (points // 2 - 1)
+    return replace(problem, surface=surface.model_copy(update={"lambda_short": shortest}))
 
 
 def rms_slopes(field: HeightField) -> dict[str, float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import scipy.special
@@ -16,6 +16,7 @@ from validation.arrays import Grid
 from validation.measurements.distributions import PATCH_EDGES, STRESS_EDGES, weighted_percentile
 from validation.measurements.limits import limits_of
 from validation.measurements.measurement import limit_over, stored_areas
+from validation.measurements.references import published
 from validation.measurements.statistics import order_of_convergence
 from validation.report.estimates import NORMAL, change, claim, derive, error_of, gather, mean
 from validation.scenes.problem import ContactProblem
@@ -283,6 +284,59 @@ def protocol(rough: Mapping[tuple[Any, ...], xr.Dataset], points: Sequence[int])
     # By one word alone, `spectral` would be what is predicted from C(q).
     slopes = [f"{name} slope" for name in data.slope.values]
     return data.assign_coords(points_protocol=("protocol_grid", list(points)), slope=slopes)
+
+
+#: Solvers of the grid-scale protocol: those of this project, and as Hyun et al. had it.
+PROTOCOL_METHODS: tuple[Literal["bem", "fem"], ...] = ("bem", "fem")
+
+
+def protocol_of_solvers(
+    rough: Mapping[tuple[Any, ...], xr.Dataset],
+    fine: Mapping[tuple[Any, ...], xr.Dataset],
+    data: xr.Dataset,
+    *,
+    points: int,
+) -> xr.Dataset:
+    """Reduce the protocol by solver, H and surface, beside the converged kappa of the same surfaces, by H and surface."""
+    hursts, surfaces = (list(dict.fromkeys(places)) for places in zip(*fine, strict=True))
+    there = {"hurst_protocol": hursts, "surface": surfaces}
+    counted = {
+        case: one[["kappa"]]
+        .rename(kappa="kappa_protocol_by_solver_each")
+        .assign_attrs(solve=one.attrs.get("solve", ""))
+        for case, one in rough.items()
+    }
+    made = gather(counted, solver=PROTOCOL_METHODS, **there).rename(solve="solve_scale")
+    names = ["area_each", "area_each_error", "area_each_drift"]
+    limits = {case: limits_of(one).isel(load=0, drop=True)[names] for case, one in fine.items()}
+    converged = gather(limits, **there).drop_vars("reduced_pressure", errors="ignore")
+    converged = converged.rename(
+        {n: n.replace("area", "area_protocol") for n in names} | {"solve": "solve_converged"}
+    )
+    hyun = published("kappa").isel(end=0, paper_kappa=1, drop=True)
+    made = made.merge(converged, combine_attrs="override").assign(
+        slope=[f"{name} slope" for name in made.slope.values],
+        points_protocol_by_solver=points,
+        kappa_persson=data.kappa_persson,
+        reduced_pressure=data.reduced_pressure,
+        kappa_hyun=hyun.kappa_published,
+        hurst_hyun=hyun.hurst_published,
+    )
+    kappa, limit = "kappa_protocol_by_solver_each", "kappa_protocol_limit_each"
+    made = derive(made, kappa_protocol_limit_each="area_protocol_each / reduced_pressure")
+    made = derive(
+        made,
+        kappa_excess_protocol_each=f"{kappa} / {limit} - 1",
+        grid_part_protocol_each=f"({kappa} - {limit}) / ({kappa} - kappa_persson)",
+    )
+    made = mean(
+        made,
+        "kappa_protocol_by_solver",
+        "kappa_protocol_limit",
+        "kappa_excess_protocol",
+        "grid_part_protocol",
+    )
+    return derive(made, kappa_hyun_difference="kappa_hyun - kappa_protocol_limit")
 
 
 def observed_order(

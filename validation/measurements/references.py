@@ -64,7 +64,13 @@ def published(quantity: str) -> xr.Dataset:
             f"{quantity}_published_high": (dims, [[row.high] * 2 for row in of]),
             "hurst_published": (dims, [row.hurst for row in of]),
         },
-        coords={dims[0]: [row.words for row in of]},
+        coords={
+            dims[0]: [row.words for row in of],
+            f"{quantity}_published_range": (
+                dims[0],
+                [" to ".join(dict.fromkeys((f"{row.low:g}", f"{row.high:g}"))) for row in of],
+            ),
+        },
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
@@ -18,26 +19,39 @@ from validation.measurements.block import block_beside_bem
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import SHIFTS, Ladder, RisingOrNone
 from validation.measurements.convergence import Ladders, spectral_errors
-from validation.measurements.grid_roughness import grid_roughness
-from validation.measurements.grids import SMALL, on_grids, protocol, with_blocks, with_distances, with_methods
+from validation.measurements.grid_roughness import down_to_grid, grid_roughness
+from validation.measurements.grids import (
+    PROTOCOL_METHODS,
+    SMALL,
+    on_grids,
+    protocol,
+    protocol_of_solvers,
+    with_blocks,
+    with_distances,
+    with_methods,
+)
 from validation.measurements.limits import solved, solver_error
 from validation.measurements.measurement import TOLERANCE, grid_for, press_on_grids
 from validation.measurements.references import beside_published, papers_of
 from validation.measurements.theory import ensemble_area
-from validation.report.estimates import claim, gather
+from validation.report.estimates import claim, gather, total_error
 from validation.report.findings import Finding, finding
-from validation.report.marks import Figure, Level, Line, Panel, against
+from validation.report.marks import Figure, Level, Line, Panel, against, panels_along
 from validation.report.table import Column, Table
 from validation.report.values import value_of
 from validation.report.views import Views
 from validation.solvers.theory import predict
-from validation.studies._options import Element, Methods, ReducedPressure, Surfaces
+from validation.studies._options import Element, Hurst, Methods, ReducedPressure, Surfaces
 from validation.studies._scene import PressedOptions, SolverRequest
 from validation.units import wrong
 
 #: Tolerance of the finite elements that shows what their usual one leaves; finest grid of that check of boundary elements,
 #: as lambda_short/dx.
 _STRICT, _SOLVER_POINTS = 1e-10, 8.0
+#: Grids on which the roughness that went down to the grid converges, as lambda_short/dx.
+_CONVERGED = (4.0, 6.0)
+#: Points along a side of the largest whole block that presses it.
+_MOST_POINTS = 128
 
 #: A part of the study, then what is told apart in it.
 _Case = tuple[str | float | int, ...]
@@ -46,7 +60,12 @@ _Case = tuple[str | float | int, ...]
 class Options(PressedOptions):
     """Surfaces, grids, and what is measured beside them."""
 
-    off: ClassVar[Mapping[str, Any]] = {"grid_scale_grids": (), "elements": (), "ladders": False}
+    off: ClassVar[Mapping[str, Any]] = {
+        "grid_scale_grids": (),
+        "grid_scale_hursts": (),
+        "elements": (),
+        "ladders": False,
+    }
     slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound"})
     plain = "an adhesive contact jumps from grid to grid, and has no law of refinement"
 
@@ -61,6 +80,10 @@ class Options(PressedOptions):
     grid_scale_grids: tuple[Annotated[int, Field(ge=8)], ...] = Field(
         default=(64, 128, 256),
         description="points along a side of the same surfaces with roughness down to the grid scale",
+    )
+    grid_scale_hursts: tuple[Hurst, ...] = Field(
+        default=(0.3, 0.5, 0.8),
+        description="Hurst exponents at which full finite elements press them, too, on the finest of these grids of at most 128 points, beside the converged kappa of the same surfaces; none to leave that out",
     )
     elements: tuple[Element, ...] = Field(
         default=("Hex1", "Hex2"),
@@ -93,6 +116,21 @@ class Options(PressedOptions):
         return self.elements if "fem" in self.methods else ()
 
     @property
+    def protocol_hursts(self) -> tuple[float, ...]:
+        """Hurst exponents at which full finite elements press roughness down to the grid."""
+        return (
+            tuple(sorted(set(self.grid_scale_hursts)))
+            if "fem" in self.methods and self.grid_scale_grids
+            else ()
+        )
+
+    @property
+    def protocol_points(self) -> int:
+        """Points along a side of the finest grid on which the whole block is affordable, or of the coarsest."""
+        grids = self.grid_scale_grids
+        return max((n for n in grids if n <= _MOST_POINTS), default=min(grids))
+
+    @property
     def beside(self) -> tuple[SolverRequest, ...]:
         """Methods beside boundary elements; on a scene the finite elements as its table has them."""
         return self.others(self.method_points_per_wave)
@@ -122,6 +160,16 @@ def design(options: Options) -> dict[_Case, Call]:
     for (k, problem), points in itertools.product(enumerate(pressed), options.grid_scale_grids):
         cases["protocol", k, points] = grid_roughness(problem=problem, grid=(points, points))
     blocks = {n: grid_for(pressed[0], n) for n in options.fem_points_per_wave}
+    for hurst, k in itertools.product(options.protocol_hursts, range(options.surfaces)):
+        surface = options.first.surface.model_copy(update={"hurst": hurst})
+        problem = replace(options.first, surface=surface).further(k)
+        points, wide = options.protocol_points, down_to_grid(problem, options.protocol_points)
+        for method in PROTOCOL_METHODS:
+            cases["scale", method, hurst, k] = grid_roughness(
+                problem=problem, grid=(points, points), method=method
+            )
+        fine = tuple(grid_for(wide, n) for n in _CONVERGED)
+        cases["converged", hurst, k] = press_on_grids(problem=wide, grids=fine, shifts=options.shifts)
     for element in options.blocks:
         for (k, problem), (n, grid) in itertools.product(enumerate(pressed), blocks.items()):
             cases["fem", element, k, n] = block_beside_bem(problem=problem, grid=grid, element=element)
@@ -158,6 +206,11 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     if options.grid_scale_grids:
         rough = protocol(part("protocol"), options.grid_scale_grids)
         data = beside_published(data.merge(rough, combine_attrs="override"))
+    if options.protocol_hursts:
+        data = data.merge(
+            protocol_of_solvers(part("scale"), part("converged"), data, points=options.protocol_points),
+            combine_attrs="override",
+        )
     if options.blocks:
         strict = {str(element): measured["strict", element] for element in options.blocks}
         cells = math.prod(grid_for(options.first, options.fem_points_per_wave[0]))
@@ -243,6 +296,16 @@ def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
         marks = (Line(y="kappa_protocol", by="slope"), Level(y="kappa"), Level(y="kappa_persson"))
         panel = Panel(marks=marks, x="points_protocol", y="kappa", log="x", base=2)
         yield Figure(name="grid-scale-protocol", caption=caption, panels=[panel])
+    if "solver" in data.dims:
+        caption = "kappa with roughness down to the grid, nodes counted, by how the slope is measured: boundary elements, and "
+        caption += "full finite elements as Hyun et al. had them; the converged kappa of the same surfaces."
+        rough = Line(y="kappa_protocol_by_solver", by="slope", joined=False)
+        smooth = Line(y="kappa_protocol_limit", look={"color": "0.4"})
+        hyun = Line(y="kappa_hyun", x="hurst_hyun", look={"color": "black", "marker": "x"})
+        marked = (rough, smooth, Level(y="kappa_persson"), hyun)
+        panel = Panel(marks=marked, x="hurst_protocol", y="kappa")
+        panels = [*panels_along(data, "solver", panel)]
+        yield Figure(name="grid-scale-by-solver", caption=caption, panels=panels, width=9.0)
 
 
 def _of_areas(data: xr.Dataset, first: int) -> Iterator[Finding]:
@@ -284,11 +347,32 @@ def _of_others(data: xr.Dataset) -> Iterator[Finding]:
         }
         form = f"With roughness to the grid scale kappa is {slopes}, a spread of {{kappa_protocol_spread:%}}; beside the "
         form += "converged {kappa} there was published: {each}."
-        item = "{kappa_published} to {kappa_published_high} ({paper_kappa}), which {verdict}"
+        item = "{kappa_published_range} ({paper_kappa}), which {verdict}"
         values |= {"by": "kappa_difference", "words": _AGREES}
         yield finding("agreement", form, last, item=item, over="paper_kappa", **values)
+    if "solver" in data.dims:
+        yield from _of_protocol(data.sel(solver="fem"))
     form = "Beside the limit of the boundary elements, those of other methods lie {each}."
     for dim, by in (("element", "distance_fem"), ("other", "distance_other")):
         if dim in data.dims:
             item = f"{{{by}:+%}} ({{{dim}}}): {{verdict}}"
             yield finding("agreement", form, data, item=item, over=dim, by=by, words=_APART)
+
+
+def _of_protocol(data: xr.Dataset) -> Iterator[Finding]:
+    """Say how much of what Hyun et al. found the grid explains, and what it does not."""
+    form = "Full finite elements with roughness down to their {points_protocol_by_solver} points, nodes counted, have kappa "
+    form += "{each} ({slope})."
+    item = "{kappa_protocol_by_solver} at H = {hurst_protocol}, {kappa_excess_protocol:+%} from the converged one of the same "
+    item += "surfaces, so that the grid makes {grid_part_protocol:%} of its distance to the theory"
+    yield finding("share", form, data.isel(slope=0), item=item, over="hurst_protocol")
+    same = np.flatnonzero(np.isclose(data.hurst_protocol, float(data.hurst_hyun)))
+    if same.size:
+        form = "Beside the converged {kappa_protocol_limit} Hyun's {kappa_hyun} at H = {hurst_hyun} lies {verdict}; the protocol has {each}."
+        over: dict[str, Any] = {"item": "{kappa_protocol_by_solver} ({slope})", "over": "slope"}
+        at = data.isel(hurst_protocol=int(same[0]))
+        half = total_error(at, "kappa_excess_protocol")
+        raised = half is not None and bool((at.kappa_excess_protocol > half).any())
+        side = " (the grid, which raises kappa, explains none of that)" if raised else ""
+        words = {"-": f"below{side}", "+": "above", "0": "within the interval"}
+        yield finding("comparison", form, at, by="kappa_hyun_difference", words=words, **over)
