@@ -323,6 +323,5 @@ def with_pooled_stress(data: xr.Dataset) -> xr.Dataset:
 
 
 def _stored(contact: ContactResult) -> float:
-    """Elastic energy per nominal area [J/m^2], half of p u without their means."""
     pressure, displacement = contact.pressure, contact.displacement
     return 0.5 * float(np.mean((pressure - pressure.mean()) * (displacement - displacement.mean())))

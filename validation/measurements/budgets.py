@@ -83,7 +83,6 @@ def profile(before: Pressed, after: Pressed, *, unit: float) -> dict[str, Array]
 
 
 def _changes(before: Pressed, after: Pressed, *, unit: float) -> tuple[Array, Array]:
-    """Pressures of the points in contact before, and their changes; one that is lost ends at zero."""
     p = before.pressure[before.in_contact] / unit
     later = np.where(after.in_contact, after.pressure, 0.0)[before.in_contact]
     return p, later / unit - p

@@ -127,7 +127,6 @@ def difference(first: ContactResult, second: ContactResult, *, inside: bool = Fa
 
 
 def _away_from_edge(contact: np.ndarray) -> np.ndarray:
-    """Return the points further than 1.5 cells from any change of the contact map."""
     margin = 3
     padded = np.pad(contact, margin, mode="wrap")
     to_edge = np.where(

@@ -109,7 +109,6 @@ def _given(values: tuple[Any, ...]) -> tuple[Any, ...]:
 
 
 def _of_a_limit(per_wave: tuple[float, ...], others: ValidationInfo) -> tuple[float, ...]:
-    """Refuse grids over which no limit can be taken: fewer than three solves on two of them."""
     shifts = others.data.get("shifts", SHIFTS)
     fine = sum(n >= LEAST_POINTS_PER_WAVE * (1 - 1e-9) for n in per_wave)
     if fine < 2 or fine * shifts**2 < 3:

@@ -64,7 +64,6 @@ def statistics_of_pair(field: HeightField) -> dict[str, float]:
 
 
 def _unit_fields(field: HeightField) -> tuple[Array, Array, Array]:
-    """Return height, slope^2 and full-contact pressure, each over its rms, flat."""
     shape, (dx, dy) = field.shape, field.spacing
     waves = scipy.fft.rfft2(field.heights - field.heights.mean())
     qx, qy = 2 * np.pi * np.fft.fftfreq(shape[0], dx)[:, None], 2 * np.pi * np.fft.rfftfreq(shape[1], dy)

@@ -355,7 +355,6 @@ class Ladders:
         return data.assign_coords(hurst_ladder=("ladder", list(self.hursts)))
 
     def _ladder(self, kind: str, measured: Mapping[_Case, xr.Dataset]) -> xr.Dataset:
-        """Reduce one kind of ladder for each H."""
         (rung, source), over = LADDERS[kind], f"surface_{kind}"
         common = kind == "by_bandwidth"
         parts = {case[1:]: limits_of(data) for case, data in measured.items() if case[0] == kind}

@@ -97,7 +97,6 @@ def budgets_of(
 
 
 def _points_per_wave(case: Call) -> float:
-    """lambda_short / dx of the waves there are; the ring of a probe is a little shorter."""
     problem, zeta = case["problem"], dict(case.arguments).get("magnification")
     shortest = problem.shortest if zeta is None else problem.longest / zeta
     return float(case["points"] * shortest / problem.lengths[0])
@@ -139,7 +138,6 @@ def with_diffusion_terms(data: xr.Dataset) -> xr.Dataset:
 
 
 def _late(data: xr.Dataset) -> dict[str, list[int]]:
-    """Octaves that begin where waves are short; the last one if there is none."""
     return {"octave": [int(k) for k in np.flatnonzero(data.octave_start.values >= _LATE)] or [-1]}
 
 
@@ -160,13 +158,11 @@ def _log(values: xr.DataArray) -> xr.DataArray:
 
 
 def _ends(data: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.DataArray]:
-    """Something of the states before and after every ring."""
     values = data[name].drop_vars("magnification", errors="ignore").rename(level="step")
     return values.isel(step=slice(0, -1)), values.isel(step=slice(1, None))
 
 
 def _by_octave(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
-    """Sum over the rings of each octave."""
     began = data.magnification.values[:-1] * (1 + 1e-9)
     octave = np.searchsorted(data.octave_start.values, began) - 1
     parts = [
@@ -219,7 +215,6 @@ def _with_square_budget(data: xr.Dataset) -> xr.Dataset:
 
 
 def _with_area_budget(data: xr.Dataset) -> xr.Dataset:
-    """Add area over Persson's along zeta, and d ln A / d ln V by octave: located, counted (entering less leaving), his."""
     finest = "nominal_each.isel(grid=-1) / sqrt(2 * variance_share_each.isel(grid=-1))"
     data = derive(data, area_persson_each=f"erf({finest})")
     data = derive(data, area_ratio_each="area_each / area_persson_each")
@@ -276,7 +271,6 @@ def _with_restarts(data: xr.Dataset) -> xr.Dataset:
 
 
 def _with_memory(data: xr.Dataset) -> xr.Dataset:
-    """Add inflow over two rings, true and composed of single ones, over the area before, and chances to return."""
     finest, area = data.isel(grid=-1), data.area_each.drop_vars("magnification")
     before = area.isel(level=slice(0, -2)).rename(level="pair")
     true, composed = (
@@ -330,7 +324,6 @@ def power_at_zero_step(powers: xr.DataArray, steps: xr.DataArray) -> xr.DataArra
 
 
 def _with_flows(data: xr.Dataset) -> xr.Dataset:
-    """Add what single rings take over p = 0, over the contact area, limits over grids, and how it goes with the step."""
     area, steps = data.area_probe_each.isel(probe_level=0, drop=True), data.relative_step
     flows = {
         name: two_grid_limit(data[f"{of}_probe_each"], data.grid_spacing_probe) / area
@@ -357,7 +350,6 @@ def _with_flows(data: xr.Dataset) -> xr.Dataset:
 
 
 def _with_profiles(data: xr.Dataset) -> xr.Dataset:
-    """Add drift and diffusivity by pressure on the finest grid, surfaces pooled, and of two ranges of pressure."""
     at, steps = data.isel(probe_grid=-1), data.relative_step
     pooled = at[[f"bin_{n}_probe_each" for n in ("contact", "pressure", "change", "change_square")]]
     sums = pooled.sum("probe_surface")
@@ -382,7 +374,6 @@ def _with_profiles(data: xr.Dataset) -> xr.Dataset:
 
 
 def _with_slopes(data: xr.Dataset) -> xr.Dataset:
-    """Add -d ln A / d ln V by Eq. 26, V P'(0) / 2 A, of the true slope and of Persson's, and how far the first is off."""
     nominal = data.nominal_probe_each.isel(probe_grid=-1).mean("probe_surface")
     load = data.reduced_pressure.values
     # p0 is 2 p* sqrt(V): the same on every surface, since p* counts in its own gradient.
@@ -403,7 +394,6 @@ def _with_slopes(data: xr.Dataset) -> xr.Dataset:
 
 
 def _with_shares(data: xr.Dataset) -> xr.Dataset:
-    """Add the area over Persson's where his own has given values, along zeta; NaN where it never has."""
     # His area falls along zeta.
     theory, ratio = (data[name].isel(level=slice(None, None, -1)) for name in ("area_persson", "area_ratio"))
     ratios = xr.apply_ufunc(

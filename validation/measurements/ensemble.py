@@ -187,7 +187,6 @@ class _Pressed(Chained):
 
 
 def _on_grid(data: xr.Dataset, name: str, *, grid: int, periods: float) -> Array:
-    """Return one quantity of one surface over the loads, on one grid, mean over its shifts."""
     if name == "compliance":
         return np.asarray((1 / data.stiffness.isel(grid=grid)).mean("shift").values)
     mean = data.isel(grid=grid).mean("shift")

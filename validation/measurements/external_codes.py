@@ -57,7 +57,6 @@ def _version(code: str) -> str:
 
 
 def _processor() -> str:
-    """Return the name of the processor, or its kind where the system does not say."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
         return next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
@@ -125,7 +124,6 @@ def by_peer(*, code: str, problem: ContactProblem, grid: Grid) -> xr.Dataset:
 
 
 def _solved(code: str, job: Job, *, pixel: float, allowed: float) -> tuple[Job, Claim, float]:
-    """Tighten the tolerance by decades until the share of points in contact is within `allowed` of `pixel`."""
     by = f"{__name__}:{own_pressure.__name__}" if code == OWN else known_peers()[code]
     solver, options = chosen_solver(by)
     sandbox.end()  # its memory shall be its own

@@ -232,7 +232,6 @@ def contact_is_apart(axis: Literal["x", "y"]) -> Callable[[ContactResult], bool]
 
 
 def _flow(state: ContactResult, axis: Literal["x", "y"]) -> dict[str, float]:
-    """Conductance along one axis over the cube of the mean gap, and what theories make of the same gap."""
     gap = open_gap(state)
     mean = float(gap.mean())
     flow = flow_conductance(gap, state.lengths, axis=axis)

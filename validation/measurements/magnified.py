@@ -102,7 +102,6 @@ def magnified(
 
 
 def _read_off(state: ContactResult, last: ContactResult, *, unit: float) -> dict[str, float]:
-    """Return every one of `_READ` of one state; `last` has all waves, patches are in units of an area [m^2]."""
     patches = find_patches(state.in_contact, state.spacing)
     nominal = state.lengths[0] * state.lengths[1]
     inside = last.in_contact & state.in_contact

@@ -39,7 +39,6 @@ def _predicted(
     effects: tuple[EffectSpec, ...],
     pair_seconds: float,
 ) -> Prediction:
-    """Predict two solves of each surface on each grid."""
     settings: dict[str, Any] = {"tolerance": tolerance, "effects": effects}
     costs = [_press(grid, problem, **settings).predict(pair_seconds=pair_seconds) for grid in grids]
     return Prediction(

@@ -43,7 +43,6 @@ def _dataset(
     areas: Sequence[Sequence[tuple[float, ...]]],
     sums: Sequence[Mapping[str, Array]],
 ) -> xr.Dataset:
-    """Put together what a chain or a probe leaves."""
     table = np.array(areas)
     made = dict(data) | {name: (("sign", "level"), table[:, :, k].T) for k, name in enumerate(AREAS)}
     for name in sums[0]:
@@ -53,7 +52,6 @@ def _dataset(
 
 
 def _step(before: Pressed, after: Sequence[Pressed], *, unit: float) -> dict[str, Array]:
-    """Return the sums of a step over all points and by pressure, means over both signs."""
     return mean_of([{**flows(before, s, unit=unit), **profile(before, s, unit=unit)} for s in after])
 
 

@@ -64,7 +64,6 @@ def slides(
 
 
 def _read_off(sliding: SlidingContact, *, gradient: float) -> dict[str, float]:
-    """Return every one of `QUANTITIES` of one solve."""
     contact = sliding.contact
     return {
         "friction": sliding.slopes / gradient,
@@ -98,7 +97,6 @@ def slid_of(measured: xr.Dataset, solve: Call) -> xr.Dataset:
 
 
 def _theory(case: ContactProblem, rubber: Rubber, velocities: tuple[float, ...]) -> tuple[Array, Array]:
-    """Friction over (velocity, share) and area over (velocity, variant), told the realised waves."""
     field = case.field
     waves = np.fft.fft2(field.heights, norm="forward")
     qx, qy = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(field.shape, field.spacing, strict=True))

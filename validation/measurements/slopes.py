@@ -31,7 +31,6 @@ _NAMES = {
 
 
 def _predicted(points: int, slopes: tuple[float, ...]) -> Prediction:
-    """Predict some four Newton steps for each slope."""
     unknowns = int(3 * points * 3 * np.log(points))
     seconds = 0.5 + 4e-5 * unknowns * len(slopes)
     return Prediction(seconds=seconds, peak_bytes=9000 * unknowns, unknowns=unknowns)

@@ -56,7 +56,6 @@ class LoadedSamples(Samples):
         return at_loads(super()._read(data, "area", grid), loads=self.loads, wanted=self._wanted(data))
 
     def _wanted(self, data: xr.Dataset) -> Array:
-        """Return p* by the gradient of a surface where that by the gradient of C(q) is one of the loads."""
         return np.asarray(self.loads * self.gradient / data.attrs["rms_gradient"])
 
     def grid_errors(self, name: str) -> Array:

@@ -111,7 +111,7 @@ class Figure:
     name: str
     caption: str
     panels: Sequence[Panel]
-    width: float = 5.0
+    width: float | None = None  # [inch]; by the number of panels if not given
     height: float = 3.7
 
 
@@ -134,7 +134,9 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawi
 
     drawn: list[Drawn] = []
     if axes is None:
-        canvas, places = new_figure(width=figure.width, height=figure.height, columns=len(figure.panels))
+        columns = len(figure.panels)
+        width = figure.width or min(1.0 + 4.0 * columns, 13.0)
+        canvas, places = new_figure(width=width, height=figure.height, columns=columns)
     elif len(figure.panels) == 1 and hasattr(axes, "errorbar"):
         canvas, places = cast("Any", axes.figure), [axes]
     else:

@@ -19,7 +19,6 @@ ReducedPressure = Annotated[
 
 
 def _with_scatter(count: int, others: ValidationInfo) -> int:
-    """Refuse a single surface of a spectrum; that of a scene may be asked about itself."""
     on_scene = others.data.get("scene") is not None or (others.context or {}).get("on_scene")
     if count < 2 and not on_scene:
         raise wrong("must be greater than or equal to 2")
@@ -39,7 +38,6 @@ Shifts = Annotated[int, Field(ge=1, description="sub-grid shifts along each axis
 
 
 def _that_solve(names: tuple[str, ...]) -> tuple[str, ...]:
-    """Refuse what presses no surface, and what is not installed."""
     for name in names:
         chosen_solver(name)
     return tuple(dict.fromkeys(names))

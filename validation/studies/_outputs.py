@@ -97,7 +97,6 @@ def study_page(
 
 
 def _undetermined(data: xr.Dataset) -> Iterator[str]:
-    """Say which limits of the contact area are not there."""
     for name in ("area", "limit", "kappa"):
         missing = int(data[name].isnull().sum()) if name in data.data_vars else 0
         if missing:
@@ -109,7 +108,6 @@ def _undetermined(data: xr.Dataset) -> Iterator[str]:
 
 
 def _papers(used: Sequence[str]) -> tuple[str, ...]:
-    """Papers of the methods and effects that a study names."""
     known: dict[str, Any] = {**methods(), **effect_kinds()}
     cited = [paper for name, what in known.items() if name in used for paper in what.papers]
     return (*cited, *(PAPERS[name] for name in dict.fromkeys([*used, "perimeter"]) if name in PAPERS))

@@ -59,7 +59,6 @@ class PressedOptions(StudyOptions):
     @model_validator(mode="before")
     @classmethod
     def _as_the_scene_says(cls, data: Any) -> Any:
-        """Take from a scene what it says, and refuse what contradicts it."""
         scene = data.get("scene") if isinstance(data, dict) else None
         if scene is None:
             return data
@@ -83,7 +82,6 @@ class PressedOptions(StudyOptions):
 
     @classmethod
     def _on_grids(cls, scene: Scene, first: ContactProblem, data: Mapping[str, Any]) -> Scene:
-        """Return the scene with the grids that options name in place of its own."""
         tables: dict[str, Any] = {}
         for option, method in {**cls.grids_of, "grids": "bem"}.items():
             table, values = scene.methods.options(method), data.get(option)
@@ -101,7 +99,6 @@ class PressedOptions(StudyOptions):
 
     @classmethod
     def _check(cls, scene: Scene) -> None:
-        """Refuse a scene whose methods, effects or loads the question does not allow."""
         where = f"scene {scene.name!r}"
         if scene.methods.options("bem") is None:
             raise wrong(f"{where}: methods.bem: missing; this study presses by boundary elements")
@@ -153,7 +150,6 @@ class PressedOptions(StudyOptions):
 
     @property
     def _solid(self) -> dict[str, Any]:
-        """The solid where it is not the usual one."""
         return {}
 
     @cached_property
@@ -283,14 +279,12 @@ def _clash(name: str, *, off: bool, scene: str) -> str:
 
 
 def _reduced(problem: ContactProblem) -> tuple[float, ...]:
-    """p* of each load, as given where it is given so."""
     if problem.load.reduced_pressure is not None:
         return problem.load.values
     return tuple(pressure / problem.pressure_scale for pressure in problem.pressures)
 
 
 def _merged(path: Any, loads: Sequence[float]) -> tuple[float, ...]:
-    """Put the loads of a scene into a path of loads; a scene with several brings its own path."""
     if len(loads) > 1:
         return tuple(sorted(set(loads)))
     (load,) = loads

@@ -147,7 +147,7 @@ class Study:
         if wrong:
             raise UsageError(f"study {self.name}: {wrong}")
         try:
-            return labelled(self.module.run(options, bench=bench))
+            return labelled(self.module.run(options, bench=bench)).assign_attrs(study=self.name)
         except ValidationError as error:
             lines = "; ".join(problems(error))
             raise UsageError(f"study {self.name}: its options make no case: {lines}") from None
@@ -235,7 +235,6 @@ def _misnamed(module: ModuleType) -> Iterator[str]:
 
 
 def _pairs(arguments: Sequence[str], flags: Mapping[str, FieldInfo]) -> Iterator[tuple[str, str]]:
-    """Yield flag and text of each option."""
     waiting = list(arguments)
     while waiting:
         flag, equals, text = waiting.pop(0).partition("=")
@@ -255,7 +254,6 @@ def _pairs(arguments: Sequence[str], flags: Mapping[str, FieldInfo]) -> Iterator
 
 
 def _bare(kind: Any) -> Any:
-    """Return the kind without the None that an option which may be left out allows."""
     kinds = [part for part in typing.get_args(kind) if part is not type(None)]
     return kinds[0] if typing.get_origin(kind) in (typing.Union, types.UnionType) else kind
 
@@ -276,13 +274,11 @@ def _kind_words(field: FieldInfo) -> str:
 
 
 def _unit_of(field: FieldInfo) -> str:
-    """SI unit of an option, of one value or of several; "1" for plain numbers."""
     unit = unit_of(field)
     return unit_of(field.annotation) if unit == "1" else unit
 
 
 def _with_unit(text: str, unit: str) -> str:
-    """Return a text with the SI unit where it is a bare number, as the defaults are shown."""
     try:
         float(text)
     except ValueError:

@@ -80,17 +80,14 @@ _Case = tuple[str | float | int, ...]
 
 
 def _codes(options: Options) -> tuple[str, ...]:
-    """Codes that are solved in a process of their own: the peers, and ours beside them."""
     return (*options.peers, OWN) if options.peers else ()
 
 
 def _others(options: Options) -> tuple[SolverRequest, ...]:
-    """Return the solvers that are asked for by name."""
     return options.others(options.method_points_per_wave)
 
 
 def _blocks(options: Options) -> tuple[tuple[str, float], ...]:
-    """List element and grid of the study's own blocks."""
     asked = options.fem_points_per_wave if "fem" in options.methods else ()
     return tuple(itertools.product(_ELEMENTS, asked))
 
@@ -157,7 +154,6 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     codes, others, known = options.peers, _others(options), known_peers()
     cited = ["bem", *(["fem"] if _blocks(options) else []), *(a.method for a in others)]
     return chosen_ways(covered(data)).assign_attrs(
-        study="accuracy-cost",
         reduced_pressure=options.reduced_pressure,
         peers=" ".join([*codes, *(solver.name for solver in others)]),
         absent="" if others else ", ".join(code for code in known if code not in codes),
@@ -168,7 +164,6 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 
 def _ways(options: Options, measured: Mapping[_Case, xr.Dataset]) -> Iterator[xr.Dataset]:
-    """Yield every way to an area: single grids, shifts, limits, finite elements, other codes."""
     surfaces = range(options.surfaces)
     yield from ways_of_bem([measured["coarse", k] for k in surfaces])
     singles: list[tuple[_Case, str, float, bool]] = [
@@ -202,7 +197,6 @@ def _ways(options: Options, measured: Mapping[_Case, xr.Dataset]) -> Iterator[xr
 
 
 def _unsettled(measured: Mapping[_Case, xr.Dataset]) -> str:
-    """Name the methods with answers whose residuals are not what was asked for, and count these."""
     missed = [
         str(case[1])
         for case, result in measured.items()
@@ -242,7 +236,6 @@ def views(data: xr.Dataset) -> Views:
                 caption="Error of the contact area of every way to it against processor time on one thread (left) and "
                 "memory (right) for one surface; lines, ways that no other beats; black, the reference.",
                 panels=[_panel(data, cost) for cost in ("seconds", "peak_bytes")],
-                width=9.5,
                 height=5.6,
             )
         ],
@@ -259,7 +252,6 @@ _NOTES = {
 
 
 def _panel(data: xr.Dataset, cost: str) -> Panel:
-    """One cost: a symbol for each kind of way, and the front."""
     kinds = list(dict.fromkeys(data.kind.values.tolist()))
     dots = [Line(y="area_deviation_rms", where={"kind": kind}, joined=False, label=kind) for kind in kinds]
     look = {"color": "black", "marker": "", "lw": 0.8}
@@ -271,7 +263,6 @@ def _panel(data: xr.Dataset, cost: str) -> Panel:
 
 
 def _against_peer(data: xr.Dataset, code: str) -> Finding:
-    """Compare the most accurate solve of another code with the same area here, and with the cheapest as good."""
     rms, labels = data.area_deviation_rms.values, data.way.values.tolist()
     theirs = min((k for k, way in enumerate(labels) if way.startswith(f"{code} ")), key=lambda k: rms[k])
     ours = [k for k, way in enumerate(labels) if way.startswith("BEM") and rms[k] <= rms[theirs]]

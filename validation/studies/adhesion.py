@@ -122,7 +122,6 @@ def design(options: Options) -> dict[tuple[Case, int], Sticking]:
 
 
 def _pressed(options: Options, case: Case, k: int, surface_options: ContactProblem) -> Sticking:
-    """Return one surface of a case; load, work and hardness are shares of those of all its waves."""
     unit, modulus = surface_options.pressure_scale, surface_options.contact_modulus
     work = case.work_ratio * full_contact_energy(surface_options.field, modulus=modulus)
     # The shortest range whose process zone spans the cells that are needed, and a little more.
@@ -163,7 +162,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = same_of_all(mean(data, "interface_energy_excess"), *_THEORY)
     data = claim(data, "area", "area_plain", "area_plastic", "area_gain", "interface_energy", **ABSENT)
     attributes = {"work": options.work, "reduced_pressure": options.reduced_pressure}
-    return data.assign_attrs(study="adhesion", methods="theory bem", **attributes)
+    return data.assign_attrs(methods="theory bem", **attributes)
 
 
 #: What is drawn along every dial, the coordinate, and how it is called.
@@ -199,20 +198,17 @@ def views(data: xr.Dataset) -> Views:
                 caption="Contact area against the work of adhesion (left) and the load (right), with the shortest range of "
                 "the attraction that the grid resolves.",
                 panels=[panels["work"], panels["load"]],
-                width=9.0,
             ),
             Figure(
                 name="adhesive-area-waves",
                 caption="The same as waves are added (left) and beside a hardness (right).",
                 panels=[panels["waves"], panels["hardness"]],
-                width=9.0,
             ),
             Figure(
                 name="interface-energy",
                 caption="Left: energy gained by the whole interface over the work of adhesion, law less elastic energy; where it "
                 "is negative nothing holds the bodies. Right: yielded area under adhesion (Persson 2006, Sec. 9).",
                 panels=[_panel("work", *energy), _panel("hardness", *yields, bottom=0.0)],
-                width=9.0,
             ),
         ],
         findings=[*(_gain(data, dial) for dial in _DIALS), _energy(data), *of_one_surface(data)],
@@ -234,7 +230,6 @@ def _ends(data: xr.Dataset, dial: str) -> xr.Dataset:
 
 
 def _gain(data: xr.Dataset, dial: str) -> Finding:
-    """Say by how much adhesion enlarges the contact at both ends of a dial, in both."""
     yields = (
         "; A_pl/A0 = {area_plastic}, {area_plastic_improved:~} in the theory" if dial == "hardness" else ""
     )

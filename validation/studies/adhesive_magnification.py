@@ -116,7 +116,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = straight_limit(data, "area", "area_plain", "area_parted", x="points_per_wave")
     data = _compared(straight_limit(data, *_COMPARED[1:], of="grid", x="points_per_wave"))
     attributes = {name: getattr(options, name) for name in ("hurst", "reduced_pressure", "work")}
-    return data.assign_attrs(study="adhesive-magnification", methods="theory bem adhesion", **attributes)
+    return data.assign_attrs(methods="theory bem adhesion", **attributes)
 
 
 def _surface(options: Options, k: int, zeta: float) -> SelfAffineSurface:
@@ -125,14 +125,12 @@ def _surface(options: Options, k: int, zeta: float) -> SelfAffineSurface:
 
 
 def _full_surface(options: Options, k: int) -> tuple[ContactProblem, float]:
-    """Return the surface with all waves, and the work of adhesion [J/m^2]."""
     load = Load(reduced_pressure=options.reduced_pressure)
     whole = ContactProblem(surface=_surface(options, k, options.magnifications[-1]), solid=_SOLID, load=load)
     return whole, options.work * full_contact_energy(whole.field, modulus=whole.contact_modulus)
 
 
 def _cut(options: Options, k: int, zeta: float, *, along: Solutions | None = None) -> Cut | None:
-    """Return one surface up to zeta with w, or `along` the theory with gamma_eff(zeta); None where that holds nothing."""
     whole, work = _full_surface(options, k)
     load = Load(pressure=whole.pressure)
     problem = ContactProblem(surface=_surface(options, k, zeta), solid=_SOLID, load=load)
@@ -149,7 +147,6 @@ def _cut(options: Options, k: int, zeta: float, *, along: Solutions | None = Non
 
 
 def _compared(data: xr.Dataset) -> xr.Dataset:
-    """Add means over the surfaces and distances to the theory."""
     data = derive(
         data,
         area_gain_each="area_each / area_plain_each",
@@ -208,14 +205,12 @@ def views(data: xr.Dataset) -> Views:
                 caption="Area, force in the contact over the load, and elastic energy over that of full contact, of one nominal "
                 "load as shorter waves are added: solved with the work of adhesion w and with gamma_eff(zeta) of the theory.",
                 panels=panels,
-                width=12.0,
             ),
             Figure(
                 name="adhesive-stress",
                 caption="Stress in the contact at the first (left) and last (middle) magnification, with tension, surfaces pooled; "
                 "energy of the waves of the whole surface over that in full contact (right).",
                 panels=[*stresses, Panel(marks=waves, x="wave", log="x", base=2)],
-                width=12.0,
             ),
         ],
         findings=_findings(data, [0, last]),
@@ -228,7 +223,6 @@ _BESIDE = {"?": "beside"}
 
 
 def _findings(data: xr.Dataset, ends: list[int]) -> list[Finding]:
-    """Say how far the theory is from every quantity, and what of it can be compared."""
     own, effective = (data.isel(told=k) for k in (0, 1))
     holds = np.flatnonzero(np.isfinite(effective.area.values))
     item = (

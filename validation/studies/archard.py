@@ -88,9 +88,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     )
     data["area_archard"] = ("level", "load"), [area for area, _ in theory]
     data["load_exponent_archard"] = "level", [power for _, power in theory]
-    return with_exponents(data).assign_attrs(
-        study="archard", methods="theory bem", shortest=options.waves[-1]
-    )
+    return with_exponents(data).assign_attrs(methods="theory bem", shortest=options.waves[-1])
 
 
 def with_exponents(data: xr.Dataset) -> xr.Dataset:
@@ -116,7 +114,6 @@ def with_exponents(data: xr.Dataset) -> xr.Dataset:
 
 
 def _cases(options: Options) -> dict[tuple[int, int, int], Call]:
-    """List one case for each number of levels, surface and grid; the levels are moved as the seed says."""
     counts, heights = (1, *options.waves), (1.0, *options.heights)
     moved = np.random.default_rng(options.seed).random((options.surfaces, len(counts), 2))
     return {
@@ -170,7 +167,6 @@ def views(data: xr.Dataset) -> Views:
                         bottom=0.6,
                     ),
                 ],
-                width=9.0,
             )
         ],
         findings=[

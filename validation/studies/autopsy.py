@@ -118,11 +118,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     stated = ("area_ratio", "square_growth_late", "edge_loss")
     data = claim(with_diffusion_terms(data), *stated, **ABSENT)
     attributes = {name: getattr(options, name) for name in ("periods", "bandwidth", "surfaces")}
-    return data.assign_attrs(study="autopsy", methods="theory bem", **attributes)
+    return data.assign_attrs(methods="theory bem", **attributes)
 
 
 def _chains(options: Options, bench: Bench) -> xr.Dataset:
-    """Build up every surface at every load on every grid."""
     hursts, loads = options.hursts, options.reduced_pressures
     surfaces, grids = range(options.surfaces), options.points_per_wave
     cases = {
@@ -138,7 +137,6 @@ def _chains(options: Options, bench: Bench) -> xr.Dataset:
 
 
 def _probes(options: Options, bench: Bench, zeta: float) -> xr.Dataset:
-    """Give every surface single rings at one magnification, and read P'(0) there."""
     hursts, loads = options.hursts, options.reduced_pressures
     surfaces, grids = range(options.probe_surfaces), options.probe_points_per_wave
     places = list(itertools.product(hursts, loads, surfaces))
@@ -212,10 +210,7 @@ def views(data: xr.Dataset) -> Views:
             ),
         ),
         budget=("square_growth_late", "edge_loss"),
-        figures=[
-            Figure(name=name, caption=_CAPTIONS[name], panels=some, width=3.0 + 2.7 * len(some))
-            for name, some in panels.items()
-        ],
+        figures=[Figure(name=name, caption=_CAPTIONS[name], panels=some) for name, some in panels.items()],
         findings=_findings(data),
     )
 
@@ -233,7 +228,6 @@ _WHERE = "at H = {hurst} and p* = {reduced_pressure}"
 
 
 def _findings(data: xr.Dataset) -> list[Finding]:
-    """Say what fails, where, and what cancels, at every load with partial contact."""
     data = data.isel(load=np.flatnonzero((data.area.isel(level=-1) < 0.999).all("hurst").values))
     rows: dict[str, Any] = {"over": ("hurst", "load")}
     probed = data.isel(probe=-1).rename(probe="place")

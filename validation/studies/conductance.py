@@ -106,7 +106,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = claim(data, "stiffness", "stiffness_exponent", "stiffness_exponent_light", **ABSENT)
     data = derive(data, stiffness_exponent_light_excess="stiffness_exponent_light - 1")
     attributes = {"hurst": options.hurst, "bandwidth": options.bandwidth}
-    return data.assign_attrs(study="conductance", methods="theory bem", **attributes)
+    return data.assign_attrs(methods="theory bem", **attributes)
 
 
 def views(data: xr.Dataset) -> Views:
@@ -134,7 +134,6 @@ def views(data: xr.Dataset) -> Views:
                     Panel(marks=lines, x="reduced_pressure", log="xy"),
                     Panel(marks=power, x="reduced_pressure_between", log="x"),
                 ],
-                width=12.0,
             )
         ],
         findings=_findings(data),
@@ -145,7 +144,6 @@ _THIN = {"color": "black", "lw": 0.8, "ls": "-"}
 
 
 def _findings(data: xr.Dataset) -> list[Finding]:
-    """Say how the stiffness goes with the load, what the sample size does, and how far the theory is off."""
     found = []
     if bool((data.reduced_pressure_between <= _LIGHT).any()):
         power = finding(

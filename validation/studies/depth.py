@@ -108,7 +108,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     }
     data = gather(numbers, case=list(parts))
     data = claim(data, "pressure_difference", "pressure_difference_layer", "area_difference")
-    return data.assign_attrs(study="depth", points_per_wave=options.points_per_wave, methods="bem fem")
+    return data.assign_attrs(points_per_wave=options.points_per_wave, methods="bem fem")
 
 
 def views(data: xr.Dataset) -> Views:
@@ -135,7 +135,6 @@ def views(data: xr.Dataset) -> Views:
                 caption="Pressure of the block against depth (left) and growth of the layers (right), to the "
                 "half-space and to the bonded layer of the same depth, which is the error of the mesh alone.",
                 panels=[Panel(marks=lines(result), x=result, log="y") for result in ("depth", "growth")],
-                width=9.0,
             )
         ],
         findings=[_finding(data.isel(case=(data.element == e).values), str(e)) for e in elements],
@@ -146,7 +145,6 @@ _LOOKS = ({"color": "#0b5394", "marker": "o"}, {"color": "#b45f06", "marker": "s
 
 
 def _finding(data: xr.Dataset, element: str) -> Finding:
-    """Say what depth and mesh cost with one element."""
     depths = data.isel(case=(data.varied == "depth").values)
     first, last = depths.isel(case=0), depths.isel(case=-1)
     bottom = abs(depths.pressure_difference - depths.pressure_difference_layer)

@@ -87,11 +87,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         energy_missing_predicted="1 - energy_ratio_predicted",
     )
     methods = "theory bem yang_persson wang_mueser xu"
-    return data.assign_attrs(study="energy", methods=methods, solver_tolerance=used)
+    return data.assign_attrs(methods=methods, solver_tolerance=used)
 
 
 def _checked(near: xr.Dataset, usual: xr.Dataset) -> dict[str, Any]:
-    """Energy over work, and difference quotient over stiffness, between loads closely around each."""
     contact, at = (result.isel(grid=0, shift=0) for result in (usual, near))
     load, gap, energy = (
         at[name].values.reshape(-1, 2) for name in ("reduced_pressure", "mean_gap", "energy")
@@ -122,7 +121,6 @@ def _path_work(at: xr.Dataset, told: Mapping[str, float]) -> Array:
 
 
 def _left(checks: Mapping[Any, xr.Dataset]) -> dict[str, Any]:
-    """Relative change of the first surface from a tolerance to the strictest, (tolerance, load)."""
     at = [checks[t].isel(grid=0, shift=0) for t in _STRICT]
     values = {
         "energy_ratio": np.array(
@@ -156,7 +154,6 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
-    """Yield how far each theory is off, and what the checks found."""
     for name, words in _ASKED.items():
         yield ranking(
             f"{words}, mean distance of simulated over predicted values from 1 below full contact: {{order}}.",
@@ -194,7 +191,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
 
 
 def _figures() -> list[Figure]:
-    """Ratios over the area, and gap, stiffness and missing energy over the open area."""
     ratios = [
         Panel(marks=[Line(y=f"{name}_over", by="theory"), AGREEMENT], x="area", log="y") for name in _ASKED
     ]
@@ -212,15 +208,11 @@ def _figures() -> list[Figure]:
             caption="Simulated over predicted elastic energy, mean gap and compliance over the contact area, for every "
             "reading of the elastic energy, told the realised surfaces; 1 is agreement.",
             panels=ratios,
-            width=11.0,
-            height=4.2,
         ),
         Figure(
             name="towards-full-contact",
             caption="What is missing of the energy of full contact, mean gap and compliance over the area that is not in "
             "contact; full contact is at the left end. Lines: theories, each at its own load.",
             panels=towards,
-            width=11.0,
-            height=4.2,
         ),
     ]

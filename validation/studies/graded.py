@@ -79,7 +79,6 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 
 def _profile(ratio: float, options: Options, q: Array) -> Array:
-    """Felt modulus over exact of an exponential profile of depth 1 with E = 1 on top."""
     surface = Solid(young=1.0, poisson=options.poisson)
     exact = ExponentialSolid(surface=surface, bulk_young=ratio, depth=1.0, sublayers=options.sublayers)
     weighted = ExponentialLayers(bulk=ratio, excess=[1 - ratio], depths=[1.0], poisson=options.poisson)
@@ -87,7 +86,6 @@ def _profile(ratio: float, options: Options, q: Array) -> Array:
 
 
 def _coating(ratio: float, options: Options, q: Array) -> Array:
-    """Felt modulus over exact of a layer of thickness 1 with E = 1."""
     surface, below = (Solid(young=young, poisson=options.poisson) for young in (1.0, ratio))
     exact = LayeredSolid(layers=[surface], thicknesses=[1.0], base=below)
     layer = SurfaceLayer(bulk=ratio, layer=1.0, thickness=1.0, poisson=options.poisson)
@@ -95,7 +93,6 @@ def _coating(ratio: float, options: Options, q: Array) -> Array:
 
 
 def _grading(ratio: float, q: Array) -> Array:
-    """Largest E'/(E q) of the profile E = ratio + (1 - ratio) exp(-z)."""
     # E'/E is monotonic in z where it is not largest at the surface.
     z = np.linspace(0.0, 30.0, 3001)
     young = ratio + (1 - ratio) * np.exp(-z)
@@ -103,7 +100,6 @@ def _grading(ratio: float, q: Array) -> Array:
 
 
 def _share(felt: Callable[[Array], Array], exact: Response, q: Array) -> Array:
-    """Return the modulus felt over the exact one, 2 / (q C(q))."""
     return np.asarray(felt(q) * q * exact.compliance(q, np.zeros_like(q)) / 2)
 
 

@@ -160,11 +160,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         "hardness": options.hardness,
         "smoothing_reduced_pressure": options.smoothing_reduced_pressure,
     }
-    return data.assign_attrs(study="hardness", methods="theory bem", **attributes)
+    return data.assign_attrs(methods="theory bem", **attributes)
 
 
 def _areas(solves: tuple[Press, ...], options: Options, solved: Solves) -> xr.Dataset:
-    """Return the areas of one surface in one case, on every grid, and Persson's."""
     yields = [yielded(solved[solve].checked()) for solve in solves]
     plastic, elastic = yielded_by_theory(solves[0].problem, options.limit)
     return xr.Dataset(
@@ -180,7 +179,6 @@ def _areas(solves: tuple[Press, ...], options: Options, solved: Solves) -> xr.Da
 
 
 def _smoothed(solve: Press, options: Options, solved: Solves) -> xr.Dataset:
-    """Return what yielding leaves of one surface, beside Persson's."""
     problem = solve.problem
     q, names, gradient = kept_waves(solved[solve].checked(), problem)
     return xr.Dataset(
@@ -225,7 +223,6 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _figure(part: str, finest: dict[str, int]) -> Figure:
-    """Show one part of the area against load and against magnification."""
     name = f"area_{part}"
     panels = [
         Panel(
@@ -242,11 +239,10 @@ def _figure(part: str, finest: dict[str, int]) -> Figure:
     ]
     words = "yielded" if part == "plastic" else "elastic contact"
     caption = f"Share of the nominal area that is {words} against load (left) and as waves are added (right)."
-    return Figure(name=f"{part}-area", caption=caption, panels=panels, width=9.0)
+    return Figure(name=f"{part}-area", caption=caption, panels=panels)
 
 
 def _finding(data: xr.Dataset, part: str, varied: str) -> Finding:
-    """Say how far Persson's area is from the limit at both ends."""
     here = data.isel(case=(data.varied == varied).values)
     at = "p* = {reduced_pressure}" + ("" if varied == "load" else ", zeta = {magnification}")
     name = f"area_{part}"
@@ -262,7 +258,6 @@ def _finding(data: xr.Dataset, part: str, varied: str) -> Finding:
 
 
 def _left(data: xr.Dataset) -> Finding:
-    """Say what of the shortest wave is left."""
     return finding(
         "comparison",
         "Smoothed at p* = {load}, the surface keeps {spectrum_kept} of C(q) at q = {wave} q_long, {verdict} the "

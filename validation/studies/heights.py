@@ -114,7 +114,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         data, *_DEVIATIONS, solver="nothing is solved", depth="nothing is pressed", theory="it is measured"
     )
     data = claim(data, "area_change", **ABSENT)
-    return data.assign_attrs(study="heights", methods="theory bem", longer=options.longer)
+    return data.assign_attrs(methods="theory bem", longer=options.longer)
 
 
 _SPECTRA = ("shorter roll-off", "longer roll-off")
@@ -122,7 +122,6 @@ _DEVIATIONS = ("skewness", "excess_kurtosis", "height_distance", "highest")
 
 
 def _cases(options: Options) -> dict[tuple[str, float | str, int], Call]:
-    """List the samples of rising size, and the pairs of surfaces that are pressed, each pair with common phases."""
     cases: dict[tuple[str, float | str, int], Call] = {}
     for periods in options.periods:
         first = options.first(periods)
@@ -169,7 +168,6 @@ def views(data: xr.Dataset) -> Views:
                         log="x",
                     ),
                 ],
-                width=9.0,
             )
         ],
         findings=[
@@ -204,7 +202,6 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _deviation(data: xr.Dataset, name: str, words: str) -> Finding:
-    """Say whether a moment of the heights is that of the Gaussian."""
     return finding(
         "comparison",
         f"{words} by L/lambda_0: {{each}}.",

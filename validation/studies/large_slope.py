@@ -94,7 +94,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data["paths_ended"] = data.path_ended_each.isel(grid=-1).sum()
     data = claim(data, *CHANGES, *(f"{name}_rate" for name in CHANGES), theory="it is simulated")
     attributes = {"hurst": options.hurst, "bandwidth": options.bandwidth}
-    return data.assign_attrs(study="large-slope", methods="fem", **attributes)
+    return data.assign_attrs(methods="fem", **attributes)
 
 
 def views(data: xr.Dataset) -> Views:
@@ -121,7 +121,6 @@ def views(data: xr.Dataset) -> Views:
                     Panel(marks=[Line(y=name, by=("nu", "load"))], x="rms_gradient")
                     for name in ("area_finite", "square_finite")
                 ],
-                width=9.0,
             )
         ],
         findings=[
@@ -138,7 +137,6 @@ _WHERE = "nu = {poisson}, p* = {reduced_pressure}"
 
 
 def _leaves(data: xr.Dataset, name: str, words: str) -> Finding:
-    """Say from which slope on something differs from the linear result."""
     return finding(
         "threshold",
         f"h'_rms from which on the {words} differs from the linear one (95 %, surfaces and grid), "
@@ -150,7 +148,6 @@ def _leaves(data: xr.Dataset, name: str, words: str) -> Finding:
 
 
 def _rate(data: xr.Dataset, name: str, words: str) -> Finding:
-    """Say how a difference goes with the slope."""
     return finding(
         "trend",
         f"Up to h'_rms = {STRAIGHT:g} the {words} over the linear one {{each}}.",

@@ -98,7 +98,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         **{f"gap_narrow_excess_{name}": f"gap_narrow - gap_narrow_{name}" for name in GAP_THEORIES},
     )
     attributes = {name: getattr(options, name) for name in ("hurst", "periods", "points_per_wave")}
-    return claim(data, *apart).assign_attrs(study="leak", methods="theory bem", **attributes)
+    return claim(data, *apart).assign_attrs(methods="theory bem", **attributes)
 
 
 def views(data: xr.Dataset) -> Views:
@@ -127,14 +127,12 @@ def views(data: xr.Dataset) -> Views:
                     against("area_asked", "gap_conductance_ratio", by="bandwidth"),
                     Panel(marks=thresholds, x="bandwidth", log="x", base=2),
                 ],
-                width=12.0,
             ),
             Figure(
                 name="gap-distribution",
                 caption="Distribution of the gap per nominal area at given contact areas, the contact left out, widest spectrum; "
                 "the theory is told the same loads.",
                 panels=panels[:: -(-len(panels) // _DRAWN)],
-                width=13.0,
             ),
         ],
         findings=_findings(data),
@@ -142,7 +140,6 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _findings(data: xr.Dataset) -> list[Finding]:
-    """Say where contact and gap percolate, how much leaks, and how far the theories are off."""
     last = data.isel(bandwidth=-1)
     return [
         finding(
@@ -189,7 +186,6 @@ def _findings(data: xr.Dataset) -> list[Finding]:
 
 
 def _narrow(last: xr.Dataset, name: str) -> Finding:
-    """Say how many gaps are narrow, beside one theory."""
     words = {"persson": "Persson's", "yang_persson": "Yang and Persson's (2008)"}[name]
     return finding(
         "comparison",

@@ -105,7 +105,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     if options.percolating:
         data = _with_thresholds(data)
     spectrum = {name: getattr(options, name) for name in ("hurst", "periods", "bandwidth", "points_per_wave")}
-    return data.assign_attrs(study="macroasperities", methods="theory bem", **spectrum)
+    return data.assign_attrs(methods="theory bem", **spectrum)
 
 
 #: How far a pressure may move and still be called the same.
@@ -115,7 +115,6 @@ _DOMINANT = 0.5
 
 
 def _with_thresholds(data: xr.Dataset) -> xr.Dataset:
-    """Add the areas at which contact and gap percolate: of each load, and of all loads as one sample of a surface."""
     data = derive(
         data,
         percolation_area_each="percolation_area_axis_each.mean('axis', skipna=False)",
@@ -129,7 +128,6 @@ def _with_thresholds(data: xr.Dataset) -> xr.Dataset:
 
 
 def _of_theory(first: ContactProblem, reduced: float) -> float:
-    """zeta_m of the theory; NaN where ln A bends most at an end of the spectrum."""
     try:
         return macroasperity_magnification(
             first.own_spectrum,
@@ -164,7 +162,6 @@ def views(data: xr.Dataset) -> Views:
             name="patches-over-magnification",
             caption="Contact area, patches and the share of the largest patch as waves up to zeta are added.",
             panels=patches,
-            width=12.0,
         ),
         Figure(
             name="macroasperity-pressure",
@@ -173,7 +170,6 @@ def views(data: xr.Dataset) -> Views:
                 Panel(marks=pressures, x="reduced_pressure", log="xy"),
                 Panel(marks=inside, x="reduced_pressure", log="x", bottom=0.0),
             ],
-            width=9.0,
         ),
     ]
     percolates = "percolation_area" in data
@@ -216,7 +212,6 @@ def _percolation() -> Figure:
             Panel(marks=[scatter, paper], x="percolation_magnification", log="x"),
             Panel(marks=[Line(y="percolation_area", by="phase"), paper], x="percolating_pressure"),
         ],
-        width=9.0,
     )
 
 
@@ -239,7 +234,6 @@ _STAYS = {
 
 
 def _macroasperities(data: xr.Dataset, which: str, of: str) -> Finding:
-    """Say where they are, and whether the pressure in them stays."""
     return finding(
         "equivalence",
         "Pressure in the macroasperities of {of} over E* h'_rms, and whether it is that at the lightest load: {each}.",
@@ -254,7 +248,6 @@ def _macroasperities(data: xr.Dataset, which: str, of: str) -> Finding:
 
 
 def _remaining(data: xr.Dataset) -> Finding:
-    """Say up to which load the pressure in the contact seen at the roll-off stays."""
     return finding(
         "equivalence",
         "In the contact seen at zeta = {magnification} the mean pressure, over that at the lightest load, is {each}.",
@@ -267,7 +260,6 @@ def _remaining(data: xr.Dataset) -> Finding:
 
 
 def _inside(data: xr.Dataset) -> Finding:
-    """Say how much of the load is carried where a lower magnification sees contact."""
     return finding(
         "comparison",
         "With all waves there, the contact seen at zeta = {magnification} carries of the load {each}; if regions only "
@@ -281,7 +273,6 @@ def _inside(data: xr.Dataset) -> Finding:
 
 
 def _break_up(data: xr.Dataset) -> Finding:
-    """Say how the patches of the middle one of the loads break up."""
     return finding(
         "value",
         "At p* = {reduced_pressure}, with patches on and over the square of the roll-off wavelength: {each}.",

@@ -91,7 +91,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         area_change_each="area_each / area_each.isel(magnification=0) - 1",
     )
     return mean(data, "area", "area_persson", "area_ensemble", "area_ratio", "area_change").assign_attrs(
-        study="magnification", **options.spectrum_words
+        **options.spectrum_words
     )
 
 

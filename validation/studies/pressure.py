@@ -90,7 +90,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
             data = change(data, name, along="load", first=int(light[0]), last=int(light[-1]))
             data = mean(data, f"{name}_change")
         data.attrs |= {"light": light[[0, -1]]}
-    data = pooled_shares(moved_shares(data)).assign_attrs(study="pressure", methods=RANKED)
+    data = pooled_shares(moved_shares(data)).assign_attrs(methods=RANKED)
     shares = stress_shares(theories[0], options.first, options.reduced_pressures)
     moved = largest_difference(shares, shares[data.attrs["reference_load"]])
     return data.assign(moved_stress_persson=("load", moved))
@@ -118,7 +118,6 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _findings(data: xr.Dataset, some: xr.Dataset) -> Iterator[Finding]:
-    """Yield where the theory holds, and what does not change with load while contact is light."""
     yield finding(
         "comparison",
         "The contact area is {each} (lambda_long/lambda_short = {bandwidth}).",
@@ -175,7 +174,6 @@ _MOVED = dict.fromkeys("0-", "no more than two sets of surfaces differ by") | {
 
 
 def _figures(data: xr.Dataset) -> list[Figure]:
-    """Area, the other quantities, and distributions."""
     load = "reduced_pressure"
     told = [
         *by_theory("_predicted", data),
@@ -207,20 +205,17 @@ def _figures(data: xr.Dataset) -> list[Figure]:
                 Panel(marks=[Line(y="area", joined=False), *told], x="reduced_pressure", log="xy"),
                 Panel(marks=[*by_theory("_over", data), AGREEMENT], x=load, log="x"),
             ],
-            width=9.0,
         ),
         Figure(
             name="gap-and-energy",
             caption="Mean gap, compliance and elastic energy against load, with the theory and its variants.",
             panels=others,
-            width=11.0,
         ),
         Figure(
             name="load-independence",
             caption="P(sigma) per contact area, share of the contact in smaller patches, and how far both are from those "
             "at the lightest of these loads; surfaces are pooled.",
             panels=[*shares, Panel(marks=moved, x="area", log="x")],
-            width=11.0,
         ),
     ]
 

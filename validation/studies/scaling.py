@@ -148,7 +148,6 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         excess_exponent="exponent_seconds - 1",
     )
     return data.assign_attrs(
-        study="scaling",
         reduced_pressure=options.reduced_pressure,
         points_per_wave=options.points_per_wave,
         periods=options.periods,
@@ -177,8 +176,6 @@ def views(data: xr.Dataset) -> Views:
                     )
                     for name in _COSTS
                 ],
-                width=9.5,
-                height=3.4,
             )
         ],
         findings=[

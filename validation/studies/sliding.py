@@ -117,7 +117,6 @@ class Options(StudyOptions):
 
 
 def _table_of(path: Path, *, poisson: float) -> TabulatedSolid:
-    """Read a modulus: three columns, comments after #."""
     try:
         text = read_whole(path, most=_LARGEST).decode()
         omega, storage, loss = np.loadtxt(io.StringIO(text), ndmin=2, unpack=True)
@@ -176,7 +175,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = derive(same_of_all(data, *theory), **excesses)
     data = claim(data, "friction", "friction_dissipated", "area", **ABSENT)
     attributes = {"solid": repr(rubber), "reduced_pressure": options.reduced_pressure}
-    return data.assign_attrs(study="sliding", methods=RANKED, **attributes)
+    return data.assign_attrs(methods=RANKED, **attributes)
 
 
 def views(data: xr.Dataset) -> Views:
@@ -203,7 +202,6 @@ def views(data: xr.Dataset) -> Views:
                     against("velocity", *area, log="xy"),
                     Panel(marks=meeting, x="points_per_wave", log="xy", base=2),
                 ],
-                width=13.0,
             )
         ],
         findings=_findings(data),
@@ -211,7 +209,6 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _findings(data: xr.Dataset) -> list[Finding]:
-    """Say where friction is largest, how well both ways agree, how far the theory is off, and what it took."""
     top = int(data.friction.values.argmax())
     largest = data.isel(velocity=top)
     areas = data.isel(velocity=sorted({0, top, data.sizes["velocity"] - 1}))
@@ -261,7 +258,6 @@ def _findings(data: xr.Dataset) -> list[Finding]:
 
 
 def _theory_of(data: xr.Dataset, largest: xr.Dataset, name: str) -> Finding:
-    """Say how far the theory's friction is off with one share of the full energy."""
     words = {"full_energy": "S = 1", "half_energy": "S = 1/2 + P^2 / 2"}[name]
     ratio = f"friction_ratio_{name}"
     return finding(

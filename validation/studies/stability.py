@@ -84,7 +84,6 @@ class Options(StudyOptions):
 
 
 def _cases_of(names: Sequence[str]) -> tuple[HardCase, ...]:
-    """Return the cases of some methods; those of this package where none is named."""
     own = {case.method for case in CASES}
     if not names:
         return CASES
@@ -110,11 +109,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data["deviation_ratio"] = np.maximum(data.deviation / data.bound, _LEAST).where(data.deviation.notnull())
     data["bound_ratio"] = 1.0
     used = [chosen_solver(name)[0].name for name in options.methods] or ["bem", "fem", "theory"]
-    return data.assign_attrs(study="stability", methods=" ".join(used))
+    return data.assign_attrs(methods=" ".join(used))
 
 
 def _outcome(case: HardCase, value: float, slowest: float) -> xr.Dataset:
-    """Return what one value of the parameter came to."""
     clock = time.perf_counter()
     deviation, residual, message = math.nan, math.nan, ""
     try:
@@ -201,7 +199,6 @@ def views(data: xr.Dataset) -> Views:
                 caption="Deviation over what was allowed beforehand as each parameter goes from easy to hard; "
                 "values that were refused have none.",
                 panels=by_method,
-                width=11.0,
                 height=5.6,
             ),
             *alone,
@@ -223,7 +220,6 @@ def _of(data: xr.Dataset, method: str) -> list[str]:
 
 
 def _counted(data: xr.Dataset, method: str) -> Finding:
-    """Say how often a method was right, refused or did not converge."""
     counts: dict[str, Any] = {
         outcome.replace(" ", "_"): int((data.outcome == outcome).sum()) for outcome in OUTCOMES
     }

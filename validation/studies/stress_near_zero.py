@@ -101,9 +101,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     )
     methods = " ".join(["theory", *(solver.method for solver in solvers)])
     windows = {"window": options.window, "slope_window": options.slope_window}
-    return limits(data).assign_attrs(
-        study="stress-near-zero", methods=methods, **windows, **options.spectrum_words
-    )
+    return limits(data).assign_attrs(methods=methods, **windows, **options.spectrum_words)
 
 
 def limits(data: xr.Dataset) -> xr.Dataset:
@@ -143,7 +141,6 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
-    """Yield whether the density vanishes, how the slopes compare, and whether they still move."""
     named = "{method}: " if data.sizes["method"] > 1 else ""
     yield finding(
         "comparison",
@@ -184,7 +181,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
 
 
 def _figures(data: xr.Dataset, m: int) -> Iterator[Figure]:
-    """Yield the figures of one method; those of the first go without its name."""
     name = str(data.method.values[m])
     ending = f"-{re.sub('[^A-Za-z0-9]+', '-', name)}" if m else ""
     words = f" By {name}." if m else ""

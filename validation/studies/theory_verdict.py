@@ -77,11 +77,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         small = stress_near_zero.Options(hurst=options.hurst, periods=options.periods, seed=options.seed)
         edge = stress_near_zero.run(small, bench=bench).isel(method=0)
         data = data.merge(edge_scores(edge, theories, Rough.of(small.first)), combine_attrs="override")
-    return data.assign_attrs(study="theory-verdict", methods=RANKED)
+    return data.assign_attrs(methods=RANKED)
 
 
 def _stress_distances(data: xr.Dataset, theories: tuple[Theory, ...], options: Options) -> dict[str, Any]:
-    """Distance of the simulated P(sigma) A0/A, surfaces pooled, from that of every theory, (theory, load)."""
     pooled = data.stress_share_each.sum("surface").values
     rows = [
         largest_difference(pooled, stress_shares(theory, options.first, options.reduced_pressures))
@@ -92,7 +91,6 @@ def _stress_distances(data: xr.Dataset, theories: tuple[Theory, ...], options: O
 
 
 def _solver_share(options: Options, bench: Bench) -> float:
-    """Relative change of the area when the solves of one surface stop at a hundred times smaller residual."""
     usual = press_on_grids(
         problem=replace(options.first, load=Load(reduced_pressure=0.01)),
         reduced_pressures=(0.01, 0.1, 1.0),
@@ -106,7 +104,6 @@ def _solver_share(options: Options, bench: Bench) -> float:
 
 
 def _spectral_shares(options: Options, bench: Bench) -> dict[str, xr.DataArray]:
-    """How far the area may be from that of endless sample and bandwidth, at the nearest load of the ladders."""
     loads = np.array(options.ladder_reduced_pressures)
     if not loads.size:
         return {}
@@ -164,8 +161,6 @@ def views(data: xr.Dataset) -> Views:
                 caption="Simulated over predicted contact area, mean gap, compliance and elastic energy for the theory "
                 "and its variants, told the realised surface; 1 is agreement.",
                 panels=panels,
-                width=12.8,
-                height=4.0,
             )
         ],
         findings=[*_findings(data)],
@@ -173,7 +168,6 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
-    """Yield the verdicts: which theory is nearest in what, as far as intervals separate them."""
     for name in COMPARED:
         yield ranking(
             f"{_WORDS[name]}, mean distance of simulated over predicted values from 1 below full contact, at "

@@ -15,7 +15,6 @@ _LOAD = 0.01
 
 
 def _full_contact(points: int, *, poisson: float = 0.3, depth: float = 1.0, **settings: Any) -> Measured:
-    """Pressure of full contact on a wave, relative to the bonded layer of the same depth."""
     from fem_contact import block
 
     surface, solid = wave(points, rows=points), Solid(young=1.0, poisson=poisson)
@@ -36,7 +35,6 @@ def _large_block(points: float) -> Measured:
 
 
 def _yielding_block(ratio: float) -> Measured:
-    """Active set of the full system against the reduction, which knows no active set."""
     from fem_contact import block
 
     full, reduced = (

@@ -22,7 +22,6 @@ _LOAD = 0.01
 
 
 def _hard(ratio: float) -> Measured:
-    """Hardness over the mean pressure: plastic load is hardness times plastic area, and loads add up."""
     from fem_contact.hardness import Hardness, press_yielding
 
     hardness = ratio * _LOAD
@@ -33,7 +32,6 @@ def _hard(ratio: float) -> Measured:
 
 
 def _sticky(maugis: float) -> Measured:
-    """Pull-off force of a sphere with a Dugdale law, relative to Maugis's."""
     from fem_contact.adhesion import path as adhesion_path
     from fem_contact.adhesion.laws import Dugdale
     from persson.spheres import maugis_pull_off
@@ -58,7 +56,6 @@ def _sticky(maugis: float) -> Measured:
 
 
 def _contrast(ratio: float) -> Measured:
-    """Compare a coating of this modulus (over that of the base) with the same coating cut in three."""
     from fem_contact.graded import LayeredSolid
 
     coating, q = Solid(young=ratio, poisson=0.3), np.geomspace(1e-2, 1e3, 200)
@@ -71,7 +68,6 @@ def _contrast(ratio: float) -> Measured:
 
 
 def _yielding_under_adhesion(ratio: float) -> Measured:
-    """Hardness over the mean pressure under a law of the gap as strong as the contact's own stresses."""
     from fem_contact import adhesion
     from fem_contact.adhesion.laws import Exponential
 
@@ -89,7 +85,6 @@ def _yielding_under_adhesion(ratio: float) -> Measured:
 
 
 def _diffusion(ratio: float) -> Measured:
-    """Elastic area of a yielding solid by the diffusion equation, against its closed form."""
     from persson.diffusion import solve_diffusion
     from persson.hardness import constant_hardness
 

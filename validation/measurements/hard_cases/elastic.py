@@ -30,7 +30,6 @@ def _boundary_elements(surface: HeightField, load: float) -> ContactResult:
 
 
 def _westergaard(press: Pressing, load: float) -> Measured:
-    """Contact width of a wave under p0/p*, in cells off the exact (2/pi) asin(sqrt(p0/p*))."""
     points = 512
     surface = wave(points)
     result = press(surface, load * math.pi * 0.01)
@@ -39,7 +38,6 @@ def _westergaard(press: Pressing, load: float) -> Measured:
 
 
 def _steepness(press: Pressing, gradient: float) -> Measured:
-    """Relative change of the pressure, over its scale, against the surface of gradient 0.1."""
     pressures = []
     for value in (0.1, gradient):
         result = press(rough(gradient=value), _LIGHT * value)
@@ -48,7 +46,6 @@ def _steepness(press: Pressing, gradient: float) -> Measured:
 
 
 def _against_plain(press: Pressing, surface: HeightField, load: float) -> Measured:
-    """Against Polonsky and Keer's method, whose convergence theory is simple."""
     result = press(surface, load)
     plain = bem.solve(
         surface, HALF_SPACE, mean_pressure=load, max_iterations=20_000, method="polonsky-keer", threads=1
@@ -68,7 +65,6 @@ def _scales(press: Pressing, points: float) -> Measured:
 
 
 def _quantised(press: Pressing, levels: float) -> Measured:
-    """Heights rounded to so many levels: the load must balance and nothing may penetrate."""
     smooth = rough()
     step = np.ptp(smooth.heights) / levels
     surface = HeightField(heights=np.round(smooth.heights / step) * step, lengths=(1.0, 1.0))
@@ -76,7 +72,6 @@ def _quantised(press: Pressing, levels: float) -> Measured:
 
 
 def _few_bits(press: Pressing, bits: float) -> Measured:
-    """Heights rounded to a mantissa of so many bits, against those in double precision."""
     exact = rough()
     mantissa, exponent = np.frexp(exact.heights)
     rounded = np.ldexp(np.round(mantissa * 2.0**bits) / 2.0**bits, exponent)
@@ -87,7 +82,6 @@ def _few_bits(press: Pressing, bits: float) -> Measured:
 
 
 def _path(factor: float) -> Measured:
-    """Up from a thousandth of E* h' by this factor and down again: the way back must be the way there."""
     loads = 1e-4 * factor ** np.arange(max(2, round(math.log(1e3) / math.log(factor)) + 1))
     there_and_back = [*loads, *loads[-2::-1]]
     results = bem.solve_path(rough(), HALF_SPACE, mean_pressures=there_and_back, threads=1)
@@ -99,7 +93,6 @@ def _path(factor: float) -> Measured:
 
 
 def _single_precision(height: float) -> Measured:
-    """Heights stored in single precision on top of a mean height."""
     exact = rough()
     mean = height * exact.rms_height
     stored = (exact.heights + mean).astype(np.float32).astype(float)
