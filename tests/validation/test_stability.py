@@ -12,7 +12,7 @@ from fem_contact.errors import InvalidInput
 from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.execution.store import Store
-from validation.measurements.hard_cases.cases import HardCase, Measured
+from validation.measurements.hard_cases import HardCase, Measured
 from validation.studies import find_study, stability
 
 #: Cases of a second or less; the others run with the slow tests.

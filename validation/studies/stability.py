@@ -20,10 +20,7 @@ from fem_contact.contact import Status
 from fem_contact.errors import FemContactError
 from persson.errors import PerssonError
 from validation.execution.bench import Bench
-from validation.measurements.hard_cases.blocks import BLOCKS, LARGE_BLOCK, YIELDING_BLOCK
-from validation.measurements.hard_cases.cases import HardCase
-from validation.measurements.hard_cases.effects import DIFFUSION, EFFECTS, YIELDING_UNDER_ADHESION
-from validation.measurements.hard_cases.elastic import ELASTIC, SINGLE_PRECISION, by_method
+from validation.measurements.hard_cases import CASES, HardCase, elastic_cases
 from validation.report.estimates import gather
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Level, Line, Panel
@@ -33,17 +30,6 @@ from validation.solvers import chosen_solver
 from validation.studies._options import AnyMethods
 from validation.studies._study import StudyOptions
 from validation.units import wrong
-
-CASES: tuple[HardCase, ...] = (
-    *ELASTIC,
-    *EFFECTS,
-    *BLOCKS,
-    DIFFUSION,
-    SINGLE_PRECISION,
-    YIELDING_BLOCK,
-    YIELDING_UNDER_ADHESION,
-    LARGE_BLOCK,
-)
 
 #: What can happen at one value, from good to bad.
 OUTCOMES = ("right", "refused", "not converged", "WRONG")
@@ -88,7 +74,7 @@ def _cases_of(names: Sequence[str]) -> tuple[HardCase, ...]:
     if not names:
         return CASES
     cases = tuple(case for case in CASES if case.method in names)
-    return (*cases, *(case for name in names if name not in own for case in by_method(name)))
+    return (*cases, *(case for name in names if name not in own for case in elastic_cases(name)))
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
