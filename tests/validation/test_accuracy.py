@@ -118,7 +118,7 @@ def test_the_controlled_mean_is_that_of_plain_surfaces_whatever_amplitudes_and_l
     assert abs(found.estimate.value - float(middle)) < 1.5 * math.hypot(found.half_width, float(half))
     if load == "pressure":
         # h'_rms tells most of what scatters.
-        assert found.samples.chains("area")[0][0].left < 0.5 * np.var(pair_means(areas))
+        assert found.chain[0].left < 0.5 * np.var(pair_means(areas))
 
 
 def test_an_accuracy_beyond_memory_is_refused_with_the_one_within_reach(scene, tmp_path):

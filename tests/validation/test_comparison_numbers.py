@@ -188,13 +188,10 @@ def test_the_mean_over_surfaces_claims_their_interval_the_grids_whole_error_and_
     read[2, :, 1] = read[2, :, 0] + 1e-3
     ending = [Areas(grids=((32, 32), (64, 64))[:n], lengths=(1.0, 1.0), read=read[..., :n]) for n in (1, 2)]
     told = np.cos(np.arange(64.0))[:, None]
-    samples = ensemble._Pressed(ending=ending, unsolved=told[:32], further=told, unsolved_seconds=1.0)
-    drawn = SimpleNamespace(
-        samples=lambda solved: samples, grids=ending[1].grids, counts=[32, 32], tolerance=1e-3
-    )
-    found, chain = ensemble._estimated(drawn, {})
+    times = [areas.seconds[:, None] for areas in ending]
+    samples = ensemble.Chained(unsolved=told[:32], further=told, unsolved_seconds=1.0, seconds=times)
+    found = ensemble._estimated(ending, samples, tolerance=1e-3)
     limits = ending[1].limits(1)
-    assert found.estimate == chain[-1].estimate
     # The difference between the grids is the same everywhere: only the coarse mean and its step are left.
     assert found.estimate.value == pytest.approx(np.mean([one.value for one in limits]), rel=0.01)
     grid = 1.96 * math.sqrt(np.mean([one.uncertainty**2 for one in limits]))

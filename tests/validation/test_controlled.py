@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from validation.measurements.controlled import Known, Level, chained_mean, controlled_mean
+from validation.measurements.controlled import Known, chained_mean, controlled_mean
 from validation.report.estimates import mean_of
 
 
@@ -27,9 +27,7 @@ def test_ninety_five_of_a_hundred_intervals_hold_the_mean(fine, others):
     trials = 3000
     held = [
         abs(found.value - 7) <= found.half_width
-        for found in (
-            controlled_mean(*planted(rng, fine=fine, others=others)).estimate for _ in range(trials)
-        )
+        for found in (controlled_mean(*planted(rng, fine=fine, others=others)) for _ in range(trials))
     ]
     # Three standard deviations of the share are 1.2 %.
     assert 0.94 - 0.005 < np.mean(held) < 0.975
@@ -38,10 +36,7 @@ def test_ninety_five_of_a_hundred_intervals_hold_the_mean(fine, others):
 def test_the_mean_is_unbiased_though_the_coefficient_is_fitted_on_few():
     rng = np.random.default_rng(11)
     values = np.array(
-        [
-            controlled_mean(*planted(rng, fine=5, others=30, correlation=0.8)).estimate.value
-            for _ in range(4000)
-        ]
+        [controlled_mean(*planted(rng, fine=5, others=30, correlation=0.8)).value for _ in range(4000)]
     )
     assert abs(values.mean() - 7) < 3.5 * values.std() / np.sqrt(values.size)
 
@@ -53,20 +48,20 @@ def test_a_good_control_narrows_the_interval_and_says_what_it_leaves():
     assert found.left / y.var() == pytest.approx(1 - 0.99**2, rel=0.1)
     assert found.coefficients == pytest.approx([1.3], rel=0.01)
     share = 1 - 0.99**2 + 0.99**2 * 4000 / 400_000  # of the residuals, and of the mean of the others
-    assert found.estimate.half_width / plain_half_width(y) == pytest.approx(share**0.5, rel=0.1)
+    assert found.half_width / plain_half_width(y) == pytest.approx(share**0.5, rel=0.1)
 
 
 def test_a_useless_control_costs_next_to_nothing():
     rng = np.random.default_rng(6)
     y, x, more = rng.normal(7, 1, 200), rng.normal(0, 1, 200), rng.normal(0, 1, 5000)
     found = controlled_mean(y, x, Known.of_samples(more))
-    assert found.estimate.half_width < 1.05 * plain_half_width(y)
+    assert found.half_width < 1.05 * plain_half_width(y)
 
 
 def test_a_control_that_never_changes_leaves_the_plain_mean():
     y = np.array([1.0, 2.0, 3.0, 5.0])
     found = controlled_mean(y, np.full(4, 2.0), Known.of_samples(np.full(9, 2.0)))
-    assert found.estimate.value == pytest.approx(y.mean())
+    assert found.value == pytest.approx(y.mean())
 
 
 def test_too_few_or_broken_samples_are_refused():
@@ -77,7 +72,7 @@ def test_too_few_or_broken_samples_are_refused():
         controlled_mean([1.0, 2.0, 3.0, np.nan], [1.0, 2.0, 3.0, 4.0], known)
     with pytest.raises(ValueError, match="2 are known"):
         controlled_mean(np.arange(4.0), np.arange(4.0), Known.of_samples(np.eye(3)[:, :2]))
-    with pytest.raises(ValueError, match="two others"):
+    with pytest.raises(ValueError, match="needs 2"):
         Known.of_samples([1.0])
 
 
@@ -94,9 +89,9 @@ def planted_chain(rng, *, counts, further, statistics=12):
 
     (x, coarse, _, _), (_, low, middle, _), (_, _, high, fine) = map(drawn, counts)
     levels = [
-        Level(values=coarse, controls=x),
-        Level(values=middle, controls=low),
-        Level(values=fine, controls=high),
+        (coarse, x),
+        (middle, low),
+        (fine, high),
     ]
     return levels, Known.of_samples(drawn(further)[0])
 
@@ -105,9 +100,7 @@ def planted_chain(rng, *, counts, further, statistics=12):
 def test_the_intervals_of_a_chain_hold_and_its_mean_is_unbiased(counts):
     rng = np.random.default_rng(77)
     trials = 500
-    found = [
-        chained_mean(*planted_chain(rng, counts=counts, further=800))[-1].estimate for _ in range(trials)
-    ]
+    found = [chained_mean(*planted_chain(rng, counts=counts, further=800))[-1] for _ in range(trials)]
     values = np.array([one.value for one in found])
     assert abs(values.mean() - 7) < 3.5 * values.std() / np.sqrt(trials)
     held = np.mean([abs(one.value - 7) <= one.half_width for one in found])
@@ -118,9 +111,9 @@ def test_the_intervals_of_a_chain_hold_and_its_mean_is_unbiased(counts):
 def test_many_statistics_that_follow_the_quantity_narrow_its_interval():
     rng = np.random.default_rng(78)
     (level, *_), known = planted_chain(rng, counts=(200, 15, 4), further=20_000)
-    found = controlled_mean(level.values, level.controls, known)
+    found = controlled_mean(*level, known)
     assert found.left == pytest.approx(0.25, rel=0.35)  # 0.5^2 times the variance 1 of the gamma law
-    assert found.estimate.half_width < 0.6 * plain_half_width(level.values)
+    assert found.half_width < 0.6 * plain_half_width(level[0])
 
 
 def test_few_samples_of_a_finer_grid_are_not_fitted():

@@ -17,9 +17,9 @@ from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.control_variates import unsolved_statistics
-from validation.measurements.controlled import Known, Level, chained_mean
-from validation.measurements.ensemble import QUANTITIES, _Drawn, mean_area
-from validation.measurements.table_samples import at_loads, joined, with_size
+from validation.measurements.controlled import Known, chained_mean
+from validation.measurements.ensemble import _Drawn, mean_area
+from validation.measurements.table_samples import QUANTITIES, at_loads, joined, with_size
 from validation.reference.alpha import at_equal_alpha
 from validation.reference.fit import FIT, fitted, fitted_area, nayak
 from validation.reference.interpolation import interpolated
@@ -297,12 +297,9 @@ def test_a_cell_of_the_table_is_the_chained_mean_of_its_pairs(small):
         fields = [cases[0, 0, False]["problem"].further(k).heights((24, 24)) for k in ks]
         return np.array([list(unsolved_statistics(field).values()) for field in fields])
 
-    coarse = Level(values=gaps(0, 0), controls=told(range(12)))
-    chain = chained_mean(
-        [coarse, Level(values=gaps(1, 1), controls=gaps(1, 0))], Known.of_samples(told(range(16, 64)))
-    )
-    own, data = chain[-1].estimate, data.sel(amplitudes="exact")
-    assert own.samples == 4
+    coarse = (gaps(0, 0), told(range(12)))
+    chain = chained_mean([coarse, (gaps(1, 1), gaps(1, 0))], Known.of_samples(told(range(16, 64))))
+    own, data = chain[-1], data.sel(amplitudes="exact")
     assert float(data.gap[0, 0, 1]) == pytest.approx(own.value, rel=1e-12)
     half = total_error(data, "gap", sources=["surfaces"]).isel(hurst=0, bandwidth=0, reduced_pressure=1)
     assert float(half) == pytest.approx(own.half_width, rel=1e-12)

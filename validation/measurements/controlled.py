@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -11,7 +11,6 @@ import scipy.special
 from numpy.typing import ArrayLike
 
 from validation.arrays import Array
-from validation.measurements.statistics import Estimate
 
 #: Samples from which on the coefficient of a coarser grid is fitted; below it is 1.
 _FITTED = 10
@@ -31,10 +30,7 @@ class Known:
     @classmethod
     def of_samples(cls, samples: ArrayLike) -> Self:
         """Take the means of (m,) or (m, k) samples, at least two."""
-        array = np.asarray(samples, dtype=float)
-        array = array[:, None] if array.ndim == 1 else array
-        if array.ndim != 2 or len(array) < 2 or not np.all(np.isfinite(array)):
-            raise ValueError(f"samples of shape {array.shape}: needs two others or more, all finite")
+        array = _finite(samples, least=2)
         covariance = np.atleast_2d(np.cov(array, rowvar=False)) / len(array)
         return cls(mean=array.mean(axis=0), covariance=covariance, freedom=len(array) - 1.0)
 
@@ -43,7 +39,9 @@ class Known:
 class Controlled:
     """A mean over surfaces, and what it owes to its controls."""
 
-    estimate: Estimate  # The mean with its 95 % interval; `samples` counts those of the quantity itself
+    value: float
+    standard_error: float  # Of the mean, from the scatter of the samples and of the known means
+    half_width: float  # Half of the 95 % interval: standard error times Student's factor
     freedom: float  # Degrees of freedom of its standard error
     coefficients: Array  # (k,): Of the controls, on average
     left: float  # Variance of one sample less its controls [square of the quantity]
@@ -52,8 +50,8 @@ class Controlled:
     def known(self) -> Known:
         """The mean as a control of something finer."""
         return Known(
-            mean=np.array([self.estimate.value]),
-            covariance=np.array([[self.estimate.standard_error**2]]),
+            mean=np.array([self.value]),
+            covariance=np.array([[self.standard_error**2]]),
             freedom=self.freedom,
         )
 
@@ -81,7 +79,7 @@ def controlled_mean(
     Raises
     ------
     ValueError
-        For too few samples, shapes that differ, or numbers that are not finite.
+        For too few samples, controls that are not known, or numbers that are not finite.
 
     Notes
     -----
@@ -94,19 +92,12 @@ def controlled_mean(
     >>> rng = np.random.default_rng(3)
     >>> x, more = rng.normal(size=8), rng.normal(size=1000)
     >>> found = controlled_mean(5 + 2 * x, x, Known.of_samples(more))
-    >>> bool(abs(found.estimate.value - 5) < 0.2), round(float(found.coefficients[0]), 9)
+    >>> bool(abs(found.value - 5) < 0.2), round(float(found.coefficients[0]), 9)
     (True, 2.0)
     """
-    y, x = np.asarray(values, dtype=float), np.asarray(controls, dtype=float)
-    x = x[:, None] if x.ndim == 1 else x
-    least = 4 if fitted else 2
-    if y.ndim != 1 or y.size < least or x.shape != (y.size, known.mean.size):
-        raise ValueError(
-            f"{y.size} samples with controls of shape {x.shape}, of which {known.mean.size} are known: needs {least}, "
-            "and controls of each"
-        )
-    if not (np.all(np.isfinite(y)) and np.all(np.isfinite(x))):
-        raise ValueError("a sample is not a finite number")
+    y, x = _finite(values, least=4 if fitted else 2)[:, 0], _finite(controls, least=2)
+    if x.shape != (y.size, known.mean.size):
+        raise ValueError(f"{x.shape} controls of {y.size} samples, of which {known.mean.size} are known")
     beta = _left_out(y, x) if fitted else np.ones_like(x)
     residuals = y - np.sum(beta * (x - known.mean), axis=1)
     coefficients = beta.mean(axis=0)
@@ -118,16 +109,20 @@ def controlled_mean(
     freedom = total**2 / (scatter**2 / degrees + borrowed**2 / known.freedom) if total > 0 else degrees
     error = float(np.sqrt(total))
     return Controlled(
-        estimate=Estimate(
-            value=float(residuals.mean()),
-            standard_error=error,
-            half_width=float(scipy.special.stdtrit(freedom, 0.975)) * error,
-            samples=n,
-        ),
+        value=float(residuals.mean()),
+        standard_error=error,
+        half_width=float(scipy.special.stdtrit(freedom, 0.975)) * error,
         freedom=freedom,
         coefficients=coefficients,
         left=left,
     )
+
+
+def _finite(samples: ArrayLike, *, least: int) -> Array:
+    array = np.asarray(samples, dtype=float)
+    if len(array) < least or not np.all(np.isfinite(array)):
+        raise ValueError(f"samples of shape {array.shape}: needs {least} or more, all finite")
+    return array[:, None] if array.ndim == 1 else array
 
 
 def _left_out(y: Array, x: Array) -> Array:
@@ -149,22 +144,19 @@ def _left_out(y: Array, x: Array) -> Array:
     return beta
 
 
-@dataclass(frozen=True, kw_only=True)
-class Level:
-    """Samples that end with one grid, as independent of those of the other levels."""
+def chained_mean(levels: Iterable[tuple[Array, Array]], known: Known) -> tuple[Controlled, ...]:
+    """Means on all grids, coarsest first, each controlled by the one before, the coarsest by what is known.
 
-    values: Array  # (n,): The quantity on this grid
-    # (n,) or (n, k): On the coarsest level what is told without a solve, on others the quantity on the grid
-    # of the level before.
-    controls: Array
-
-
-def chained_mean(levels: Sequence[Level], known: Known) -> tuple[Controlled, ...]:
-    """Means on all levels, coarsest first, each controlled by the one before, the coarsest by what is known."""
+    Parameters
+    ----------
+    levels : iterable of ((n,) array, (n,) or (n, k) array)
+        The quantity on a grid, of surfaces that end there, and its controls: on the coarsest what is told without a
+        solve, on others the quantity on the grid before.
+    """
     means: list[Controlled] = []
-    for level in levels:
-        fitted = not means or level.values.size >= _FITTED
-        means.append(controlled_mean(level.values, level.controls, known, fitted=fitted))
+    for values, controls in levels:
+        fitted = not means or values.size >= _FITTED
+        means.append(controlled_mean(values, controls, known, fitted=fitted))
         known = means[-1].known
     return tuple(means)
 

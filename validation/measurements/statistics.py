@@ -2,22 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-
-@dataclass(frozen=True, kw_only=True)
-class Estimate:
-    """A mean with its uncertainty."""
-
-    value: float
-    standard_error: float  # Of the mean, from the scatter of the samples
-    # Half of the 95 % interval: standard error times Student's factor for the number of samples; NaN, as the
-    # standard error, for a single surface, whose scatter nothing tells.
-    half_width: float
-    samples: int  # Independent samples behind it: surfaces, or pairs of surfaces where they come in pairs
 
 
 def pair_means(values: ArrayLike) -> NDArray[np.float64]:

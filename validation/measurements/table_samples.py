@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from validation.arrays import Array
@@ -15,20 +17,30 @@ from validation.errors import UsageError
 from validation.execution.measurement import Call
 from validation.measurements.common import persson_area
 from validation.measurements.control_variates import unsolved_pairs
-from validation.measurements.ensemble import QUANTITIES, Samples
+from validation.measurements.ensemble import Chained
 from validation.measurements.limits import ABSENT
-from validation.measurements.measurement import TOLERANCES_LEFT, grid_for, press_on_grids
+from validation.measurements.measurement import TOLERANCES_LEFT, area_limits, grid_for, press_on_grids
 from validation.report.estimates import LIMIT, claim, error_of
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
 
-#: A quantity beside those of `Samples`: the area at p* = p0 / (E* h'_rms) with the gradient of C(q).
+#: What is averaged beside the area, and how it is read off a surface on one grid of a period of so many long waves.
+_READ: dict[str, Callable[[xr.Dataset, float], xr.DataArray]] = {
+    "gap": lambda data, periods: data.mean_gap / data.attrs["rms_height"],
+    # p0 / (K h_rms), K = d p0 / d(approach), the contact conductance in other units; 0 in full contact.
+    "compliance": lambda data, periods: 1 / data.stiffness,
+    "energy_ratio": lambda data, periods: data.energy / data.attrs["full_contact_energy"],
+    "density_slope": lambda data, periods: data.slope,
+    "patch_density": lambda data, periods: data.patches / periods**2,
+}
+QUANTITIES = ("area", *_READ)
+#: The area at p* = p0 / (E* h'_rms) with the gradient of C(q).
 BY_SPECTRUM = "area_by_spectrum"
 
 
 def at_loads(
-    areas: Array, *, loads: Array, wanted: Array, interpolator: Callable[..., Any] = CubicSpline
+    areas: Array, *, loads: ArrayLike, wanted: Array, interpolator: Callable[..., Any] = CubicSpline
 ) -> Array:
     """Read A/A0 of a surface off between its loads: A over Persson's is interpolated in ln p*.
 
@@ -41,74 +53,6 @@ def at_loads(
     """
     ratio = areas / persson_area(loads)
     return np.asarray(persson_area(wanted) * interpolator(np.log(loads), ratio)(np.log(wanted)))
-
-
-@dataclass(frozen=True, kw_only=True)
-class LoadedSamples(Samples):
-    """Surfaces of one spectrum with the area at both kinds of p*."""
-
-    loads: Array  # (n,): p* of the solves, by the gradient of each surface
-    gradient: float  # h'_rms of C(q)
-
-    def _read(self, data: xr.Dataset, name: str, grid: int) -> Array:
-        if name != BY_SPECTRUM:
-            return super()._read(data, name, grid)
-        return at_loads(super()._read(data, "area", grid), loads=self.loads, wanted=self._wanted(data))
-
-    def _wanted(self, data: xr.Dataset) -> Array:
-        return np.asarray(self.loads * self.gradient / data.attrs["rms_gradient"])
-
-    def grid_errors(self, name: str) -> Array:
-        """Half of the 95 % interval of what the grids leave; that of the area by either load."""
-        return super().grid_errors("area" if name == BY_SPECTRUM else name)
-
-    def reading_errors(self) -> Array:
-        """Mean distance of `BY_SPECTRUM` by a cubic spline from that by monotone cubics, (load,)."""
-        differences = []
-        for data in self.ending[0]:
-            areas, wanted = super()._read(data, "area", 0), self._wanted(data)
-            smooth, monotone = (
-                at_loads(areas, loads=self.loads, wanted=wanted, interpolator=kind)
-                for kind in (CubicSpline, PchipInterpolator)
-            )
-            differences.append(smooth - monotone)
-        return np.asarray(np.abs(np.mean(differences, axis=0)))
-
-
-def controlled_means(samples: LoadedSamples, *, tolerance: float) -> xr.Dataset:
-    """Reduce the surfaces of one spectrum: the controlled mean of each quantity over (reduced_pressure), with its errors.
-
-    ``saving`` is the time of plain means of the same interval over the time spent; ``area_by_spectrum_reading`` what the
-    interpolation to these loads leaves, a part of the grids' error.
-    """
-    at = {"reduced_pressure": samples.loads}
-    data = xr.Dataset(coords=at)
-    reading = xr.DataArray(samples.reading_errors(), dims="reduced_pressure", coords=at)
-    for name in (*QUANTITIES, BY_SPECTRUM):
-        chains = samples.chains(name)
-        estimates = [chain[-1].estimate for chain in chains]
-        value, half, grid = (
-            xr.DataArray(numbers, dims="reduced_pressure", coords=at)
-            for numbers in (
-                [estimate.value for estimate in estimates],
-                [estimate.half_width for estimate in estimates],
-                samples.grid_errors(name),
-            )
-        )
-        data[name] = value.assign_attrs(reduction="controlled mean")
-        data[f"{name}_error"] = error_of(
-            value,
-            surfaces=half,
-            grid=(grid**2 + reading**2) ** 0.5 if name == BY_SPECTRUM else grid,
-            solver=TOLERANCES_LEFT * tolerance * value,
-            **ABSENT,
-        )
-        # Where the size of the sample was looked at, it is a part of the interval.
-        data[f"{name}_error"].attrs[LIMIT] = "size"
-        if name == "area":
-            data["saving"] = ("reduced_pressure", samples.savings(chains))
-    data[f"{BY_SPECTRUM}_reading"] = reading
-    return data
 
 
 #: Order in which grids came to the table, which numbers its pairs and so keeps its solves.
@@ -153,26 +97,89 @@ class SampledSpectrum:
             for name, which in looked.items()
         }
 
-    def reduced(self, measured: Mapping[tuple[Any, ...], xr.Dataset]) -> xr.Dataset:
-        """Reduce the results of `cases`: the controlled means, and how many pairs end with which points per wave."""
+    @cached_property
+    def _gradient(self) -> float:
         surface = self.base.surface
         assert isinstance(surface, SelfAffineSurface)
+        return float(spectrum_of(surface).m2() ** 0.5)
+
+    def _wanted(self, data: xr.Dataset) -> Array:
+        """p* by the gradient of a surface where that by the gradient of C(q) is one of the loads."""
+        wanted: Array = np.asarray(self.loads) * self._gradient / data.attrs["rms_gradient"]
+        return wanted
+
+    def _values(self, data: xr.Dataset, name: str, grid: int) -> Array:
+        """Return a quantity of a surface on one grid over the loads; the area by its limit where the grids allow one."""
+        if name == BY_SPECTRUM:
+            return at_loads(self._values(data, "area", grid), loads=self.loads, wanted=self._wanted(data))
+        if name == "area" and (grid >= 2 or grid == len(self.pairs) - 1):
+            return area_limits(data.isel(grid=slice(0, grid + 1)))[0]
+        on_grid = data.isel(grid=grid)
+        values = (
+            on_grid.subcell
+            if name == "area"
+            else _READ[name](on_grid, self.base.lengths[0] / self.base.longest)
+        )
+        return np.asarray(values.mean("shift").values)
+
+    def _grid_errors(self, name: str, finest: Sequence[xr.Dataset]) -> Array:
+        """Half of the 95 % interval of what the grids leave, (load,): alike on all surfaces, it does not average."""
+        if name in ("area", BY_SPECTRUM):
+            errors = [area_limits(data)[1] for data in finest]
+        else:
+            errors = [(self._values(data, name, -1) - self._values(data, name, -2)) / 2 for data in finest]
+        return np.asarray(1.96 * np.sqrt(np.mean(np.square(errors), axis=0)))
+
+    def reduced(self, measured: Mapping[tuple[Any, ...], xr.Dataset]) -> xr.Dataset:
+        """Reduce the results of `cases`: the controlled mean of each quantity over (reduced_pressure), with its errors.
+
+        ``saving`` is the time of plain means of the same interval over the time spent; ``area_by_spectrum_reading``
+        what the interpolation to these loads leaves, a part of the grids' error; ``pairs`` how many end with which
+        points per wave.
+        """
         coarsest, further = measured["coarsest",], measured["further",]
-        samples = LoadedSamples(
-            ending=[
-                [data for case, data in measured.items() if case[0] == last]
-                for last in range(len(self.pairs))
-            ],
+        ending = [
+            [data for case, data in measured.items() if case[0] == last] for last in range(len(self.pairs))
+        ]
+        chained = Chained(
             unsolved=coarsest.value.values,
             further=further.value.values,
             unsolved_seconds=float(coarsest.attrs["seconds"]) + float(further.attrs["seconds"]),
-            periods=surface.length[0] / surface.lambda_long,
-            loads=np.array(self.loads),
-            gradient=float(spectrum_of(surface).m2() ** 0.5),
+            seconds=[np.array([d.seconds.sum(("grid", "shift")).values for d in group]) for group in ending],
         )
+        data = xr.Dataset(coords={"reduced_pressure": list(self.loads)})
+
+        def over_loads(values: ArrayLike) -> xr.DataArray:
+            return xr.DataArray(values, dims="reduced_pressure", coords=data.coords)
+
+        # Cubic splines beside monotone cubics.
+        differences = []
+        for surface in ending[0]:
+            at: dict[str, Any] = {"loads": self.loads, "wanted": self._wanted(surface)}
+            areas = self._values(surface, "area", 0)
+            differences.append(at_loads(areas, **at) - at_loads(areas, **at, interpolator=PchipInterpolator))
+        reading = over_loads(np.abs(np.mean(differences, axis=0)))
+        for name in (*QUANTITIES, BY_SPECTRUM):
+
+            def values(last: int, grid: int, name: str = name) -> Array:
+                return np.array([self._values(data, name, grid) for data in ending[last]]).T
+
+            chains = chained.chains(values)
+            value = over_loads([chain[-1].value for chain in chains])
+            grid = over_loads(self._grid_errors(name, ending[-1]))
+            errors = {
+                "surfaces": over_loads([chain[-1].half_width for chain in chains]),
+                "grid": (grid**2 + reading**2) ** 0.5 if name == BY_SPECTRUM else grid,
+                "solver": TOLERANCES_LEFT * self.tolerance * value,
+            }
+            data[name] = value.assign_attrs(reduction="controlled mean")
+            # Where the size of the sample was looked at, it is a part of the interval.
+            data[f"{name}_error"] = error_of(value, **errors, **ABSENT).assign_attrs({LIMIT: "size"})
+            if name == "area":
+                data["saving"] = over_loads(chained.savings(chains, values(0, 0)))
         ends = zip(self.pairs, self.points_per_wave, strict=True)
         pairs = ", ".join(f"{count} on {points:g}" for count, points in ends)
-        return controlled_means(samples, tolerance=self.tolerance).assign(pairs=pairs)
+        return data.assign({f"{BY_SPECTRUM}_reading": reading, "pairs": pairs})
 
 
 #: Of relative intervals: below it two numbers are the same.

@@ -17,9 +17,8 @@ from pydantic import Field, model_validator
 
 from validation.execution.bench import Bench
 from validation.measurements.common import Ladder, Rising, RisingOrNone, base_case, base_surface
-from validation.measurements.ensemble import QUANTITIES
 from validation.measurements.limits import solved
-from validation.measurements.table_samples import SampledSpectrum, joined, with_size
+from validation.measurements.table_samples import QUANTITIES, SampledSpectrum, joined, with_size
 from validation.measurements.theory import VARIANTS, with_variants
 from validation.reference.alpha import at_equal_alpha
 from validation.report.estimates import claim, derive, gather, total_error
