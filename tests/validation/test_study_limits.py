@@ -189,13 +189,13 @@ def test_a_distribution_that_does_not_change_is_not_told_from_itself():
     shape = rng.gamma(9.0, size=(6, 1, 40)) * np.exp(-np.arange(40) / 6)
     same = shape * np.array([1.0, 2.0, 5.0])[:, None]
     found = distance_to_reference(same, 0)
-    assert np.all(found.value < 1e-12)
-    assert np.all(found.noise > 0)
+    assert np.all(found[""] < 1e-12)
+    assert np.all(found["_noise"] > 0)
     moved = same.copy()
     moved[:, 2] = np.roll(moved[:, 2], 12, axis=-1)
     other = distance_to_reference(moved, 0)
-    assert other.low[2] > other.noise[2]
-    assert other.low[2] <= other.value[2] <= other.high[2]
+    assert other["_lower"][2] > other["_noise"][2]
+    assert other["_lower"][2] <= other[""][2] <= other["_upper"][2]
 
 
 @pytest.fixture(scope="module")

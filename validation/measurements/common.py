@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -145,13 +144,6 @@ def persson_area(reduced_pressure: ArrayLike) -> NDArray[np.float64]:
     return np.asarray(
         elastic.contact_area(np.asarray(reduced_pressure, dtype=float), stress_variance=variance)
     )
-
-
-def named(
-    dims: str | Sequence[str], values: Any, words: str, *, unit: str | None = None
-) -> tuple[Any, Any, Any]:
-    """Return a variable of a dataset with what it is in words, and its unit where it is said."""
-    return dims, values, ({} if unit is None else {"units": unit}) | {"long_name": words}
 
 
 def truncated_surface(

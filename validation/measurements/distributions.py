@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from fem_contact.contact import ContactResult
@@ -74,27 +72,21 @@ def largest_difference(first: Array, second: Array) -> Array:
     return np.asarray(np.abs(shares[0] - shares[1]).max(axis=-1))
 
 
-@dataclass(frozen=True, kw_only=True)
-class Distance:
-    """Distance of the distributions at several loads from that at the reference load."""
-
-    value: Array  # (loads,): Of the pooled surfaces
-    # (loads,): 95 % interval by resampling the surfaces, each with all its loads.
-    low: Array
-    high: Array
-    # (loads,): Distance that two sets of as many surfaces have from each other, 95th percentile, root mean
-    # square of that load and the reference: less is not told from zero. The two loads are of the same
-    # surfaces, so that this is on the safe side. NaN for a single surface.
-    noise: Array
-
-
-def distance_to_reference(histograms: Array, reference: int, *, seed: int = 20062) -> Distance:
+def distance_to_reference(histograms: Array, reference: int, *, seed: int = 20062) -> dict[str, Array]:
     """Measure how far distributions are from that at one load.
 
     Parameters
     ----------
     histograms : (surfaces, loads, bins) array
         Counts or shares; those of the surfaces are pooled, never their distances.
+
+    Returns
+    -------
+    dict of str to (loads,) array
+        The distance itself ("") of the pooled surfaces; ``_lower``, ``_upper``, its 95 % interval by resampling the surfaces,
+        each with all its loads; ``_noise``, the distance that two sets of as many surfaces have from each other, 95th
+        percentile, root mean square of that load and the reference, NaN for a single surface. Less is not told from zero: the
+        two loads are of the same surfaces, so that this is on the safe side.
     """
     surfaces = histograms.shape[0]
     pooled = histograms.sum(axis=0)
@@ -109,4 +101,4 @@ def distance_to_reference(histograms: Array, reference: int, *, seed: int = 2006
     twin = np.percentile(apart, 95, axis=0) * factor
     noise = np.sqrt((twin**2 + twin[reference] ** 2) / 2)
     low, high = np.percentile(spread, [2.5, 97.5], axis=0)
-    return Distance(value=value, low=low, high=high, noise=noise)
+    return {"": value, "_lower": low, "_upper": high, "_noise": noise}

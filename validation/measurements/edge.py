@@ -17,7 +17,7 @@ from validation.arrays import Array, Grid
 from validation.effects.base import ContactModel
 from validation.execution.bench import Bench
 from validation.execution.measurement import measurement
-from validation.measurements.common import named, reduced_load
+from validation.measurements.common import reduced_load
 from validation.measurements.limits import solved
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import gather
@@ -72,12 +72,12 @@ def edge_of_contact(
     excess = areas.pixel - areas.perimeter
     return xr.Dataset(
         {
-            "density": named("bin", density, "P(sigma) E* h'_rms per nominal area"),
-            "contour": named((), contour, "true contour length per nominal area times lambda_short"),
+            "density": ("bin", density),
+            "contour": ((), contour),
             "inverse_square": ((), inverse_square_coefficient(result) * unit**2 / wave),
             "patches": ((), find_patches(result.in_contact, result.spacing).count),
             "area": ((), areas.perimeter),
-            "excess": named((), excess, "counted area above the corrected one, per nominal area"),
+            "excess": ((), excess),
             "seconds": ((), result.cost.wall_seconds),
         },
         coords={"stress": ("bin", (edges[1:] + edges[:-1]) / 2), "upper": ("bin", edges[1:])},

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -116,14 +115,8 @@ def moved_shares(data: xr.Dataset) -> xr.Dataset:
     for name, share in SHARES.items():
         distance = distance_to_reference(data[f"{share}_each"].values, reference)
         how = {"reduction": "distance", "of": f"{share}_each", "reference": reference}
-        parts: Mapping[str, Any] = {
-            "": distance.value,
-            "_lower": distance.low,
-            "_upper": distance.high,
-            "_noise": distance.noise,
-            "_beyond": distance.value - distance.noise,
-        }
-        made |= {f"moved_{name}{end}": ("load", values, how) for end, values in parts.items()}
+        distance["_beyond"] = distance[""] - distance["_noise"]
+        made |= {f"moved_{name}{end}": ("load", values, how) for end, values in distance.items()}
     data = data.assign(made).assign_attrs(reference_load=reference)
     for name in SHARES:
         value = data[f"moved_{name}"]

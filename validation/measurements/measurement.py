@@ -23,7 +23,7 @@ from validation.effects.base import ContactModel
 from validation.execution.cost import dearer_by
 from validation.execution.measurement import measurement
 from validation.execution.solve import LOCATED_EDGES
-from validation.measurements.common import LEAST_POINTS_PER_WAVE, SHIFTS, named, reduced_load
+from validation.measurements.common import LEAST_POINTS_PER_WAVE, SHIFTS, reduced_load
 from validation.measurements.distributions import histograms_of
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import EffectSpec, FileSurface
@@ -37,26 +37,12 @@ if TYPE_CHECKING:
 #: How far the sides of a cell may differ for edges to be located inside it.
 _SQUARE = 0.05
 
-#: What is read off every solve: name, unit, meaning.
-QUANTITIES = {
-    "pixel": ("1", "A/A0, contact points counted"),
-    "perimeter": ("1", "A/A0, perimeter-corrected"),
-    "subcell": ("1", "A/A0, edge located inside the cells"),
-    "edge_fraction": ("1", "edges between contact and non-contact per grid point"),
-    "alignment": ("1", "0 for a contour of all directions, 1 for a line"),
-    "anisotropy": ("1", "1 less Peklenik's number of the heights"),
-    "unresolved": ("1", "share of the curvature of the heights in waves of less than four points"),
-    "wavenumber": ("1", "rms wavenumber of the curvature of the heights, times the spacing"),
-    "density_at_zero": ("1", "P(0+) E* h'_rms from pressures below a threshold ~ sqrt(dx)"),
-    "patches": ("1", "number of contact patches"),
-    "patch_size": ("m^2", "mean patch size, sum A_i^2 / sum A_i"),
-    "cells_per_patch": ("1", "cells of the patch in which the median point of the contact area lies"),
-    "mean_gap": ("m", "mean gap"),
-    "energy": ("Pa m", "elastic energy per nominal area, mean of p u / 2"),
-    "residual": ("1", "largest contact residual"),
-    "seconds": ("s", "processor time of the solve, on one thread"),
-    "peak_bytes": ("byte", "largest memory of the arrays of the solve"),
-}
+#: What areas are made of, and what is read off every solve: pressures in Pa, lengths in m, costs in s and bytes.
+_AREAS = ("pixel", "perimeter", "subcell", "edge_fraction")
+QUANTITIES = (
+    *(*_AREAS, *TRAITS, "density_at_zero", "patches", "patch_size", "cells_per_patch", "mean_gap", "energy"),
+    *("residual", "seconds", "peak_bytes"),
+)
 
 
 def grid_for(problem: ContactProblem, points_per_wave: float) -> Grid:
@@ -102,15 +88,15 @@ _KEPT: dict[str, tuple[str, ...]] = {
     "LoadPath": ("distributions", "stiffness"),
     "_Rich": ("stiffness", "slope"),
 }
-_MORE = {
-    "stiffness": ("1", "K h_rms / p0, contact set held"),
-    "slope": ("1", "slope of P(sigma), times (E* h'_rms)^2, fitted between .1 and .4 E* h'_rms"),
-}
 
 
-def quantities_of(keep: tuple[str, ...]) -> dict[str, tuple[str, str]]:
-    """Return what is read off every solve: name, unit, meaning."""
-    return QUANTITIES | {name: _MORE[name] for name in keep if name in _MORE}
+def quantities_of(keep: tuple[str, ...]) -> tuple[str, ...]:
+    """Name what is read off every solve.
+
+    ``stiffness`` is K h_rms / p0 with the contact set held, ``slope`` that of P(sigma), times (E* h'_rms)^2, fitted
+    between .1 and .4 E* h'_rms.
+    """
+    return (*QUANTITIES, *(name for name in ("stiffness", "slope") if name in keep))
 
 
 def _recipe(
@@ -176,8 +162,7 @@ def press_on_grids(
     loads = reduced_pressures or (reduced_load(problem),)
     offsets = subgrid_shifts(shifts)
     shape = (len(grids), len(offsets), len(loads))
-    quantities = quantities_of(keep)
-    values = {name: np.empty(shape) for name in quantities}
+    values = {name: np.empty(shape) for name in quantities_of(keep)}
     histograms: dict[str, Array] = {}
     for (i, grid), (j, shift) in itertools.product(enumerate(grids), enumerate(offsets)):
         field = truncated_heights(problem, grid, shift, truncation=truncation)
@@ -198,36 +183,18 @@ def press_on_grids(
                     zeros = np.zeros((shape[0], shape[2], counts.size))
                     histograms.setdefault(name, zeros)[i, k] += counts
     histograms = {name: counts / len(offsets) for name, counts in histograms.items()}
-    return _dataset(problem, grids, loads, quantities=quantities, values=values, histograms=histograms)
-
-
-def _dataset(
-    problem: ContactProblem,
-    grids: Sequence[Grid],
-    loads: Sequence[float],
-    *,
-    quantities: Mapping[str, tuple[str, str]],
-    values: Mapping[str, Array],
-    histograms: Mapping[str, Array],
-) -> xr.Dataset:
     import xarray as xr
 
-    data: dict[str, Any] = {
-        name: named(("grid", "shift", "load"), values[name], meaning, unit=unit)
-        for name, (unit, meaning) in quantities.items()
-    }
-    for name, counts in histograms.items():
-        data[f"{name}_profile"] = (("grid", "load", f"{name}_bin"), counts)
+    data: dict[str, Any] = {name: (("grid", "shift", "load"), array) for name, array in values.items()}
+    data |= {f"{name}_profile": (("grid", "load", f"{name}_bin"), h) for name, h in histograms.items()}
     field, modulus = problem.field, problem.contact_modulus
     return xr.Dataset(
         data,
         coords={
             "points": ("grid", [nx for nx, _ in grids]),
             "cells": ("grid", [nx * ny for nx, ny in grids]),
-            "points_per_wave": named(
-                "grid", [problem.points_per_wave(grid) for grid in grids], "lambda_short / dx"
-            ),
-            "reduced_pressure": named("load", list(loads), "p0 / (E* h'_rms)"),
+            "points_per_wave": ("grid", [problem.points_per_wave(grid) for grid in grids]),
+            "reduced_pressure": ("load", list(loads)),
         },
         attrs={
             "rms_height": field.rms_height,
@@ -309,11 +276,8 @@ def _read_off(result: ContactResult, *, located: bool) -> dict[str, float]:
     cell = result.spacing[0] * result.spacing[1]
     half = np.searchsorted(np.cumsum(sizes), sizes.sum() / 2)
     return {
-        "pixel": areas.pixel,
-        "perimeter": areas.perimeter,
+        **{name: getattr(areas, name) for name in (*_AREAS, *TRAITS)},
         "subcell": np.nan if areas.subcell is None else areas.subcell,
-        "edge_fraction": areas.edge_fraction,
-        **{name: getattr(areas, name) for name in TRAITS},
         "density_at_zero": density_at_zero(result).reduced,
         "patches": patches.count,
         "patch_size": patches.mean_size,
@@ -355,10 +319,6 @@ def areas_of(dataset: xr.Dataset, load: int, *, least_points_per_wave: float = 0
         )
         for i, j in itertools.product(keep, range(dataset.sizes["shift"]))
     ]
-
-
-#: What areas are made of, beside `TRAITS`.
-_AREAS = ("pixel", "perimeter", "subcell", "edge_fraction")
 
 
 def stored_areas(

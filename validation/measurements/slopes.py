@@ -19,16 +19,6 @@ from validation.scenes.problem import ContactProblem
 if TYPE_CHECKING:
     from fem_contact.block import FiniteStrain
 
-#: What is measured of every slope.
-_NAMES = {
-    "area": "A/A0 projected on the plane where the nodes are now, nodes counted",
-    "material_area": "share of the undeformed surface in contact, nodes counted",
-    "true_area": "area along the rigid surface over A0, nodes counted",
-    "square_pressure": "int p^2 dA / (p0^2 A0), p over the projected area",
-    "residual": "forces that nothing balances over those of the contact",
-    "sideways": "mean force along the plane over the load",
-}
-
 
 def _predicted(points: int, slopes: tuple[float, ...]) -> Prediction:
     unknowns = int(3 * points * 3 * np.log(points))
@@ -42,7 +32,10 @@ def steepened(
 ) -> xr.Dataset:
     """Press a surface at one p0 / (E* h'_rms) with rising slopes, where the solid is neo-Hookean.
 
-    Areas and the mean square pressure by slope; NaN, with the reason, where Newton's method ends.
+    By slope: A/A0 projected on the plane where the nodes are now, the share of the undeformed surface in contact
+    (material), and the area along the rigid surface (true), nodes counted; int p^2 dA / (p0^2 A0), p over the
+    projected area; forces that nothing balances over those of the contact, and the mean force along the plane over
+    the load. NaN, with the reason, where Newton's method ends.
 
     Parameters
     ----------
@@ -58,19 +51,19 @@ def steepened(
     field, solid = problem.heights(grid), problem.elastic
     pressure = problem.reduced_pressure * solid.contact_modulus * field.rms_gradient
     mesh: Any = {"depth": depth * max(field.lengths), "growth": growth}
-    values_of = {name: np.full(len(slopes), np.nan) for name in _NAMES}
+    steps: list[dict[str, float]] = []
     ended = ""
     with threadpool_limits(limits=1, user_api="blas"):
         linear = block.solve(field, solid, mean_pressure=pressure, **mesh).contact.checked()
         try:
             steeper = block.solve_slopes(field, solid, mean_pressure=pressure, slopes=slopes, **mesh)
-            for k, each in enumerate(steeper):
-                for name, value in _read_off(each).items():
-                    values_of[name][k] = value
+            for each in steeper:
+                steps.append(_read_off(each))  # noqa: PERF401: what came before an error counts
         except NotConverged as error:
             ended = str(error)
+    left = [dict.fromkeys(_NAMES, np.nan)] * (len(slopes) - len(steps))
     return xr.Dataset(
-        {name: ("slope", values, {"long_name": _NAMES[name]}) for name, values in values_of.items()}
+        {name: ("slope", [step[name] for step in (*steps, *left)]) for name in _NAMES}
         | {
             "linear_area": ((), float(np.mean(linear.in_contact))),
             "linear_square_pressure": ((), float(np.mean(linear.pressure**2)) / linear.mean_pressure**2),
@@ -80,15 +73,12 @@ def steepened(
     )
 
 
+_NAMES = ("area", "material_area", "true_area", "square_pressure", "residual", "sideways")
+
+
 def _read_off(block: FiniteStrain) -> dict[str, float]:
-    return {
-        "area": block.area,
-        "material_area": block.material_area,
-        "true_area": block.true_area,
-        "square_pressure": float(np.mean(block.shares * block.pressure**2)) / block.mean_pressure**2,
-        "residual": block.residual,
-        "sideways": block.sideways,
-    }
+    square = float(np.mean(block.shares * block.pressure**2)) / block.mean_pressure**2
+    return {name: square if name == "square_pressure" else getattr(block, name) for name in _NAMES}
 
 
 #: Changes against the linear block, and what of a measurement they are of.

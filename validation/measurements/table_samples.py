@@ -147,17 +147,20 @@ class SampledSpectrum:
             unsolved_seconds=float(coarsest.attrs["seconds"]) + float(further.attrs["seconds"]),
             seconds=[np.array([d.seconds.sum(("grid", "shift")).values for d in group]) for group in ending],
         )
-        data = xr.Dataset(coords={"reduced_pressure": list(self.loads)})
+        at = {"reduced_pressure": list(self.loads)}
+        data = xr.Dataset(coords=at)
 
         def over_loads(values: ArrayLike) -> xr.DataArray:
-            return xr.DataArray(values, dims="reduced_pressure", coords=data.coords)
+            return xr.DataArray(values, dims="reduced_pressure", coords=at)
 
         # Cubic splines beside monotone cubics.
         differences = []
         for surface in ending[0]:
-            at: dict[str, Any] = {"loads": self.loads, "wanted": self._wanted(surface)}
+            case: dict[str, Any] = {"loads": self.loads, "wanted": self._wanted(surface)}
             areas = self._values(surface, "area", 0)
-            differences.append(at_loads(areas, **at) - at_loads(areas, **at, interpolator=PchipInterpolator))
+            differences.append(
+                at_loads(areas, **case) - at_loads(areas, **case, interpolator=PchipInterpolator)
+            )
         reading = over_loads(np.abs(np.mean(differences, axis=0)))
         for name in (*QUANTITIES, BY_SPECTRUM):
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -25,7 +27,7 @@ from validation.report.marks import Figure, Level, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
 from validation.studies._options import Methods, ReducedPressure, Seed, Surfaces
-from validation.studies._scene import PressedOptions, SolverRequest
+from validation.studies._scene import PressedOptions
 
 _ELEMENTS = ("Hex1", "Hex2")
 
@@ -75,46 +77,61 @@ class Options(PressedOptions):
         return installed_peers() if asked else ()
 
 
-#: A part of the study, then what is told apart in it: element or code, grid, number of the surface.
-_Case = tuple[str | float | int, ...]
+#: A part of the study, what is told apart in it, and the number of the surface.
+_Case = tuple[str, str, int]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Single:
+    """A solver on one grid, which gives an area by every definition."""
+
+    part: str
+    name: str
+    per_wave: float
+    process: bool = False  # Whether its memory is that of a process
+    solve: Callable[..., Call]  # Of a surface
+
+    @property
+    def label(self) -> str:
+        return f"{self.name} {{}}, {self.per_wave:g} per wave"
 
 
 def _codes(options: Options) -> tuple[str, ...]:
     return (*options.peers, OWN) if options.peers else ()
 
 
-def _others(options: Options) -> tuple[SolverRequest, ...]:
-    return options.others(options.method_points_per_wave)
-
-
-def _blocks(options: Options) -> tuple[tuple[str, float], ...]:
+def _singles(options: Options) -> Iterator[_Single]:
+    """Finite elements, other codes and ours, each in a process of its own, and solvers that are asked for by name."""
+    first = options.first
     asked = options.fem_points_per_wave if "fem" in options.methods else ()
-    return tuple(itertools.product(_ELEMENTS, asked))
+    for element, n in itertools.product(_ELEMENTS, asked):
+        solve = partial(block_beside_bem, grid=grid_for(first, n), element=element)
+        yield _Single(part="FEM", name=f"FEM {element}", per_wave=n, solve=solve)
+    for code, n in itertools.product(_codes(options), options.peer_points_per_wave):
+        solve = partial(by_peer, grid=grid_for(first, n), code=code)
+        yield _Single(part="peers", name=code, per_wave=n, process=True, solve=solve)
+    for solver in options.others(options.method_points_per_wave):
+        settings = tuple({"tolerance": _TOLERANCE, **dict(solver.settings)}.items())
+        for grid in solver.grids:
+            yield _Single(
+                part="others",
+                name=solver.name,
+                per_wave=first.points_per_wave(grid),
+                process=solver.method not in ("bem", "fem"),
+                solve=partial(beside_bem, grid=grid, method=solver.method, settings=settings),
+            )
 
 
 def design(options: Options) -> dict[_Case, Call]:
     """Return the solves of each part: reference, boundary and finite elements, other codes."""
-    first, pressed = options.first, dict(enumerate(options.pressed))
     cases: dict[_Case, Call] = {}
-    held_out = tuple(grid_for(first, n) for n in options.held_out_points_per_wave)
-    for part, grids, tolerance in (
-        ("coarse", options.grids_for(options.points_per_wave), options.tolerance(_TOLERANCE)),
-        ("fine", held_out, _FINE_TOLERANCE),
-    ):
-        for k, problem in pressed.items():
-            cases[part, k] = press_on_grids(problem=problem, grids=grids, tolerance=tolerance)
-    for (element, n), (k, problem) in itertools.product(_blocks(options), pressed.items()):
-        cases["FEM", element, n, k] = block_beside_bem(
-            problem=problem, grid=grid_for(first, n), element=element
-        )
-    for code, n, k in itertools.product(_codes(options), options.peer_points_per_wave, pressed):
-        cases["peers", code, n, k] = by_peer(problem=pressed[k], grid=grid_for(first, n), code=code)
-    for solver, k in itertools.product(_others(options), pressed):
-        settings = {"tolerance": _TOLERANCE, **dict(solver.settings)}
-        for g, grid in enumerate(solver.grids):
-            cases["others", solver.name, g, k] = beside_bem(
-                problem=pressed[k], grid=grid, method=solver.method, settings=tuple(settings.items())
-            )
+    held_out = tuple(grid_for(options.first, n) for n in options.held_out_points_per_wave)
+    own = options.grids_for(options.points_per_wave), options.tolerance(_TOLERANCE)
+    for part, (grids, tolerance) in {"coarse": own, "fine": (held_out, _FINE_TOLERANCE)}.items():
+        for k, problem in enumerate(options.pressed):
+            cases[part, "", k] = press_on_grids(problem=problem, grids=grids, tolerance=tolerance)
+    for single, (k, problem) in itertools.product(_singles(options), enumerate(options.pressed)):
+        cases[single.part, single.label, k] = single.solve(problem=problem)
     return cases
 
 
@@ -134,14 +151,14 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     measured = solved(bench, design(options))
     surfaces = range(options.surfaces)
-    fine = [area_limits(measured["fine", k]) for k in surfaces]
+    fine = [area_limits(measured["fine", "", k]) for k in surfaces]
     reference = np.array([value[0] for value, _ in fine])
     uncertainty = np.array([error[0] for _, error in fine]) / reference
     ways = {way_data.attrs["way"]: way_data for way_data in _ways(options, measured)}
     data = gather(ways, way=list(ways)).set_coords(["kind", "process"])
     data = data.assign_coords(surface=list(surfaces))
     data = data.assign(area_deviation_each=data.area_each / reference - 1).drop_vars("area_each")
-    coarse = [area_limits(measured["coarse", k]) for k in surfaces]
+    coarse = [area_limits(measured["coarse", "", k]) for k in surfaces]
     claimed = [NORMAL * error[0] / truth for (_, error), truth in zip(coarse, reference, strict=True)]
     missed = [value[0] / truth - 1 for (value, _), truth in zip(coarse, reference, strict=True)]
     data = data.assign(
@@ -151,8 +168,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         reference_rms=float(np.sqrt(np.mean(uncertainty**2))),
     )
     data["area_deviation_rms"] = (data.area_deviation_each**2).mean("surface") ** 0.5
-    codes, others, known = options.peers, _others(options), known_peers()
-    cited = ["bem", *(["fem"] if _blocks(options) else []), *(a.method for a in others)]
+    codes, known = options.peers, known_peers()
+    others, parts = options.others(options.method_points_per_wave), {part for part, _, _ in measured}
+    cited = ["bem", *(["fem"] if "FEM" in parts else []), *(solver.method for solver in others)]
     return chosen_ways(covered(data)).assign_attrs(
         reduced_pressure=options.reduced_pressure,
         peers=" ".join([*codes, *(solver.name for solver in others)]),
@@ -165,42 +183,25 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 def _ways(options: Options, measured: Mapping[_Case, xr.Dataset]) -> Iterator[xr.Dataset]:
     surfaces = range(options.surfaces)
-    yield from ways_of_bem([measured["coarse", k] for k in surfaces])
-    singles: list[tuple[_Case, str, float, bool]] = [
-        *((("FEM", element, n), f"FEM {element}", n, False) for element, n in _blocks(options)),
-        *(
-            (("peers", code, n), code, n, True)
-            for code, n in itertools.product(_codes(options), options.peer_points_per_wave)
-        ),
-        *(
-            (
-                ("others", a.name, g),
-                a.name,
-                options.first.points_per_wave(grid),
-                a.method not in ("bem", "fem"),
-            )
-            for a in _others(options)
-            for g, grid in enumerate(a.grids)
-        ),
-    ]
-    for place, name, per_wave, process in singles:
-        part = [measured[(*place, k)] for k in surfaces]
+    yield from ways_of_bem([measured["coarse", "", k] for k in surfaces])
+    for single in _singles(options):
+        results = [measured[single.part, single.label, k] for k in surfaces]
         for area in AREAS:
-            if area in part[0] and np.isfinite([float(result[area]) for result in part]).all():
+            if area in results[0] and np.isfinite([float(result[area]) for result in results]).all():
                 yield way(
-                    [float(result[area]) for result in part],
-                    label=f"{name} {area}, {per_wave:g} per wave",
-                    seconds=[float(result.seconds) for result in part],
-                    peak_bytes=[float(result.peak_bytes) for result in part],
-                    process=process,
+                    [float(result[area]) for result in results],
+                    label=single.label.format(area),
+                    seconds=[float(result.seconds) for result in results],
+                    peak_bytes=[float(result.peak_bytes) for result in results],
+                    process=single.process,
                 )
 
 
 def _unsettled(measured: Mapping[_Case, xr.Dataset]) -> str:
     missed = [
-        str(case[1])
-        for case, result in measured.items()
-        if case[0] == "others" and float(result.converged) < 1
+        label.split(" {}, ")[0]
+        for (part, label, _), result in measured.items()
+        if part == "others" and float(result.converged) < 1
     ]
     return ", ".join(f"{name} {missed.count(name)}" for name in dict.fromkeys(missed))
 
