@@ -8,7 +8,6 @@ negative, cut off or lifted, and whether residuals fall with the tolerance. What
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -76,19 +75,11 @@ def _diagnosed(subject: Subject) -> str:
 # ---- full contact: the answer is known -----------------------------------------------------------------
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Fit:
-    """A pattern in the fluctuation of the pressure: its factor, and the part that it leaves."""
-
-    factor: float
-    left: float
-
-    @classmethod
-    def of(cls, found: Array, pattern: Array) -> _Fit:
-        factor = float(np.vdot(pattern, found) / np.vdot(pattern, pattern))
-        size = float(np.linalg.norm(found))
-        left = float(np.linalg.norm(found - factor * pattern)) / size if size else 1.0
-        return cls(factor=factor, left=left)
+def _fitted(pressure: Array, pattern: Array) -> tuple[float, float]:
+    """Return the factor of a pattern in the fluctuation of the pressure, and the part that it leaves."""
+    factor = float(np.vdot(pattern, pressure) / np.vdot(pattern, pattern))
+    size = float(np.linalg.norm(pressure))
+    return factor, float(np.linalg.norm(pressure - factor * pattern)) / size if size else 1.0
 
 
 def _of_full_contact(transfer: Transfer) -> str | None:
@@ -99,12 +90,12 @@ def _of_full_contact(transfer: Transfer) -> str | None:
     if np.ptp(pressure) < 1e-6 * np.ptp(exact):
         return "all points have one pressure" if mean else "all pressures are zero"
     moved, pattern = pressure - mean, exact - load
-    fit, share = _Fit.of(moved, pattern), mean / load
-    if fit.left < off and transfer.factor is not None:
-        return _scaled(fit.factor, share, off=float(transfer.allowed[:2].max()))
+    (factor, left), share = _fitted(moved, pattern), mean / load
+    if left < off and transfer.factor is not None:
+        return _scaled(factor, share, off=float(transfer.allowed[:2].max()))
     for words, turn in _TURNED.items():
-        turned = _Fit.of(moved, turn(pattern))
-        if turned.left < off and abs(turned.factor - 1) < off and abs(share - 1) < off:
+        factor, left = _fitted(moved, turn(pattern))
+        if left < off and abs(factor - 1) < off and abs(share - 1) < off:
             return f"the pressures are {words}"
     shift = transfer.shift
     if shift is not None and max(map(abs, shift)) > 0.05 and abs(np.abs(transfer.ratio) - 1).max() < 4 * off:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
 from fem_contact.area import subcell_area
 from fem_contact.errors import NotConverged
-from validation.cases import Check, below, case, near, relative
+from validation.cases import Case, Check, below, case, near, relative
 from validation.cases._closed_forms import EGG_BOX_DEPTH, EGG_BOX_FLAT, HertzInPeriod, egg_box
 from validation.cases.scorecard.elementary import judge_residuals
 from validation.cases.scorecard.known import mean_inside, strip
@@ -92,27 +93,7 @@ def odd_axes(subject: Subject) -> Sequence[Check]:
     return judge_residuals(subject, checks)
 
 
-@case(
-    "offset",
-    "An offset leads to the pressures of the load that it belongs to.",
-    source="uniqueness of the elastic solution",
-    tolerance="solver",
-)
-def offset(subject: Subject) -> Sequence[Check]:
-    return _asked_back(subject, _LIGHT)
-
-
-@case(
-    "offset-near-full",
-    "So it does near full contact.",
-    source="uniqueness of the elastic solution",
-    tolerance="solver",
-)
-def offset_near_full(subject: Subject) -> Sequence[Check]:
-    return _asked_back(subject, _NEAR_FULL)
-
-
-def _asked_back(subject: Subject, load: float) -> Sequence[Check]:
+def _asked_back(subject: Subject, *, load: float) -> Sequence[Check]:
     subject.needs(control="offset")
     surface = rough(2 * subject.points)
     by_load = subject.press(surface, load).result
@@ -128,6 +109,21 @@ def _asked_back(subject: Subject, load: float) -> Sequence[Check]:
         below("solves that say they did not converge, of 1", found.claim.converged is False, 0.5),
     ]
     return judge_residuals(subject, checks)
+
+
+offset, offset_near_full = (
+    Case(
+        name=name,
+        claim=claim,
+        run=partial(_asked_back, load=load),
+        source="uniqueness of the elastic solution",
+        tolerance="solver",
+    )
+    for name, claim, load in (
+        ("offset", "An offset leads to the pressures of the load that it belongs to.", _LIGHT),
+        ("offset-near-full", "So it does near full contact.", _NEAR_FULL),
+    )
+)
 
 
 @case("cut-short", "A solve that ends early says so.", source="definition", tolerance="rounding")
