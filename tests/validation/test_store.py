@@ -9,7 +9,6 @@ import json
 import os
 import random
 import shutil
-import stat
 import subprocess
 import sys
 import time
@@ -26,7 +25,7 @@ from solving import Numbers, fields
 
 from validation import files
 from validation.errors import RunFailed
-from validation.execution.attempt import Outcome, Progress, attempt
+from validation.execution.attempt import Progress, attempt
 from validation.execution.checksum import Damaged, seal, unseal
 from validation.execution.provenance import Made, made_words
 from validation.execution.running import solve_all
@@ -190,21 +189,6 @@ def test_a_good_file_is_never_set_aside_for_want_of_memory(stored, monkeypatch, 
     with pytest.raises(RunFailed, match="memory does not suffice"):
         store.read(solve)
     assert before == sorted(path.name for path in store.folder.iterdir())
-
-
-def test_a_file_that_another_process_has_locked_is_read(stored):
-    store, solve, _ = stored
-    code = (
-        "import fcntl, sys, time; f = open(sys.argv[1], 'r+b'); fcntl.flock(f, fcntl.LOCK_EX); "
-        "print('locked', flush=True); time.sleep(60)"
-    )
-    command = [sys.executable, "-c", code, str(store.path(solve))]
-    with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
-        try:
-            process.stdout.readline()
-            assert store.holds(solve)
-        finally:
-            process.kill()
 
 
 @pytest.mark.parametrize(
@@ -463,11 +447,3 @@ def test_a_seal_holds_any_recipe_and_content():
     assert sealed.made == {"host": "\n"}
     with pytest.raises(Damaged):
         unseal(whole[:-1])
-
-
-def test_an_outcome_of_a_refusing_disk_ends_the_run(tmp_path):
-    (tmp_path / "file").write_text("")
-    outcome = attempt(Numbers(1), Store(folder=tmp_path / "file"))
-    assert isinstance(outcome, Outcome)
-    assert outcome.fatal
-    assert stat.S_ISREG((tmp_path / "file").stat().st_mode)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from validation.cli.options import JsonOption, examples, say, stopping_cleanly
+from validation.cli.options import JsonOption, examples, say
 
 __all__ = ["challenge_app"]
 
@@ -31,8 +31,7 @@ def export(
     from validation.cases.scorecard.challenge import export as write
     from validation.files import prepare_folder
 
-    with stopping_cleanly():
-        count = write(prepare_folder(folder), points=points, tolerance=tolerance)
+    count = write(prepare_folder(folder), points=points, tolerance=tolerance)
     typer.echo(
         f"{folder}: {count} problems; their answers are scored by: fem-contact challenge score {folder}"
     )
@@ -48,6 +47,5 @@ def score(
     from validation.cases.scorecard.challenge import score_folder
     from validation.cli.validate import show_scorecards
 
-    with stopping_cleanly():
-        card = score_folder(folder, tell=None if as_json else lambda line: say(line, prefix=""))
+    card = score_folder(folder, tell=None if as_json else lambda line: say(line, prefix=""))
     show_scorecards([card], write_scorecards(folder, [card]), as_json=as_json)

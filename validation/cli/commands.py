@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import typer
+from typer.core import TyperGroup
 
 from validation.cli.audit import audit
 from validation.cli.challenge import challenge_app
@@ -24,8 +25,21 @@ from validation.errors import RunFailed, UsageError
 
 __all__ = ["app", "main"]
 
+
+class _Commands(TyperGroup):
+    """All commands: Ctrl-C ends each in a sentence and exit code 130."""
+
+    def invoke(self, *arguments: Any) -> Any:
+        try:
+            return super().invoke(*arguments)
+        except KeyboardInterrupt:
+            say("interrupted; every finished solve is stored, and the same command continues after it")
+            raise typer.Exit(130) from None
+
+
 app = typer.Typer(
     name="fem-contact",
+    cls=_Commands,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from validation.cli.options import JsonOption, OutputOption, ReportOption, print_json
+from validation.cli.options import JsonOption, OutputOption, ReportOption
 
 __all__ = ["compare"]
 
@@ -34,7 +34,4 @@ def compare(
     target = output or Path("results") / f"compare-{names[:80]}"
     with under_way("comparing, drawing figures", quiet=as_json):
         page, files = compare_folders(folders, target, report=with_report)
-    if as_json:
-        print_json(page.summary)
-    else:
-        print_page(page, files)
+    print_page(page, files, as_json=as_json)

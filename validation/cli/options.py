@@ -48,7 +48,6 @@ __all__ = [
     "say",
     "scene_names",
     "show",
-    "stopping_cleanly",
     "terminal_width",
 ]
 
@@ -214,16 +213,6 @@ def chosen_accuracy(
         raise UsageError("--scheduler: not together with --accuracy, which measures this machine")
     seconds = None if time_limit is None else read_quantity(Duration, time_limit, "--time-limit")
     return {"target": target, "time_limit": seconds}
-
-
-@contextlib.contextmanager
-def stopping_cleanly() -> Iterator[None]:
-    """Turn Ctrl-C into a sentence and exit code 130."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        say("interrupted; every finished solve is stored, and the same command continues after it")
-        raise typer.Exit(130) from None
 
 
 #: Kinds of solves that a plan lists; the cheaper ones stand together in one line.

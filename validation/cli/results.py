@@ -24,9 +24,20 @@ _MANY_ROWS = 40
 
 
 def print_page(
-    page: Page, files: Iterable[Path], *, more: Sequence[str] = (), done: str = "Written:"
+    page: Page,
+    files: Iterable[Path],
+    *,
+    as_json: bool = False,
+    more: Sequence[str] = (),
+    done: str = "Written:",
 ) -> None:
-    """Print the first table of a page, its findings and `more` of them, and below `done` the files."""
+    """Print the first table of a page, its findings and `more` of them, and below `done` the files.
+
+    For scripts, its summary as JSON instead.
+    """
+    if as_json:
+        print_json(page.summary)
+        return
     width = terminal_width()
     for line in sentence_lines(f"{page.title}: {page.lead}", width):
         show(line)

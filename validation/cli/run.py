@@ -60,11 +60,11 @@ def run(
         run_parallel(loaded, folder / "mpi", as_json=as_json, unfit=unfit)
         return
     execution = options.chosen_execution(how, workers=workers, scheduler=scheduler, memory=memory)
-    for flag, value in {**alone, "--pictures": pictures}.items():
-        if value and isinstance(loaded, Sweep):
-            raise UsageError(
-                f"{flag}: not together with the table [sweep] of {scene}; run one scene of it by --set"
-            )
+    given = [flag for flag, value in {**alone, "--pictures": pictures}.items() if value]
+    if given and isinstance(loaded, Sweep):
+        raise UsageError(
+            f"{given[0]}: not together with the table [sweep] of {scene}; run one scene of it by --set"
+        )
     chosen = options.chosen_accuracy(accuracy, time_limit=time_limit, dry_run=dry_run, execution=execution)
     with options.naming(scene):
         drawn = with_report and (how.pictures if pictures is None else pictures)
@@ -72,16 +72,13 @@ def run(
     if dry_run:
         options.print_plan(solves(), Store(folder=store_folder), as_json=as_json)
         return
-    with options.stopping_cleanly(), Bar(quiet=quiet or how.quiet or as_json) as bar:
+    with Bar(quiet=quiet or how.quiet or as_json) as bar:
         done = solve(progress=bar, execution=execution, store_folder=store_folder, report=with_report)
     outputs, accurate = getattr(done, "outputs", done), getattr(done, "reached", None)
-    if as_json:
-        options.print_json(outputs.page.summary)
-    else:
-        solved, reused = (accurate.solves, accurate.reused) if accurate else (outputs.solved, outputs.reused)
-        line = f"{solved} solves done, {reused} found finished. Written:"
-        more = tuple(accurate.sentences()) if accurate else ()
-        print_page(outputs.page, outputs.files, more=more, done=line)
+    solved, reused = (accurate.solves, accurate.reused) if accurate else (outputs.solved, outputs.reused)
+    line = f"{solved} solves done, {reused} found finished. Written:"
+    more = tuple(accurate.sentences()) if accurate else ()
+    print_page(outputs.page, outputs.files, as_json=as_json, more=more, done=line)
     outputs.check()
 
 
@@ -103,11 +100,11 @@ def _prepared(
         return partial(solves_of_sweep, loaded, cases), partial(run_sweep, loaded, folder, cases=cases)
     problem = realise(loaded)
     check_scene(loaded, problem)
-    run_one: Callable[..., Any] = partial(run_scene, problem=problem)
     if chosen is not None:
-        run_one = partial(run_accurate, **chosen)
-    listed = run_solves if chosen is None else solves_of
-    return partial(listed, loaded, problem), partial(run_one, loaded, folder, pictures=pictures)
+        accurate = partial(run_accurate, loaded, folder, pictures=pictures, **chosen)
+        return partial(solves_of, loaded, problem), accurate
+    plain = partial(run_scene, loaded, folder, problem=problem, pictures=pictures)
+    return partial(run_solves, loaded, problem), plain
 
 
 def _folders(
@@ -160,8 +157,7 @@ def calibrate(
     from validation.execution.calibration import cache_file
     from validation.execution.calibration import calibrate as measure
 
-    with options.stopping_cleanly():
-        measured = measure(points=points, tell=None if as_json else typer.echo)
+    measured = measure(points=points, tell=None if as_json else typer.echo)
     if as_json:
         options.print_json({"factors": dict(measured.factors), "source": measured.source})
     else:
@@ -196,6 +192,6 @@ def report(
         else:
             files = report_scene(folder, pictures=pictures).files
     if as_json:
-        options.print_json([str(path) for path in files])
+        options.print_json(list(files))
     else:
         typer.echo("\n".join(f"  {path}" for path in files))

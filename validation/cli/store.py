@@ -9,15 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from validation.cli.options import (
-    JsonOption,
-    examples,
-    option,
-    print_json,
-    say,
-    show,
-    stopping_cleanly,
-)
+from validation.cli.options import JsonOption, examples, option, print_json, say, show
 from validation.errors import RunFailed, UsageError
 
 if TYPE_CHECKING:
@@ -56,11 +48,10 @@ def check(
     inner = folder / "solves"
     place = inner if inner.is_dir() and (folder / "result.json").exists() else folder
     files: list[Checked] = []
-    with stopping_cleanly():
-        for file in check_store(place, set_aside=set_aside):
-            files.append(file)
-            if not as_json and (list_all or file.problem is not None):
-                show(_line(file))
+    for file in check_store(place, set_aside=set_aside):
+        files.append(file)
+        if not as_json and (list_all or file.problem is not None):
+            show(_line(file))
     damaged, intact = sum(file.damaged for file in files), [file for file in files if file.problem is None]
     if as_json:
         print_json([_summary(file) for file in files])

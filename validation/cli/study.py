@@ -97,7 +97,7 @@ def study(
         else:
             typer.echo("[]" if as_json else "Nothing is solved by this study.")
         return
-    with options.stopping_cleanly(), Bar(quiet=quiet or how.quiet or as_json) as bar:
+    with Bar(quiet=quiet or how.quiet or as_json) as bar:
         bench = Bench(store=Store(folder=store_folder), execution=execution, progress=bar)
         outputs = run_study(chosen, parsed, prepare_folder(folder), bench=bench, report=with_report)
     print_study(outputs, as_json=as_json)

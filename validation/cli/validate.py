@@ -17,7 +17,6 @@ from validation.cli.options import (
     option,
     print_json,
     say,
-    stopping_cleanly,
 )
 from validation.errors import RunFailed, UsageError
 from validation.report.words import json_ready
@@ -72,12 +71,11 @@ def validate(
         plain = re.sub(r"[^A-Za-z0-9._-]", "-", method[0])
         folder = prepare_folder(output or Path("results") / f"scorecard-{plain}")
         cards = []
-        with stopping_cleanly():
-            for name, (solver, settings) in chosen.items():
-                if not as_json:
-                    typer.echo(f"{name}:")
-                subject = Subject(name=name, solver=solver, settings=settings, **limits)
-                cards.append(score(subject, tell=tell))
+        for name, (solver, settings) in chosen.items():
+            if not as_json:
+                typer.echo(f"{name}:")
+            subject = Subject(name=name, solver=solver, settings=settings, **limits)
+            cards.append(score(subject, tell=tell))
         show_scorecards(cards, write_scorecards(folder, cards, report=with_report), as_json=as_json)
         return
     cases = chosen_cases(names or [], quick=quick)
@@ -86,11 +84,10 @@ def validate(
             typer.echo(f"{case.name:28s} {'quick' if case.quick else 'long '}  {case.claim}")
         return
     folder = prepare_folder(output or Path("results") / "validation")
-    with stopping_cleanly():
-        verdicts = tuple(run_cases(cases, tell=tell))
+    verdicts = tuple(run_cases(cases, tell=tell))
     failed_first = sorted(verdicts, key=lambda verdict: verdict.passed)
-    record = {"cases": list(names or []), "quick": quick}
-    page, files = write_claims(folder, failed_first, name="validate", asked=record, report=with_report)
+    asked = {"cases": list(names or []), "quick": quick}
+    page, files = write_claims(folder, failed_first, name="validate", asked=asked, report=with_report)
     if as_json:
         print_json([verdict.summary() for verdict in verdicts])
     else:
@@ -131,10 +128,7 @@ def reproduce(
     from validation.paper import reproduce as reproduction
 
     folder = prepare_folder(output or Path("results") / "persson-2006")
-    with (
-        stopping_cleanly(),
-        under_way("the numbers of the paper", quiet=quiet or as_json) as tell,
-    ):
+    with under_way("the numbers of the paper", quiet=quiet or as_json) as tell:
         page, files = reproduction.run(folder, figures=figures, progress=tell)
     if as_json:
         assert page.data is not None
