@@ -215,23 +215,19 @@ def write_record(path: Path, values: Mapping[str, Any]) -> Path:
 def read_record(path: Path) -> dict[str, Any]:
     """Return the values that `write_record` wrote.
 
-    Raises
-    ------
-    OSError
-        When it cannot be read, is no file, or is larger than any record.
-    ValueError
-        When it is not what was written, by damage or by hand.
+    An OSError where it cannot be read, is no file, or is larger than any record; a ValueError where it is not
+    what was written, by damage or by hand.
     """
     try:
-        said = json.loads(read_whole(path, most=_MOST_RECORD))
+        values = json.loads(read_whole(path, most=_MOST_RECORD))
     except RecursionError:
         raise ValueError(f"{path.name} is nested too deep") from None
     except ValueError as error:
         raise ValueError(f"{path.name} is not what was written ({error})") from None
-    digest = said.pop(_DIGEST, None) if isinstance(said, dict) else None
-    if digest is None or digest != _digest(said):
+    digest = values.pop(_DIGEST, None) if isinstance(values, dict) else None
+    if digest is None or digest != _digest(values):
         raise ValueError(f"{path.name} is not what was written (SHA-256)")
-    return dict(said)
+    return dict(values)
 
 
 _DIGEST = "sha256"
@@ -299,28 +295,21 @@ def refusal(path: Path, error: OSError) -> str:
     if error.errno == errno.EDQUOT:
         return f"the disk is full: {path.name} was not written, your quota is used up; {kept}"
     if error.errno == errno.ENOSPC or (error.errno in (errno.EACCES, None) and _is_full(path.parent)):
-        if _no_inodes(path.parent):
-            return (
-                f"the disk takes no more files, its inodes are used up: {path.name} was not written; {kept}; "
-                "remove files or name another folder"
-            )
+        with contextlib.suppress(OSError, AttributeError):
+            space = os.statvfs(path.parent)
+            if space.f_files > 0 and space.f_favail == 0:
+                return (
+                    f"the disk takes no more files, its inodes are used up: {path.name} was not written; "
+                    f"{kept}; remove files or name another folder"
+                )
         return f"the disk is full: {path.name} was not written; {kept}"
     return f"{path}: not written: {reason(error)}; {kept}"
 
 
 def _is_full(folder: Path) -> bool:
-    try:
+    with contextlib.suppress(OSError):
         return shutil.disk_usage(folder).free < _NOTHING_LEFT
-    except OSError:
-        return False
-
-
-def _no_inodes(folder: Path) -> bool:
-    try:
-        space = os.statvfs(folder)
-    except (OSError, AttributeError):
-        return False
-    return space.f_files > 0 and space.f_favail == 0
+    return False
 
 
 def _draft_of(path: Path) -> Path:
@@ -332,12 +321,12 @@ def _draft_of(path: Path) -> Path:
 @functools.cache
 def _place() -> str:
     """Name the space in which a process number means one process: a boot of a machine, a container in it."""
-    said = [socket.gethostname()]
+    marks = [socket.gethostname()]
     with contextlib.suppress(OSError):
-        said.append(Path("/proc/sys/kernel/random/boot_id").read_text())
+        marks.append(Path("/proc/sys/kernel/random/boot_id").read_text())
     with contextlib.suppress(OSError):
-        said.append(os.readlink("/proc/self/ns/pid"))
-    return hashlib.sha256("\n".join(said).encode()).hexdigest()[:8]
+        marks.append(os.readlink("/proc/self/ns/pid"))
+    return hashlib.sha256("\n".join(marks).encode()).hexdigest()[:8]
 
 
 def _sync(path: Path) -> None:

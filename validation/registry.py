@@ -40,21 +40,18 @@ def with_own_folder() -> Iterator[str]:
 def found_in(package: str, base: type[T], *, group: str) -> tuple[type[T], ...]:
     """Return the concrete subclasses of `base` in the modules of a package, then those of entry points.
 
-    Raises
-    ------
-    UsageError
-        For an entry point whose name is taken. One that cannot be loaded or is no such class is a line on
-        stderr, and all else works.
+    A UsageError for an entry point whose name is taken. One that cannot be loaded or is no such class is a
+    line on stderr, and all else works.
     """
-    found: list[type[T]] = []
+    kinds: list[type[T]] = []
     path = importlib.import_module(package).__path__
     for name in sorted(info.name for info in pkgutil.iter_modules(path)):
         module = importlib.import_module(f"{package}.{name}")
         for value in vars(module).values():
-            own = inspect.isclass(value) and value.__module__ == module.__name__
-            if own and issubclass(value, base) and not inspect.isabstract(value) and value is not base:
-                found.append(value)
-    taken = {_name(kind): kind for kind in found}
+            inside = inspect.isclass(value) and value.__module__ == module.__name__
+            if inside and issubclass(value, base) and not inspect.isabstract(value) and value is not base:
+                kinds.append(value)
+    taken = {_name(kind): kind for kind in kinds}
     for where, _, value in entries(group):
         if not (inspect.isclass(value) and issubclass(value, base)):
             _warn(f"{where}: left out: must be a subclass of {base.__module__}.{base.__qualname__}")
@@ -65,8 +62,8 @@ def found_in(package: str, base: type[T], *, group: str) -> tuple[type[T], ...]:
                 f"{where}: the name {_name(value)!r} is that of {other.__module__}.{other.__qualname__}; "
                 "uninstall one of the two packages, or have it renamed"
             )
-        found.append(value)
-    return tuple(found)
+        kinds.append(value)
+    return tuple(kinds)
 
 
 def entries(group: str) -> Iterator[tuple[str, str, Any]]:

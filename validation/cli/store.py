@@ -50,11 +50,30 @@ def check(
     files: list[Checked] = []
     for file in check_store(place, set_aside=set_aside):
         files.append(file)
-        if not as_json and (list_all or file.problem is not None):
-            show(_line(file))
+        made = file.made
+        if made is not None:
+            about = (
+                f"intact, {file.size} bytes, {made.finished[:16]} UTC on {made.host}, {made.seconds:.3g} s"
+            )
+        else:
+            about = f"{'damaged: ' if file.damaged else ''}{file.problem}"
+        if not as_json and (list_all or made is None):
+            show(f"{file.path.name}: {about}")
     damaged, intact = sum(file.damaged for file in files), [file for file in files if file.problem is None]
     if as_json:
-        print_json([_summary(file) for file in files])
+        print_json(
+            [
+                {
+                    "file": file.path,
+                    "bytes": file.size,
+                    "intact": file.problem is None,
+                    "problem": file.problem,
+                    "made": file.made and asdict(file.made),
+                    "recipe": file.recipe and json.loads(file.recipe),
+                }
+                for file in files
+            ]
+        )
     else:
         size = memory_words(sum(file.size for file in intact))
         show(f"{place}: {len(intact)} of {len(files)} solves are intact ({size}).")
@@ -69,22 +88,3 @@ def check(
     if wrong:
         remedy = "--set-aside renames what is damaged, and the next run repeats it"
         raise RunFailed(f"{place}: {wrong} of {len(files)} files are damaged or cannot be read; {remedy}")
-
-
-def _line(file: Checked) -> str:
-    if file.problem is not None:
-        return f"{file.path.name}: {'damaged: ' if file.damaged else ''}{file.problem}"
-    made = file.made
-    how = "" if made is None else f", {made.finished[:16]} UTC on {made.host}, {made.seconds:.3g} s"
-    return f"{file.path.name}: intact, {file.size} bytes{how}"
-
-
-def _summary(file: Checked) -> dict[str, object]:
-    return {
-        "file": str(file.path),
-        "bytes": file.size,
-        "intact": file.problem is None,
-        "problem": file.problem,
-        "made": file.made and asdict(file.made),
-        "recipe": file.recipe and json.loads(file.recipe),
-    }

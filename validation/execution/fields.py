@@ -43,7 +43,20 @@ def encode_result(result: ContactResult, *, recipe: str) -> memoryview:
         values["weights"] = result.weights
     memory = InMemory()
     file = memory.file
-    file.setncatts(_attributes(recipe, result))
+    file.setncatts(
+        {
+            "format": _FORMAT,
+            "recipe": recipe,
+            "lengths": list(result.lengths),
+            "contact_modulus": result.contact_modulus,
+            "offset": result.offset,
+            "mean_pressure": result.mean_pressure,
+            "status": result.status.name,
+            "residuals": json.dumps(asdict(result.residuals)),
+            "cost": json.dumps(asdict(result.cost)),
+            "provenance": json.dumps(dict(result.provenance)),
+        }
+    )
     for axis, count, step in zip("xy", result.shape, result.spacing, strict=True):
         file.createDimension(axis, count)
         positions = file.createVariable(axis, "f8", (axis,))
@@ -58,21 +71,6 @@ def encode_result(result: ContactResult, *, recipe: str) -> memoryview:
         variable.setncatts({"units": unit, "long_name": words})
         variable[...] = values[name]
     return memory.close()
-
-
-def _attributes(recipe: str, result: ContactResult) -> dict[str, Any]:
-    return {
-        "format": _FORMAT,
-        "recipe": recipe,
-        "lengths": list(result.lengths),
-        "contact_modulus": result.contact_modulus,
-        "offset": result.offset,
-        "mean_pressure": result.mean_pressure,
-        "status": result.status.name,
-        "residuals": json.dumps(asdict(result.residuals)),
-        "cost": json.dumps(asdict(result.cost)),
-        "provenance": json.dumps(dict(result.provenance)),
-    }
 
 
 def decode_result(content: memoryview) -> ContactResult:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -149,7 +149,13 @@ def solve_all(
     finally:
         sync_folder(store.folder)
     if failed and not (despite_failures and len(failed) < len(results)):
-        raise RunFailed(_failed(list(failed.values()), len(missing)))
+        errors = list(failed.values())
+        if len(errors) == 1 == len(missing):
+            raise RunFailed(errors[0])
+        listed = "\n".join(f"  {error}" for error in errors[:10])
+        more = f"\n  and {len(errors) - 10} more" if len(errors) > 10 else ""
+        head = f"{len(errors)} of {len(missing)} solves failed, the others are stored:"
+        raise RunFailed(f"{head}\n{listed}{more}")
     results.failures = {solve: failed[solve.key] for solve in results if solve.key in failed}
     results.solves = tuple(solve for solve in results if solve.key not in failed)
     results.solved = len(missing) - len(failed)
@@ -177,11 +183,3 @@ def _outcomes(
             progress.begin(solve)
             previous = solve.after(previous)
             yield solve, attempt(previous, store)
-
-
-def _failed(errors: Sequence[str], tried: int) -> str:
-    if len(errors) == 1 == tried:
-        return errors[0]
-    lines = "\n".join(f"  {error}" for error in errors[:10])
-    more = f"\n  and {len(errors) - 10} more" if len(errors) > 10 else ""
-    return f"{len(errors)} of {tried} solves failed, the others are stored:\n{lines}{more}"
