@@ -23,6 +23,7 @@ __all__ = [
     "function",
     "instance",
     "listed",
+    "mask",
     "non_negative",
     "numbers_of",
     "pair",
@@ -106,6 +107,14 @@ def bound(name: str, value: object, shape: tuple[int, int] | None = None) -> Arr
     if values.size == 0 or not np.all(values >= LEAST):
         raise InvalidInput(f"{name}: must be positive and finite everywhere, at least {LEAST:g} Pa")
     return values
+
+
+def mask(name: str, value: object) -> None:
+    """Refuse what is no map of bool (nx, ny)."""
+    if not (isinstance(value, np.ndarray) and value.dtype == np.bool_):
+        raise InvalidInput(f"{name} = {shown(value)}: must be an array of bool (nx, ny)")
+    if value.ndim != 2 or value.size == 0:
+        raise InvalidInput(f"{name} of shape {value.shape}: must be a two-dimensional map (nx, ny)")
 
 
 def pressures(name: str, value: object, shape: tuple[int, int]) -> Array:

@@ -263,7 +263,7 @@ def subgrid_shifts(per_axis: int = 2) -> list[tuple[float, float]]:
 
     Examples
     --------
-    >>> subgrid_shifts(2)
+    >>> subgrid_shifts()
     [(0.0, 0.0), (0.0, 0.5), (0.5, 0.0), (0.5, 0.5)]
     """
     whole("per_axis", per_axis, least=1, most=100)

@@ -41,7 +41,7 @@ class Hardness:
     pressure: float | Array
 
     def __post_init__(self) -> None:
-        bound("hardness", self.pressure)
+        bound("pressure", self.pressure)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fem_contact._checks import array, choice, pair, positive
+from fem_contact._checks import array, choice, mask, pair, positive
 from fem_contact._types import Array, Mask
 from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput, NotConverged
@@ -63,6 +63,7 @@ def percolates(open_cells: Mask, axis: Axis) -> bool:
     >>> percolates(channel, "x"), percolates(channel, "y")
     (True, False)
     """
+    mask("open_cells", open_cells)
     return bool(_winding(open_cells, axis).any())
 
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact._checks import pair, positive, shown, truth
-from fem_contact.errors import InvalidInput
+from fem_contact._checks import mask, pair, positive, truth
 
 __all__ = ["Patches", "find_patches"]
 
@@ -69,10 +68,7 @@ def find_patches(
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    if not (isinstance(in_contact, np.ndarray) and in_contact.dtype == np.bool_):
-        raise InvalidInput(f"in_contact = {shown(in_contact)}: must be an array of bool (nx, ny)")
-    if in_contact.ndim != 2 or in_contact.size == 0:
-        raise InvalidInput(f"in_contact of shape {in_contact.shape}: must be a two-dimensional map (nx, ny)")
+    mask("in_contact", in_contact)
     sizes = pair("spacing", spacing, what="the size of a cell (dx, dy) in m")
     dx, dy = (positive("spacing", size, unit="m") for size in sizes)
     truth("diagonal", diagonal)

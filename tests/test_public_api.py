@@ -1,7 +1,9 @@
 """Whatever is handed to a public function: an answer, or one of the package's own exceptions in one line."""
 
 import importlib.util
+import inspect
 import math
+import re
 import signal
 from contextlib import contextmanager
 
@@ -14,6 +16,7 @@ from public_api_of_theory import theory_doors
 
 from fem_contact import face
 from fem_contact.errors import FemContactError
+from fem_contact.settings import Settings
 from persson.errors import PerssonError
 
 #: Modules whose public names are all public_api, or results, constants and types that need none.
@@ -153,6 +156,30 @@ def test_every_argument_of_every_door_meets_every_hostile_value(name):
     for argument in door[1]:
         for value in OTHERS:
             knock(door, {argument: value})
+
+
+@pytest.mark.parametrize("package", DOORS)
+@pytest.mark.parametrize("value", ["x", math.nan, -1.0])
+def test_a_refusal_names_the_argument_that_is_wrong(package, value):
+    wrong = []
+    for name, (function, valid) in DOORS[package].items():
+        for argument in valid:
+            try:
+                function(**(valid | {argument: value}))
+            except (FemContactError, PerssonError) as refusal:
+                wrong += [] if re.search(rf"\b{argument}\b", str(refusal)) else [(name, argument)]
+    assert wrong == []
+
+
+def test_all_linear_solvers_are_as_exact_unless_told_otherwise():
+    defaults = {
+        door[0].__qualname__: inspect.signature(door[0]).parameters["tolerance"].default
+        for door in FEM.values()
+        if "tolerance" in getattr(inspect.signature(door[0]), "parameters", {})
+        and door[0].__module__.split(".")[1] in {"bem", "block", "hardness", "sliding"}
+    }
+    assert len(defaults) > 5
+    assert {name for name, value in defaults.items() if value != Settings().tolerance} <= {"assembled_field"}
 
 
 @pytest.mark.parametrize("package", ["fem_contact", "fem_contact.block", "persson"])

@@ -1,0 +1,311 @@
+"""Faults drawn at random places of all files, put in one at a time: do the nearest tests notice?
+
+``python tests/mutants/drawn.py --seed 61 --count 100 persson fem_contact validation`` draws kinds and places
+of mistakes: an operator, a comparison, a constant, an index, a default, a name or a word of like type, a line
+lost or swapped with the next. Each is put into a copy of the tree, and the tests whose text leads to the
+changed function in the fewest steps of calls run, until one fails.
+``drawn.toml`` holds by hand what no test can notice, with the reason.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import random
+import re
+import tomllib
+from collections import Counter, defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import driver
+from driver import PACKAGES, ROOT
+
+_SIGNS = {"Add": "-", "Sub": "+", "Mult": "/", "Div": "*", "Pow": "*", "FloorDiv": "/",
+          "Mod": "*", "BitAnd": "|", "BitOr": "&"}  # fmt: skip
+_CLAIMS = {"Lt": "<=", "LtE": "<", "Gt": "<", "GtE": ">", "Eq": "!=", "NotEq": "==",
+           "Is": "is not", "IsNot": "is", "In": "not in", "NotIn": "in"}  # fmt: skip
+_SIMPLE = ast.Assign | ast.AugAssign | ast.AnnAssign | ast.Expr | ast.Return
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fault:
+    """Bytes of a file that are replaced by others, and the function in which they stand."""
+
+    file: str
+    kind: str
+    start: int
+    end: int
+    old: str
+    new: str
+    line: int
+    scope: tuple[str, ...]
+
+    def applied(self, text: str) -> str:
+        """Return the text of the file with the fault."""
+        raw = text.encode()
+        return (raw[: self.start] + self.new.encode() + raw[self.end :]).decode()
+
+    @property
+    def kernel(self) -> bool:
+        """Whether compiled code may change."""
+        return "numba" in (ROOT / self.file).read_text(encoding="utf-8")
+
+    @property
+    def name(self) -> str:
+        """Name that stays while other lines move."""
+        old, new = (" ".join(text.split()) for text in (self.old, self.new))
+        return f"{self.file}:{'.'.join(self.scope)}: {old} -> {new}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Scope:
+    """Function with its names by type, its words, and the kind that a constant is of there."""
+
+    path: tuple[str, ...] = ()
+    names: dict[str, str]
+    words: tuple[str, ...] = ()
+    stored: set[str]
+    constant: str = ""
+
+
+class _Places:
+    """All faults that can be put into one file."""
+
+    def __init__(self, file: str, raw: bytes) -> None:
+        self.file, self.raw, self.starts = file, raw, [0]
+        for row in raw.splitlines(keepends=True):
+            self.starts.append(self.starts[-1] + len(row))
+        self.faults = list(self._inside(ast.parse(raw), _Scope(names={}, stored=set())))
+
+    def _text(self, first: Any, last: Any = None) -> str:
+        return self.raw[slice(*self._span(first, last))].decode()
+
+    def _span(self, first: Any, last: Any = None) -> tuple[int, int]:
+        end = last or first
+        start = self.starts[first.lineno - 1] + first.col_offset
+        return start, self.starts[end.end_lineno - 1] + end.end_col_offset
+
+    def _inside(self, node: ast.AST, scope: _Scope) -> Iterator[Fault]:
+        for field, value in ast.iter_fields(node):
+            if field in {"annotation", "returns", "decorator_list"}:
+                continue
+            parts = value if isinstance(value, list) else [value]
+            for k, part in enumerate(parts):
+                if isinstance(part, ast.Expr) and isinstance(part.value, ast.Constant):
+                    continue
+                if isinstance(part, ast.stmt) and scope.path:
+                    yield from self._lines(part, parts[k + 1] if k + 1 < len(parts) else None, scope)
+                if isinstance(part, ast.AST):
+                    yield from self._visit(part, scope)
+                if isinstance(part, ast.stmt):
+                    scope.stored.update(_named(part, ast.Store))
+
+    def _lines(self, node: ast.stmt, after: ast.stmt | None, scope: _Scope) -> Iterator[Fault]:
+        """Yield a line lost, if its names have a value without it, and two lines swapped that share names."""
+        fresh = _named(node, ast.Store) - scope.stored
+        if isinstance(node, _SIMPLE | ast.Continue | ast.Break) and not fresh:
+            yield self._fault("line lost", scope, "pass", node)
+        if isinstance(node, _SIMPLE) and isinstance(after, ast.Assign | ast.AugAssign | ast.Expr):
+            used, set_after = _named(after, ast.Load), _named(after, ast.Store)
+            shared = _named(node, ast.Store) & used | _named(node, ast.Load) & set_after
+            if shared and not fresh & used:
+                between = self.raw[self._span(node)[1] : self._span(after)[0]].decode()
+                swapped = self._text(after) + between + self._text(node)
+                yield self._fault("lines swapped", scope, swapped, node, after)
+
+    def _fault(self, kind: str, scope: _Scope, new: str, first: Any, last: Any = None) -> Fault:
+        start, end = self._span(first, last)
+        if scope.constant == "default" or (kind == "constant" and scope.constant):
+            kind = scope.constant
+        return Fault(file=self.file, kind=kind, start=start, end=end, old=self._text(first, last), new=new,
+                     line=first.lineno, scope=scope.path)  # fmt: skip
+
+    def _visit(self, node: Any, scope: _Scope) -> Iterator[Fault]:
+        match node:
+            case ast.Raise() | ast.JoinedStr() | ast.Assert() | ast.If(test=ast.Name(id="TYPE_CHECKING")):
+                return
+            case ast.ClassDef():
+                scope = replace(scope, path=(*scope.path, node.name))
+            case ast.FunctionDef():
+                yield from self._function(node, scope)
+                return
+            case ast.Subscript():
+                yield from self._visit(node.value, scope)
+                yield from self._visit(node.slice, replace(scope, constant=scope.constant or "index"))
+                return
+        for kind, new in self._changed(node, scope):
+            yield self._fault(kind, scope, new, node)
+        yield from self._inside(node, scope)
+
+    def _function(self, node: ast.FunctionDef, outer: _Scope) -> Iterator[Fault]:
+        arguments = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
+        names = {a.arg: ast.unparse(a.annotation) for a in arguments if a.annotation}
+        names = dict.fromkeys(sorted(_named(node, ast.Store)), "local") | names
+        words = tuple(sorted({c.value for c in ast.walk(node) if _is_word(c)}))
+        stored = {a.arg for a in ast.walk(node.args) if isinstance(a, ast.arg)}
+        scope = _Scope(path=(*outer.path, node.name), names=names, words=words, stored=stored)
+        yield from self._visit(node.args, replace(scope, constant="default"))
+        yield from self._inside(ast.Module(body=node.body, type_ignores=[]), scope)
+
+    def _changed(self, node: Any, scope: _Scope) -> Iterator[tuple[str, str]]:
+        """Yield what may stand in place of an expression."""
+        match node:
+            case ast.BinOp() if sign := _SIGNS.get(type(node.op).__name__):
+                yield "operator", f"({self._text(node.left)}) {sign} ({self._text(node.right)})"
+            case ast.BoolOp():
+                word = " or " if isinstance(node.op, ast.And) else " and "
+                yield "operator", f"({word.join(f'({self._text(value)})' for value in node.values)})"
+            case ast.UnaryOp():
+                yield "operator", f"({self._text(node.operand)})"
+            case ast.Compare(ops=[claim]):
+                left, right = self._text(node.left), self._text(node.comparators[0])
+                yield "comparison", f"({left}) {_CLAIMS[type(claim).__name__]} ({right})"
+            case ast.Constant(value=bool(value)):
+                yield "constant", str(not value)
+            case ast.Constant(value=int(value)):
+                yield "constant", repr(value + 1)
+            case ast.Constant(value=float(value)):
+                yield "constant", repr(value * 1.5 or 0.5)
+            case ast.Constant() if _is_word(node):
+                yield from (("word", repr(other)) for other in scope.words if other != node.value)
+            case ast.Name(ctx=ast.Load()) if node.id in scope.names:
+                kind = scope.names[node.id]
+                others = sorted(n for n, k in scope.names.items() if k == kind and n != node.id)
+                yield from (("name", other) for other in others)
+
+
+def _named(node: ast.AST, context: type) -> set[str]:
+    return {n.id for n in ast.walk(node) if isinstance(n, ast.Name) and isinstance(n.ctx, context)}
+
+
+def _is_word(node: ast.AST) -> bool:
+    return isinstance(node, ast.Constant) and re.fullmatch("[a-z_]{2,20}", str(node.value)) is not None
+
+
+def drawn(package: str, *, seed: int, count: int) -> list[Fault]:
+    """Draw the kind with equal chance, then the place with equal chance in all files."""
+    kinds: dict[str, dict[tuple[str, int], list[Fault]]] = defaultdict(lambda: defaultdict(list))
+    for path in sorted((ROOT / package).rglob("*.py")):
+        for fault in _Places(str(path.relative_to(ROOT)), path.read_bytes()).faults:
+            kinds[fault.kind][fault.file, fault.start].append(fault)
+    generator, faults = random.Random(f"{seed} {package}"), dict[str, Fault]()
+    while len(faults) < count:
+        places = kinds[generator.choice(sorted(kinds))]
+        fault = generator.choice(places[generator.choice(sorted(places))])
+        faults[fault.name] = fault
+    return list(faults.values())
+
+
+class Nearness:
+    """How many steps of calls lie between a function and each test, by the names in their text."""
+
+    def __init__(self) -> None:
+        self.users: dict[str, set[str]] = defaultdict(set)
+        self.tests: dict[str, tuple[set[str], set[str]]] = {}
+        homes: dict[str, set[Path]] = defaultdict(set)
+        for path in (path for package in PACKAGES for path in (ROOT / package).rglob("*.py")):
+            for node in ast.walk(ast.parse(path.read_bytes())):
+                if isinstance(node, ast.FunctionDef | ast.ClassDef):
+                    homes[node.name].add(path)
+                    for name in _identifiers(node):
+                        self.users[name] |= {node.name, path.stem}
+        self.vague = {name for name, files in homes.items() if len(files) > 3}
+        for room in PACKAGES[1:]:
+            for path in sorted((ROOT / "tests" / room).rglob("test_*.py")):
+                text = path.read_text(encoding="utf-8")
+                if "importorskip(" not in text:  # a file that may be absent cannot be asked by name
+                    self._read(str(path.relative_to(ROOT)), ast.parse(text))
+
+    def _read(self, file: str, tree: ast.Module) -> None:
+        """Note the names in each test, its fixtures and its helpers, and what its file imports."""
+        sources = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+        modules = {f"{node.module}.{alias.name}" for node in sources for alias in node.names}
+        modules |= {str(node.module) for node in sources}
+        bodies = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+        for test, node in bodies.items():
+            marks = set().union(*map(_identifiers, node.decorator_list))
+            if not test.startswith("test_") or marks & {"slow", "nightly", "benchmark"}:
+                continue
+            names, seen, waiting = set[str](), set[str](), [test]
+            while waiting:
+                if (name := waiting.pop()) in bodies and name not in seen:
+                    seen.add(name)
+                    waiting += _identifiers(bodies[name])
+                    names |= _identifiers(bodies[name])
+            self.tests[f"{file}::{test}"] = names, modules
+
+    def nearest(self, fault: Fault) -> list[str]:
+        """Return the tests that lead to a fault, the nearest first; for a study its gold numbers, too."""
+        path = Path(fault.file)
+        module = ".".join(path.with_suffix("").parts).removesuffix(".__init__")
+        near = {name for name in fault.scope if name not in self.vague} or {module.rpartition(".")[2]}
+        steps, edge = dict.fromkeys(near, 0), near
+        for distance in range(1, 6):
+            edge = set().union(*(self.users[name] for name in edge)) - steps.keys() - self.vague
+            steps |= dict.fromkeys(edge, distance)
+
+        def rank(test: str) -> tuple[int, int]:
+            names, modules = self.tests[test]
+            same = (
+                3 * bool(modules & {module, module.rpartition(".")[0]})
+                + 2 * (path.stem.strip("_") in test)
+                + (path.parts[0] in test)
+            )
+            return min((steps[name] for name in names & steps.keys()), default=9) - same, -len(names & near)
+
+        ordered = sorted(self.tests, key=rank)
+        study = path.stem.replace("_", "-")
+        gold = (ROOT / f"tests/validation/gold/stored/{study}.json.xz").exists()
+        numbers = f"tests/validation/test_gold.py::test_the_numbers_are_those_of_the_gold_file[{study}]"
+        return [*ordered[:6], *([numbers] if gold else []), *ordered[6:]]
+
+
+def _identifiers(node: ast.AST) -> set[str]:
+    texts = (
+        getattr(part, field, None)
+        for part in ast.walk(node)
+        for field in ("id", "attr", "arg", "value" if _is_word(part) else "id")
+    )
+    return {text for text in texts if isinstance(text, str)}
+
+
+def judge(fault: Fault, tree: Path, tests: list[str]) -> tuple[str, str]:
+    """Return what becomes of a fault: survived, or killed, by which test, which passes without it."""
+    for portion in (tests[:8], tests[8:]):
+        outcome = driver.judge(fault, tree, tests=portion)
+        for test in outcome.failed or ([""] if outcome.verdict == "killed" else []):
+            if not test or driver.run_tests(tree, [test], cache=tree.parent / "cache")[0] == 0:
+                return "killed", test or "no end"
+    return "survived", ""
+
+
+def main() -> None:
+    """Draw, judge, print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("packages", nargs="+")
+    parser.add_argument("--seed", type=int, default=61)
+    parser.add_argument("--count", type=int, default=100, help="faults of each package")
+    parser.add_argument("--tests", type=int, default=40, help="how many tests, the nearest first")
+    parser.add_argument("--only", default="", help="faults whose name contains this")
+    given = parser.parse_args()
+    excused = tomllib.loads(Path(__file__).with_name("drawn.toml").read_text(encoding="utf-8"))
+    nearness, counts = Nearness(), Counter[str]()
+    with driver.copied_tree() as tree:
+        for package in given.packages:
+            for fault in drawn(package, seed=given.seed, count=given.count):
+                if given.only in fault.name:
+                    verdict, why = judge(fault, tree, nearness.nearest(fault)[: given.tests])
+                    if verdict == "survived" and fault.name in excused:
+                        verdict, why = "equivalent", excused[fault.name]
+                    counts[f"{package}: {verdict}"] += 1
+                    print(
+                        f"{verdict}, {fault.kind}, line {fault.line} of {fault.name}\n    {why}", flush=True
+                    )
+    print(*(f"{entry} {number}" for entry, number in sorted(counts.items())), sep="\n")
+
+
+if __name__ == "__main__":
+    main()
