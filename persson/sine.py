@@ -46,7 +46,8 @@ class SineExpansion:
     error_estimate : float
         Of both areas, absolute: between walls that stand, twice the largest that the first term left out can
         be; between walls that move, twice the change from half as many terms, which is the error where that
-        falls like one over the terms, as it does at the slowest.
+        falls like one over the terms, as it does at the slowest, and what half as many leave out of the
+        distribution that meets the walls first.
     """
 
     amplitudes: Array
@@ -135,22 +136,26 @@ def sine_expansion(
             _moving(below, above, span, modes=n, tolerance=tolerance) for n in (max(modes // 2, 1), modes)
         )
     changes = (fine.area_elastic - coarse.area_elastic, fine.area_plastic - coarse.area_plastic)
-    return replace(fine, error_estimate=2 * max(map(abs, changes)) + tolerance)
+    omitted = _omitted(coarse.amplitudes.size, span.start, below(span.start) + above(span.start))
+    return replace(fine, error_estimate=2 * max(map(abs, changes)) + omitted + tolerance)
+
+
+def _omitted(modes: int, variance: float, width: float) -> float:
+    first = modes + 1
+    return 4 / (math.pi * first) * math.exp(-0.5 * variance * (math.pi * first / width) ** 2)
 
 
 def _still(s0: float, *, modes: int, variance: float, walls: tuple[float, float]) -> SineExpansion:
     """Let the amplitudes decay between walls that stand; of 1 - s_0, what has not yielded yet is missing."""
     n, width = np.arange(1, modes + 1), walls[0] + walls[1]
     now = 2 / width * np.sin(np.pi * n * s0) * np.exp(-0.5 * variance * (np.pi * n / width) ** 2)
-    first = modes + 1
-    omitted = 4 / (np.pi * first) * np.exp(-0.5 * variance * (np.pi * first / width) ** 2)
     return SineExpansion(
         amplitudes=now,
         density_at_yield=0.0,
         area_plastic=float(1 - s0 - width * np.sum(now / (np.pi * n))),
         tensile_limit=walls[0],
         yield_stress=walls[1],
-        error_estimate=float(omitted) + np.finfo(float).eps,
+        error_estimate=_omitted(modes, variance, width) + np.finfo(float).eps,
     )
 
 

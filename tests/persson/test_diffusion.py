@@ -126,6 +126,14 @@ def test_the_error_estimate_of_the_sine_expansion_bounds_both_areas(variance, pr
     assert np.max(np.abs(errors)) < sine.error_estimate < 0.2
 
 
+@pytest.mark.parametrize("modes", [2, 4, 8])
+def test_the_error_estimate_of_too_few_sines_is_no_smaller_than_the_error(modes):
+    walls = {"tensile_limit": 0.0, "yield_stress": lambda v: 4.8 + 0.24 * v}
+    exact = solve_diffusion([0.038], pressure=0.27, tolerance=1e-7, **walls).checked()
+    sine = sine_expansion(0.038, pressure=0.27, modes=modes, tolerance=1e-8, **walls)
+    assert abs(sine.area_elastic - exact.area_elastic[0]) < sine.error_estimate
+
+
 def test_sine_expansion_refuses_a_hardness_that_falls():
     with pytest.raises(OutsideTheory, match="falls"):
         sine_expansion(1.0, pressure=0.5, tensile_limit=0.3, yield_stress=lambda v: 2 - 0.1 * v)
