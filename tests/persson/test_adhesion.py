@@ -194,20 +194,6 @@ def test_critical_roughness_keeps_its_tolerance_where_two_branches_meet():
     assert fine == pytest.approx(0.2732158, rel=1e-5)
 
 
-def test_pull_off_stress_separates_contact_from_none():
-    scale = Scale(RIM.scaled(0.04), contact_modulus=MODULUS)
-    interface = Interface(work_of_adhesion=WORK)
-    limit = pull_off_stress(scale, interface=interface, tolerance=5e-3)
-    free = solve_adhesion(scale, pressure=0.0, interface=interface)
-    assert 0 < limit < free.tensile_limit[0]
-    held = solve_adhesion(scale, pressure=-0.9 * limit, interface=interface)
-    assert held.status is AdhesionStatus.CONVERGED
-    assert held.real_area < free.real_area
-    lost = solve_adhesion(scale, pressure=-1.1 * limit, interface=interface)
-    assert lost.status is AdhesionStatus.NO_CONTACT
-    assert pull_off_stress(Scale(RIM, contact_modulus=MODULUS), interface=interface) == 0
-
-
 @pytest.mark.parametrize("rolloff", ["plateau", "smooth"])
 def test_a_roll_off_may_reach_zero_unless_there_is_tension(rolloff):
     """Waves far below q_long carry no gradient: where they end makes no difference to contact under load."""

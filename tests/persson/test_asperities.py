@@ -70,31 +70,6 @@ def test_scatter_of_summit_heights_is_the_published_one():
         assert nayak_asperities(moments).rms_height ** 2 == pytest.approx(1 - 0.8968 / alpha, abs=5e-5)
 
 
-def test_summit_statistics_are_those_of_a_random_surface():
-    """A random field sampled 12 times per shortest wave.
-
-    Density of grid maxima against Nayak's, to its scatter.
-    """
-    rng = np.random.default_rng(11)
-    n = 256
-    m = np.fft.fftfreq(n, 1 / n)
-    q = np.hypot(m[:, None], m[None, :])
-    power = np.where((q >= 4) & (q <= 21), np.maximum(q, 1.0) ** -2.0, 0.0)
-    found, expected = 0, 0.0
-    for _ in range(6):
-        noise = np.fft.fft2(rng.normal(size=(n, n)))
-        waves = noise * np.sqrt(power)
-        h = np.fft.ifft2(waves).real
-        weight = np.abs(waves) ** 2 * (2 * math.pi) ** 0
-        k2 = (2 * math.pi * q) ** 2
-        m0, m2, m4 = (float(np.sum(weight * k2**j)) for j in (0, 1, 2))
-        neighbours = [np.roll(h, s, axis=(0, 1)) for s in ((1, 0), (-1, 0), (0, 1), (0, -1))]
-        neighbours += [np.roll(h, s, axis=(0, 1)) for s in ((1, 1), (-1, -1), (1, -1), (-1, 1))]
-        found += int(np.sum(h > np.max(neighbours, axis=0)))
-        expected += nayak_asperities(Moments(m0=m0, m2=m2, m4=m4)).density
-    assert found == pytest.approx(expected, rel=4 / math.sqrt(expected))
-
-
 def test_bush_gibson_thomas_tends_to_its_asymptote():
     """A/A0 = sqrt(2 pi) p0/(E* h').
 

@@ -159,17 +159,6 @@ def test_sine_expansion_is_exact_between_walls_that_stand():
     assert result.distribution(0, stress) == pytest.approx(sine.distribution(stress), abs=1e-8)
 
 
-def test_constant_tensile_limit_obeys_the_adhesion_load():
-    """Persson 2006, Eq. 41.
-
-    F + sigma_a A = (sigma_0 + sigma_a) A0, and A = erf((sigma_0 + sigma_a)/sqrt(2V)).
-    """
-    variance = np.geomspace(0.1, 1e6, 15)
-    result = solve_diffusion(variance, pressure=0.4, tensile_limit=1.5, tolerance=1e-7).checked()
-    assert result.load_elastic + 1.5 * result.area_elastic == pytest.approx(np.full(15, 1.9), rel=1e-7)
-    assert result.area_elastic == pytest.approx(erf(1.9 / np.sqrt(2 * variance)), rel=1e-6)
-
-
 def test_second_moment_is_the_integral_of_equation_48():
     """d<(sigma - sigma_0)^2>/dV = (sigma_a + sigma_0)^2 dP/dV + P.
 

@@ -8,21 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from persson.diffusion import solve_diffusion
 from persson.elastic import contact_area
 from persson.errors import InvalidInput, OutsideTheory
 from persson.hardness import constant_hardness, nix_gao_hardness, size_dependent_hardness
 from persson.scale import Scale
 from persson.spectrum import SelfAffine
-
-
-def test_closed_form_equals_the_diffusion_solver():
-    variance = np.geomspace(1e-3, 20, 25)
-    areas = constant_hardness(0.3, stress_variance=variance, yield_stress=1.4)
-    solved = solve_diffusion(variance, pressure=0.3, yield_stress=1.4, tolerance=1e-7).checked()
-    assert areas.elastic == pytest.approx(solved.area_elastic, abs=1e-7)
-    assert areas.plastic == pytest.approx(solved.area_plastic, abs=1e-7)
-    assert areas.detached == pytest.approx(solved.area_detached, abs=1e-7)
 
 
 @given(x=st.floats(1e-12, 1 - 1e-9), v=st.floats(1e-4, 5))

@@ -124,21 +124,6 @@ def test_stresses_of_all_surfaces_are_one_sample_and_their_distance_is_that_of_k
     assert float(own.stress_density.sum()) * np.diff(STRESS_EDGES)[0] == pytest.approx(1, rel=1e-12)
 
 
-def test_the_findings_hold_the_numbers_and_what_gamma_eff_does_not_hold(data):
-    own, _, effective, waves, half, _ = study.views(data).findings
-    assert own.rows[0]["area"].value == pytest.approx(float(data.area_each[0, :, 0].mean()), rel=1e-12)
-    assert own.rows[0]["area_old"].value == pytest.approx(
-        float(data.area_old_each[0, :, 0].mean()), rel=1e-12
-    )
-    missing = np.isnan(data.area_each.values[1]).any(axis=0)
-    assert effective.values["left"].value == missing.sum() == 1
-    assert [row["magnification"].value for row in effective.rows] == [3.0]
-    assert waves.rows[1]["energy_share"].value == pytest.approx(float(data.energy_share_each[:, 1].mean()))
-    assert half.values["area_half_range"].value == float(data.area_half_range)
-    rows = [(row[0], row[1]) for row in study.views(data).table.of(data).rows]
-    assert rows == [("w", 1.5), ("w", 3.0), ("gamma_eff(zeta)", 3.0)]
-
-
 @pytest.mark.parametrize("energy", ["improved", "old"])
 def test_theory_with_vanishing_adhesion_is_the_plain_one_in_stress_force_and_energy(energy, whole):
     problem = whole[0]

@@ -83,10 +83,3 @@ def test_a_contact_of_a_few_points_has_no_area():
     first, second = light.measure().area_each.values
     assert np.isnan(first)
     assert second > 0
-
-
-def test_table_and_figure_hold_every_case(data):
-    found = find_study("archard")
-    assert len(found.table(data).rows) == 6
-    (drawing,) = found.figures(data)
-    assert drawing.name == "archard"

@@ -23,7 +23,7 @@ from validation.measurements.budgets import (
 )
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.rings import ring_ends
-from validation.studies import autopsy, find_study
+from validation.studies import autopsy
 
 SMALL = {"periods": 2, "bandwidth": 4.0, "surfaces": 2, "probe_surfaces": 2, "probes": (2.0,)}
 
@@ -265,18 +265,6 @@ def test_outcomes_follow_from_the_numbers(data):
             told[f"{name}_error"][:] = 0.1
             (found,) = (one for one in autopsy.views(told).findings if one.by == name)
             assert found.outcomes == (outcome,)
-
-
-def test_table_and_figures_come_from_the_dataset_alone(data):
-    found = find_study("autopsy")
-    table = found.table(data)
-    assert len(table.rows) == 1 * 2 * 2
-    assert table.columns[:3] == ("H", "p*", "zeta")
-    # A narrow terminal leaves columns out by their names.
-    assert len(set(table.columns)) == len(table.columns)
-    names = {drawing.name for drawing in found.figures(data)}
-    assert names == {"budget", "restarts", "drift-and-diffusivity", "fluxes", "memory"}
-    assert len(found.views(data).findings) <= 6
 
 
 def test_a_limit_of_counted_numbers_is_that_of_the_straight_line_through_the_two_finest_grids():

@@ -185,15 +185,6 @@ def test_extreme_scenes_are_refused_or_explained(changes):
         explained(changes)
 
 
-@pytest.mark.slow
-@settings(max_examples=5000, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
-@given(CHANGES)
-def test_extreme_scenes_are_refused_or_explained_thousands_of_times(changes):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(surfaces, "_SURVEYED_POINTS", 2**16)
-        explained(changes)
-
-
 @pytest.mark.parametrize(("name", "flag"), [("scaling", "--surfaces"), ("hurst", "--pairs")])
 def test_a_study_of_two_billion_surfaces_is_refused(name, flag):
     with pytest.raises(UsageError, match=r"= '?2147483648'?: must be (at most|less than or equal to) 10000"):

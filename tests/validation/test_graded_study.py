@@ -36,15 +36,6 @@ def test_the_worst_errors_are_those_of_the_waves_and_of_those_where_the_claim_ho
     assert float(data.felt_error_coating[0]) > float(data.felt_error_profile[0]) > 0.1
 
 
-def test_the_figures_tell_the_ratios_apart(data):
-    drawings = find_study("graded").figures(data)
-    assert [drawing.name for drawing in drawings] == ["felt-modulus-profile", "felt-modulus-coating"]
-    shown = [one.data.felt_modulus_profile for one in drawings[0].drawn]
-    assert all(np.array_equal(a, b) for a, b in zip(shown, data.felt_modulus_profile, strict=True))
-    labels = [text.get_text() for text in drawings[0].figure.legends[0].get_texts()]
-    assert [label.rpartition(" ")[2] for label in labels] == ["0.5", "2"]
-
-
 def test_no_grading_is_refused():
     with pytest.raises(UsageError, match="ratios = 2, 1: must not be 1"):
         find_study("graded").parse(["--ratios", "2,1"])

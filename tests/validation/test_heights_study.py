@@ -8,7 +8,7 @@ from fem_contact import HalfSpace, bem, contact_areas
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import derive, mean, total_error
 from validation.scenes.surfaces import spectrum_of
-from validation.studies import find_study, heights
+from validation.studies import heights
 
 
 @pytest.fixture(scope="module")
@@ -81,10 +81,3 @@ def test_what_longer_waves_change_is_the_mean_of_the_changes_of_the_surfaces(dat
     change = (data.area_each[1] / data.area_each[0] - 1).mean("surface")
     assert data.area_change.values == pytest.approx(change.values, rel=1e-12)
     assert float(data.rms_height_change) > 0.4
-
-
-def test_table_and_figure_hold_every_sample(data):
-    found = find_study("heights")
-    assert [row[0] for row in found.table(data).rows] == [1.0, 3.0]
-    (drawing,) = found.figures(data)
-    assert drawing.name == "heights"

@@ -10,7 +10,7 @@ from validation.effects.base import Roughness
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.measurement import grid_for
 from validation.measurements.slopes import CHANGES, with_differences
-from validation.studies import find_study, large_slope
+from validation.studies import large_slope
 
 
 def small_options():
@@ -101,12 +101,6 @@ def test_paths_that_end_are_counted_and_their_slopes_left_out_for_all():
     assert np.isnan(planted(0.01, ended=2).area_finite_crossing.values.ravel()[1])
     assert np.isnan(data.area_finite[0, 0, -1])
     assert np.isfinite(data.area_finite[0, 0, -2])
-
-
-def test_the_figure_shows_both_differences(small):
-    (drawing,) = find_study("large-slope").figures(small)
-    assert {one.mark.y for one in drawing.drawn} == {"area_finite", "square_finite"}
-    assert len(find_study("large-slope").table(small).rows) == 2
 
 
 def rough(slope):

@@ -9,7 +9,7 @@ from fem_contact.leak import percolates
 from validation.measurements.magnified import at_magnification, sharpest_bend
 from validation.measurements.measurement import grid_for, without_waves_beyond
 from validation.report.estimates import derive, mean, total_error
-from validation.studies import find_study, macroasperities
+from validation.studies import macroasperities
 
 ZETA = (0.5, 1.0, 2.0, 4.0)
 
@@ -124,16 +124,6 @@ def test_thresholds_are_means_over_surfaces_of_both_directions(data):
     assert macroasperities._thresholds(macroasperities._with_thresholds(told)).outcomes[0] == "+"
     told["percolation_area_axis_each"][0, 0, 0, 0] = np.nan
     assert macroasperities._thresholds(macroasperities._with_thresholds(told)).outcomes[0] == "?"
-
-
-def test_figures_and_table_hold_every_case(options, data):
-    found = find_study("macroasperities")
-    names = {drawing.name for drawing in found.figures(data)}
-    assert names == {"patches-over-magnification", "macroasperity-pressure", "percolation"}
-    table = found.table(data)
-    assert len(table.rows) == 3 * len(ZETA)
-    assert table.rows[4][2] == pytest.approx(float(data.area_each[:, 1, 0].mean()))
-    assert len(found.views(data).findings) == 6
 
 
 def test_without_loads_to_percolate_at_there_are_no_thresholds(options, bench):

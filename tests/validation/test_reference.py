@@ -24,7 +24,6 @@ from validation.reference.alpha import at_equal_alpha
 from validation.reference.fit import FIT, fitted, fitted_area, nayak
 from validation.reference.interpolation import interpolated
 from validation.report.estimates import claim, total_error
-from validation.studies import find_study
 from validation.studies import reference as study
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -432,13 +431,3 @@ def test_what_is_fitted_is_found_again():
     assert float(abs(distance).max()) < 1e-5
     # Without excess it is Persson's theory.
     assert fitted_area(0.2, alpha=5.0, constants=(0.0, 0.0, 1.0, 1.0)) == pytest.approx(erf(0.2 * 2**0.5))
-
-
-def test_the_theories_are_drawn_by_their_distance_from_the_table(small):
-    _, _, data = small
-    drawn = next(one for one in find_study("reference").figures(data) if one.name == "reference-verdict")
-    first = next(one for one in drawn.drawn if one.mark.y == "theory_excess_persson")
-    exact = erf(2**0.5 * np.array([0.05, 0.2])) / data.area.sel(amplitudes="exact").values[0, 0] - 1
-    np.testing.assert_allclose(first.artist.lines[0].get_ydata(), exact, rtol=1e-9)
-    titles = [axes.get_title() for axes in drawn.figure.axes[:4]]
-    assert titles[:2] == ["Persson", "Yang, Persson 2008"]

@@ -161,28 +161,6 @@ def test_compiled_compliances_equal_their_numpy_twin(name: str, poisson: float) 
     np.testing.assert_allclose(surface_compliance(folded, phases), twin, atol=1e-12 * np.abs(twin).max())
 
 
-@pytest.mark.parametrize(
-    ("name", "poisson", "nodes", "growth", "axis", "diagonal"),
-    [
-        ("Hex1", 0.3, 12, 1.2, 3e-3, 1.5e-2),
-        ("Hex1/P0", 0.3, 12, 1.2, 3e-2, 3e-2),
-        ("Hex1/P0", 0.4999, 12, 1.2, 3e-2, 3e-2),
-        ("Hex2", 0.3, 16, 1.5, 2e-3, 2e-3),
-        ("Hex2", 0.3, 32, 1.1, 2e-4, 2e-4),
-        ("Hex2/P1disc", 0.3, 16, 1.5, 2e-3, 2e-3),
-        ("Hex2/P1disc", 0.4999, 16, 1.5, 2e-3, 2e-3),
-        ("Hex2/P1disc", 0.5, 16, 1.5, 2e-3, 2e-3),
-        ("Hex2/P1disc", 0.5, 32, 1.1, 2e-4, 2e-4),
-    ],
-)
-def test_waves_meet_the_bonded_layer(
-    name: str, poisson: float, nodes: int, growth: float, axis: float, diagonal: float
-) -> None:
-    element = ELEMENTS[name]
-    assert abs(wave_error(element, poisson, nodes=nodes, growth=growth)) < axis
-    assert abs(wave_error(element, poisson, nodes=nodes, growth=growth, diagonal=True)) < diagonal
-
-
 def refined_error(element: Element, poisson: float, nodes: int) -> float:
     """Error of one diagonal wave on a block whose growth - 1 shrinks with the cell."""
     shape, lengths = (nodes, 2 * element.order), (float(nodes), 2.0 * element.order)
@@ -192,15 +170,6 @@ def refined_error(element: Element, poisson: float, nodes: int) -> float:
     matrix = surface_compliance(fold(mesh, poisson=poisson), np.array([[phase, phase]]) / np.sqrt(2))[0]
     share = SHARES[element.order]
     return float(share @ matrix @ share) / bonded_layer(phase, depth=-mesh.planes[0], poisson=poisson) - 1
-
-
-@pytest.mark.parametrize(
-    ("name", "poisson", "order"), [("Hex1", 0.3, 2), ("Hex1/P0", 0.49, 2), ("Hex2", 0.3, 4)]
-)
-def test_the_limit_over_grids_is_the_elastic_limit(name: str, poisson: float, order: int) -> None:
-    errors = [abs(refined_error(ELEMENTS[name], poisson, nodes)) for nodes in (32, 64, 128)]
-    observed = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
-    assert np.all(np.abs(observed - order) < 0.4), errors
 
 
 def test_incompressible_limit_over_grids_is_at_least_of_third_order() -> None:
