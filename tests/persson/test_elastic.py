@@ -8,20 +8,34 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from persson.elastic import (
+    KAPPA_BGT,
+    KAPPA_PERSSON,
     area_against_magnification,
     contact_area,
     diffusion_parameter,
     initial_slope,
     kappa,
     non_contact_area,
+    persson_kappa,
     pressure_distribution,
     pressure_for_area,
+    reduced_pressure,
     stress_variance,
 )
 from persson.errors import InvalidInput
 from persson.spectrum import SelfAffine
 
 RATIOS = (0.03, 0.4, 1.0, 3.0, 8.0)
+
+
+def test_light_load_gives_the_constant_of_the_theory():
+    """Persson 2006, Eq. 21: A/A0 = kappa p0/(E* h'), kappa = sqrt(8/pi), 2/pi of the asperity theory."""
+    pressure = 1e-7 * 2e9 * 0.1
+    area = contact_area(pressure, stress_variance=stress_variance(0.1**2, contact_modulus=2e9))
+    p = reduced_pressure(pressure, contact_modulus=2e9, rms_gradient=0.1)
+    assert kappa(area, reduced_pressure=p) == pytest.approx(KAPPA_PERSSON, rel=1e-13)
+    assert pytest.approx(2 / math.pi, rel=1e-15) == KAPPA_PERSSON / KAPPA_BGT
+    assert persson_kappa(p) == pytest.approx(KAPPA_PERSSON, rel=1e-13)
 
 
 @pytest.mark.parametrize("ratio", RATIOS)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import xarray as xr
+from gold.asked import STUDIES
 
 from fem_contact import HalfSpace, bem, contact_areas
 from fem_contact.errors import NotConverged
@@ -17,22 +18,13 @@ from validation.solvers.user_function import Own
 from validation.studies import accuracy_cost, find_study, scaling
 from validation.studies._outputs import study_page
 
-SMALL = {"periods": 2.0, "bandwidth": 2.0}
-
 
 @pytest.fixture(scope="module")
 def costs(bench):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(accuracy_cost, "installed_peers", tuple)
-        options = accuracy_cost.Options(
-            surfaces=2,
-            points_per_wave=(3.0, 4.0, 6.0),
-            held_out_points_per_wave=(8.0, 12.0),
-            fem_points_per_wave=(4.0,),
-            seed=5106,
-            **SMALL,
-        )
-        return accuracy_cost.run(options, bench=bench)
+        told = {**STUDIES["accuracy-cost"], "peer_points_per_wave": (4.0,)}
+        return accuracy_cost.run(accuracy_cost.Options(**told), bench=bench)
 
 
 def test_every_way_has_a_time_a_memory_and_an_error(costs):
@@ -145,8 +137,7 @@ def test_an_installed_peer_counts_the_area_that_is_counted_here(code):
 
 
 def test_scaling_measures_solves_whose_bandwidth_grows_with_the_grid(bench):
-    options = scaling.Options(grids=(24, 32, 48), points_per_wave=4.0, periods=2.0, surfaces=2, seed=1306)
-    data = scaling.run(options, bench=bench)
+    data = scaling.run(scaling.Options(**STUDIES["scaling"]), bench=bench)
     assert data.bandwidth.values.tolist() == [3.0, 4.0, 6.0]
     assert np.all(np.diff(data.peak_bytes) > 0)
     assert np.all(data.fft_pairs_each > 0)

@@ -19,11 +19,6 @@ DATA = xr.Dataset(
 )
 
 
-@pytest.fixture(scope="module")
-def stored():
-    return {name: make.read(name)["record"] for name in ALL}
-
-
 def told(gold, new, data=DATA, rtol=check.RTOL_HERE):
     return list(check.differences("planted", gold, new, data, rtol=rtol))
 
@@ -41,9 +36,9 @@ def test_every_study_and_every_scene_of_the_library_has_gold_numbers():
     }
 
 
-@pytest.mark.parametrize("name", ALL)
-def test_any_number_that_moves_by_a_billionth_or_goes_is_found(stored, name):
-    for place, entry in stored[name].items():
+@pytest.mark.parametrize("name", ["autopsy", "pressure", "scene quickstart"])
+def test_any_number_that_moves_by_a_billionth_or_goes_is_found(name):
+    for place, entry in make.read(name)["record"].items():
         if "numbers" not in entry:  # words are kept to be read
             continue
         numbers = np.array(entry["numbers"], dtype=float)
@@ -76,9 +71,9 @@ def test_a_renamed_number_is_found_through_the_map_whatever_the_order_of_its_dim
     new = DATA.rename(kappa="secant")
     assert len(told(gold, {}, new)) == 3
     names = {"data.kappa": "secant", "table.+-*": lambda d: 1.96 * d.secant.max("surface")}
-    monkeypatch.setattr(check, "maps_of", lambda name: (names, {}, False))
+    monkeypatch.setattr(check, "maps_of", lambda name: (names, {}))
     assert told(gold, {}, new) == []
     assert len(told(gold, {}, new * (1 + 1e-9))) == 3
     changed = {"table.*": "Student's factor"}
-    monkeypatch.setattr(check, "maps_of", lambda name: (names, changed, False))
+    monkeypatch.setattr(check, "maps_of", lambda name: (names, changed))
     assert len(told(gold, {}, new * (1 + 1e-9))) == 2

@@ -22,7 +22,6 @@ from validation.cli.progress import Bar
 from validation.cli.results import page_table, print_page, sentence_lines
 from validation.comparison.pages import result_page
 from validation.comparison.run import report_scene, run_scene
-from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.execution.results import record_of
 from validation.report.figure import new_figure, save_figure
@@ -318,22 +317,3 @@ def test_the_card_says_what_is_known_of_the_interval(small_run):
     assert "the scatter between surfaces is unknown" in card.basis
     share = float((small_run.data.area_error**2).sum() ** 0.5 / small_run.data.area)
     assert card.answer == f"+- {100 * share:.2g} %"
-
-
-def test_a_flipped_bit_in_the_numbers_of_a_study_is_noticed(tmp_path):
-    from validation.execution.bench import Bench
-    from validation.studies import area
-    from validation.studies._outputs import report_study, run_study
-
-    options = area.Options(reduced_pressures=(0.1,), surfaces=2, grids=(32, 48))
-    run_study(find_study("area"), options, tmp_path, bench=Bench.at(tmp_path / "solves"), report=False)
-    path = tmp_path / "data.nc"
-    content = bytearray(path.read_bytes())
-    with xr.open_dataset(path) as plain:  # other readers see plain netCDF
-        assert plain["area"].size == 1
-    for position in range(100, len(content), len(content) // 40):
-        flipped = bytearray(content)
-        flipped[position] ^= 4
-        path.write_bytes(flipped)
-        with pytest.raises(UsageError, match=r"data\.nc: damaged: .*; run it again"):
-            report_study(tmp_path, numbers_only=True)

@@ -10,13 +10,12 @@ import pytest
 from validation.errors import UsageError
 from validation.execution.measurement import Call
 from validation.measurements.common import base_case, base_surface
-from validation.measurements.edge import edge_limits
 from validation.measurements.grid_roughness import grid_roughness
 from validation.measurements.measurement import area_limits, grid_for, press_on_grids, truncated_heights
 from validation.scenes import surfaces
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import SolidSpec, load_scene
-from validation.studies import cross, find_study, refinement, stress_near_zero, studies
+from validation.studies import cross, find_study, studies
 
 SOLID = SolidSpec(young=3e8, poisson=0.25)
 SMALL = {"periods": 2.0, "bandwidth": 2.0}
@@ -102,56 +101,6 @@ def test_the_grid_scale_protocol_depends_on_the_slope_in_the_known_order():
     ).measure()
     spectral, forward, central = found.kappa.values
     assert spectral > forward > central
-
-
-def test_refinement_tells_the_grid_from_the_theory(bench):
-    options = {"surfaces": 2, "points_per_wave": (2.0, 4.0, 6.0, 8.0), "grid_scale_grids": (24,), **SMALL}
-    options |= {"ladders": False, "elements": ("Hex1",), "fem_points_per_wave": (4.0, 6.0, 8.0)}
-    data = refinement.run(refinement.Options(**options), bench=bench)
-    error = data.distance_pixel.values
-    assert error[0] > error[1] > error[-1] > 0
-    assert float(data.distance_pixel_each.isel(surface=0)[0]) == pytest.approx(
-        float((data.area_pixel_each / data.area_each).isel(surface=0)[0]) - 1, rel=1e-12
-    )
-    assert data.resolution.values.tolist() == ["under-resolved", *["resolved"] * 3]
-    # Any grid carries the load, none the area.
-    np.testing.assert_allclose(data.first_moment, 1.0, rtol=1e-12)
-    assert float(data.area_pixel_change) > 0
-    # Finite elements are softer near the grid scale and count more; the edge constant mends most of it.
-    assert float(data.area_fem_pixel_each[0, 0, -1]) > float(data.area_pixel_each[0, -1])
-    assert (abs(data.distance_fem_perimeter) < data.distance_fem_pixel).all()
-    budget = find_study("refinement").budget(data)
-    assert [row[0] for row in budget.rows] == ["kappa", "kappa, finite elements, Hex1"]
-    # The limit of the elements is no nearer than both limits are apart.
-    error = data.kappa_fem_error.sel(source="grid") / data.kappa_fem
-    assert (error >= abs(data.distance_fem)).all()
-
-
-def test_the_density_of_small_pressures_falls_with_the_grid(bench):
-    options = stress_near_zero.Options(surfaces=2, points_per_wave=(8.0, 16.0, 24.0), **SMALL)
-    data = stress_near_zero.run(options, bench=bench)
-    mean = data.density_at_zero[0].values
-    assert mean[0] > mean[-1]
-    # A P that starts at a value of its own gets that value as intercept.
-    shifted = edge_limits(data.assign(density_at_zero_each=data.density_at_zero_each + 1.0))
-    np.testing.assert_allclose(shifted.initial_density_each, data.initial_density_each + 1.0, rtol=1e-9)
-
-
-def test_the_independent_leg_is_named_and_agrees_better_on_the_finer_grid(bench):
-    options = cross.Options(
-        surfaces=1,
-        periods=1.0,
-        bandwidth=2.0,
-        full_points_per_wave=(4.0, 8.0),
-        reduced_points_per_wave=(4.0, 8.0),
-        elements=("Hex1",),
-    )
-    data = cross.run(options, bench=bench)
-    assert data.leg.values.tolist() == ["full Hex1", "reduced Hex1"]
-    full, reduced = data.pressure_difference_each[..., 0]
-    assert full[1] < full[0]
-    # The reduction is exact: both legs have one solution, to the tolerance of the solvers.
-    np.testing.assert_allclose(full, reduced, rtol=1e-4)
 
 
 def test_grids_have_the_points_that_are_asked_for():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from gold.asked import STUDIES
 from planted import edge_data
 
 from validation.errors import UsageError
@@ -17,21 +18,9 @@ from validation.theories.asperities import BushGibsonThomas
 from validation.theories.persson_variants import persson_variants
 from validation.theories.predicted import COMPARED
 
-SMALL = {"periods": 2.0, "bandwidth": 2.0}
-
 
 def test_hurst_study_reports_change_by_surface_and_finds_the_bandwidth_of_equal_nayak(bench):
-    options = hurst.Options(
-        hursts=(0.2, 0.8),
-        bandwidths=(2.0,),
-        equal_nayak=2.2,
-        reduced_pressures=(0.1,),
-        periods=2.0,
-        pairs=2,
-        points_per_wave=(4.0, 6.0),
-        ladder_hursts=(),
-    )
-    data = hurst.run(options, bench=bench)
+    data = hurst.run(hurst.Options(**STUDIES["hurst of equal Nayak parameter"]), bench=bench)
     assert data.family.values.tolist() == ["bandwidth 2", "alpha 2.2"]
     assert np.ptp(data.bandwidth.values[0]) == 0 < np.ptp(data.bandwidth.values[1])
     change = data.kappa_each.isel(hurst=-1) / data.kappa_each.isel(hurst=0) - 1
@@ -46,16 +35,9 @@ def test_an_impossible_nayak_parameter_is_refused_by_name(bench):
 
 
 def test_magnification_ends_at_the_theory_of_the_whole_surface(bench):
-    options = magnification.Options(
-        reduced_pressures=(0.1,),
-        magnifications=(1.0, 2.0),
-        surfaces=2,
-        points_per_wave=(4.0, 6.0),
-        **SMALL,
-    )
-    data = magnification.run(options, bench=bench)
-    np.testing.assert_allclose(data.area_persson_each.isel(magnification=-1), persson_area(0.1), rtol=1e-9)
-    area = data.area_each.isel(load=0)
+    data = magnification.run(magnification.Options(**STUDIES["magnification"]), bench=bench)
+    area, theory = data.area_each.isel(load=0), data.area_persson_each.isel(load=0, magnification=-1)
+    np.testing.assert_allclose(theory, persson_area(0.05), rtol=1e-9)
     assert np.all(area.isel(magnification=0) > area.isel(magnification=-1))
 
 
@@ -78,15 +60,7 @@ def test_the_slope_at_zero_is_scored_against_every_variant():
 
 @pytest.fixture(scope="module")
 def scored(bench):
-    options = {
-        "surfaces": 3,
-        "points_per_wave": (4.0, 6.0, 8.0),
-        "shifts": 1,
-        "ladder_reduced_pressures": (),
-        "edge": False,
-        "reduced_pressures": (0.02, 0.1, 0.3, 4.0),
-    }
-    return theory_verdict.run(theory_verdict.Options(**options, **SMALL), bench=bench)
+    return theory_verdict.run(theory_verdict.Options(**STUDIES["theory-verdict"]), bench=bench)
 
 
 def test_every_quantity_of_the_theory_is_scored_and_full_contact_is_no_comparison_but_of_the_area(scored):
@@ -112,14 +86,7 @@ def test_a_report_lists_what_is_uncertain_and_writes_it_as_csv(scored, tmp_path)
 
 
 def test_the_pressure_study_says_from_where_on_the_distributions_move(bench):
-    options = pressure.Options(
-        surfaces=3,
-        points_per_wave=(4.0, 6.0, 8.0),
-        shifts=1,
-        reduced_pressures=(0.02, 0.1, 0.3, 4.0),
-        **SMALL,
-    )
-    data = pressure.run(options, bench=bench)
+    data = pressure.run(pressure.Options(**STUDIES["pressure"]), bench=bench)
     claim = next(one for one in pressure.views(data).findings if one.by == "moved_stress_beyond")
     assert claim.outcomes[-1] == "+"
     # Were all loads alike, none would have moved.

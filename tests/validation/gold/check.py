@@ -36,12 +36,10 @@ def disagreements(name: str, bench: Bench, folder: Path) -> list[str]:
         if here or not any(fnmatch(f"{name}: {place}", pattern) for pattern in ROUNDING)
     }
     odd = new.pop("misdrawn", {"words": []})["words"]
-    return [*differences(name, record, new, data, rtol=rtol, words=here), *odd]
+    return [*differences(name, record, new, data, rtol=rtol), *odd]
 
 
-def differences(
-    name: str, gold: Record, new: Record, data: xr.Dataset, *, rtol: float, words: bool = True
-) -> Iterator[str]:
+def differences(name: str, gold: Record, new: Record, data: xr.Dataset, *, rtol: float) -> Iterator[str]:
     """Yield the gold places whose numbers are not there now, or are others.
 
     Parameters
@@ -54,24 +52,21 @@ def differences(
         Where renamed numbers are looked up.
     rtol : float
         Of each number, or of the largest of its array where that is more than a thousandth of it.
-    words : bool
-        Whether sentences and words in tables are compared, too.
     """
-    names, changed, reworded = maps_of(name)
-    words = words and not reworded
+    names, changed = maps_of(name)
     for place, entry in gold.items():
-        if any(fnmatch(place, pattern) for pattern in changed) or ("printed" in entry and not words):
+        # Words are kept to be read.
+        if "numbers" not in entry or any(fnmatch(place, pattern) for pattern in changed):
             continue
         # Figures of what was rebuilt show variables of the dataset: they are where those are.
         at = place
-        if reworded and place.startswith("figure.") and place not in new:
+        if place.startswith("figure.") and place not in new:
             at = f"data@{place.split('@')[1]}" if "@" in place else f"data.{place.rpartition('.')[2]}"
         found = _found(place if place in names else at, entry, names, new, data)
         if found is None:
-            if words or "numbers" in entry:
-                yield f"{place}: is gone; say in gold/maps where it is now"
+            yield f"{place}: is gone; say in gold/maps where it is now"
             continue
-        yield from (f"{place}: {why}" for why in _apart(entry, found, rtol=rtol, words=words))
+        yield from (f"{place}: {why}" for why in _apart(entry, found, rtol=rtol))
 
 
 def _found(
@@ -98,14 +93,8 @@ def _found(
     return {"words": [str(item) for item in flat]} if flat.dtype.kind in "OUS" else numbers_of(flat)
 
 
-def _apart(gold: Mapping[str, Any], new: Mapping[str, Any], *, rtol: float, words: bool) -> Iterator[str]:
+def _apart(gold: Mapping[str, Any], new: Mapping[str, Any], *, rtol: float) -> Iterator[str]:
     """Say how the numbers of two entries differ; NaN equals NaN."""
-    if words and gold.get("words") is not None and gold["words"] != new.get("words"):
-        pairs = zip(gold["words"], new.get("words") or (), strict=False)
-        first = next((f"{a!r}, now {b!r}" for a, b in pairs if a != b), "words are gone")
-        yield first
-    if "numbers" not in gold:
-        return
     a, b = (np.array(entry.get("numbers", ()), dtype=float) for entry in (gold, new))
     if a.shape != b.shape or gold.get("size") != new.get("size"):
         yield f"{gold.get('size', a.size)} numbers, now {new.get('size', b.size)}"

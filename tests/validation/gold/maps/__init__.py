@@ -31,11 +31,11 @@ __all__ = ["Look", "maps_of"]
 Look = str | Callable[[xr.Dataset], Any]
 
 
-def maps_of(name: str) -> tuple[dict[str, Look], dict[str, str], bool]:
-    """Return the new names of an entry, what changed on purpose, and whether its words were rewritten."""
+def maps_of(name: str) -> tuple[dict[str, Look], dict[str, str]]:
+    """Return the new names of an entry, and what changed on purpose."""
     module = f"gold.maps.{name.partition(' ')[0].replace('-', '_')}"
     if importlib.util.find_spec(module) is None:
-        return {}, {}, True
+        return {}, {}
     found = importlib.import_module(module)
     names, changed = getattr(found, "CASES", {}).get(name, ({}, {}))
-    return {**found.NAMES, **names}, {**found.CHANGED, **changed}, True
+    return {**found.NAMES, **names}, {**found.CHANGED, **changed}
