@@ -169,22 +169,6 @@ def test_curvature_falls_to_zero_where_the_surfaces_snap():
     assert near_curvature.curvature < 0.3 * far_curvature.curvature
 
 
-@pytest.mark.slow
-def test_energy_lost_in_a_cycle_is_the_area_of_its_loop():
-    surface, law = sticky_tips()
-    top = float(surface.heights.max())
-    inward = np.arange(top + 5 * law.reach, top - 0.8 * law.reach, -law.reach / 6)
-    path = adhesion_path.follow(
-        surface, ELASTIC, law=law, offsets=np.concatenate([inward, inward[::-1]]), least_jump=0.002, threads=1
-    )
-    pressure = np.array([p.mean_pressure for p in path.points])
-    offset = np.array([p.offset for p in path.points])
-    loop = -np.sum(0.5 * (pressure[1:] + pressure[:-1]) * np.diff(offset))
-    assert {jump.kind for jump in path.jumps} == {"snap-in", "pull-off"}
-    assert path.dissipated == pytest.approx(loop, rel=0.03)
-    assert path.points[-1].energy == pytest.approx(path.points[0].energy, abs=1e-3 * abs(loop))
-
-
 def test_vanishing_adhesion_recovers_the_elastic_contact():
     surface = rough()
     elastic = bem.solve(surface, ELASTIC, mean_pressure=0.01, threads=1).checked()

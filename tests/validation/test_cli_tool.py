@@ -16,7 +16,7 @@ from validation.cli import commands as cli
 from validation.cli import scenes
 from validation.cli.options import key_names, scene_names
 from validation.comparison.accuracy import reach
-from validation.errors import RunFailed, UsageError
+from validation.errors import RunFailed
 from validation.execution.bench import Bench
 from validation.execution.results import read_results
 from validation.scenes.scene import load_scene
@@ -322,17 +322,6 @@ def test_a_grid_that_no_memory_holds_is_refused(tool, tmp_path):
         assert "--grid = 1000000: takes 1000000 x 1000000 points and 5.59e+04 GiB" in err
 
 
-def test_one_length_for_an_oblong_file_is_refused(tool, tmp_path):
-    np.save(tmp_path / "scan.npy", np.random.default_rng(12).normal(size=(8, 6)))
-    said = ("surface", "inspect", "scan.npy", "--unit", "1 nm", "--length")
-    code, _, err = tool(*said, "8 um")
-    assert code == 2
-    assert "--length: one length for 8 x 6 points makes oblong cells" in err
-    code, out, err = tool(*said, "8 um, 6 um")
-    assert code == 0, err
-    assert "size [m]: 8e-06 x 6e-06" in out
-
-
 def test_surfaces_are_generated_inspected_and_converted(tool, tmp_path):
     code, out, err = tool("surface", "generate", "quickstart", "rough.nc", "--grid", "48")
     assert code == 0, err
@@ -426,11 +415,6 @@ def test_reproduce_prints_the_claims(tool, monkeypatch, tmp_path):
     assert "reprod" in out
     assert "[nm]" in out
     assert json.loads(tool("reproduce", "--json")[1])[0]["computed"] == 1.01
-
-
-def test_every_mistake_is_of_a_kind_the_command_line_turns_into_a_line():
-    assert not issubclass(UsageError, RunFailed)
-    assert not issubclass(RunFailed, UsageError)
 
 
 def test_an_accuracy_is_reached_told_and_stored_and_not_solved_again(tool, write_scene, tmp_path):
