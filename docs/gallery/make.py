@@ -29,7 +29,7 @@ from validation.studies._outputs import StudyOutputs, report_study, run_study
 
 #: The figures that the gallery shows, by study.
 SHOWN = {
-    "refinement": ("error-against-resolution",),
+    "refinement": ("error-against-resolution", "grid-scale-by-solver"),
     "pressure": ("area-against-pressure",),
     "stress-near-zero": ("pressure-near-zero",),
     "theory-verdict": ("theory-verdict",),
@@ -39,7 +39,7 @@ SHOWN = {
     "hardness": ("plastic-area",),
     "adhesion": ("adhesive-area",),
     "adhesive-magnification": ("adhesive-by-magnification",),
-    "hurst": ("kappa-against-hurst",),
+    "hurst": ("kappa-against-hurst", "kappa-of-solvers"),
     "conductance": ("conductance",),
     "leak": ("leak", "gap-distribution"),
     "macroasperities": ("macroasperity-pressure", "percolation"),

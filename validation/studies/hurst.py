@@ -308,7 +308,14 @@ def _of_solvers_against_hurst(data: xr.Dataset) -> Iterator[Figure]:
     light = float(data.reduced_pressure_by_solver)
     same = np.flatnonzero(np.isclose(data.reduced_pressure, light))
     wide = [
-        Line(y="kappa", by="family", at={"load": int(k)}, label="boundary elements, {family}") for k in same
+        Line(
+            y="kappa",
+            by="family",
+            at={"load": int(k)},
+            look={"mfc": "white", "ls": ":"},
+            label="boundary elements, {family}",
+        )
+        for k in same
     ]
     own = Line(y="kappa_by_solver", by="solver")
     caption = f"kappa against the Hurst exponent at p* = {light:g}, limits over the grids of each solver on the same "
