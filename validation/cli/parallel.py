@@ -157,10 +157,8 @@ def _print(rows: list[dict[str, Any]], folder: Path, processes: int, *, as_json:
     from validation.cli.options import print_json, show
     from validation.measurements.measurement import limit_over
 
-    def area(row: dict[str, Any]) -> ContactAreas:
-        return ContactAreas(**row["areas"] | {"spacing": tuple(row["areas"]["spacing"])})
-
-    limit = limit_over([area(row) for row in rows])
+    areas = [row["areas"] | {"spacing": tuple(row["areas"]["spacing"])} for row in rows]
+    limit = limit_over([ContactAreas(**area) for area in areas])
     if as_json:
         print_json({"processes": processes, "grids": rows, "limit": asdict(limit)})
         return

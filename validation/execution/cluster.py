@@ -169,6 +169,7 @@ def solve_on_cluster(
 
 @contextlib.contextmanager
 def _connected(address: str) -> Iterator[Any]:
+    """Connect to a scheduler, within bounds of time whatever answers there."""
     try:
         from distributed import Client, Security
     except ImportError:
