@@ -76,7 +76,12 @@ def budgets_of(
     measured = {place: kept_of(item) for place, item in solved(bench, cases).items()}
     data = gather(measured, **dims)
     finest = [next(case for place, case in cases.items() if place[-1] == n) for n in dims["grid"]]
-    points, per_wave = [item["points"] for item in finest], [_points_per_wave(item) for item in finest]
+    points, per_wave = [item["points"] for item in finest], []
+    for item in finest:
+        # The ring of a probe is a little shorter than the waves there are.
+        problem, zeta = item["problem"], dict(item.arguments).get("magnification")
+        shortest = problem.shortest if zeta is None else problem.longest / zeta
+        per_wave.append(float(item["points"] * shortest / problem.lengths[0]))
     others = [str(dim) for dim in data.pixel.dims if dim != "grid"]
     flat = {n: data[n].transpose("grid", *others).values.reshape(len(finest), 1, -1) for n in AREAS}
     areas = xr.Dataset({name: (("grid", "shift", "load"), values) for name, values in flat.items()}).assign(
@@ -94,12 +99,6 @@ def budgets_of(
         data[name] = limit.assign_attrs(reduction="limit", of="subcell")
         data[f"{name}_error"] = error_of(limit, grid=spread)
     return data.assign(grid_spacing=("grid", [1 / n for n in per_wave]))
-
-
-def _points_per_wave(case: Call) -> float:
-    problem, zeta = case["problem"], dict(case.arguments).get("magnification")
-    shortest = problem.shortest if zeta is None else problem.longest / zeta
-    return float(case["points"] * shortest / problem.lengths[0])
 
 
 def of_probe(data: xr.Dataset) -> xr.Dataset:

@@ -211,7 +211,20 @@ def views(data: xr.Dataset) -> Views:
                 panels=[_panel("work", *energy), _panel("hardness", *yields, bottom=0.0)],
             ),
         ],
-        findings=[*(_gain(data, dial) for dial in _DIALS), _energy(data), *of_one_surface(data)],
+        findings=[
+            *(_gain(data, dial) for dial in _DIALS),
+            finding(
+                "comparison",
+                "The whole interface gains {each}.",
+                _ends(data, "work"),
+                item="{interface_energy} w at w/U_full = {work_ratio}, {verdict} the theory's {interface_energy_improved:~} w "
+                "({interface_energy_old:~} w by Eq. 43)",
+                over="case",
+                by="interface_energy_excess",
+                words={"?": "beside"},
+            ),
+            *of_one_surface(data),
+        ],
     )
 
 
@@ -242,18 +255,5 @@ def _gain(data: xr.Dataset, dial: str) -> Finding:
         f"{{area_gain_improved:~}} ({{area_gain_old:~}} by Eq. 43){yields}",
         over="case",
         by="area_gain_excess",
-        words={"?": "beside"},
-    )
-
-
-def _energy(data: xr.Dataset) -> Finding:
-    return finding(
-        "comparison",
-        "The whole interface gains {each}.",
-        _ends(data, "work"),
-        item="{interface_energy} w at w/U_full = {work_ratio}, {verdict} the theory's {interface_energy_improved:~} w "
-        "({interface_energy_old:~} w by Eq. 43)",
-        over="case",
-        by="interface_energy_excess",
         words={"?": "beside"},
     )

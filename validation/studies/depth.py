@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Annotated
+from dataclasses import dataclass, replace
+from typing import Annotated, Any
 
 import xarray as xr
 from pydantic import Field
@@ -64,31 +63,19 @@ class Block:
 
 def design(options: Options) -> dict[Block, Call]:
     """Return the solve of each block."""
-    return {block: _solve(block, options) for block in _blocks(options)}
-
-
-def _blocks(options: Options) -> Iterator[Block]:
-    for element, depth in itertools.product(options.elements, options.depths):
-        yield Block(varied="depth", element=element, depth=depth)
-    for element, growth in itertools.product(options.elements, options.growths):
-        yield Block(varied="growth", element=element, growth=growth)
-    for element, poisson in itertools.product(options.elements, options.poissons):
-        yield Block(varied="poisson", element=element, poisson=poisson)
-
-
-def _solve(block: Block, options: Options) -> Call:
-    pressed = base_case(
-        base_surface(hurst=0.8, periods=1.0, bandwidth=4.0, seed=options.seed),
-        reduced_pressure=options.reduced_pressure,
-        solid=SolidSpec(young=BASE_SOLID.young, poisson=block.poisson),
-    )
-    return block_beside_bem(
-        problem=pressed,
-        grid=grid_for(pressed, options.points_per_wave),
-        element=block.element,
-        depth=block.depth,
-        growth=block.growth,
-    )
+    surface = base_surface(hurst=0.8, periods=1.0, bandwidth=4.0, seed=options.seed)
+    varied = {"depth": options.depths, "growth": options.growths, "poisson": options.poissons}
+    cases = {}
+    for (name, values), element in itertools.product(varied.items(), options.elements):
+        for value in values:
+            parameter: dict[str, Any] = {name: value}
+            block = replace(Block(varied=name, element=element), **parameter)
+            solid = SolidSpec(young=BASE_SOLID.young, poisson=block.poisson)
+            pressed = base_case(surface, reduced_pressure=options.reduced_pressure, solid=solid)
+            grid = grid_for(pressed, options.points_per_wave)
+            mesh: dict[str, Any] = {"element": element, "depth": block.depth, "growth": block.growth}
+            cases[block] = block_beside_bem(problem=pressed, grid=grid, **mesh)
+    return cases
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:

@@ -216,7 +216,16 @@ def views(data: xr.Dataset) -> Views:
         ],
         findings=[
             *(_finding(data, part, varied) for varied in ("load", "waves") for part in parts),
-            _left(data),
+            finding(
+                "comparison",
+                "Smoothed at p* = {load}, the surface keeps {spectrum_kept} of C(q) at q = {wave} q_long, {verdict} the "
+                "{spectrum_kept_persson:~} of Persson's formula (largest difference {spectrum_kept_excess_largest:~}): it "
+                "smooths the whole surface, boundary elements only what has yielded, where {gradient_kept} of the squared "
+                "gradient is left.",
+                data.isel(wave=-1),
+                by="spectrum_kept_excess",
+                load=data.attrs["smoothing_reduced_pressure"],
+            ),
             *of_one_surface(data),
         ],
     )
@@ -254,16 +263,4 @@ def _finding(data: xr.Dataset, part: str, varied: str) -> Finding:
         over="case",
         by=f"{name}_excess",
         hardness=data.attrs["hardness"],
-    )
-
-
-def _left(data: xr.Dataset) -> Finding:
-    return finding(
-        "comparison",
-        "Smoothed at p* = {load}, the surface keeps {spectrum_kept} of C(q) at q = {wave} q_long, {verdict} the "
-        "{spectrum_kept_persson:~} of Persson's formula (largest difference {spectrum_kept_excess_largest:~}): it smooths the whole "
-        "surface, boundary elements only what has yielded, where {gradient_kept} of the squared gradient is left.",
-        data.isel(wave=-1),
-        by="spectrum_kept_excess",
-        load=data.attrs["smoothing_reduced_pressure"],
     )

@@ -173,7 +173,6 @@ def views(data: xr.Dataset) -> Views:
         ),
     ]
     percolates = "percolation_area" in data
-    roll_off = data.isel(magnification=nearest(data.magnification, 1.0))
     return Views(
         table=Table(
             rows=("load", "magnification"),
@@ -184,14 +183,7 @@ def views(data: xr.Dataset) -> Views:
         ),
         budget=("percolation_area_pooled" if percolates else "load_inside",),
         figures=[*figures, _percolation()] if percolates else figures,
-        findings=[
-            *([_thresholds(data)] if percolates else []),
-            _macroasperities(data, "", "the simulation"),
-            _macroasperities(data, "_persson", "the theory"),
-            _remaining(roll_off),
-            _inside(roll_off),
-            _break_up(data),
-        ],
+        findings=_findings(data),
     )
 
 
@@ -212,17 +204,6 @@ def _percolation() -> Figure:
             Panel(marks=[scatter, paper], x="percolation_magnification", log="x"),
             Panel(marks=[Line(y="percolation_area", by="phase"), paper], x="percolating_pressure"),
         ],
-    )
-
-
-def _thresholds(data: xr.Dataset) -> Finding:
-    return finding(
-        "comparison",
-        "As waves are added the contact comes apart and the gap opens along an axis at these areas A/A0: {each}.",
-        data,
-        item="{phase} {percolation_area_pooled} ({verdict} the {percolation_area_paper} of the paper)",
-        over="phase",
-        by="percolation_area_excess",
     )
 
 
@@ -247,36 +228,48 @@ def _macroasperities(data: xr.Dataset, which: str, of: str) -> Finding:
     )
 
 
-def _remaining(data: xr.Dataset) -> Finding:
-    return finding(
-        "equivalence",
-        "In the contact seen at zeta = {magnification} the mean pressure, over that at the lightest load, is {each}.",
-        data.isel(load=slice(1, None)),
-        item="{contact_pressure_ratio} at p* = {reduced_pressure} ({verdict}; A/A0 = {area:~})",
-        over="load",
-        by="contact_pressure_shift",
-        words=_STAYS,
-    )
-
-
-def _inside(data: xr.Dataset) -> Finding:
-    return finding(
-        "comparison",
-        "With all waves there, the contact seen at zeta = {magnification} carries of the load {each}; if regions only "
-        "broke up it would be 1.",
-        data,
-        item="{load_inside} at p* = {reduced_pressure} ({verdict})",
-        over="load",
-        by="load_inside_excess",
-        words={"+": "most", "-": "less than half", "0": "half or not: not decided"},
-    )
-
-
-def _break_up(data: xr.Dataset) -> Finding:
-    return finding(
-        "value",
-        "At p* = {reduced_pressure}, with patches on and over the square of the roll-off wavelength: {each}.",
-        data.isel(load=data.sizes["load"] // 2, magnification=[0, -1]),
-        item="at zeta = {magnification} A/A0 = {area}, {patch_density} patches of the mean size {relative_patch_size}",
-        over="magnification",
-    )
+def _findings(data: xr.Dataset) -> list[Finding]:
+    roll_off = data.isel(magnification=nearest(data.magnification, 1.0))
+    thresholds = []
+    if "percolation_area" in data:
+        thresholds = [
+            finding(
+                "comparison",
+                "As waves are added the contact comes apart and the gap opens along an axis at these areas A/A0: {each}.",
+                data,
+                item="{phase} {percolation_area_pooled} ({verdict} the {percolation_area_paper} of the paper)",
+                over="phase",
+                by="percolation_area_excess",
+            )
+        ]
+    return [
+        *thresholds,
+        _macroasperities(data, "", "the simulation"),
+        _macroasperities(data, "_persson", "the theory"),
+        finding(
+            "equivalence",
+            "In the contact seen at zeta = {magnification} the mean pressure, over that at the lightest load, is {each}.",
+            roll_off.isel(load=slice(1, None)),
+            item="{contact_pressure_ratio} at p* = {reduced_pressure} ({verdict}; A/A0 = {area:~})",
+            over="load",
+            by="contact_pressure_shift",
+            words=_STAYS,
+        ),
+        finding(
+            "comparison",
+            "With all waves there, the contact seen at zeta = {magnification} carries of the load {each}; if regions only "
+            "broke up it would be 1.",
+            roll_off,
+            item="{load_inside} at p* = {reduced_pressure} ({verdict})",
+            over="load",
+            by="load_inside_excess",
+            words={"+": "most", "-": "less than half", "0": "half or not: not decided"},
+        ),
+        finding(
+            "value",
+            "At p* = {reduced_pressure}, with patches on and over the square of the roll-off wavelength: {each}.",
+            data.isel(load=data.sizes["load"] // 2, magnification=[0, -1]),
+            item="at zeta = {magnification} A/A0 = {area}, {patch_density} patches of the mean size {relative_patch_size}",
+            over="magnification",
+        ),
+    ]

@@ -72,22 +72,18 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     shares = {"solver": _solver_share(options, bench), **_spectral_shares(options, bench)}
     data = claim(data, "area", **{source: data.area * share for source, share in shares.items()})
     data = distances(beside(data, theories, options.pressed))
-    data = moved_shares(data).assign(_stress_distances(data, theories, options))
+    pooled = data.stress_share_each.sum("surface").values
+    distant = [
+        largest_difference(pooled, stress_shares(theory, options.first, options.reduced_pressures))
+        for theory in theories
+    ]
+    made = {"reduction": "distance", "of": "stress_share_each"}
+    data = moved_shares(data).assign(stress_distance=(("theory", "load"), np.array(distant), made))
     if options.edge:
         small = stress_near_zero.Options(hurst=options.hurst, periods=options.periods, seed=options.seed)
         edge = stress_near_zero.run(small, bench=bench).isel(method=0)
         data = data.merge(edge_scores(edge, theories, Rough.of(small.first)), combine_attrs="override")
     return data.assign_attrs(methods=RANKED)
-
-
-def _stress_distances(data: xr.Dataset, theories: tuple[Theory, ...], options: Options) -> dict[str, Any]:
-    pooled = data.stress_share_each.sum("surface").values
-    rows = [
-        largest_difference(pooled, stress_shares(theory, options.first, options.reduced_pressures))
-        for theory in theories
-    ]
-    made = {"reduction": "distance", "of": "stress_share_each"}
-    return {"stress_distance": (("theory", "load"), np.array(rows), made)}
 
 
 def _solver_share(options: Options, bench: Bench) -> float:
