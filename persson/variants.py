@@ -197,10 +197,10 @@ def corrected_contact_area(
     loaded = (load > 0) & (full > 0)
     root = np.sqrt(full)
     x = np.where(loaded, np.where(loaded, root, 1.0) / np.where(loaded, load, 1.0), 1.0)
-    # Beyond it the area is below 1e-100, and its square could not be represented.
-    x = np.minimum(x, 1e100)
-    y = _xu(x * x, ratio) if variant == "xu" else _grown(x * x, variant, ratio)
-    area = np.asarray(erf(1 / np.sqrt(2 * y)))
+    # Beyond it the square could not be represented, and the area is proportional to the load.
+    limited = np.minimum(x, 1e100)
+    y = _xu(limited**2, ratio) if variant == "xu" else _grown(limited**2, variant, ratio)
+    area = np.asarray(erf(1 / np.sqrt(2 * y))) * (limited / x)
     return np.where(loaded, area, np.where(load > 0, 1.0, 0.0))[()]
 
 

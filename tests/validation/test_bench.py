@@ -21,6 +21,7 @@ import psutil
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
+from gold.asked import STUDIES
 from solving import Killing, Notes, Slow, dask_cluster, still_running
 
 from validation.audit import audit
@@ -256,6 +257,21 @@ def test_a_bench_that_only_plans_solves_nothing(tmp_path):
         run_area(bench=Bench(store=store, plan_only=True), **CASES)
     assert len(planned.value.solves) == 80
     assert not store.folder.exists()
+
+
+@pytest.mark.parametrize(
+    "name", [name for name, asked in STUDIES.items() if not {"scene", "theory"} & set(asked)]
+)
+def test_each_planned_solve_of_a_study_takes_time_and_room_for_its_unknowns(name, tmp_path):
+    study = find_study(name.partition(" ")[0])
+    bench = Bench(store=Store(folder=tmp_path), plan_only=True)
+    with pytest.raises(PlannedOnly) as planned:
+        study.compute(study.options(**STUDIES[name]), bench=bench)
+    for solve in planned.value.solves:
+        cost = solve.predict()
+        assert cost.unknowns >= 1
+        assert cost.peak_bytes >= 8 * cost.unknowns
+        assert 1e-9 < cost.seconds / cost.unknowns < 1e-2
 
 
 def test_every_study_has_a_question_and_options_with_defaults():
