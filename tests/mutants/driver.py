@@ -78,7 +78,7 @@ def catalogue() -> tuple[Mutant, ...]:
 def _read(file: Path) -> Iterator[Mutant]:
     said = tomllib.loads(file.read_text(encoding="utf-8"))
     groups = said.get("tests", {})
-    for entry in said["mutant"]:
+    for entry in said.get("mutant", ()):
         tests = tuple(path for name in entry.pop("tests") for path in groups.get(name, (name,)))
         yield Mutant(tests=tests, **entry)
 

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 from scipy.special import erf
 
 from persson.elastic import KAPPA_PERSSON, contact_area
@@ -40,6 +41,23 @@ def test_variants_reach_their_light_load_limit_and_full_contact(variant):
     assert corrected_contact_area(0.0, stress_variance=0.25, variant=variant) == 0
     assert corrected_contact_area(1.0, stress_variance=0.0, variant=variant) == 1
     assert light_load_kappa("persson") == KAPPA_PERSSON
+
+
+@pytest.mark.parametrize("ratio", [1.0, 0.45])
+def test_work_of_the_load_is_the_elastic_energy(ratio):
+    """p du = -dU: both by central differences, whose error is of order (step/p)^2 = 1e-4."""
+    scale = Scale(STEEL, contact_modulus=1e11)
+    t = np.linspace(-30, 0, 40001)
+    variance = float(scale.variance(scale.q_short)) * np.exp(t)
+    length = variance / (1e11 * scale.wavevector(variance))
+
+    def energy(p):
+        share = erf(p / np.sqrt(2 * variance))
+        return trapezoid(length * share * (ratio + (1 - ratio) * share**2), t)
+
+    p, step = 2e9, 2e7
+    du = np.diff(mean_separation([p - step, p + step], scale=scale, energy_ratio=ratio))[0]
+    assert p * du == pytest.approx(-(energy(p + step) - energy(p - step)), rel=1e-3)
 
 
 def test_macroasperities_appear_at_magnification_one_to_five():
