@@ -25,8 +25,9 @@ from validation.comparison.run import report_scene, run_scene
 from validation.execution.bench import Bench
 from validation.execution.results import record_of
 from validation.report.figure import new_figure, save_figure
-from validation.report.page import Answer, Page, render, write_page
+from validation.report.page import Page, render, write_page
 from validation.report.table import ResultTable, WordTable, shown, write_dataset
+from validation.report.views import Card
 from validation.report.words import mathematics
 from validation.scenes.scene import load_scene
 from validation.studies import find_study
@@ -116,7 +117,7 @@ def test_numbers_of_a_figure_stand_at_values_not_at_places(tmp_path):
 
 def test_what_looks_like_markup_is_shown_and_not_obeyed():
     page = dataclasses.replace(
-        _page(findings=("<b>A/A0</b> = 1",), answers=(Answer(question="<i>", answer="<u>"),)),
+        _page(findings=("<b>A/A0</b> = 1",), answers=(Card("<i>", "<u>"),)),
         title="<script>alert(1)</script>",
     )
     html = render(page)

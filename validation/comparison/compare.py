@@ -35,6 +35,7 @@ _JOINT = (
     "+-: 95 %; that of a difference is the root of the sum of the squares of both, as if they were "
     "independent: of one and the same surfaces differences are better known than that."
 )
+_FIRST = "the first, with which the others are compared"
 #: What says again, in sentences, what another variable says.
 _TWICE = ("_own", "_limit", "_excess", "_located", "_each")
 
@@ -309,15 +310,13 @@ def _cards(data: xr.Dataset, results: Mapping[str, Result]) -> Iterator[Card]:
     told = list(differing(results))
     words = ", ".join(told[:3]) + (", ..." if len(told) > 3 else "")
     count = f"{len(told)} setting{'' if len(told) == 1 else 's'}"
-    yield Card(question="What differs in what was asked?", answer=note(words or "nothing"), basis=note(count))
+    yield Card("What differs in what was asked?", words or "nothing", count)
     if "area" not in data or data.area.dims != ("result",):
         return
     for k, label in enumerate(results):
         here = data.isel(result=k)
-        basis = note("the first, with which the others are compared")
-        if k:
-            basis = finding("value", "{area_apart:+} from it", here)
-        yield Card(question=f"A/A0, {label}", answer=finding("value", "{area}", here), basis=basis)
+        basis = finding("value", "{area_apart:+} from it", here) if k else _FIRST
+        yield Card(f"A/A0, {label}", finding("value", "{area}", here), basis)
 
 
 def _findings(data: xr.Dataset, results: Mapping[str, Result]) -> Iterator[Finding]:

@@ -166,21 +166,17 @@ def _label(data: xr.Dataset, k: int) -> str:
 
 
 def _cards(data: xr.Dataset) -> Iterator[Card]:
-    def card(
-        question: str, answer: str, basis: str, *, kind: str = "value", at: xr.Dataset = data, **values: Any
-    ) -> Card:
-        answers = finding(kind, answer, at), finding(kind, basis, at, **values)
-        return Card(question=question, answer=answers[0], basis=answers[1])
+    def told(form: str, at: xr.Dataset = data, **values: Any) -> Finding:
+        return finding("value", form, at, **values)
 
     several = float(data.surfaces) > 1
     basis = (
         f"mean over {data.surfaces.item():.0f} surfaces; this one {{area_own}}" if several else "{area_basis}"
     )
-    yield card("How large is the contact? A/A0", "{area}", basis + "; kappa = {kappa}")
-    area = value_of(data, "area")
-    answer = note("not measured")
+    yield Card("How large is the contact? A/A0", told("{area}"), told(basis + "; kappa = {kappa}"))
+    area, answer = value_of(data, "area"), note("not measured")
     if "accuracy_asked" in data:
-        answer = finding("value", "asked {accuracy_asked:%}, reached {accuracy_reached:%~}", data)
+        answer = told("asked {accuracy_asked:%}, reached {accuracy_reached:%~}")
     elif area.error is not None and np.isfinite(area.error) and float(area.value):
         answer = note("+- {share:.2%}", share=area.error / float(area.value))
     scatter = (
@@ -189,32 +185,28 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
     if "treatment_spread" in data:
         scatter += "; the treatment of the map: {treatment_spread:.2%}"
     held = f"95 %: {sources_of(data.area_error) or 'all sources'}; "
-    yield Card(question="How sure?", answer=answer, basis=finding("value", held + scatter, data))
+    yield Card("How sure?", answer, told(held + scatter))
     if "area_excess" in data and np.isfinite(data.area_persson_own):
-        yield card(
-            "How far from Persson's theory?",
-            "{area_excess:+%}",
+        basis = (
             "theory: A/A0 = {area_persson:.4} with the realised gradient; p* = {reduced_pressure:.4}, "
-            "lambda_long/lambda_short = {bandwidth:.3}",
-            bandwidth=float(data.wave_long / data.wave_short),
+            "lambda_long/lambda_short = {bandwidth:.3}"
+        )
+        bandwidth = float(data.wave_long / data.wave_short)
+        yield Card(
+            "How far from Persson's theory?", told("{area_excess:+%}"), told(basis, bandwidth=bandwidth)
         )
     if "hertz_radius" in data:
-        yield card(
-            "Beside a smooth ball (Hertz)",
-            "{hertz_share} of its area",
-            "R = {ball_radius:u}: Hertz a = {hertz_radius:u}, approach {hertz_approach:u}; here {approach:u}",
+        basis = (
+            "R = {ball_radius:u}: Hertz a = {hertz_radius:u}, approach {hertz_approach:u}; here {approach:u}"
         )
+        yield Card("Beside a smooth ball (Hertz)", told("{hertz_share} of its area"), told(basis))
     if "area_plastic_pixel" in data:
         predicted = "; theory: {area_plastic_persson:.4}" if "area_plastic_persson" in data else ""
-        basis = "{solver} on {grid}, points counted" + predicted
-        yield card("How much has yielded? A_pl/A0", "{area_plastic_pixel:.4}", basis, at=_finest(data))
-    yield card(
-        "What did it cost?",
-        "{seconds_total:u}",
-        "{solves} solves shown, largest {unknowns_largest} unknowns",
-        kind="cost",
-        solves=float(data.shifts.sum()),
-    )
+        at, basis = _finest(data), "{solver} on {grid}, points counted" + predicted
+        yield Card("How much has yielded? A_pl/A0", told("{area_plastic_pixel:.4}", at), told(basis, at))
+    basis = "{solves} solves shown, largest {unknowns_largest} unknowns"
+    shown = told(basis, solves=float(data.shifts.sum()))
+    yield Card("What did it cost?", told("{seconds_total:u}"), shown)
 
 
 def _finest(data: xr.Dataset) -> xr.Dataset:

@@ -90,39 +90,33 @@ def _varying(data: xr.Dataset) -> list[str]:
     return [key for key in _keys(data) if len(set(data[key].values.tolist())) > 1]
 
 
+def _ends(form: str, values: xr.DataArray, **more: Any) -> Finding:
+    return finding("value", form, low=float(values.min()), high=float(values.max()), **more)
+
+
 def _cards(data: xr.Dataset) -> Iterator[Card]:
     area = data[_answer(data)]
     if not bool(area.notnull().any()):
         return
-    low, high = f"{float(area.min()):.4g}", f"{float(area.max()):.4g}"
     basis = "theory alone, from C(q)"
     if "area" in data:
         count = f"{float(data.surfaces.max()):.0f}"
         basis = f"means over {count} surfaces of each spectrum" if _several(data) else "one surface"
-    yield Card(question="How large is the contact? A/A0", answer=note(f"{low} to {high}"), basis=note(basis))
+    question = "How large is the contact? A/A0"
+    yield Card(question, f"{float(area.min()):.4g} to {float(area.max()):.4g}", basis)
     if "area" in data and bool((data.area_error > 0).any()):
+        held = dict.fromkeys(sources_of(here.area_error) for here in each(data, *_over(data)))
         share = total_error(data, "area") / data.area
-        held = list(dict.fromkeys(sources_of(here.area_error) for here in each(data, *_over(data))))
-        yield Card(
-            question="How sure?",
-            answer=note("+- {low:.2%} to {high:.2%}", low=float(share.min()), high=float(share.max())),
-            basis=note(f"95 %: {' or '.join(filter(None, held)) or 'all sources'}"),
-        )
+        basis = f"95 %: {' or '.join(filter(None, held)) or 'all sources'}"
+        yield Card("How sure?", _ends("+- {low:.2%} to {high:.2%}", share), basis)
     if "scatter" in data and _several(data):
-        yield Card(
-            question="How far is one surface from another?",
-            answer=note(
-                "{low:.2%} to {high:.2%}", low=float(data.scatter.min()), high=float(data.scatter.max())
-            ),
-            basis=note("standard deviation of one over their mean"),
-        )
+        answer = _ends("{low:.2%} to {high:.2%}", data.scatter)
+        basis = "standard deviation of one over their mean"
+        yield Card("How far is one surface from another?", answer, basis)
     if "area_excess" in data and bool(data.area_excess.notnull().any()):
-        ends = {"low": float(data.area_excess.min()), "high": float(data.area_excess.max())}
-        yield Card(
-            question="How far from Persson's theory?",
-            answer=note("{low:+.3%} to {high:+.3%}", **ends),
-            basis=note("area over the theory with the realised gradient, less one"),
-        )
+        answer = _ends("{low:+.3%} to {high:+.3%}", data.area_excess)
+        basis = "area over the theory with the realised gradient, less one"
+        yield Card("How far from Persson's theory?", answer, basis)
 
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
@@ -138,12 +132,10 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     if "area_excess" in data and bool(data.area_excess.notnull().any()):
         excess, error = data.area_excess, data.area_excess_error
         half = (error.sel(source=["surfaces", "grid", "solver"]) ** 2).sum("source") ** 0.5
-        yield finding(
-            "value",
+        yield _ends(
             "The area lies between {low:+.2%} and {high:+.2%} of Persson's theory; in {agree} of {count} "
             "cases the two agree within the 95 % interval.",
-            low=float(excess.min()),
-            high=float(excess.max()),
+            excess,
             agree=float((abs(excess) <= half).sum()),
             count=float(excess.notnull().sum()),
         )

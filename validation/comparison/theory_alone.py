@@ -180,27 +180,19 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
     shown = data.isel(load=np.flatnonzero(data.theory_note.values == ""))
     how_large = "How large is the contact? A/A0"
     if not shown.sizes["load"]:
-        why = finding("refusal", "{theory_note}", data.isel(load=0))
-        yield Card(question=how_large, answer=note("no answer"), basis=why)
+        yield Card(how_large, "no answer", finding("refusal", "{theory_note}", data.isel(load=0)))
         return
     loads = _between(shown.pressure)
-    basis = note(f"at p0 = {loads}, with all roughness")
-    yield Card(question=how_large, answer=note(_between(shown.area_ensemble)), basis=basis)
+    yield Card(how_large, _between(shown.area_ensemble), f"at p0 = {loads}, with all roughness")
     if "area_plastic_ensemble" in data:
-        yield Card(
-            question="How much has yielded? A_pl/A0",
-            answer=note(_between(shown.area_plastic_ensemble)),
-            basis=note(f"at p0 = {loads}"),
-        )
+        yielded = _between(shown.area_plastic_ensemble)
+        yield Card("How much has yielded? A_pl/A0", yielded, f"at p0 = {loads}")
     if "work_left" in data:
         basis = finding("value", "of {work:u}: gamma_eff(1)", data)
-        yield Card(question="How much adhesion is left?", answer=note(_between(shown.work_left)), basis=basis)
+        yield Card("How much adhesion is left?", _between(shown.work_left), basis)
     error = float(shown.error_estimate.max())
-    yield Card(
-        question="How sure?",
-        answer=note("+- {error:.1}", error=error) if error > 0 else note("closed form"),
-        basis=note("of A/A0, by the theory's own estimate; no solver checks it"),
-    )
+    answer = note("+- {error:.1}", error=error) if error > 0 else note("closed form")
+    yield Card("How sure?", answer, "of A/A0, by the theory's own estimate; no solver checks it")
 
 
 def _between(values: xr.DataArray) -> str:

@@ -97,10 +97,8 @@ KINDS: dict[str, tuple[Callable[[Value], str] | None, dict[str, str]]] = {
 class Finding:
     """One thing found: of a kind of `KINDS`, a sentence with named values in braces.
 
-    ``{verdict}`` and ``{each}``.
-
-    ``{each}`` lists the `rows` in the form `item`; the value that decides is called `by`, in a row where rows
-    have it; `words` are what outcomes are called here.
+    ``{verdict}`` is that of the rule of its kind on the value called `by`, in a row where rows have it, by
+    `words` where it has its own; ``{each}`` lists the `rows` in the form `item`.
 
     Examples
     --------
@@ -143,6 +141,9 @@ class Finding:
         if not once:
             return text
         return f"{text.removesuffix('.')} (95 %: {sources.pop()}){'.' if text.endswith('.') else ''}"
+
+    def __str__(self) -> str:
+        return self.text
 
     @property
     def outcomes(self) -> tuple[str, ...]:

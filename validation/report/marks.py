@@ -85,12 +85,7 @@ class Image(_Mark):
 
 @dataclass(frozen=True, kw_only=True)
 class Panel:
-    """Axes with marks on them: quantities `x` and `y` (that of the first mark if not given), `log` "x".
-
-    "y" or "xy".
-
-    `at` holds for all marks.
-    """
+    """Axes of `x` and `y` (of the first mark if not given), `log` ones as "xy"; `at` holds for all marks."""
 
     marks: Sequence[_Mark]
     x: str

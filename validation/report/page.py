@@ -24,6 +24,7 @@ from validation.report.table import (
     write_table,
 )
 from validation.report.values import values_of
+from validation.report.views import Card
 from validation.report.words import json_ready, mathematics
 
 if TYPE_CHECKING:
@@ -41,15 +42,6 @@ _BUDGET = (
     "Half widths of 95 % intervals by their source, in per cent of the value; the columns "
     "in front add them up as the root of the sum of their squares."
 )
-
-
-@dataclass(frozen=True, kw_only=True)
-class Answer:
-    """A card on top of the page: a question, its answer in a word or a number, what the answer rests on."""
-
-    question: str
-    answer: str
-    basis: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,7 +80,7 @@ class Page:
     settings: Mapping[str, Any]
     seeds: str
     papers: tuple[str, ...]
-    answers: tuple[Answer, ...] = ()
+    answers: tuple[Card, ...] = ()
     findings: tuple[str, ...] = ()
     notes: tuple[Note, ...] = ()
     tables: tuple[WordTable, ...] = ()
@@ -129,14 +121,7 @@ def page_of(data: xr.Dataset, views: Views, /, *, figures: bool = True, **rest: 
     }
     summary = {**views.as_json(data), "numbers": numbers}
     told: dict[str, Any] = {
-        "answers": tuple(
-            Answer(
-                question=card.question,
-                answer=card.answer.text,
-                basis="" if card.basis is None else card.basis.text,
-            )
-            for card in views.cards
-        ),
+        "answers": tuple(Card(card.question, str(card.answer), str(card.basis)) for card in views.cards),
         "findings": tuple(one.text for one in views.findings),
         "tables": tuple(shown(rows, title=table.title, note=table.note) for table, rows in made),
         "budget": budget_table(data, views.budget) if views.budget else None,

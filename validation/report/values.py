@@ -20,8 +20,6 @@ from validation.report.words import significant, with_error
 class Value:
     """A number as it is said: with half of its 95 % interval where it has one.
 
-    And shown with symbol and unit.
-
     An `error` of NaN was not measured, None or 0 is that of what is exact, such as a load; `sources` are what
     it holds, where not all that enters was measured. It was read from the variable `name`, `at` a position by
     dimension.

@@ -14,13 +14,13 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Card:
     """A question on top of a page, its answer, and what the answer rests on."""
 
     question: str
-    answer: Finding
-    basis: Finding | None = None
+    answer: Finding | str
+    basis: Finding | str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
