@@ -193,19 +193,11 @@ def run_accurate(
 
 
 def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None = None) -> AccuracyResult:
-    """Solve a scene to an accuracy: grids, tolerance and number of surfaces are chosen.
+    """Solve a scene until half of the 95 % interval of A/A0 is `target` of it.
 
-    Parameters
-    ----------
-    scene : Scene
-        The grids and tolerance of its boundary elements, and the grids and number of surfaces of its
-        ensemble, are not used. Its other methods are solved on their own grids and put beside.
-    bench : Bench
-        Where solves are kept, and the memory they may take.
-    target : float
-        Half of the 95 % interval of A/A0, relative.
-    time_limit : float, optional
-        Seconds that solving may take.
+    Grids, tolerance and number of surfaces are chosen: those that the scene names for its boundary elements
+    and its ensemble are not used. Its other methods are solved on their own grids and put beside. Solving may
+    take `time_limit` seconds, and the memory that `bench` allows.
 
     Raises
     ------

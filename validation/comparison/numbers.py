@@ -49,23 +49,10 @@ def scene_data(
 ) -> xr.Dataset:
     """Put all solves of a scene into one dataset, beside the theory.
 
-    Parameters
-    ----------
-    scene : Scene
-    problem : ContactProblem
-        What the scene asks for.
-    results : mapping
-        Result of each of its solves, which is read once.
-    failures : mapping, optional
-        Why others failed, and what to do: a row without numbers.
-    accurate : mapping, optional
-        What was reached, where its grids were chosen for an accuracy.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over (method, grid, shift) of its own surface, and (surface) of an ensemble. ``area`` is that of the
-        scene: the mean over the surfaces of an ensemble, else ``area_own``.
+    It is over (method, grid, shift) of the scene's own surface, and (surface) of an ensemble. ``area`` is
+    that of the scene: the mean over the surfaces of an ensemble, else ``area_own``. Each result is read once;
+    what failed, and why, is a row without numbers, and `accurate` what was reached where grids were chosen
+    for it.
 
     Raises
     ------

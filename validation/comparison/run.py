@@ -73,20 +73,10 @@ def run_scene(
 ) -> Outputs:
     """Run a scene into a folder; finished solves found in the store are used, not repeated.
 
-    Parameters
-    ----------
-    problem : ContactProblem, optional
-        What the scene asks for, where it has been made already.
-    execution : Execution, optional
-        Where the solves run; in this process if not given.
-    store_folder : Path, optional
-        Where the solves are kept, to be shared with other runs and studies; `folder`/solves if not given.
-    pictures : bool
-        Whether the report gets 3-D pictures, rendered off screen in some seconds.
-    report : bool
-        Whether to draw figures and write the report, which `report_scene` can do later.
-    accurate : mapping, optional
-        What was reached where the grids were chosen for an accuracy.
+    Solves run in this process unless `execution` says where, and are kept in `folder`/solves unless
+    `store_folder` is given, to be shared with other runs and studies. `pictures` in 3-D are rendered off
+    screen in some seconds; without `report` figures and page are left for `report_scene`. `accurate` is what
+    was reached where the grids were chosen for an accuracy.
 
     Raises
     ------
@@ -181,10 +171,7 @@ def begin(folder: Path, asked: Mapping[str, Any]) -> None:
 def report_scene(folder: Path, *, pictures: bool | None = None) -> Outputs:
     """Write tables, figures and report of a run or a sweep again, from its stored dataset alone.
 
-    Parameters
-    ----------
-    pictures : bool, optional
-        Whether to render 3-D pictures, too; if not given, where the scene asks or the folder has some.
+    3-D `pictures` are rendered, if not given, where the scene asks or the folder has some.
 
     Raises
     ------

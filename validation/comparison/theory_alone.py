@@ -24,11 +24,8 @@ from validation.solvers.theory import Answer, against_magnification, theory_word
 def theory_data(scene: Scene, problem: ContactProblem) -> xr.Dataset:
     """Evaluate the theory at every load of a scene without a solver.
 
-    Returns
-    -------
-    xarray.Dataset
-        Over (load): A/A0 from C(q) alone, with the error that the theory estimates of itself; and along the
-        waves up to each magnification.
+    Over (load): A/A0 from C(q) alone, with the error that the theory estimates of itself; and along the waves
+    up to each magnification.
     """
     told = TheoryInputs.by(problem.elastic, scene.effects)
     answers = against_magnification(problem, scene.effects, scene.methods.options("theory"))

@@ -30,14 +30,8 @@ def run(
 ) -> tuple[Page, tuple[Path, ...]]:
     """Recompute the paper into a folder; return its page and the files, the report first.
 
-    Parameters
-    ----------
-    output : Path
-        Folder, made if it does not exist; files in it of the same names are replaced.
-    figures : bool
-        Whether to compute the figures and write the report, or claims and JSON alone.
-    progress : callable, optional
-        Called with the name of each figure or claim before it is computed.
+    Files of the same names are replaced. Without `figures` claims and JSON are written alone; `progress` is
+    called with the name of each figure or claim before it is computed.
 
     Raises
     ------

@@ -48,16 +48,10 @@ _FUNCTIONS["erf"] = scipy.special.erf
 def gather(cases: Mapping[Any, xr.Dataset], **dims: Sequence[Any]) -> xr.Dataset:
     """Stack datasets along new dimensions in front; a place that is in no case is NaN.
 
-    A coordinate that differs between the cases is one along the new dimensions where it does; one that
-    differs between surfaces becomes ``x_each``, as all that belongs to a single one.
-
-    Parameters
-    ----------
-    cases : mapping
-        Dataset by place: a tuple with one value for each of `dims`, or the value itself where there is one.
-        All have the same variables on the same dimensions.
-    dims : sequences
-        Coordinates of the new dimensions; where they are instances of a dataclass, its fields are.
+    A place is a tuple with one value for each of `dims`, or the value itself where there is one; where these
+    are instances of a dataclass its fields are coordinates. A coordinate that differs between the cases is
+    one along the new dimensions where it does; one that differs between surfaces becomes ``x_each``, as all
+    that belongs to a single one.
 
     Raises
     ------
@@ -178,11 +172,8 @@ def nearest(values: xr.DataArray, wanted: float) -> int:
 def error_of(value: xr.DataArray, **sources: xr.DataArray | float | str) -> xr.DataArray:
     """Return the errors of a variable from what is known of each source.
 
-    Parameters
-    ----------
-    value : DataArray
-    sources : DataArray, float or str
-        Half width of the 95 % interval; or a text: why the source does not enter. Others are not measured.
+    That is half the width of the 95 % interval, or a text: why the source does not enter. Others are not
+    measured.
     """
     parts, why = [], {}
     for source in SOURCES:
@@ -286,20 +277,10 @@ def mean(
     """Add means over surfaces: ``x`` from ``x_each``, with Student's 95 % interval and what the grids leave.
 
     Errors of single surfaces that are independent (``x_each_error`` of the grid) shrink like the root of
-    their number; drifts, with their sign, and errors of all other sources do not. Places that were never
-    solved (`solved_places`) are no samples; one that was solved and has no value leaves the mean without one.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-    names : str
-        Of the means.
-    over : str
-        Dimension of the surfaces.
-    pairs : bool
-        Whether surfaces 2k and 2k + 1 are +h and -h: anti-correlated, and one sample together.
-    alike : bool
-        Whether the grids are off to the same side on all surfaces, so that their error does not shrink.
+    their number, unless the grids are off to the same side on all surfaces (`alike`); drifts, with their
+    sign, and errors of all other sources do not. With `pairs` surfaces 2k and 2k + 1 are +h and -h:
+    anti-correlated, and one sample together. Places that were never solved (`solved_places`) are no samples;
+    one that was solved and has no value leaves the mean without one.
     """
     for name in names:
         values = _of(data, f"{name}_each", f"mean of {name!r}", over)
@@ -423,12 +404,8 @@ def reduce(data: xr.Dataset, how: str, *names: str, over: str = "surface") -> xr
 def derive(data: xr.Dataset, **expressions: str) -> xr.Dataset:
     """Add variables by expressions of others, errors carried along to first order, source by source.
 
-    Parameters
-    ----------
-    data : xarray.Dataset
-    expressions : str
-        By name: sums, products, powers and ``abs, exp, log, sqrt, erf, maximum, minimum`` of variables and
-        numbers.
+    Expressions are sums, products, powers and ``abs, exp, log, sqrt, erf, maximum, minimum`` of variables and
+    numbers.
 
     Examples
     --------
@@ -493,18 +470,8 @@ def _at(expression: str, values: Mapping[str, xr.DataArray]) -> xr.DataArray:
 def power_law(data: xr.Dataset, name: str, *, of: str, x: str, along: Sequence[str]) -> xr.Dataset:
     """Add the exponent of a power of `x`, by least squares of logarithms; ``NAME_factor`` is its value at 1.
 
-    The interval is Student's, of the scatter around the line; what is not positive or not there is left
-    out, and with less than three points the exponent has no interval.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-    name : str
-        Of the exponent.
-    of, x : str
-        Variables.
-    along : sequence of str
-        Dimensions that are fitted over.
+    The fit is over the dimensions `along`. The interval is Student's, of the scatter around the line; what is
+    not positive or not there is left out, and with less than three points the exponent has no interval.
     """
     import scipy.stats
 

@@ -99,16 +99,7 @@ def _power_of_ten(value: float, _: int) -> str:
 
 
 def embeddable(svg: str, name: str, *, words: str) -> str:
-    """Return an SVG for an HTML page: named apart from the other figures there, and said in words.
-
-    Parameters
-    ----------
-    svg : str
-    name : str
-        Of the figure.
-    words : str
-        What is seen, for readers who do not see it.
-    """
+    """Return an SVG for an HTML page: named apart from the other figures there, and said in `words`."""
     from markupsafe import escape
 
     drawing = harmless(svg[svg.index("<svg") :])

@@ -200,18 +200,10 @@ def finding(
     words: Mapping[str, str] | None = None,
     **more: Value | float | str,
 ) -> Finding:
-    """Return a finding whose values are those of a dataset that its forms name.
+    """Return a finding whose values are those of a dataset that its forms name; see `Finding`.
 
-    Parameters
-    ----------
-    kind, form, item, by, words
-        See `Finding`.
-    data : xarray.Dataset
-        Its numbers without dimensions are values; those along `over` are rows.
-    over : str or sequence of str
-        Dimensions of the rows.
-    more : Value, float or str
-        Further values; plain numbers are exact.
+    Numbers of the dataset without dimensions are values, those along `over` are rows. Of `more` values plain
+    numbers are exact.
     """
     over = (over,) if isinstance(over, str) else tuple(over)
     if data is not None:

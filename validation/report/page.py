@@ -98,13 +98,7 @@ class Page:
 def page_of(data: xr.Dataset, views: Views, /, *, figures: bool = True, **rest: Any) -> Page:
     """Return the page of a dataset: what its views declare, drawn or not, and what else `Page` is told.
 
-    Parameters
-    ----------
-    data : xarray.Dataset
-    views : Views
-    figures : bool
-    rest
-        Fields of `Page`. Notes and the summary are added to those of the findings.
+    Of the `rest`, fields of `Page`, notes and the summary are added to those of the findings.
     """
     tables = [*([] if views.table is None else [views.table]), *views.more]
     made = [(table, table.of(data)) for table in tables]
@@ -138,12 +132,7 @@ def page_of(data: xr.Dataset, views: Views, /, *, figures: bool = True, **rest: 
 def write_page(page: Page, folder: Path, *, numbers_only: bool = False) -> tuple[Path, ...]:
     """Write tables, JSON, figures and the report into a folder; return the files, the report first.
 
-    Parameters
-    ----------
-    page : Page
-    folder : Path
-    numbers_only : bool
-        Whether figures and report are left out, as they can be made later from what is stored.
+    With `numbers_only` figures and report are left out, as they can be made later from what is stored.
     """
     written: list[Path] = []
     if page.data is not None:
