@@ -78,7 +78,11 @@ class Explanation:
         for name, value in self.facts:
             yield f"  {name}: {value}"
         if self.grids:
-            yield from self._plan()
+            yield self._plan()
+            yield (
+                f"About {self.seconds:.0f} s in all and {self.peak_bytes / 2**20:.0f} MiB at most on this "
+                "machine (meant to be right within a factor of 2)."
+            )
         else:
             yield "No solver runs: the theory answers from C(q) alone, in about a second for each load."
         if self.costs:
@@ -88,7 +92,7 @@ class Explanation:
             yield title
             yield from (f"  {item.effect}: {item.number} - {item.verdict}" for item in items)
 
-    def _plan(self) -> Iterator[str | Table]:
+    def _plan(self) -> Table:
         from rich.table import Table
 
         table = Table(title="What will run")
@@ -104,11 +108,7 @@ class Explanation:
                 f"{g.seconds:.2g}",
                 f"{g.peak_bytes / 2**20:.3g}",
             )
-        yield table
-        yield (
-            f"About {self.seconds:.0f} s in all and {self.peak_bytes / 2**20:.0f} MiB at most on this "
-            "machine (meant to be right within a factor of 2)."
-        )
+        return table
 
 
 def explain(scene: Scene, problem: ContactProblem | None = None) -> Explanation:

@@ -147,7 +147,8 @@ class Contact:
     @cached_property
     def data(self) -> xr.Dataset:
         """Every number that a run reports: of each method, grid and shift, and of the theory beside."""
-        return scene_data(self.scene, self.problem, self._results)
+        results = {solve: solved.contact for solve, solved in self.solved.items()}
+        return scene_data(self.scene, self.problem, results)
 
     @property
     def findings(self) -> tuple[str, ...]:
@@ -155,10 +156,6 @@ class Contact:
         from validation.comparison.run_views import run_views
 
         return tuple(one.text for one in run_views(self.data).findings)
-
-    @property
-    def _results(self) -> dict[Press, ContactResult]:
-        return {solve: solved.contact for solve, solved in self.solved.items()}
 
     @cached_property
     def theory(self) -> Prediction | None:
@@ -199,7 +196,8 @@ class Contact:
             raise UsageError(
                 f"below: method {self.solve.method!r} meshes its body; write its own stress with to_vtu(...)"
             )
-        return fields_below(self.result, self._slots.felt_response, depths=depths)
+        model = ContactModel.filled(self.problem.elastic, self.scene.effects)
+        return fields_below(self.result, model.felt_response, depths=depths)
 
     def to_vtu(self, path: str | Path) -> Path:
         """Write the stress in the solid for ParaView or pyvista: of the block, or else below the contact.
@@ -217,10 +215,6 @@ class Contact:
         else:
             write_subsurface(Path(path), self.below())
         return Path(path)
-
-    @property
-    def _slots(self) -> ContactModel:
-        return ContactModel.filled(self.problem.elastic, self.scene.effects)
 
     def plot(
         self,

@@ -11,6 +11,7 @@ attributes, from which the audit makes it again.
 from __future__ import annotations
 
 import ast
+import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
@@ -67,10 +68,16 @@ def gather(cases: Mapping[Any, xr.Dataset], **dims: Sequence[Any]) -> xr.Dataset
     ([[0.1, 0.2], [0.1, 0.2], [nan, nan]], ('poisson', 'load'))
     """
     first = next(iter(cases.values()))
-    _refuse_unlike(first, cases)
-    places = dict(zip(_places(dims), np.ndindex(*map(len, dims.values())), strict=True))
-    there = {places[place]: case for place, case in cases.items() if place in places}
+    alike = set(first.sizes.items()) | set(first.variables)
+    for place, case in cases.items():
+        if odd := alike ^ (set(case.sizes.items()) | set(case.variables)):
+            words = ", ".join(sorted({str(one[0] if isinstance(one, tuple) else one) for one in odd}))
+            raise UsageError(f"cases to be gathered differ in {words}, as at {place}")
     sizes = {dim: len(values) for dim, values in dims.items()}
+    every = itertools.product(*dims.values())
+    places = dict(zip(every, np.ndindex(*sizes.values()), strict=True))
+    named = {place if len(dims) > 1 else (place,): case for place, case in cases.items()}
+    there = {places[place]: case for place, case in named.items() if place in places}
 
     def of_all(name: str) -> dict[Any, xr.DataArray]:
         return {k: c[name] if name in c.variables else xr.DataArray(c.attrs[name]) for k, c in there.items()}
@@ -88,18 +95,13 @@ def gather(cases: Mapping[Any, xr.Dataset], **dims: Sequence[Any]) -> xr.Dataset
         if along and name in first.dims:
             raise UsageError(f"{name!r} differs between the cases along {', '.join(along)}: gather it alike")
         (stacked if single else coordinates)[f"{name}_each" if single else name] = _stacked(values, along)
-    for name, along_it in dims.items():
-        coordinates |= _coordinates(name, along_it)
+    for dim, values_of_it in dims.items():
+        if len(values_of_it) and is_dataclass(values_of_it[0]):
+            parts = (part.name for part in fields(values_of_it[0]))
+            coordinates |= {part: (dim, [getattr(v, part) for v in values_of_it]) for part in parts}
+        else:
+            coordinates[dim] = list(values_of_it)
     return xr.Dataset(stacked, coords=coordinates)
-
-
-def _refuse_unlike(first: xr.Dataset, cases: Mapping[Any, xr.Dataset]) -> None:
-    alike = set(first.sizes.items()) | set(first.variables)
-    for place, case in cases.items():
-        odd = alike ^ (set(case.sizes.items()) | set(case.variables))
-        if odd:
-            words = ", ".join(sorted({str(one[0] if isinstance(one, tuple) else one) for one in odd}))
-            raise UsageError(f"cases to be gathered differ in {words}, as at {place}")
 
 
 def _without(values: Mapping[Any, xr.DataArray], axis: int) -> dict[Any, xr.DataArray] | None:
@@ -128,19 +130,6 @@ def _stacked(values: Mapping[Any, xr.DataArray], sizes: Mapping[str, int]) -> tu
     for place, value in values.items():
         whole[place] = value.values
     return (*sizes, *like.dims), whole.astype(str) if text else whole, like.attrs
-
-
-def _coordinates(dim: str, values: Sequence[Any]) -> dict[str, Any]:
-    if not (len(values) and is_dataclass(values[0])):
-        return {dim: list(values)}
-    return {part.name: (dim, [getattr(v, part.name) for v in values]) for part in fields(values[0])}
-
-
-def _places(dims: Mapping[str, Sequence[Any]]) -> Iterator[Any]:
-    import itertools
-
-    for place in itertools.product(*dims.values()):
-        yield place[0] if len(dims) == 1 else place
 
 
 def each(data: xr.Dataset, *dims: str) -> Iterator[xr.Dataset]:

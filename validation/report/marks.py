@@ -154,26 +154,22 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawi
         dict.fromkeys(n for one in drawn for n in (one.mark.y, one.x, getattr(one.mark, "high", "")) if n)
     )
     names += [f"{n}_error" for n in names if f"{n}_error" in data]
-    shown = data[[n for n in names if n in data]]
+    # What was asked, without attributes of the machine and of the place in the whole.
+    asked = {name: value for name, value in data.attrs.items() if name not in ("at", "solves_made")}
     return Drawing(
         name=figure.name,
         figure=canvas,
-        data=shown.drop_attrs(deep=False).assign_attrs(_asked(data)),
+        data=data[[n for n in names if n in data]].drop_attrs(deep=False).assign_attrs(asked),
         caption=_caption(figure.caption, drawn),
         drawn=tuple(drawn),
     )
-
-
-def _asked(data: xr.Dataset) -> dict[str, Any]:
-    """Attributes that say what was asked, without those of the machine and of the place in the whole."""
-    return {name: value for name, value in data.attrs.items() if name not in ("at", "solves_made")}
 
 
 def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
     places = [
         (mark, here, k)
         for mark in panel.marks
-        for k, here in enumerate(_places(mark, data.isel(_known(panel.at, data))))
+        for k, here in enumerate(_places(mark, data.isel(panel.at, missing_dims="ignore")))
     ]
     y = panel.y or panel.marks[0].y
     along = [here[m.x or panel.x] for m, here, _ in places if (m.x or panel.x) in here]
@@ -186,7 +182,6 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
         label = _label(mark, here, data)
         if isinstance(mark, Image):
             label = _axis_label(quantity(mark.y), scale_y[1])
-        numbers = _Numbers.of(mark, here, mark.x or panel.x, (scale_x[0], scale_y[0]))
         # A band has the colour of the line that it is about.
         fixed = bool(quantity(mark.y).look) or isinstance(mark, Band)
         turn = k if mark.by else 0 if fixed else next(colours)
@@ -197,19 +192,10 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
             # Bars of one colour lie over each other: later ones are thinner, and their ends longer.
             before = sum(one.mark is not mark and one.look["color"] == look["color"] for one in drawn)
             look = {"capsize": 2 + 2 * before, "elinewidth": 1.5 / (1 + before), **look}
-        artist = _put(mark, axes, numbers, {**look, "label": mathtext(label)})
-        drawn.append(
-            Drawn(
-                artist=artist,
-                axes=axes,
-                mark=mark,
-                x=mark.x or panel.x,
-                data=here,
-                label=label,
-                factors=(scale_x[0], scale_y[0]),
-                look=look,
-            )
-        )
+        x, factors = mark.x or panel.x, (scale_x[0], scale_y[0])
+        artist = _put(mark, axes, here, x, factors, {**look, "label": mathtext(label)})
+        told: dict[str, Any] = {"label": label, "factors": factors, "look": look}
+        drawn.append(Drawn(artist=artist, axes=axes, mark=mark, x=x, data=here, **told))
     for axis in panel.log:
         getattr(axes, f"set_{axis}scale")("log", base=panel.base if axis == "x" else 10)
     if isinstance(panel.marks[0], Image):
@@ -221,100 +207,85 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
     bottom = panel.bottom
     if "y" in panel.log and bottom is None and not isinstance(panel.marks[0], Image):
         # Bars that reach beyond zero have no lower end on a logarithmic axis.
-        least = min((_least(one) for one in drawn), default=np.inf)
-        bottom = least if np.isfinite(least) else None
+        shown = [np.ravel(one.data[one.mark.y].values) * one.factors[1] for one in drawn]
+        positive = [values[np.isfinite(values) & (values > 0)] for values in shown]
+        bottom = min((values.min() / 1.5 for values in positive if values.size), default=None)
     axes.set_ylim(bottom=bottom, top=panel.top)
     axes.set_xlim(right=panel.right)
     return drawn
-
-
-def _least(one: Drawn) -> float:
-    """Two thirds of the smallest positive number of a mark, in the unit of the axis."""
-    values = one.data[one.mark.y].values * one.factors[1]
-    positive = values[np.isfinite(values) & (values > 0)]
-    return float(positive.min()) / 1.5 if positive.size else np.inf
-
-
-def _known(at: Mapping[str, int | Sequence[int]], data: xr.Dataset) -> dict[str, Any]:
-    return {dim: k for dim, k in at.items() if dim in data.dims}
 
 
 def _places(mark: _Mark, data: xr.Dataset) -> Iterable[xr.Dataset]:
     if mark.y not in data:
         quantity(mark.y)  # what is no quantity at all is refused
         return ()
-    data = data.isel(_known(mark.at, data))
+    data = data.isel(mark.at, missing_dims="ignore")
     for name, value in mark.where.items():
         data = data.isel({data[name].dims[0]: np.flatnonzero(data[name].values == value)})
     # Where nothing was solved, nothing is drawn.
     return (here for here in each(data, *_by(mark)) if bool(here[mark.y].notnull().any()))
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Numbers:
-    x: Any
-    y: Any
-    error: Any = None
-    high: Any = None
-
-    @classmethod
-    def of(cls, mark: _Mark, here: xr.Dataset, x: str, factors: tuple[float, float]) -> _Numbers:
-        error = total_error(here, mark.y)
-        along = here[x].values if x in here.variables else None
-        if along is not None and along.dtype.kind not in "OU":
-            along = along * factors[0]
-        high, shown = None, here[mark.y]
-        if not isinstance(mark, Level | Image) and (along is None or along.size not in (1, shown.size)):
-            other = [dim for dim in shown.dims if x not in here.variables or dim not in here[x].dims]
-            raise UsageError(
-                f"{mark.y!r} along {x!r}: name {', '.join(map(str, other))} in 'by' or 'at', or another x"
-            )
-        if isinstance(mark, Band):
-            high = here[mark.high].values * factors[1]
-        elif isinstance(mark, Image):
-            rows = here[mark.rows]
-            high = rows.values * _scale(quantity(mark.rows), [rows])[0]
-            shown = shown.transpose(*rows.dims, *here[x].dims)
-        return cls(
-            x=along,
-            y=shown.values * factors[1],
-            error=None if error is None else error.values * factors[1],
-            high=high,
-        )
-
-
-def _put(mark: _Mark, axes: Axes, n: _Numbers, look: dict[str, Any]) -> Any:
-    if isinstance(mark, Level):
-        plain = {k: v for k, v in look.items() if k in ("color", "ls", "lw", "label")}
-        line = axes.axhline(float(n.y), **{"lw": 1, **plain})
-        if n.error is not None and np.isfinite(n.error) and n.error > 0:
-            axes.axhspan(
-                float(n.y - n.error), float(n.y + n.error), color=plain.get("color"), alpha=0.12, lw=0
-            )
-        return line
-    if isinstance(mark, Band):
-        colour = look.get("color", "black")
-        if np.ndim(n.x) == 0 or np.size(n.x) == 1 or np.all(n.x == np.ravel(n.x)[0]):
-            point = {k: look[k] for k in ("marker", "mfc", "label") if k in look}
-            return axes.plot(np.ravel(n.x)[:1], np.ravel(n.y)[:1], color=colour, ls="", **point)[0]
-        return axes.fill_between(n.x, n.y, n.high, color=colour, alpha=0.12, lw=0, label=look["label"])
+def _put(
+    mark: _Mark,
+    axes: Axes,
+    here: xr.Dataset,
+    x: str,
+    factors: tuple[float, float],
+    look: dict[str, Any],
+) -> Any:
+    """Hand the numbers of one mark, in the units of the axes, to matplotlib."""
+    values, error = here[mark.y], total_error(here, mark.y)
+    along: Any = here[x].values if x in here.variables else None
+    if along is not None and along.dtype.kind not in "OU":
+        along = along * factors[0]
     if isinstance(mark, Image):
+        rows = here[mark.rows]
         ends = {"vmin": -look["most"], "vmax": look["most"]} if mark.symmetric else {}
-        image = axes.pcolormesh(n.x, n.high, n.y, cmap=mark.cmap, rasterized=True, **ends)
+        image = axes.pcolormesh(
+            along,
+            rows.values * _scale(quantity(mark.rows), [rows])[0],
+            values.transpose(*rows.dims, *here[x].dims).values * factors[1],
+            cmap=mark.cmap,
+            rasterized=True,
+            **ends,
+        )
         axes.figure.colorbar(image, ax=axes, label=look["label"])
         if quantity(mark.rows).name == "y":  # a place, not a parameter
             axes.set_aspect("equal")
         return image
+    if isinstance(mark, Level):
+        plain = {k: v for k, v in look.items() if k in ("color", "ls", "lw", "label")}
+        level = float(values) * factors[1]
+        line = axes.axhline(level, **{"lw": 1, **plain})
+        if error is not None and np.isfinite(error) and error > 0:
+            half = float(error) * factors[1]
+            axes.axhspan(level - half, level + half, color=plain.get("color"), alpha=0.12, lw=0)
+        return line
+    if along is None or along.size not in (1, values.size):
+        other = [dim for dim in values.dims if x not in here.variables or dim not in here[x].dims]
+        raise UsageError(
+            f"{mark.y!r} along {x!r}: name {', '.join(map(str, other))} in 'by' or 'at', or another x"
+        )
+    y = values.values * factors[1]
+    if isinstance(mark, Band):
+        colour = look.get("color", "black")
+        if np.all(along == np.ravel(along)[0]):
+            point = {k: look[k] for k in ("marker", "mfc", "label") if k in look}
+            return axes.plot(np.ravel(along)[:1], np.ravel(y)[:1], color=colour, ls="", **point)[0]
+        high = here[mark.high].values * factors[1]
+        return axes.fill_between(along, y, high, color=colour, alpha=0.12, lw=0, label=look["label"])
     assert isinstance(mark, Line)
     if not mark.joined:
         look = {**look, "ls": ""}
     if mark.steps:
         look = {**look, "drawstyle": "steps-mid", "marker": ""}
     # What was not measured there does not break the line.
-    x, y = np.ravel(n.x), np.ravel(n.y)
-    there = np.isfinite(y)
-    bars = None if n.error is None or not np.nansum(n.error) > 0 else np.ravel(n.error)[there]
-    return axes.errorbar(x[there], y[there], yerr=bars, **{"ms": 5, **look})
+    there = np.isfinite(np.ravel(y))
+    bars = None
+    if error is not None and np.nansum(error) > 0:
+        bars = np.ravel(error)[there] * factors[1]
+    return axes.errorbar(np.ravel(along)[there], np.ravel(y)[there], yerr=bars, **{"ms": 5, **look})
 
 
 def _look(mark: _Mark, here: xr.Dataset, k: int, *, several: bool) -> dict[str, Any]:

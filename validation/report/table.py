@@ -74,7 +74,7 @@ class Table:
         for here in each(kept, *self.rows):
             row: dict[str, float | str] = {}
             for name, title, at in made:
-                value = value_of(here.isel({dim: k for dim, k in at.items() if dim in here.dims}), name)
+                value = value_of(here.isel(at, missing_dims="ignore"), name)
                 row[title] = value.value
                 row |= interval_cells(title, value)
             values = {k: v for k, v in row.items() if k not in places and not k.endswith(SOURCES_OF)}
