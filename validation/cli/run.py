@@ -73,12 +73,9 @@ def run(
         options.print_plan(solves(), Store(folder=store_folder), as_json=as_json)
         return
     with Bar(quiet=quiet or how.quiet or as_json) as bar:
-        done = solve(progress=bar, execution=execution, store_folder=store_folder, report=with_report)
-    outputs, accurate = getattr(done, "outputs", done), getattr(done, "reached", None)
-    solved, reused = (accurate.solves, accurate.reused) if accurate else (outputs.solved, outputs.reused)
-    line = f"{solved} solves done, {reused} found finished. Written:"
-    more = tuple(accurate.sentences()) if accurate else ()
-    print_page(outputs.page, outputs.files, as_json=as_json, more=more, done=line)
+        outputs = solve(progress=bar, execution=execution, store_folder=store_folder, report=with_report)
+    line = f"{outputs.solved} solves done, {outputs.reused} found finished. Written:"
+    print_page(outputs.page, outputs.files, as_json=as_json, more=outputs.more, done=line)
     outputs.check()
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -53,9 +53,7 @@ def parse_accuracy(text: str) -> float:
     """
     allowed = "must be a share such as 1% or 0.01, above 0 and at most 50%"
     found = re.fullmatch(r"\s*(\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+(?:[eE][-+]?\d+)?)\s*(%?)\s*", text)
-    if found is None:
-        raise UsageError(f"--accuracy = {text!r}: {allowed}")
-    value = float(found[1]) / (100 if found[2] else 1)
+    value = float(found[1]) / (100 if found[2] else 1) if found else math.nan
     if not 0 < value <= 0.5:
         raise UsageError(f"--accuracy = {text!r}: {allowed}")
     return value
@@ -153,14 +151,6 @@ class AccuracyResult:
         )
 
 
-@dataclass(frozen=True, kw_only=True)
-class AccurateRun:
-    """What a run to an accuracy left behind."""
-
-    outputs: Outputs
-    reached: AccuracyResult
-
-
 def run_accurate(
     scene: Scene,
     folder: Path,
@@ -171,7 +161,7 @@ def run_accurate(
     execution: Execution | None = None,
     store_folder: Path | None = None,
     **shown: Any,
-) -> AccurateRun:
+) -> Outputs:
     """Run a scene to an accuracy and write its report; it holds the grids that were chosen.
 
     Arguments and errors are those of `reach` and of `validation.comparison.run.run_scene`.
@@ -189,7 +179,8 @@ def run_accurate(
         accurate=reached.summary(),
         **shown,
     )
-    return AccurateRun(outputs=outputs, reached=reached)
+    more = tuple(reached.sentences())
+    return replace(outputs, more=more, solved=reached.solves, reused=reached.reused)
 
 
 def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None = None) -> AccuracyResult:

@@ -36,7 +36,8 @@ class Outputs:
     """What a run or a sweep left behind.
 
     Of the `files` a reader may want to open the report is first. Of the solves `solved` were done now and
-    `reused` found finished; `failures` say why others failed, and what to do.
+    `reused` found finished; `failures` say why others failed, and what to do; `more` is what a
+    run to an accuracy says of what it reached.
     """
 
     result: Result
@@ -46,6 +47,7 @@ class Outputs:
     solved: int = 0
     reused: int = 0
     failures: tuple[str, ...] = ()
+    more: tuple[str, ...] = ()
 
     @property
     def data(self) -> xr.Dataset:

@@ -207,19 +207,16 @@ def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
     if known.sizes[dim] < 2:
         return
     yield from _power(known, name, key, dim)
-    ends = {f"{name}_{end}": known[name].isel({dim: k}, drop=True) for end, k in (("start", 0), ("end", -1))}
-    ends |= {
-        f"{name}_{end}_error": known[f"{name}_error"].isel({dim: k}, drop=True)
+    ends = {
+        f"{name}_{end}{of}": known[f"{name}{of}"].isel({dim: k}, drop=True)
         for end, k in (("start", 0), ("end", -1))
+        for of in ("", "_error")
     }
     pair = xr.Dataset({n: v.drop_vars([c for c in v.coords if c != "source"]) for n, v in ends.items()})
     pair = derive(pair, change=f"{name}_end / {name}_start - 1")
-    first, last = (
-        place_words(known.isel({dim: k}), key if key in known.dims else dim, known) for k in (0, -1)
-    )
     if dim == "case":
-        alone = xr.Dataset(coords={key: ("case", known[key].values, known[key].attrs)})
-        first, last = (place_words(alone.isel(case=k), "case", alone) for k in (0, -1))
+        known = xr.Dataset(coords={key: ("case", known[key].values, known[key].attrs)})
+    first, last = (place_words(known.isel({dim: k}), dim, known) for k in (0, -1))
     where = f"From {first} to {last}{fixed} A/A0 "
     if name == "area_ensemble":
         yield finding(

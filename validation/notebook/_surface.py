@@ -57,11 +57,10 @@ class Surface:
 
     def heights(self, grid: GridLike | None = None) -> xr.DataArray:
         """Return the heights [m] over x and y [m]: on a grid, or on the smallest that resolves them."""
-        if self.given is not None:
-            field = surfaces.measured_field(self.given)
-            field = field if grid is None else field.resampled(pair(grid))
-        else:
-            field = surfaces.height_field(self.table, None if grid is None else pair(grid))
+        field = self.field
+        if grid is not None:
+            given = self.given is not None
+            field = field.resampled(pair(grid)) if given else surfaces.height_field(self.table, pair(grid))
         axes = {
             name: (name, np.arange(n) * step, {"units": "m"})
             for name, n, step in zip("xy", field.shape, field.spacing, strict=True)

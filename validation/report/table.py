@@ -239,20 +239,28 @@ def shown(table: ResultTable, *, title: str = "", note: str = "") -> WordTable:
     names = [name for name in table.columns if not name.endswith((INTERVAL, SOURCES_OF))]
     cells = [dict(zip(table.columns, row, strict=True)) for row in table.rows]
     columns: list[str] = []
-    rows: list[list[float | str]] = [[] for _ in cells]
+    printed: list[list[str]] = []
+    left = set()
     for name in names:
         values = [row[name] for row in cells]
         unit = name[name.rindex("[") + 1 : -1] if name.endswith("]") else "1"
-        factor, prefixed = prefixed_unit(unit, max(map(_size, values), default=0.0))
+        sizes = (abs(value) for value in values if isinstance(value, float) and math.isfinite(value))
+        factor, prefixed = prefixed_unit(unit, max(sizes, default=0.0))
         columns.append(f"{name.removesuffix(f'[{unit}]')}[{prefixed}]" if name.endswith("]") else name)
-        for k, value in enumerate(values):
-            rows[k].append(_with_interval(value, cells[k].get(f"{name} {INTERVAL}"), factor))
-    note = " ".join(filter(None, (note, _what_intervals_hold(names, cells))))
-    return _in_words(columns, rows, title=title, note=note)
-
-
-def _size(value: float | str) -> float:
-    return abs(value) if isinstance(value, float) and math.isfinite(value) else 0.0
+        errors = [row.get(f"{name} {INTERVAL}") for row in cells]
+        column = [_with_interval(*one, factor) for one in zip(values, errors, strict=True)]
+        if name == names[0] or any(isinstance(cell, str) for cell in column):
+            left.add(columns[-1])
+        printed.append(list(map(_cell, column)))
+    return WordTable(
+        columns=tuple(columns),
+        rows=tuple(zip(*printed, strict=True)),
+        title=title,
+        note=" ".join(filter(None, (note, _what_intervals_hold(names, cells)))),
+        left=frozenset(left),
+        # What a row is stands first, and what it comes to soon after.
+        yielding=tuple(reversed(columns[2:])),
+    )
 
 
 def _what_intervals_hold(names: Sequence[str], cells: Sequence[Mapping[str, float | str]]) -> str:
@@ -320,22 +328,6 @@ def _frame(data: xr.Dataset, dims: tuple[str, ...], group: Mapping[str, Any]) ->
     valued = {data[name].dims for name in told}
     counted = [dim for dim in dims if dim in data.indexes or (dim,) not in valued]
     return frame[[*counted, *told, *group]]
-
-
-def _in_words(columns: Sequence[str], rows: Iterable[Sequence[Any]], *, title: str, note: str) -> WordTable:
-    values = [tuple(row) for row in rows]
-    left = {
-        name for k, name in enumerate(columns) if k == 0 or any(isinstance(row[k], str) for row in values)
-    }
-    return WordTable(
-        columns=tuple(columns),
-        rows=tuple(tuple(map(_cell, row)) for row in values),
-        title=title,
-        note=note,
-        left=frozenset(left),
-        # What a row is stands first, and what it comes to soon after.
-        yielding=tuple(reversed(columns[2:])),
-    )
 
 
 def _with_interval(value: float | str, error: float | str | None, factor: float) -> float | str:
