@@ -261,9 +261,13 @@ def explain_sweep(sweep: Sweep) -> SweepExplanation:
 def judgements(scene: Scene, problem: ContactProblem) -> tuple[tuple[Judgement, ...], tuple[Judgement, ...]]:
     """Return the effects that a scene lists and those it leaves out, each with the number that decides."""
     rough = roughness_of(problem)
-    judged = (effect.judged(rough) for effect in scene.effects)
-    listed = tuple(_priced(judgement) if scene.methods.solvers else judgement for judgement in judged)
-    return listed, _left_out(scene, problem, rough)
+    listed = [effect.judged(rough) for effect in scene.effects]
+    for k, judgement in enumerate(listed):
+        if judgement.negligible and scene.methods.solvers:
+            costs = effect_costs()
+            words = f"it costs {costs.factors[judgement.effect]:.2g} times the plain solve ({costs.source})"
+            listed[k] = replace(judgement, verdict=f"{judgement.verdict}; {words}")
+    return tuple(listed), _left_out(scene, problem, rough)
 
 
 def roughness_of(problem: ContactProblem) -> Roughness:
@@ -279,15 +283,6 @@ def roughness_of(problem: ContactProblem) -> Roughness:
             **waves,
         )
     return Roughness.of(field, modulus=problem.contact_modulus, **waves)
-
-
-def _priced(judgement: Judgement) -> Judgement:
-    """Say what an effect costs that could be left out."""
-    if not judgement.negligible:
-        return judgement
-    costs = effect_costs()
-    words = f"it costs {costs.factors[judgement.effect]:.2g} times the plain solve ({costs.source})"
-    return replace(judgement, verdict=f"{judgement.verdict}; {words}")
 
 
 def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]:

@@ -39,6 +39,12 @@ def with_fields(
     return labelled(planes(data, scene, results))
 
 
+def with_cells(data: xr.Dataset, shape: tuple[int, ...], spacing: tuple[float, float]) -> xr.Dataset:
+    """Add the middles of cells along x and y [m]."""
+    each = zip(MAPS, shape, spacing, strict=True)
+    return data.assign_coords({name: (name, (np.arange(n) + 0.5) * step) for name, n, step in each})
+
+
 def with_maps(data: xr.Dataset, own: Mapping[Press, ContactResult]) -> xr.Dataset:
     """Add heights and pressures on the finest grid that all methods share, or on the finest of the first."""
     methods = list(dict.fromkeys(solve.method for solve in own))
@@ -51,9 +57,7 @@ def with_maps(data: xr.Dataset, own: Mapping[Press, ContactResult]) -> xr.Datase
     for k, name in enumerate(data.solver.values):
         if name in there:
             maps[k] = np.where(there[name].in_contact, there[name].pressure, np.nan)
-    (dx, dy) = first.spacing
-    data = data.assign_coords(x=("x", (np.arange(nx) + 0.5) * dx), y=("y", (np.arange(ny) + 0.5) * dy))
-    data = data.assign(
+    data = with_cells(data, finest, first.spacing).assign(
         heights=(MAPS, first.heights - first.heights.mean()), pressure_map=(("solver", *MAPS), maps)
     )
     if len(there) == 2:

@@ -175,20 +175,15 @@ def _is_seed(data: xr.Dataset, key: str) -> bool:
     return bool(data[key].attrs["key"] == "surface.seed")
 
 
-def _middle(data: xr.Dataset, *kept: str) -> tuple[xr.Dataset, str]:
-    """Return the cases with all but some keys at their middle value, and say which."""
-    said = []
-    for other in _over(data):
-        if other not in kept and other != "case":
-            data = data.isel({other: data.sizes[other] // 2})
-            said.append(place_words(data, other, data))
-    return data, f" (at {', '.join(said)})" if said else ""
-
-
 def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
     """Say how the area changes from the first to the last value of a key, the others in the middle."""
     name = _answer(data)
-    here, fixed = _middle(data, key)
+    here, places = data, []
+    for other in _over(data):
+        if other not in (key, "case"):
+            here = here.isel({other: here.sizes[other] // 2})
+            places.append(place_words(here, other, here))
+    fixed = f" (at {', '.join(places)})" if places else ""
     dim = str(here[key].dims[0])
     if _is_seed(data, key) and name == "area":
         each = (

@@ -12,6 +12,7 @@ import xarray as xr
 from pydantic import ValidationError
 from scipy.fft import next_fast_len
 
+from validation.comparison.fields import MAPS, with_cells
 from validation.errors import SceneError, UsageError
 from validation.report.marks import Figure, Image, Panel
 from validation.report.quantities import in_prefixed_unit, labelled
@@ -93,10 +94,8 @@ def as_html(title: str, facts: Mapping[str, str]) -> str:
 
 def on_places(data: xr.Dataset, spacing: tuple[float, float], **maps: Any) -> xr.Dataset:
     """Add maps over x and y, the middles of cells [m], to a dataset."""
-    nx, ny = next(iter(maps.values())).shape
-    dx, dy = spacing
-    data = data.assign_coords(x=("x", (np.arange(nx) + 0.5) * dx), y=("y", (np.arange(ny) + 0.5) * dy))
-    return labelled(data.assign({name: (("x", "y"), values) for name, values in maps.items()}))
+    data = with_cells(data, next(iter(maps.values())).shape, spacing)
+    return labelled(data.assign({name: (MAPS, values) for name, values in maps.items()}))
 
 
 def map_of(name: str, caption: str, *, cmap: str = "viridis") -> Figure:

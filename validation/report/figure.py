@@ -46,20 +46,15 @@ def save_figure(figure: matplotlib.figure.Figure, path: Path, *, dpi: int = 150)
     """Write a figure; the suffix says the format, `dpi` the pixels per inch of a PNG."""
     undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
     with matplotlib.rc_context(STYLE):
-        _lay_out(figure)
+        engine = figure.get_layout_engine()
+        if engine is not None:
+            for axes in figure.axes:
+                for axis in (axes.xaxis, axes.yaxis):
+                    readable_ticks(axis)
+            # Once: for the second format it would cost as much as drawing.
+            engine.execute(figure)
+            figure.set_layout_engine(None)
         figure.savefig(path, dpi=dpi, metadata=undated.get(path.suffix))
-
-
-def _lay_out(figure: matplotlib.figure.Figure) -> None:
-    """Lay a figure out, once: for the second format it would cost as much as drawing."""
-    engine = figure.get_layout_engine()
-    if engine is None:
-        return
-    for axes in figure.axes:
-        for axis in (axes.xaxis, axes.yaxis):
-            readable_ticks(axis)
-    engine.execute(figure)
-    figure.set_layout_engine(None)
 
 
 def readable_ticks(axis: Axis) -> None:

@@ -6,7 +6,7 @@ import base64
 import hashlib
 import json
 import platform
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import metadata
 from pathlib import Path
@@ -155,7 +155,7 @@ def write_page(page: Page, folder: Path, *, numbers_only: bool = False) -> tuple
     drawn = [_embedded(drawing, write_drawing(drawing, figures)) for drawing in page.figures]
     report = folder / "report.html"
     with atomic_path(report) as draft:
-        draft.write_text(_html(page, drawn), encoding="utf-8")
+        draft.write_text(render(page, drawn), encoding="utf-8")
     drawings = [folder / file for figure in drawn for file, _ in figure["files"]]
     pictures = [figures / f"{picture.name}.png" for picture in page.pictures]
     kept = [report, *(path for path in written if path != figures), *drawings, *pictures]
@@ -189,11 +189,6 @@ def clear_page(folder: Path, *, keep: Collection[Path] = ()) -> None:
     remove_drafts(folder)
 
 
-def render(page: Page) -> str:
-    """Return the page as HTML without its figures, which are shown as they are written."""
-    return _html(page, [])
-
-
 def _embedded(drawing: Drawing, files: tuple[Path, ...]) -> dict[str, Any]:
     from markupsafe import Markup
 
@@ -218,8 +213,8 @@ def _format(path: Path, name: str) -> str:
     return path.suffix[1:] + (f" ({along})" if along else "")
 
 
-def _html(page: Page, figures: list[dict[str, Any]]) -> str:
-    """Fill in the template; a name it needs and does not get is an error."""
+def render(page: Page, figures: Sequence[Mapping[str, Any]] = ()) -> str:
+    """Return the page as HTML, with figures as they were written."""
     import jinja2
     from markupsafe import Markup
 

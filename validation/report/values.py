@@ -149,19 +149,15 @@ def value_of(data: xr.Dataset, name: str) -> Value:
         )
     item = data[name].item()
     if isinstance(item, str):
-        return Value(value=item, name=name, at=_where(data, name))
+        return Value(value=item, name=name, at=place_of(data))
     error = total_error(data, name)
     return Value(
         value=float(item),
         error=None if error is None else float(error.item()),
         sources="" if error is None or not error.item() > 0 else sources_of(data[f"{name}_error"].squeeze()),
         name=name,
-        at=_where(data, name),
+        at=place_of(data),
     )
-
-
-def _where(data: xr.Dataset, name: str) -> dict[str, int]:
-    return {} if name.startswith(_PLACE) else place_of(data)
 
 
 def values_of(data: xr.Dataset, wanted: Callable[[str], bool] = lambda _: True) -> dict[str, Value]:
