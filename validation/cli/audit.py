@@ -16,7 +16,7 @@ __all__ = ["audit"]
 
 def audit(
     folder: FolderArgument,
-    list_all: Annotated[bool, option("--list", words="Name the numbers that agree, too.")] = False,
+    list_all: Annotated[bool, option("--list", help="Name the numbers that agree, too.")] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Compute every number of a result again from its fields, by other code.

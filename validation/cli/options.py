@@ -72,9 +72,9 @@ def examples(*lines: str) -> str:
     return "\n\n".join(("Examples:" if len(lines) > 1 else "Example:", *lines))
 
 
-def option(*names: str, words: str, metavar: str = "", **more: Any) -> Any:
+def option(*names: str, metavar: str = "", **more: Any) -> Any:
     """Return an option; without a metavar a flag. Types and defaults would leave no room for words."""
-    return typer.Option(*names, metavar=metavar, help=words, show_default=False, **more)
+    return typer.Option(*names, metavar=metavar, show_default=False, **more)
 
 
 _HOW: Any = {"rich_help_panel": "Where and how to run"}
@@ -93,14 +93,14 @@ SetOption = Annotated[
         "--set",
         metavar="KEY=VALUE",
         autocompletion=key_names,
-        words="Set a key of the scene, such as solid.young='2 GPa'. May be given several times; scenes keys "
+        help="Set a key of the scene, such as solid.young='2 GPa'. May be given several times; scenes keys "
         "lists the keys.",
     ),
 ]
-JsonOption = Annotated[bool, option("--json", words="Print JSON for scripts.")]
+JsonOption = Annotated[bool, option("--json", help="Print JSON for scripts.")]
 OutputOption = Annotated[
     Path | None,
-    option("--output", "-o", metavar="DIR", words="Default: a folder in results, by name.", **_FILES),
+    option("--output", "-o", metavar="DIR", help="Default: a folder in results, by name.", **_FILES),
 ]
 StoreOption = Annotated[
     Path | None,
@@ -108,13 +108,13 @@ StoreOption = Annotated[
         "--store",
         metavar="DIR",
         envvar="FEM_CONTACT_STORE",
-        words="Finished solves, which runs and studies may share.",
+        help="Finished solves, which runs and studies may share.",
         **_FILES,
     ),
 ]
 WorkersOption = Annotated[
     int | None,
-    option("--workers", "-w", metavar="N", min=1, words="Local processes of one thread each.", **_HOW),
+    option("--workers", "-w", metavar="N", min=1, help="Local processes of one thread each.", **_HOW),
 ]
 SchedulerOption = Annotated[
     str | None,
@@ -122,19 +122,19 @@ SchedulerOption = Annotated[
         "--scheduler",
         metavar="URL",
         envvar="FEM_CONTACT_SCHEDULER",
-        words="Dask scheduler that you trust, such as tcp://host:8786.",
+        help="Dask scheduler that you trust, such as tcp://host:8786.",
         **_HOW,
     ),
 ]
 MemoryOption = Annotated[
     str | None,
-    option("--memory", metavar="SIZE", words='For all solves, such as "4 GiB"; else what is free.', **_HOW),
+    option("--memory", metavar="SIZE", help='For all solves, such as "4 GiB"; else what is free.', **_HOW),
 ]
 MpiOption = Annotated[
     bool,
     option(
         "--mpi",
-        words="Under mpiexec: boundary elements alone, each solve on all processes, into results/NAME/mpi.",
+        help="Under mpiexec: boundary elements alone, each solve on all processes, into results/NAME/mpi.",
         **_HOW,
     ),
 ]
@@ -143,28 +143,28 @@ AccuracyOption = Annotated[
     option(
         "--accuracy",
         metavar="SHARE",
-        words="Choose grids, tolerance and number of surfaces for this error of A/A0 (95 %), such as 1%; "
+        help="Choose grids, tolerance and number of surfaces for this error of A/A0 (95 %), such as 1%; "
         "into results/NAME-accuracy.",
     ),
 ]
 TimeLimitOption = Annotated[
     str | None,
-    option("--time-limit", metavar="TIME", words='With --accuracy: for all solves, such as "10 min".'),
+    option("--time-limit", metavar="TIME", help='With --accuracy: for all solves, such as "10 min".'),
 ]
-DryRunOption = Annotated[bool, option("--dry-run", words="Say what would be solved, and its cost.")]
+DryRunOption = Annotated[bool, option("--dry-run", help="Say what would be solved, and its cost.")]
 PicturesOption = Annotated[
     bool | None,
-    option("--pictures/--no-pictures", words="3-D pictures in the report, which take seconds.", **_FILES),
+    option("--pictures/--no-pictures", help="3-D pictures in the report, which take seconds.", **_FILES),
 ]
 ReportOption = Annotated[
     bool,
     option(
         "--report/--no-report",
-        words="Figures and report, or tables alone; fem-contact report DIR makes them later.",
+        help="Figures and report, or tables alone; fem-contact report DIR makes them later.",
         **_FILES,
     ),
 ]
-QuietOption = Annotated[bool, option("--quiet", "-q", words="No progress bar.")]
+QuietOption = Annotated[bool, option("--quiet", "-q", help="No progress bar.")]
 
 
 @contextlib.contextmanager
@@ -179,19 +179,19 @@ def naming(scene: str) -> Iterator[None]:
 
 
 def chosen_execution(
-    said: RunOptions, *, workers: int | None, scheduler: str | None, memory: str | None
+    scene: RunOptions, *, workers: int | None, scheduler: str | None, memory: str | None
 ) -> Execution:
     """Return how to run: the command line before the scene."""
     from validation.execution.running import Execution
     from validation.units import Memory, read_quantity
 
-    limit = said.memory if memory is None else read_quantity(Memory, memory, "--memory")
+    limit = scene.memory if memory is None else read_quantity(Memory, memory, "--memory")
     if workers is not None and scheduler is not None:
         raise UsageError(
             f"--workers = {workers}: not together with --scheduler, which has workers of its own"
         )
     if workers is None and scheduler is None:
-        workers = said.workers
+        workers = scene.workers
     return Execution(workers=workers or 1, scheduler=scheduler, memory=None if limit is None else int(limit))
 
 

@@ -90,8 +90,8 @@ def _solves(scene: Scene) -> list[Press]:
     if "bem" not in scene.methods.solvers:
         raise UsageError("--mpi: solves by boundary elements; list methods.bem")
     grids = scene.methods.options("bem").grids
-    own = [solve for solve in solves_of(scene, problem) if solve.method == "bem" and solve.is_own]
-    return [solve for solve in own if solve.grid in grids]
+    solves = (solve for solve in solves_of(scene, problem) if solve.method == "bem" and solve.is_own)
+    return [solve for solve in solves if solve.grid in grids]
 
 
 def _solved(solve: Press, folder: Path, comm: Any) -> dict[str, Any]:

@@ -110,15 +110,13 @@ def _folders(
     """Return the folders of results and of solves: the command line goes before the scene."""
     from validation.scenes.run_options import not_led_out
 
-    said, results = asked.run, Path("results")
-    plain = (
-        output or said.folder("output") or not_led_out(results / asked.name, of=results, option="--output")
-    )
+    how, results = asked.run, Path("results")
+    plain = output or how.folder("output") or not_led_out(results / asked.name, of=results, option="--output")
     folder = plain
-    if accurate and not (output or said.output):
+    if accurate and not (output or how.output):
         # Beside the results of a plain run, whose solves it shares.
         folder = not_led_out(plain.with_name(f"{plain.name}-accuracy"), of=results, option="--output")
-    return folder, store or said.folder("store") or not_led_out(plain / "solves", of=plain, option="--store")
+    return folder, store or how.folder("store") or not_led_out(plain / "solves", of=plain, option="--store")
 
 
 def explain(

@@ -29,9 +29,9 @@ def check(
     folder: Annotated[
         Path, typer.Argument(metavar="DIR", help="Folder of finished solves, or the results of a run.")
     ],
-    list_all: Annotated[bool, option("--list", words="Name the intact ones, too.")] = False,
+    list_all: Annotated[bool, option("--list", help="Name the intact ones, too.")] = False,
     set_aside: Annotated[
-        bool, option("--set-aside", words="Rename damaged files to *.corrupt; the next run repeats them.")
+        bool, option("--set-aside", help="Rename damaged files to *.corrupt; the next run repeats them.")
     ] = False,
     as_json: JsonOption = False,
 ) -> None:

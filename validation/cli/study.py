@@ -30,13 +30,13 @@ def study(
         str | None,
         typer.Argument(metavar="NAME", help="A study; see --list.", autocompletion=_study_names),
     ] = None,
-    list_all: Annotated[bool, options.option("--list", words="List the studies.")] = False,
+    list_all: Annotated[bool, options.option("--list", help="List the studies.")] = False,
     scene: Annotated[
         str | None,
         options.option(
             "--scene",
             metavar="SCENE",
-            words="Scene that a study is asked about; or after NAME.",
+            help="Scene that a study is asked about; or after NAME.",
             autocompletion=options.scene_names,
         ),
     ] = None,
@@ -51,7 +51,7 @@ def study(
     quiet: options.QuietOption = False,
     as_json: options.JsonOption = False,
     wants_help: Annotated[
-        bool, options.option("--help", "-h", words="Show this; after a NAME, its options.")
+        bool, options.option("--help", "-h", help="Show this; after a NAME, its options.")
     ] = False,
 ) -> None:
     """Ask one question of many surfaces; study --list names the studies.

@@ -31,8 +31,8 @@ def validate(
     names: Annotated[
         list[str] | None, typer.Argument(metavar="CASE", help="Cases to run; all if not given.")
     ] = None,
-    quick: Annotated[bool, option("--quick", words="Only what takes seconds; under three minutes.")] = False,
-    list_all: Annotated[bool, option("--list", words="Name the cases and their claims.")] = False,
+    quick: Annotated[bool, option("--quick", help="Only what takes seconds; under three minutes.")] = False,
+    list_all: Annotated[bool, option("--list", help="Name the cases and their claims.")] = False,
     method: Annotated[
         list[str] | None,
         typer.Option(
@@ -112,7 +112,7 @@ def show_scorecards(cards: Sequence[Scorecard], files: Iterable[Path], *, as_jso
 
 def reproduce(
     output: OutputOption = None,
-    figures: Annotated[bool, option("--figures/--no-figures", words="Draw the figures, too.")] = True,
+    figures: Annotated[bool, option("--figures/--no-figures", help="Draw the figures, too.")] = True,
     quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:

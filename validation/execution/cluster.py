@@ -113,7 +113,7 @@ class _Cluster:
 
     def awaited_workers(self) -> dict[str, float]:
         """Return the memory limit of every worker [bytes]; wait for a silent scheduler and for a worker."""
-        began, told = time.monotonic(), False
+        began, noted = time.monotonic(), False
         while True:
             try:
                 limits = _memory_limits(self.client, self.address)
@@ -127,9 +127,9 @@ class _Cluster:
                 patience = 0.0 if self.client.status == "closed" else _LOST_AFTER
             waited = time.monotonic() - began
             problem = f"--scheduler = {self.address!r}: {lacking.format(waited)}; "
-            if remedy == _WORKERS and waited > _TOLD_AFTER and not told:
+            if remedy == _WORKERS and waited > _TOLD_AFTER and not noted:
                 # Told and looked again before giving up, even where one look took longer than the patience.
-                told = True
+                noted = True
                 self.progress.note(f"{problem}waiting for one for up to {patience:.0f} s")
             elif waited > patience:
                 raise RunFailed(

@@ -123,8 +123,8 @@ class Call(NumbersSolve):
                 made[name] = dict(value) if name == "settings" else _plain(value)
         made |= {"edges": LOCATED_EDGES} if self.measurement.located else {}
         made |= {"version": self.measurement.version} if self.measurement.version else {}
-        own = self.measurement.recipe
-        return made if own is None else cast("dict[str, Any]", self._evaluated(own, made=made))
+        recipe = self.measurement.recipe
+        return made if recipe is None else cast("dict[str, Any]", self._evaluated(recipe, made=made))
 
     @property
     def kind(self) -> str:

@@ -124,8 +124,8 @@ def check_results(folder: Path) -> None:
     if any((folder / name).exists() for name in (RECORD, *_EARLIER)):
         return
     places = {path.parent for place in (folder.parent, Path("results")) for path in place.glob(f"*/{RECORD}")}
-    found = sorted(map(str, places))
+    folders = sorted(map(str, places))
     raise UsageError(
         f"{folder}: holds no results ({RECORD}): run a scene or study first; results are in "
-        + (", ".join(found[:12]) + (", ..." if len(found) > 12 else "") if found else "no folder here")
+        + (", ".join(folders[:12]) + (", ..." if len(folders) > 12 else "") if folders else "no folder here")
     )
