@@ -19,8 +19,11 @@ from validation.measurements.common import base_case, base_surface
 from validation.measurements.control_variates import unsolved_statistics
 from validation.measurements.controlled import Known, chained_mean
 from validation.measurements.ensemble import _Drawn, mean_area
+from validation.measurements.limits import limits_of
+from validation.measurements.measurement import grid_for, press_on_grids
 from validation.measurements.table_samples import QUANTITIES, at_loads, joined, with_size
 from validation.reference.alpha import at_equal_alpha
+from validation.reference.citable import ATTRIBUTES, as_csv
 from validation.reference.fit import FIT, fitted, fitted_area, nayak
 from validation.reference.interpolation import interpolated
 from validation.report.estimates import claim, total_error
@@ -431,3 +434,51 @@ def test_what_is_fitted_is_found_again():
     assert float(abs(distance).max()) < 1e-5
     # Without excess it is Persson's theory.
     assert fitted_area(0.2, alpha=5.0, constants=(0.0, 0.0, 1.0, 1.0)) == pytest.approx(erf(0.2 * 2**0.5))
+
+
+FOLDER = Path(reference.__file__).parent
+
+
+def test_the_surfaces_of_the_page_are_those_of_the_table_and_have_the_areas_that_are_shipped():
+    page = (DOCS / "reference_table.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"```python\n(import numpy as np\n.*?)```", page, flags=re.DOTALL)
+    names: dict = {}
+    exec(code, names)  # the page's own words
+    with np.load(FOLDER / "surfaces.npz") as shipped:
+        for k, (hurst, seed) in enumerate(zip(shipped["hurst"], shipped["seed"], strict=True)):
+            case = base_case(
+                base_surface(hurst=float(hurst), periods=4.0, bandwidth=4.0, seed=int(seed)),
+                reduced_pressure=0.05,
+            )
+            heights = names["surface"](float(hurst), 4, int(seed), 36)
+            scale = 1e-3 * case.field.rms_gradient
+            np.testing.assert_allclose(
+                scale * heights, case.heights((36, 36)).heights, rtol=0, atol=1e-12 * scale
+            )
+            np.testing.assert_allclose(heights, shipped["heights"][k], rtol=0, atol=1e-12)
+            grids = tuple(grid_for(case, n) for n in (4.0, 6.0, 8.0))
+            measured = press_on_grids(
+                problem=case, grids=grids, reduced_pressures=tuple(shipped["reduced_pressure"])
+            )
+            area = limits_of(measured.measure())
+            off = np.abs(area.area_each.values - shipped["area"][k])
+            own = area.area_each_error.sel(source="grid").values + np.abs(area.area_each_drift.values)
+            assert (off <= np.hypot(own, shipped["area_error"][k])).all()
+            assert (shipped["area_error"][k] < 0.006 * shipped["area"][k]).all()
+
+
+def test_the_table_says_what_it_is_and_its_csv_has_every_cell_that_was_made():
+    data = reference.table()
+    for name, value in ATTRIBUTES.items():
+        assert data.attrs[name] == value
+    assert data.area.attrs["ancillary_variables"] == "area_error"
+    assert all("units" in data[name].attrs for name in data.data_vars if data[name].dtype.kind == "f")
+    shipped = (FOLDER / "table.csv").read_text(encoding="utf-8")
+    assert shipped == as_csv(data)
+    header, *rows = [line.split(",") for line in shipped.splitlines() if not line.startswith("#")]
+    assert len(rows) == int(np.isfinite(data.area).sum())
+    for row in rows:
+        assert len(row) == len(header) == 16
+        cell = data.sel(dict(zip(header[:4], [row[0], *map(float, row[1:4])], strict=True)))
+        assert float(row[4]) == pytest.approx(float(cell.area), rel=1e-5)
+        assert float(row[5]) == pytest.approx(float(total_error(cell, "area")), rel=1e-5)

@@ -21,6 +21,7 @@ from validation.measurements.limits import solved
 from validation.measurements.table_samples import QUANTITIES, SampledSpectrum, joined, with_size
 from validation.measurements.theory import VARIANTS, with_variants
 from validation.reference.alpha import at_equal_alpha
+from validation.reference.citable import citable
 from validation.report.estimates import claim, derive, gather, total_error
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Line, Panel, panels_along
@@ -146,7 +147,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     if larger := options.larger_samples():
         made = with_size(made, _means(larger, "exact", bench))
     gaussian = options.part(options.gaussian, options.gaussian_bandwidths)
-    return _with_theories(joined([made, _means(gaussian, "gaussian", bench)]) if gaussian else made)
+    whole = joined([made, _means(gaussian, "gaussian", bench)]) if gaussian else made
+    return citable(_with_theories(whole))
 
 
 def spectra(options: Options, amplitudes: str) -> dict[tuple[float, float], SampledSpectrum]:

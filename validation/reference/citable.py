@@ -1,0 +1,66 @@
+"""What a stranger needs to use the reference table: definition, conventions, licence, a CSV file."""
+
+from __future__ import annotations
+
+import csv
+import io
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from validation.report.estimates import total_error
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Attributes of the file, by the Climate and Forecast conventions, which have no standard names for contact.
+ATTRIBUTES = {
+    "Conventions": "CF-1.11",
+    "title": "Contact of self-affine surfaces: area, gap, compliance, elastic energy, patches",
+    "institution": "The fem-contact developers",
+    "source": "boundary elements (fem-contact), controlled means over surfaces: fem-contact study reference",
+    "product_version": "1",
+    "license": "BSD-3-Clause",
+    "references": "docs/reference_table.md; B. N. J. Persson, Surf. Sci. Rep. 61, 201 (2006)",
+    "definition": "Periodic square of side L = 4 lambda_long; h(x) = sum_q B(q) cos(q.x + phi(q)) over "
+    "q = 2 pi (m, n)/L with 16 <= m^2 + n^2 <= (4 bandwidth)^2, one of each pair +-q, "
+    "B = (4 pi/L) C(q)^(1/2), C(q) ~ q^(-2-2H), no roll-off, phi uniform and independent; "
+    "amplitudes = gaussian: B times a Rayleigh variable of mean square 1. Pressed on an "
+    "elastic half-space of contact modulus E* = E/(1 - nu^2), small slopes, no friction, no adhesion. "
+    "reduced_pressure = p0/(E* h'_rms), p0 the nominal pressure, h'_rms = <|grad h|^2>^(1/2) of each "
+    "surface.",
+    "coverage_probability": 0.95,
+    "coverage_comment": "x_error has half widths by source, Student's for surfaces (coverage factor 1.96 for "
+    "many pairs, 3.18 for four); the whole is the root of their sum of squares; NaN: not measured",
+}
+
+#: What the CSV file has.
+_COLUMNS = ("area", "gap", "compliance", "energy_ratio", "density_slope", "patch_density")
+
+
+def citable(table: xr.Dataset) -> xr.Dataset:
+    """Return a table that says what it is, and which error belongs to which variable."""
+    table = table.assign_attrs(ATTRIBUTES)
+    for name in map(str, table.data_vars):
+        if f"{name}_error" in table:
+            table[name].attrs["ancillary_variables"] = f"{name}_error"
+    return table
+
+
+def as_csv(table: xr.Dataset) -> str:
+    """Return the cells that were made with their half widths (95 %); definition and licence stand after #."""
+    text = io.StringIO()
+    for name in ("title", "definition", "license", "product_version"):
+        text.write(f"# {name}: {ATTRIBUTES[name]}\n")
+    axes = ("amplitudes", "hurst", "bandwidth", "reduced_pressure")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([*axes, *(title for name in _COLUMNS for title in (name, f"{name}_error"))])
+    numbers = [(table[name].transpose(*axes).values, total_error(table, name)) for name in _COLUMNS]
+    halves = [error.transpose(*axes).values for _, error in numbers if error is not None]
+    for place in np.argwhere(np.isfinite(numbers[0][0])):
+        at = tuple(place)
+        where = [table[axis].values[k] for axis, k in zip(axes, at, strict=True)]
+        pairs = zip(numbers, halves, strict=True)
+        cells = [f"{part[at]:.6g}" for (values, _), half in pairs for part in (values, half)]
+        writer.writerow([where[0], *(f"{value:g}" for value in where[1:]), *cells])
+    return text.getvalue()
