@@ -10,10 +10,10 @@ import numpy as np
 from pydantic import Field
 
 from persson.spectrum import Moments, SelfAffine
+from validation import reference
 from validation.arrays import Array
 from validation.errors import UsageError
 from validation.measurements.theory import Waves
-from validation.reference import table as reference_table
 from validation.report.estimates import derive, total_error
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Image, Panel, panels_along
@@ -56,7 +56,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         Over (theory, hurst, bandwidth, reduced_pressure): the table's ``area``, ``area_scored``, their relative
         distance ``theory_excess`` and ``z_score``, the distance over the standard error of the table.
     """
-    data = reference_table().sel(amplitudes="exact", drop=True)[["area", "area_error"]]
+    data = reference.table().sel(amplitudes="exact", drop=True)[["area", "area_error"]]
     theories = [find_theory(name) for name in options.theory]
     scored = {theory.label: _areas(theory, data) for theory in theories}
     errors = {label: np.zeros(areas.shape) for label, areas in scored.items()}
