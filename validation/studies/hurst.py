@@ -15,12 +15,10 @@ from pydantic import Field
 from persson.elastic import KAPPA_BGT, KAPPA_PERSSON
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
-from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import SHIFTS, Ladder, Rising, base_surface
 from validation.measurements.convergence import Ladders, bandwidth_of, pressed_pairs, spectral_errors
-from validation.measurements.grids import method_limit
+from validation.measurements.kappa_by_solver import KappaBySolver
 from validation.measurements.limits import limits_of, solved, solver_error
-from validation.measurements.measurement import grid_for
 from validation.measurements.references import ladders_beside_published, papers_of, published
 from validation.measurements.theory import RANKED, VARIANTS, with_ensemble, with_variants
 from validation.report.estimates import change, claim, derive, gather, mean
@@ -43,6 +41,10 @@ from validation.studies._study import StudyOptions
 
 #: A/A0 below which kappa is published, a little more than the authors' 0.1; H of the published alpha(zeta).
 _LIGHT, _PUBLISHED = 0.12, 0.8
+
+
+#: Options of the surfaces that other solvers press, which begin with `method_`.
+_OF_METHODS = ("bandwidth", "reduced_pressure", "pairs", "points_per_wave")
 
 
 class Options(StudyOptions):
@@ -121,6 +123,15 @@ class Options(StudyOptions):
         return tuple(name for name in self.methods if name != "bem")
 
     @property
+    def beside(self) -> KappaBySolver | None:
+        """What other solvers press; None without them."""
+        own = {name: getattr(self, name) for name in ("periods", "shifts", "seed")}
+        own |= {name: getattr(self, f"method_{name}") for name in _OF_METHODS}
+        hursts, per_wave = tuple(sorted(set(self.hursts))), self.points_per_wave
+        each = KappaBySolver(solvers=self.others, hursts=hursts, bem_points_per_wave=per_wave, **own)
+        return each if self.others else None
+
+    @property
     def climbed(self) -> Ladders | None:
         """The ladders; None without them."""
         hursts = self.hursts if self.ladder_hursts is None else self.ladder_hursts
@@ -144,23 +155,9 @@ def design(options: Options) -> dict[_Case, Call]:
         solves = pressed_pairs(surface, loads, options.points_per_wave, **count)
         cases |= {(family, hurst, k): solve for k, solve in enumerate(solves)}
     usual = next(iter(cases.values()))
-    for hurst in sorted(set(options.hursts)) if options.others else ():
-        surface = base_surface(hurst=hurst, bandwidth=options.method_bandwidth, **told)
-        loads, count = (options.method_reduced_pressure,), {"pairs": options.method_pairs}
-        solves = pressed_pairs(surface, loads, options.points_per_wave, shifts=options.shifts, **count)
-        cases |= {("solver", "bem", hurst, k): solve for k, solve in enumerate(solves)}
-        cases |= {
-            ("solver", name, hurst, k, n): beside_bem(
-                problem=solve["problem"],
-                grid=grid_for(solve["problem"], n),
-                method=chosen_solver(name)[0].name,
-                settings=tuple(chosen_solver(name)[1].items()),
-            )
-            for name, (k, solve), n in itertools.product(
-                options.others, enumerate(solves), options.method_points_per_wave
-            )
-        }
     cases["strict",] = usual.but(tolerance=usual["tolerance"] / 100)
+    if options.beside:
+        cases |= options.beside.cases
     return cases | (options.climbed.cases if options.climbed else {})
 
 
@@ -176,11 +173,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     share = solver_error(measured[next(iter(cases))], measured["strict",])
     data = _of_spectra(options, cases, measured)
     data = claim(data, "kappa", solver=share * data.kappa)
-    if options.others:
-        data = data.merge(
-            _of_solvers(options, cases, {c: r for c, r in measured.items() if c[0] == "solver"}),
-            combine_attrs="override",
-        )
+    if options.beside:
+        data = data.merge(options.beside.reduced(measured), combine_attrs="override")
     if options.climbed:
         climbed = options.climbed.reduced({case: measured[case] for case in options.climbed.cases})
         data = data.merge(ladders_beside_published(climbed), combine_attrs="override")
@@ -220,54 +214,6 @@ def _of_spectra(
     spread = "{0}.max(['hurst', 'load']) / {0}.min(['hurst', 'load']) - 1"
     spreads = {f"{name}_spread": spread.format(name) for name in ("kappa", "kappa_pixel")}
     return data.assign(derive(bare, **spreads)[[*spreads]])
-
-
-def _of_solvers(
-    options: Options, cases: Mapping[_Case, Call], measured: Mapping[_Case, xr.Dataset]
-) -> xr.Dataset:
-    """Reduce what each method has of the same surfaces: kappa by its own limit over its grids, and over boundary elements'."""
-    parts = {}
-    for (_, name, hurst, k, *points), result in measured.items():
-        if not points:
-            part = limits_of(result).isel(load=0, drop=True)[["area_each", "area_each_error"]]
-        elif points == [options.method_points_per_wave[-1]]:
-            places = [("solver", name, hurst, k, n) for n in options.method_points_per_wave]
-            answers, grids = [measured[place] for place in places], [cases[place]["grid"] for place in places]
-            part = method_limit(answers, grids).rename(
-                area_other_each="area_each", area_other_each_error="area_each_error"
-            )
-            part = part.assign_attrs(solve=" ".join(str(answer.attrs.get("solve", "")) for answer in answers))
-        else:
-            continue
-        parts[name, hurst, k] = (
-            part.drop_vars("reduced_pressure", errors="ignore").drop_attrs().assign_attrs(part.attrs)
-        )
-    solvers, hursts, surfaces = (list(dict.fromkeys(places)) for places in zip(*parts, strict=True))
-    data = gather(parts, solver=solvers, hurst=hursts, surface_by_solver=surfaces).drop_vars(
-        "surface_by_solver"
-    )
-    data = data.assign(
-        {
-            name.replace("area", "area_bem"): data[name].sel(solver="bem", drop=True)
-            for name in ("area_each", "area_each_error")
-        }
-    )
-    data = data.rename(
-        area_each="area_by_solver_each", area_each_error="area_by_solver_each_error", solve="solve_by_solver"
-    )
-    data = data.assign(
-        reduced_pressure_by_solver=options.method_reduced_pressure,
-        bandwidth_by_solver=options.method_bandwidth,
-    )
-    data = derive(
-        data,
-        kappa_persson_by_solver="erf(2**.5 * reduced_pressure_by_solver) / reduced_pressure_by_solver",
-        kappa_by_solver_each="area_by_solver_each / reduced_pressure_by_solver",
-        kappa_by_solver_difference_each="area_by_solver_each / area_bem_each - 1",
-    )
-    # The grids of a method are off to one side on all surfaces.
-    names = ("kappa_by_solver", "kappa_by_solver_difference")
-    return mean(data, *names, over="surface_by_solver", pairs=True, alike=True)
 
 
 def views(data: xr.Dataset) -> Views:
