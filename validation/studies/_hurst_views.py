@@ -1,0 +1,205 @@
+"""What the study `hurst` shows: kappa against H, against the Nayak parameter, and along the ladders."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from validation.report.findings import Finding, finding
+from validation.report.marks import Band, Figure, Level, Line, Panel, panels_along
+from validation.report.table import Column, Table
+from validation.report.views import Views
+
+#: A/A0 below which kappa is published, a little more than the authors' 0.1; H of the published alpha(zeta).
+_LIGHT, _PUBLISHED = 0.12, 0.8
+
+
+def views(data: xr.Dataset) -> Views:
+    """Kappa against H, against the Nayak parameter, and along the ladders."""
+    climbed, beside = "ladder" in data.dims, "solver" in data.dims
+    names = ("family", "hurst", "bandwidth", "nayak", "reduced_pressure", "kappa")
+    counted = (Column("kappa_pixel", {"grid": -1}), Column("kappa_pixel", {"grid": 0}))
+    theories = ("kappa_persson", "kappa_ensemble", "kappa_yang_persson", "kappa_wang_mueser", "kappa_xu")
+    return Views(
+        table=Table(rows=("family", "hurst", "load"), columns=(*names, *counted, *theories)),
+        budget=("kappa", *(("kappa_by_solver",) if beside else ())),
+        figures=[
+            *(_of_solvers_against_hurst(data) if beside else ()),
+            _against_hurst(data),
+            _against_nayak(climbed),
+            *(_ladder_figures() if climbed else ()),
+        ],
+        findings=[
+            *(_beside(data) if beside else ()),
+            *_of_families(data),
+            *(_of_ladders(data) if climbed else ()),
+        ],
+    )
+
+
+#: Published ranges and points, told apart by their sources.
+_LITERATURE = Band(
+    y="kappa_published",
+    high="kappa_published_high",
+    x="hurst_published",
+    by="paper_kappa",
+    look={"color": "black", "mfc": "white"},
+)
+
+
+def _of_solvers_against_hurst(data: xr.Dataset) -> Iterator[Figure]:
+    """Every solver's own limit in one panel as wide as a column, with the other bandwidths at that load."""
+    light = float(data.reduced_pressure_by_solver)
+    same = np.flatnonzero(np.isclose(data.reduced_pressure, light))
+    wide = [
+        Line(
+            y="kappa",
+            by="family",
+            at={"load": int(k)},
+            look={"mfc": "white", "ls": ":"},
+            label="boundary elements, {family}",
+        )
+        for k in same
+    ]
+    own = Line(y="kappa_by_solver", by="solver")
+    caption = f"kappa against the Hurst exponent at p* = {light:g}, limits over the grids of each solver on the same "
+    caption += (
+        f"surfaces of bandwidth {float(data.bandwidth_by_solver):g}; Persson's theory; published values."
+    )
+    panel = Panel(
+        marks=[own, *wide, Level(y="kappa_persson_by_solver", label="Persson"), _LITERATURE],
+        x="hurst",
+        bottom=1.5,
+    )
+    yield Figure(name="kappa-of-solvers", caption=caption, panels=[panel], width=4.2, height=4.4)
+
+
+def _against_hurst(data: xr.Dataset) -> Figure:
+    """One panel for each load: limit, counts, theory; literature where the load is light."""
+    marks = (
+        Line(y="kappa", label="limit over grids"),
+        Line(y="kappa_pixel", at={"grid": 0}, label="counted, coarsest grid"),
+        Level(y="kappa_persson"),
+    )
+    panels = panels_along(data, "load", Panel(marks=marks, x="hurst", at={"family": 0}, bottom=1.35))
+    area = data.kappa.isel(family=0).mean("hurst") * data.reduced_pressure
+    return Figure(
+        name="kappa-against-hurst",
+        caption="kappa against the Hurst exponent at each load: the limit over grids, points counted on the coarsest "
+        "grid, and Persson's theory; black, published values (light load).",
+        panels=[
+            replace(panel, marks=(*marks, _LITERATURE)) if float(light) < _LIGHT else panel
+            for panel, light in zip(panels, area, strict=True)
+        ],
+        width=2.9 * max(2, len(panels)) + 1,
+        height=4.4,
+    )
+
+
+def _against_nayak(climbed: bool) -> Figure:
+    """Kappa of all spectra and loads, and along the ladders of bandwidth."""
+    theories = (Level(y="kappa_bgt"), Level(y="kappa_persson_light"))
+    rungs = Line(y="kappa_by_bandwidth", x="nayak_by_bandwidth", by="ladder")
+    lines = [Line(y="kappa", by=("family", "load")), *([rungs] if climbed else [])]
+    panels = [Panel(marks=(line, *theories), x="nayak", y="kappa", log="x") for line in lines]
+    caption = "The same kappa against the realised Nayak parameter; right, as the bandwidth grows at equal H."
+    size = {"width": 4.6 * len(panels), "height": 4.8}
+    return Figure(name="kappa-against-nayak", caption=caption, panels=panels, **size)
+
+
+def _ladder_figures() -> tuple[Figure, ...]:
+    """Kappa on the rungs with the lines to their limits; alpha(zeta) over the theory's."""
+    panels = []
+    for kind, title in (("by_bandwidth", "lambda_short/lambda_long falls"), ("by_size", "the sample grows")):
+        end = f"step_{kind}_line"
+        marks = (
+            Line(y=f"kappa_{kind}", by="ladder", joined=False, look={"mfc": "white"}),
+            Line(y=f"kappa_{kind}_line", x=end, by="ladder", look={"marker": "", "lw": 0.8}, label=""),
+            Line(y=f"kappa_{kind}_limit", x=end, at={"end": 0}, by="ladder", label=""),
+        )
+        panels.append(Panel(marks=marks, x=f"step_{kind}", y="kappa", title=title))
+    ratio = [Line(y="kappa_ratio_by_bandwidth", by="ladder")]
+    paper, published = "paper_kappa_ratio", "kappa_ratio_published"
+    papers = [
+        Level(y=published, at={paper: k}, look={"ls": ls}, label=f"{{{paper}}}")
+        for k, ls in enumerate((":", "--", "-"))
+    ]
+    return (
+        Figure(
+            name="kappa-limits",
+            caption="kappa against the step to its order as the bandwidth grows (left) and the sample (right); lines and "
+            "filled symbols at 0: the limit where it is determinable.",
+            panels=panels,
+            width=9.0,
+            height=4.2,
+        ),
+        Figure(
+            name="alpha-against-magnification",
+            caption="Slope alpha(zeta) of A = alpha F over that of Persson's theory as waves are added; black, published "
+            "for H = 0.8, as Persson (2006, Sec. 3.5) quotes them.",
+            panels=[Panel(marks=[*ratio, *papers], x="bandwidth_rung", log="x", base=2)],
+        ),
+    )
+
+
+def _beside(data: xr.Dataset) -> Iterator[Finding]:
+    """Say what each other solver has of the same surfaces."""
+    form = "By its own limit over grids kappa is, at p* = {reduced_pressure_by_solver} and bandwidth {bandwidth_by_solver}, by "
+    form += "{solver}: {each}."
+    item = (
+        "{kappa_by_solver} at H = {hurst}, {kappa_by_solver_difference:+%} from boundary elements ({verdict})"
+    )
+    words = {"agree": "not distinguishable", "differ": "beyond the intervals"}
+    for k in range(1, data.sizes["solver"]):
+        here = data.isel(solver=k)
+        yield finding(
+            "agreement", form, here, item=item, over="hurst", by="kappa_by_solver_difference", words=words
+        )
+
+
+def _of_families(data: xr.Dataset) -> Iterator[Finding]:
+    """Say what H changes, what counting adds, how far the theory is off."""
+    ends: dict[str, Any] = {"first": float(data.hurst[0]), "last": float(data.hurst[-1])}
+    ends |= {"low": float(data.bandwidth.min()), "high": float(data.bandwidth.max())}
+    if data.sizes["hurst"] > 1:
+        form = "From H = {first} to {last} kappa {each}."
+        item = "{verdict}, {kappa_change:%}, at p* = {reduced_pressure} with {family}"
+        none = {"0": "shows no trend beyond its interval"}
+        over = ("family", "load")
+        yield finding("trend", form, data, item=item, over=over, by="kappa_change", words=none, **ends)
+    form = "Counted kappa is {each}; over H and load the limit spreads by {kappa_spread:%}, what counting spreads more is a "
+    form += "discretisation artefact."
+    item = "{verdict} the limit, by {kappa_excess:%}, at lambda_short/dx = {points_per_wave} (spread {kappa_pixel_spread:%})"
+    plain = data.isel(family=0, hurst=0)
+    yield finding("comparison", form, plain, item=item, over="grid", by="kappa_excess")
+    wide = "{low}" if ends["low"] == ends["high"] else "{low} to {high}"
+    form = (
+        f"The limit over Persson's theory is {{each}} (mean over spectra of lambda_long/lambda_short {wide})."
+    )
+    yield finding("value", form, data, item="{kappa_ratio} at p* = {reduced_pressure}", over="load", **ends)
+
+
+def _of_ladders(data: xr.Dataset) -> Iterator[Finding]:
+    """Say what H changes at equal alpha and alpha at equal H, where kappa goes, and what was published of alpha(zeta)."""
+    if data.sizes["ladder"] > 1:
+        ends: dict[str, Any] = {"first": float(data.hurst_ladder[0]), "last": float(data.hurst_ladder[-1])}
+        form = "At the Nayak parameter {nayak_by_bandwidth_equal} kappa at H = {last} is {verdict} that at H = {first}, "
+        form += "{kappa_by_bandwidth_equal_change:%}; as the bandwidth grows at equal H it changes by {each}."
+        item, by = "{kappa_by_bandwidth_change:%} (H = {hurst_ladder})", "kappa_by_bandwidth_equal_change"
+        yield finding("comparison", form, data, item=item, over="ladder", by=by, **ends)
+    form = "As waves are added at p* = {reduced_pressure_ladder}, for which the budget has bandwidth and size, kappa {each}."
+    item = "{verdict} at H = {hurst_ladder}, limit {kappa_by_bandwidth_limit}, for an endless sample {kappa_by_size_limit}"
+    words = {"+": "falls", "-": "rises", "0": "shows no trend beyond its interval"}
+    yield finding("trend", form, data, item=item, over="ladder", by="kappa_by_bandwidth_slope", words=words)
+    close = np.flatnonzero(np.isclose(data.hurst_ladder, _PUBLISHED))
+    if close.size:
+        own, over = data.isel(ladder=int(close[0]), bandwidth_rung=-1), "paper_kappa_ratio"
+        form = "At D_f = 2.2, zeta = {bandwidth_rung} and p* = {reduced_pressure_ladder} alpha is {kappa_ratio_by_bandwidth} of "
+        form += "Persson's; published, mostly for more waves: {each}."
+        item, by = "{kappa_ratio_published} ({paper_kappa_ratio}) {verdict}", "kappa_ratio_difference"
+        words = {"agree": "agrees within the interval", "differ": "lies outside the interval"}
+        yield finding("agreement", form, own, item=item, over=over, by=by, words=words)

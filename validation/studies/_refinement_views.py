@@ -1,0 +1,151 @@
+"""What the study `refinement` shows: error against resolution, and roughness down to the scale of the grid."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from validation.measurements.grids import (
+    SMALL,
+)
+from validation.report.estimates import total_error
+from validation.report.findings import Finding, finding
+from validation.report.marks import Figure, Level, Line, Panel, against, panels_along
+from validation.report.table import Column, Table
+from validation.report.values import value_of
+from validation.report.views import Views
+
+
+def views(data: xr.Dataset) -> Views:
+    """Distance of each definition of the area from the limit, grid by grid; stress and patches there; the protocol."""
+    first = int(np.argmax(data.resolution.values == "resolved"))
+    names: tuple[str, ...] = ("points", "resolution", "points_per_wave", "cells_per_patch", "kappa_pixel")
+    names += ("distance_pixel", "distance_perimeter", "distance_located")
+    names += ("first_moment", "density_at_zero", "patches")
+    parts = tuple(Column("cells_at_part", {"part": k}) for k in range(data.sizes["part"]))
+    return Views(
+        table=Table(rows=("grid",), columns=(*names, *parts, "seconds")),
+        budget=("kappa", *(("kappa_fem",) if "element" in data.dims else ())),
+        figures=[*_on_grids(data, first)],
+        findings=[*_of_areas(data, first), *_of_others(data)],
+    )
+
+
+def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
+    """Draw distances from the limit, P(sigma) and patches against the grid."""
+    waves: dict[str, Any] = {"x": "points_per_wave", "log": "xy", "base": 2}
+    own = [Line(y=f"distance_{name}_size") for name in ("pixel", "perimeter", "located")]
+    panels = [Panel(marks=own, **waves)]
+    if "element" in data.dims:
+        both = [Line(y=f"distance_fem_{name}_size", by="element") for name in ("pixel", "perimeter")]
+        panels.append(Panel(marks=both, **{**waves, "x": "points_per_wave_fem"}))
+    caption = "Distance of each definition of the area from the limit of its own surface, mean over surfaces"
+    caption += "; right, finite elements." if len(panels) > 1 else "."
+    yield Figure(name="error-against-resolution", caption=caption, panels=panels, width=5.0 * len(panels))
+    yield Figure(
+        name="error-against-cells",
+        caption="What counting adds against the size of the contact patches in cells, surface by surface; Persson (2006, "
+        "Sec. 12) asks for 100 to 10000 cells.",
+        panels=[against("cells_per_patch_each", "distance_pixel_each", by="surface", log="xy")],
+    )
+    grids = sorted({first, (first + data.sizes["grid"] - 1) // 2, data.sizes["grid"] - 1})
+    label = "lambda_short/dx = {points_per_wave}"
+    thin = {"marker": "", "lw": 1}
+    lines = [Line(y="stress_density", at={"grid": g}, look=thin, label=label) for g in grids]
+    yield Figure(
+        name="stress-on-grids",
+        caption="P(sigma) on a coarse, a middling and the finest grid: the load is kept, the area is not.",
+        panels=[Panel(marks=[*lines, Line(y="stress_density_persson")], x="stress", bottom=0.0, right=2.0)],
+    )
+    caption = "Number of contact patches (left), and cells of the patches that hold parts of the area (right), against the grid."
+    parts = Panel(marks=[Line(y="cells_at_part", by="part")], **waves)
+    panels = [Panel(marks=[Line(y="patches")], **{**waves, "log": "x"}), parts]
+    yield Figure(name="patches-on-grids", caption=caption, panels=panels, width=9.0)
+    if "slope" in data.dims:
+        caption = "kappa when the roughness goes down to the grid scale and nodes are counted, by how the slope is measured."
+        marks = (Line(y="kappa_protocol", by="slope"), Level(y="kappa"), Level(y="kappa_persson"))
+        panel = Panel(marks=marks, x="points_protocol", y="kappa", log="x", base=2)
+        yield Figure(name="grid-scale-protocol", caption=caption, panels=[panel])
+    if "solver" in data.dims:
+        caption = "kappa with roughness down to the grid, nodes counted, by how the slope is measured: boundary elements, and "
+        caption += "full finite elements as Hyun et al. had them; the converged kappa of the same surfaces."
+        rough = Line(y="kappa_protocol_by_solver", by="slope", joined=False)
+        smooth = Line(y="kappa_protocol_limit", look={"color": "0.4"})
+        hyun = Line(y="kappa_hyun", x="hurst_hyun", look={"color": "black", "marker": "x"})
+        marked = (rough, smooth, Level(y="kappa_persson"), hyun)
+        panel = Panel(marks=marked, x="hurst_protocol", y="kappa")
+        panels = [*panels_along(data, "solver", panel)]
+        yield Figure(name="grid-scale-by-solver", caption=caption, panels=panels, width=9.0)
+
+
+def _of_areas(data: xr.Dataset, first: int) -> Iterator[Finding]:
+    """Say what the limit is, what counting adds, and where in P(sigma)."""
+    resolved = data.isel(grid=slice(first, None))
+    limit = "In the limit kappa is {kappa} at p* = {reduced_pressure}, lambda_long/lambda_short = {bandwidth}"
+    values: dict[str, Any] = {"bandwidth": float(data.attrs["bandwidth"])}
+    if np.isfinite(data.area_persson):
+        form = ": {verdict} Persson's {kappa_persson:~} ({kappa_ensemble:~} from C(q) alone), by {area_excess:+%}. Of what "
+        form = limit + form + "counting finds more than the theory the grid makes {each}."
+        item = "{grid_part:%} at lambda_short/dx = {points_per_wave}"
+        yield finding("comparison", form, resolved, item=item, over="grid", by="area_excess", **values)
+    else:
+        yield finding("value", limit + "; Persson's theory knows nothing of these effects.", data, **values)
+    form = "Counting differs from the limit by {each}; observed order {order_pixel} (corrected {order_perimeter}, located "
+    form += "{order_located})."
+    if np.isfinite(data.points_per_wave_close):
+        form += " It is within 5 % from lambda_short/dx = {points_per_wave_close} on, where half of the area lies in patches "
+        form += "of at least {cells_per_patch_close:~} cells (Persson asks for 100 to 10000)."
+    yield finding("order", form, resolved, item="{distance_pixel:+%} at {points_per_wave}", over="grid")
+    values = {"coarse": float(resolved.points_per_wave[0]), "fine": float(resolved.points_per_wave[-1])}
+    form = "The first moment of P(sigma) is p0 on every grid; the zeroth, the area, is {area_pixel_change:+%} on {coarse} "
+    form += "against {fine} points per wave. Of that excess {small_stress_part:%} lies at sigma < {small} E* h'_rms, and above "
+    form += "it the coarse grid holds {large_stress_change:+%}."
+    yield finding("share", form, data, small=SMALL, **values)
+
+
+_AGREES = {"agree": "agrees", "differ": "does not agree", "?": "can neither be confirmed nor ruled out"}
+_APART = {"agree": "not distinguishable from it", "differ": "beyond its intervals"}
+
+
+def _of_others(data: xr.Dataset) -> Iterator[Finding]:
+    """Say what roughness at the grid scale gives beside what was published, and where other methods go."""
+    if "slope" in data.dims:
+        last = data.isel(protocol_grid=-1)
+        slopes = ", ".join(f"{{s{k}}} ({name})" for k, name in enumerate(data.slope.values))
+        values: dict[str, Any] = {
+            f"s{k}": value_of(last.isel(slope=k), "kappa_protocol") for k in range(data.sizes["slope"])
+        }
+        form = f"With roughness to the grid scale kappa is {slopes}, a spread of {{kappa_protocol_spread:%}}; beside the "
+        form += "converged {kappa} there was published: {each}."
+        item = "{kappa_published_range} ({paper_kappa}), which {verdict}"
+        values |= {"by": "kappa_difference", "words": _AGREES}
+        yield finding("agreement", form, last, item=item, over="paper_kappa", **values)
+    if "solver" in data.dims:
+        yield from _of_protocol(data.sel(solver="fem"))
+    form = "Beside the limit of the boundary elements, those of other methods lie {each}."
+    for dim, by in (("element", "distance_fem"), ("other", "distance_other")):
+        if dim in data.dims:
+            item = f"{{{by}:+%}} ({{{dim}}}): {{verdict}}"
+            yield finding("agreement", form, data, item=item, over=dim, by=by, words=_APART)
+
+
+def _of_protocol(data: xr.Dataset) -> Iterator[Finding]:
+    """Say how much of what Hyun et al. found the grid explains, and what it does not."""
+    form = "Full finite elements with roughness down to their {points_protocol_by_solver} points, nodes counted, have kappa "
+    form += "{each} ({slope})."
+    item = "{kappa_protocol_by_solver} at H = {hurst_protocol}, {kappa_excess_protocol:+%} from the converged one of the same "
+    item += "surfaces, so that the grid makes {grid_part_protocol:%} of its distance to the theory"
+    yield finding("share", form, data.isel(slope=0), item=item, over="hurst_protocol")
+    same = np.flatnonzero(np.isclose(data.hurst_protocol, float(data.hurst_hyun)))
+    if same.size:
+        form = "Beside the converged {kappa_protocol_limit} Hyun's {kappa_hyun} at H = {hurst_hyun} lies {verdict}; the protocol has {each}."
+        over: dict[str, Any] = {"item": "{kappa_protocol_by_solver} ({slope})", "over": "slope"}
+        at = data.isel(hurst_protocol=int(same[0]))
+        half = total_error(at, "kappa_excess_protocol")
+        raised = half is not None and bool((at.kappa_excess_protocol > half).any())
+        side = " (the grid, which raises kappa, explains none of that)" if raised else ""
+        words = {"-": f"below{side}", "+": "above", "0": "within the interval"}
+        yield finding("comparison", form, at, by="kappa_hyun_difference", words=words, **over)
