@@ -12,6 +12,7 @@ import typer
 from rich.text import Text
 from typer.testing import CliRunner
 
+import validation
 from validation.cli import commands as cli
 from validation.cli import scenes
 from validation.cli.options import key_names, scene_names
@@ -357,6 +358,10 @@ def test_a_file_that_does_not_say_size_or_unit_is_asked_for_them(tool, tmp_path)
         tool("surface", "inspect", "scan.npy", "--length", "1 um", "--unit", "1 nm", "--json")[1]
     )
     assert facts["h_rms [m]"] == pytest.approx(1e-9 * np.std(np.sin(np.arange(16))), rel=1e-9)
+
+
+def test_the_version_is_that_of_the_package(tool):
+    assert tool("--version") == (0, f"fem-contact {validation.__version__}\n", "")
 
 
 def test_a_conversion_levels_fills_and_tapers_and_says_so(tool, tmp_path):

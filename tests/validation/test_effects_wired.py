@@ -244,12 +244,12 @@ def test_the_pastewka_robbins_number_is_the_printed_one():
 def test_no_solve_is_charged_with_loading_what_its_effects_need(with_effects, monkeypatch):
     from fem_contact import block
 
-    rehearsed = []
+    warmed_up = []
 
     def kept(solve):
         def keeping(*arguments, **options):
-            rehearsed.append(solve(*arguments, **options))
-            return rehearsed[-1]
+            warmed_up.append(solve(*arguments, **options))
+            return warmed_up[-1]
 
         return keeping
 
@@ -260,7 +260,7 @@ def test_no_solve_is_charged_with_loading_what_its_effects_need(with_effects, mo
     ]
     solves += solves_of(with_effects(HARD, fem=True))
     warm_up(solves)
-    hard, sticky, graded, elements = (one.contact for one in rehearsed)
+    hard, sticky, graded, elements = (one.contact for one in warmed_up)
     assert hard.at_bound.any()
     assert sticky.pressure.min() < 0
     assert 0 < graded.in_contact.mean() < 1

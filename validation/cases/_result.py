@@ -170,17 +170,17 @@ def _with_costs(data: xr.Dataset, cards: Sequence[Scorecard]) -> xr.Dataset:
 
 
 def claims_views(data: xr.Dataset) -> Views:
-    """Show what failed first, then every verdict, every number, orders and costs."""
+    """Verdicts, every number, orders and costs; with a diagnosis, reasons in place of later tolerances."""
     solvers = range(data.sizes["solver"])
-    scored = "diagnosis" in data
+    has_diagnosis = "diagnosis" in data
     verdicts = Table(
         title="Verdicts",
         rows=("claim",),
         columns=(
             "claim",
             *(Column("verdict", {"solver": k}) for k in solvers),
-            *(Column("tolerance_used", {"solver": k}) for k in solvers if not (scored and k)),
-            *(Column("reason", {"solver": k}) for k in solvers if scored),
+            *(Column("tolerance_used", {"solver": k}) for k in solvers if k == 0 or not has_diagnosis),
+            *(Column("reason", {"solver": k}) for k in solvers if has_diagnosis),
             "tolerance_from",
             "statement",
         ),

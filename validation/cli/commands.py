@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
+import validation
 from validation.cli.audit import audit
 from validation.cli.challenge import challenge_app
 from validation.cli.compare import compare
@@ -53,6 +54,20 @@ app = typer.Typer(
         )
     ),
 )
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"fem-contact {validation.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None: ...
 
 
 def _verb(panel: str, function: Callable[..., Any], *lines: str, **settings: Any) -> None:

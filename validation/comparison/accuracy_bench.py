@@ -82,6 +82,7 @@ class Metered(Bench):
         """
         wanted, account = tuple(solves), self.account
         missing = [solve for solve in wanted if not self.store.path(solve).exists()]
+        # What is solved here, now or before, is not taken from the store.
         account.found |= set(wanted) - set(missing) - account.done
         account.done |= set(missing)
         if not missing:

@@ -174,7 +174,7 @@ class Call(NumbersSolve):
     def warm_up(self) -> None:
         """Let the methods run through their compiled passes."""
         for method, settings, effects in self._compiled:
-            find_solver(method).rehearse(effects, settings)
+            find_solver(method).warm_up(effects, settings)
 
     def _evaluated(self, of: Callable[..., Any], **more: Any) -> Any:
         """Call with those of the arguments that are named."""

@@ -168,7 +168,7 @@ class Press(Solve):
 
     def warm_up(self) -> None:
         """Let the method run through its compiled passes."""
-        self.solver.rehearse(self.effects, dict(self.settings))
+        self.solver.warm_up(self.effects, dict(self.settings))
 
     def after(self, previous: Solve | None) -> Press:
         """Share the surface of the previous solve, if it is the same one."""

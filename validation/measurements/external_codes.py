@@ -127,7 +127,7 @@ def _solved(code: str, job: Job, *, pixel: float, allowed: float) -> tuple[Job, 
     by = f"{__name__}:{own_pressure.__name__}" if code == OWN else known_peers()[code]
     solver, options = chosen_solver(by)
     sandbox.end()  # its memory shall be its own
-    solver.rehearse((), {**options, "tolerance": 1e-3})
+    solver.warm_up((), {**options, "tolerance": 1e-3})
     most = 0
     for tolerance in _TOLERANCES:
         job = replace(job, settings={**options, "tolerance": tolerance})

@@ -85,20 +85,21 @@ def leaks(*, problem: ContactProblem, grid: Grid, areas: tuple[float, ...]) -> x
         pressure = load * problem.pressure_scale
         return bem.solve(field, half_space, mean_pressure=pressure, start=start, threads=1).checked()
 
-    def threshold(passes: Callable[[ContactResult], bool]) -> float:
-        low = 0.05
-        while not passes(states(low)):
-            low /= 2
-        return states.threshold(passes, low, 1.0, area=_BRACKET)[0]
+    def threshold_area(percolates: Callable[[ContactResult], bool]) -> float:
+        """A/A0 at which a path closes: it is open at a light enough load, and closed at p* = 1."""
+        light = 0.05
+        while not percolates(contact_at(light)):
+            light /= 2
+        return contact_at.threshold(percolates, light, 1.0, area=_BRACKET)[0]
 
-    states = States(solve)
-    contacts = [states.at_area(area) for area in areas]
+    contact_at = States(solve)
+    contacts = [contact_at.at_area(area) for area in areas]
     flows = [[_flow(contact, axis) for axis in ("x", "y")] for contact in contacts]
     height = problem.field.rms_height
     gaps = [gap_distribution(contact, GAP_EDGES * height).density * height for contact in contacts]
     loads = [contact.mean_pressure / problem.pressure_scale for contact in contacts]
     thresholds = {
-        name: ("axis", [threshold(open_at(axis)) for axis in ("x", "y")])
+        name: ("axis", [threshold_area(open_at(axis)) for axis in ("x", "y")])
         for name, open_at in (("contact_threshold", contact_is_apart), ("gap_threshold", gap_is_open))
     }
     return xr.Dataset(

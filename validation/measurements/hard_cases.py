@@ -115,12 +115,15 @@ def _quantised(press: _Press, levels: float) -> Measured:
     return _against_plain(press, _square(np.round(smooth.heights / step) * step))
 
 
-def _offset_of(press: _Press, stored: Array, *, mean: float = 0.0) -> Measured:
-    """Contact is monotone: no offset moves by more than the heights did, nor by more than the solver leaves."""
+def _offset_of(press: _Press, rounded: Array, *, mean: float = 0.0) -> Measured:
+    """How far rounded heights, raised by `mean`, move the offset, over the most that their rounding can.
+
+    Contact is monotone: the offset moves by no more than the highest change of a height, and the residual.
+    """
     exact = _rough()
-    double, other = (press(_square(heights), _LIGHT) for heights in (exact.heights, stored))
-    allowed = float(np.max(np.abs(stored - exact.heights - mean))) + 1e-7 * exact.rms_height
-    return _measured(other, abs(other.offset - mean - double.offset) / allowed)
+    reference, perturbed = (press(_square(heights), _LIGHT) for heights in (exact.heights, rounded))
+    allowed = float(np.max(np.abs(rounded - exact.heights - mean))) + 1e-7 * exact.rms_height
+    return _measured(perturbed, abs(perturbed.offset - mean - reference.offset) / allowed)
 
 
 def _few_bits(press: _Press, bits: float) -> Measured:

@@ -113,7 +113,7 @@ class Bem(Solver):
                 "have the same; give load.offset"
             )
 
-    def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
+    def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Press a small surface: large enough for all passes, those of single precision among them."""
         points = 256
         examples = [type(effect).example(1 / points) for effect in effects]

@@ -139,15 +139,15 @@ class ExternalSolver(Solver):
         return Solved(contact=judged(self.claim(job), asked, method=self.label))
 
     def cost(self, size: Size) -> Cost:
-        """Guess from the size of the grid."""
+        """Assume memory and time, as pairs of FFTs, of an efficient code on a grid of this size."""
         return Cost(
             pairs=FIXED_PAIRS + _PAIRS * size.transforms,
             peak_bytes=FIXED_BYTES + _BYTES_PER_POINT * size.points,
             unknowns=size.points,
         )
 
-    def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
-        """Let its process import and compile what it needs; what it fails at, a solve says."""
+    def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
+        """Solve a small contact, so that the process has imported and compiled what it needs."""
         job = Job(
             field=example_field(16),
             load={"mean_pressure": 0.02},

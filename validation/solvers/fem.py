@@ -142,7 +142,7 @@ class Fem(Solver):
         growth = float(FemOptions.model_fields["growth"].default)
         return {"growth": growth ** (self.score_points / points)}
 
-    def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
+    def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Press a small block."""
         points = 16
         examples = [type(effect).example(1 / points) for effect in effects]

@@ -38,6 +38,10 @@ class FourierSource:
             yield from self._descend_any()
 
     def _descend_trilinear(self) -> Iterator[CellLayer]:
+        """Layers from the surface down: the six transfer states of each wave take it one layer deeper.
+
+        Waves are kept for one quadrant of wavevectors; -1 - number marks those mirrored in x.
+        """
         from fem_contact.block.reduced.kernels import descend, pack
 
         mesh = self.response.mesh

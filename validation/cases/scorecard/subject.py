@@ -222,7 +222,7 @@ class Subject:
         if "seconds" in options:
             # What does not return here is asked once more, so that rows can say so.
             options["seconds"] = min(options["seconds"], self.seconds / 4)
-        self.solver.rehearse((), options)
+        self.solver.warm_up((), options)
         if (passed := time.monotonic() - began) >= options.get("seconds", math.inf):
             self._costs.append((0.0, passed))
         with contextlib.suppress(Exception):  # what it fails at, a row says
