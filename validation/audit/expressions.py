@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 from scipy.special import erf
 
-from validation.audit.stored import Array
-
 _OPERATORS: dict[type, Callable[..., Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -36,18 +34,21 @@ def names_of(expression: str) -> list[str]:
     return sorted({node.id for node in ast.walk(ast.parse(expression)) if isinstance(node, ast.Name)})
 
 
-def value_of(node: ast.AST, values: Mapping[str, Array]) -> Any:
-    """Evaluate sums, products, powers, a few functions, and single places along a dimension."""
+def value_of(node: ast.AST, value: Callable[[str, Mapping[str, int]], Any]) -> Any:
+    """Evaluate sums, products, powers, a few functions, and ``x.isel(dim=k)``; `value` by name and place."""
     if isinstance(node, ast.Expression):
-        return value_of(node.body, values)
+        return value_of(node.body, value)
     if isinstance(node, ast.Constant) and isinstance(node.value, int | float):
         return float(node.value)
     if isinstance(node, ast.Name):
-        return values[node.id]
+        return value(node.id, {})
     if isinstance(node, ast.BinOp):
-        return _OPERATORS[type(node.op)](value_of(node.left, values), value_of(node.right, values))
+        return _OPERATORS[type(node.op)](value_of(node.left, value), value_of(node.right, value))
     if isinstance(node, ast.UnaryOp):
-        return _OPERATORS[type(node.op)](value_of(node.operand, values))
+        return _OPERATORS[type(node.op)](value_of(node.operand, value))
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in _FUNCTIONS:
-        return _FUNCTIONS[node.func.id](*(value_of(one, values) for one in node.args))
+        return _FUNCTIONS[node.func.id](*(value_of(part, value) for part in node.args))
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "isel":
+        place = {str(k.arg): ast.literal_eval(k.value) for k in node.keywords}
+        return value(ast.unparse(node.func.value), place)
     raise LookupError(ast.dump(node))

@@ -167,7 +167,7 @@ def read(result: Result, name: str, variable: Variable) -> Array | None:
             for n, v in solve.attrs.items()
             if isinstance(v, float | int | np.number)
         }
-        return value_of(tree, known)
+        return value_of(tree, lambda of, _: known[of])
 
     return over_solves(result, variable, read)
 

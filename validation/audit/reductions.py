@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import math
 from collections.abc import Callable, Mapping
+from functools import partial
 
 import numpy as np
 from scipy.special import stdtrit
@@ -133,36 +134,20 @@ def _change(result: Result, name: str, variable: Variable) -> Array:
 # ---- expressions ---
 
 
-def _placed(result: Result, expression: str) -> tuple[str, dict[str, Variable]]:
-    """Name each ``x.isel(dim=k)`` of an expression, and return all variables it needs."""
-    tree = ast.parse(expression, mode="eval")
-    needed: dict[str, Variable] = {}
-
-    class Places(ast.NodeTransformer):
-        def visit_Call(self, node: ast.Call) -> ast.AST:
-            if isinstance(node.func, ast.Attribute) and node.func.attr == "isel":
-                assert isinstance(node.func.value, ast.Name)
-                place = {str(k.arg): ast.literal_eval(k.value) for k in node.keywords}
-                name = f"{node.func.value.id}_at_{len(needed)}"
-                needed[name] = result.data[node.func.value.id].at(place)
-                return ast.Name(id=name, ctx=ast.Load())
-            self.generic_visit(node)
-            return node
-
-    text = ast.unparse(Places().visit(tree))
-    needed |= {n: result.data[n] for n in names_of(text) if n not in needed and n in result.data}
-    return text, needed
-
-
 def _expression(result: Result, name: str, variable: Variable) -> Array | None:
+    def value(of: str, place: Mapping[str, int]) -> Array:
+        return result.data[of].at(place).along(variable.dims).astype(float)
+
     try:
-        text, needed = _placed(result, str(variable.attrs["expression"]))
-        values = {n: one.along(variable.dims).astype(float) for n, one in needed.items()}
         with np.errstate(all="ignore"):
-            found = value_of(ast.parse(text, mode="eval"), values)
-    except (LookupError, ValueError, SyntaxError, AssertionError):
+            found = value_of(ast.parse(str(variable.attrs["expression"]), mode="eval"), value)
+    except (LookupError, ValueError, SyntaxError):
         return None
     return np.broadcast_to(np.asarray(found, dtype=float), variable.values.shape)
+
+
+def _named(values: Mapping[str, Array], name: str, place: Mapping[str, int]) -> Array:
+    return values[name]
 
 
 def _expression_errors(result: Result, variable: Variable) -> dict[str, Array]:
@@ -180,7 +165,8 @@ def _expression_errors(result: Result, variable: Variable) -> dict[str, Array]:
         for n in moved:
             step = result.data[f"{n}_error"].at({"source": k}).along(variable.dims)
             with np.errstate(all="ignore"):
-                up, down = (value_of(tree, {**values, n: values[n] + s * step}) for s in (1, -1))
+                ends: list[dict[str, Array]] = [{**values, n: values[n] + s * step} for s in (1, -1)]
+                up, down = (value_of(tree, partial(_named, end)) for end in ends)
             total = total + ((up - down) / 2) ** 2
         found[source] = np.sqrt(total)
     return found
@@ -212,11 +198,6 @@ def _power(result: Result, variable: Variable) -> tuple[Array, Array, Array]:
         )
         found[(slice(None), *place)] = slope, half, math.exp(v.mean() - slope * u.mean())
     return found[0], found[1], found[2]
-
-
-def _power_law(result: Result, name: str, variable: Variable) -> Array:
-    exponent, _, factor = _power(result, variable)
-    return factor if name.endswith("_factor") else exponent
 
 
 def _share(result: Result, name: str, variable: Variable) -> Array:
@@ -310,7 +291,7 @@ REDUCTIONS: Mapping[str, Callable[[Result, str, Variable], Array | None]] = {
         result, name, one
     ),
     "polynomial limit": _polynomial,
-    "power law": _power_law,
+    "power law": lambda result, name, one: _power(result, one)[2 if name.endswith("_factor") else 0],
     "read": from_solves.read,
     "second-order limit": from_solves.second_order,
     "share": _share,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar
 
 from pydantic import AfterValidator, Discriminator, Field, StrictInt, Tag, model_validator
 
@@ -277,14 +277,10 @@ def _amount(value: object) -> str:
 
 _Pressure = Annotated[float, quantity("Pa", "pressure", "10 MPa"), Field(ge=0)]
 _Ratio = Annotated[Number, Field(ge=0), AfterValidator(_zero_or_ratio)]
-_Pressures = Annotated[
-    Annotated[_Pressure, Tag("one")]
-    | Annotated[tuple[_Pressure, ...], Field(min_length=1, max_length=MOST_ITEMS), Tag("several")],
-    Discriminator(_amount),
-]
-_Ratios = Annotated[
-    Annotated[_Ratio, Tag("one")]
-    | Annotated[tuple[_Ratio, ...], Field(min_length=1, max_length=MOST_ITEMS), Tag("several")],
+T = TypeVar("T")
+_OneOrSeveral = Annotated[
+    Annotated[T, Tag("one")]
+    | Annotated[tuple[T, ...], Field(min_length=1, max_length=MOST_ITEMS), Tag("several")],
     Discriminator(_amount),
 ]
 
@@ -311,8 +307,12 @@ class Load(Table):
     loads may be given, and with adhesion a load may be 0.
     """
 
-    pressure: _Pressures | None = Field(default=None, description='nominal pressure p0, e.g. "10 MPa"')
-    reduced_pressure: _Ratios | None = Field(default=None, description="p* = p0 / (E* h'_rms), e.g. 0.05")
+    pressure: _OneOrSeveral[_Pressure] | None = Field(
+        default=None, description='nominal pressure p0, e.g. "10 MPa"'
+    )
+    reduced_pressure: _OneOrSeveral[_Ratio] | None = Field(
+        default=None, description="p* = p0 / (E* h'_rms), e.g. 0.05"
+    )
     force: Force | None = Field(default=None, description='p0 times the nominal area, e.g. "10 mN"')
     mean_gap: Annotated[float, quantity("m", "length", "50 nm"), Field(ge=0)] | None = Field(
         default=None, description='mean gap that is held, e.g. "50 nm"'

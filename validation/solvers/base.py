@@ -268,16 +268,7 @@ def check_bodies(
 ) -> None:
     """Refuse an effect that makes the solid something else than a body on a clamped base.
 
-    Parameters
-    ----------
-    name : str
-        Of the method.
-    solid : Solid
-    effects : sequence of Effect
-    depth : float, optional
-        What the options of the method say of it [m].
-    layered : bool
-        Whether the modulus may vary.
+    `depth` [m] is what the options of the method say of it; a `layered` one may have a modulus that varies.
     """
     for k, effect in enumerate(effects):
         if effect.slot != "response":

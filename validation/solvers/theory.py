@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
@@ -101,31 +102,15 @@ def predict(
     problem: ContactProblem, effects: Sequence[Effect], options: TheoryOptions | None = None
 ) -> Prediction:
     """Return what the theory says of one surface with the effects of its scene."""
-    inputs = TheoryInputs.by(problem.elastic, effects)
+    inputs, spectrum, ensemble = TheoryInputs.by(problem.elastic, effects), problem.spectrum, None
+    if spectrum is not None:
+        alone = _spectral_variance(spectrum, inputs.felt_modulus)
+        area = _with_effects(inputs, problem.pressure, options, variance=alone, spectrum=spectrum).area
+        ensemble = area if np.isfinite(area) else None
     variance = _realised_variance(problem, inputs)
-    spectrum = problem.spectrum
-    alone = None if spectrum is None else _spectral_variance(spectrum, inputs.felt_modulus)
-    if inputs.hardness is None and inputs.work is None:
-        ensemble = (
-            None if alone is None else float(elastic.contact_area(problem.pressure, stress_variance=alone))
-        )
-        area = float(elastic.contact_area(problem.pressure, stress_variance=variance))
-        return Prediction(area=area, ensemble_area=ensemble, stress_variance=variance)
-    ensemble = None
-    if spectrum is not None and alone is not None:
-        found = with_effects(inputs, problem.pressure, variance=alone, spectrum=spectrum, options=options)
-        ensemble = found.area if np.isfinite(found.area) else None
-    found = with_effects(
-        inputs, problem.pressure, variance=variance, spectrum=problem.own_spectrum, options=options
-    )
-    return Prediction(
-        area=found.area,
-        ensemble_area=ensemble,
-        stress_variance=variance,
-        plastic=found.plastic,
-        other=found.other,
-        note=found.note,
-    )
+    shape = problem.own_spectrum if inputs.work is not None else None
+    realised = _with_effects(inputs, problem.pressure, options, variance=variance, spectrum=shape)
+    return replace(realised, ensemble_area=ensemble)
 
 
 def _realised_variance(problem: ContactProblem, inputs: TheoryInputs) -> float:
@@ -146,16 +131,6 @@ def _spectral_variance(spectrum: Spectrum, modulus: Modulus) -> float:
 
     scale = Scale(spectrum, contact_modulus=modulus)
     return float(scale.variance(scale.q_short))
-
-
-@dataclass(frozen=True, kw_only=True)
-class Areas:
-    """A/A0 (NaN without an answer), A_pl/A0, A/A0 by the other energy, which part of the theory it is."""
-
-    area: float
-    plastic: float | None
-    other: float | None
-    note: str
 
 
 #: What each reading of the elastic energy is.
@@ -184,17 +159,20 @@ def theory_words(inputs: TheoryInputs, options: TheoryOptions | None = None) -> 
     return "Persson 2006, elastic, without adhesion"
 
 
-def with_effects(
+def _with_effects(
     inputs: TheoryInputs,
     pressure: float,
+    options: TheoryOptions | None,
     *,
     variance: float,
-    spectrum: Spectrum,
-    options: TheoryOptions | None = None,
-) -> Areas:
-    """Evaluate the theory with a hardness, adhesion, or both."""
+    spectrum: Spectrum | None,
+) -> Prediction:
+    """Evaluate the theory at a variance; with adhesion from C(q)."""
+    bare = Prediction(area=math.nan, ensemble_area=None, stress_variance=variance)
+    if inputs.hardness is None and inputs.work is None:
+        return replace(bare, area=float(elastic.contact_area(pressure, stress_variance=variance)))
     options = options or TheoryOptions()
-    note = theory_words(inputs, options)
+    bare = replace(bare, note=theory_words(inputs, options))
     try:
         if inputs.work is None:
             from persson.hardness import constant_hardness
@@ -202,20 +180,21 @@ def with_effects(
             assert isinstance(inputs.hardness, float)
             parts = constant_hardness(pressure, stress_variance=variance, yield_stress=inputs.hardness)
             plastic = float(parts.plastic)
-            return Areas(area=float(parts.elastic) + plastic, plastic=plastic, other=None, note=note)
+            return replace(bare, area=float(parts.elastic) + plastic, plastic=plastic)
         from persson.scale import Scale
 
+        assert spectrum is not None
         scale = Scale(spectrum, contact_modulus=inputs.felt_modulus)
-        asked = _adhesive(inputs, pressure, options, scale=scale)
+        contact = _adhesive(inputs, pressure, options, scale=scale)
     except PerssonError as error:
-        return Areas(area=float("nan"), plastic=None, other=None, note=f"no answer: {error}")
+        return replace(bare, note=f"no answer: {error}")
     another = options.model_copy(update={"energy": "improved" if options.energy == "old" else "old"})
     try:
         other = _adhesive(inputs, pressure, another, scale=scale).real_area
     except PerssonError:
-        other = float("nan")
-    plastic_area = None if inputs.hardness is None else float(asked.area_plastic[-1])
-    return Areas(area=asked.real_area, plastic=plastic_area, other=other, note=note)
+        other = math.nan
+    plastic_area = None if inputs.hardness is None else float(contact.area_plastic[-1])
+    return replace(bare, area=contact.real_area, plastic=plastic_area, other=other)
 
 
 def _adhesive(
@@ -295,16 +274,7 @@ class Answer:
 def against_magnification(
     problem: ContactProblem, effects: Sequence[Effect], options: TheoryOptions
 ) -> tuple[Answer, ...]:
-    """Return what the theory says of a scene from C(q) alone, at each of its loads.
-
-    Parameters
-    ----------
-    problem : ContactProblem
-    effects : sequence
-        Of the scene.
-    options : TheoryOptions
-        Which readings of the paper are used.
-    """
+    """Return what the theory says of a scene from C(q) alone, at each of its loads."""
     from persson.scale import Scale
 
     inputs = TheoryInputs.by(problem.elastic, effects)
