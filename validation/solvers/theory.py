@@ -105,11 +105,11 @@ def predict(
     inputs, spectrum, ensemble = TheoryInputs.by(problem.elastic, effects), problem.spectrum, None
     if spectrum is not None:
         alone = _spectral_variance(spectrum, inputs.felt_modulus)
-        area = _with_effects(inputs, problem.pressure, options, variance=alone, spectrum=spectrum).area
+        area = with_effects(inputs, problem.pressure, variance=alone, spectrum=spectrum, options=options).area
         ensemble = area if np.isfinite(area) else None
     variance = _realised_variance(problem, inputs)
     shape = problem.own_spectrum if inputs.work is not None else None
-    realised = _with_effects(inputs, problem.pressure, options, variance=variance, spectrum=shape)
+    realised = with_effects(inputs, problem.pressure, variance=variance, spectrum=shape, options=options)
     return replace(realised, ensemble_area=ensemble)
 
 
@@ -159,13 +159,13 @@ def theory_words(inputs: TheoryInputs, options: TheoryOptions | None = None) -> 
     return "Persson 2006, elastic, without adhesion"
 
 
-def _with_effects(
+def with_effects(
     inputs: TheoryInputs,
     pressure: float,
-    options: TheoryOptions | None,
     *,
     variance: float,
     spectrum: Spectrum | None,
+    options: TheoryOptions | None = None,
 ) -> Prediction:
     """Evaluate the theory at a variance; with adhesion from C(q)."""
     bare = Prediction(area=math.nan, ensemble_area=None, stress_variance=variance)
