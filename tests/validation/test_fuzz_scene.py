@@ -164,6 +164,7 @@ def test_a_changed_scene_is_a_scene_of_finite_numbers_or_a_refusal_in_words(tree
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
 )
 @given(place=st.integers(0, len(BASE)), cut=st.integers(0, 12), text=st.binary(max_size=8))
+@example(0, len(BASE), "[surface\n\u0085".encode())
 def test_a_file_of_damaged_text_is_read_or_refused(tmp_path, place, cut, text):
     path = tmp_path / "scene.toml"
     raw = BASE.encode()

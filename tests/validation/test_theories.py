@@ -1,7 +1,5 @@
 """Theories that simulations are scored against: entries, a user's own, another package's."""
 
-import re
-import sys
 import textwrap
 from importlib import metadata
 from pathlib import Path
@@ -14,7 +12,7 @@ from validation import theories as registry
 from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.measurements.common import base_case, base_surface
-from validation.registry import _warn, found_in
+from validation.registry import found_in
 from validation.studies import find_study, theory_verdict
 from validation.theories import Rough, Theory, find_theory, theories
 
@@ -170,23 +168,3 @@ def offered(monkeypatch: pytest.MonkeyPatch, load) -> tuple[type[Theory], ...]:
 def test_another_package_adds_a_theory_by_an_entry_point(monkeypatch, capsys) -> None:
     assert Elsewhere in offered(monkeypatch, lambda: print("hello") or Elsewhere)
     assert capsys.readouterr().out == ""
-
-
-@pytest.mark.parametrize(
-    ("load", "says"),
-    [
-        (lambda: sys.exit(3), "cannot be loaded: SystemExit: 3"),
-        (lambda: 1 / 0, "cannot be loaded: ZeroDivisionError"),
-        (lambda: int, "must be a subclass of validation.theories.base.Theory"),
-    ],
-)
-def test_an_entry_point_that_is_no_theory_is_left_out_with_a_line(monkeypatch, capsys, load, says) -> None:
-    _warn.cache_clear()
-    assert Elsewhere not in offered(monkeypatch, load)
-    assert re.search(f"entry point elsewhere = .*: left out[:,] {says}", capsys.readouterr().err)
-
-
-def test_an_entry_point_that_takes_a_name_is_refused_by_both(monkeypatch) -> None:
-    says = "the name 'xu' is that of .*persson_variants.Xu"
-    with pytest.raises(UsageError, match=f"entry point elsewhere = .*: {says}"):
-        offered(monkeypatch, lambda: type("Other", (Elsewhere,), {"name": "xu"}))

@@ -7,6 +7,7 @@ key in the variable ``solve`` at the same place.
 from __future__ import annotations
 
 import ast
+import contextlib
 import math
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -35,10 +36,9 @@ def recomputed(result: Result, name: str) -> Array | None:
 
 def errors_of(result: Result, name: str) -> dict[str, Array]:
     """Return what the errors of a variable should be by source, those that can be said."""
-    try:
+    with contextlib.suppress(ArithmeticError, LookupError, TypeError, ValueError):
         return _errors_of(result, name, result.data[name])
-    except (ArithmeticError, LookupError, TypeError, ValueError):
-        return {}
+    return {}
 
 
 def _errors_of(result: Result, name: str, variable: Variable) -> dict[str, Array]:

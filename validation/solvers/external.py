@@ -28,7 +28,6 @@ from fem_contact.contact import ContactResult, Status, measure_residuals
 from fem_contact.errors import NotConverged
 from fem_contact.response import BondedLayer, Response
 from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 from validation import sandbox
 from validation.arrays import Array
 from validation.effects.base import ContactModel, Effect
@@ -188,27 +187,21 @@ def judged(
     A point is in contact where p exceeds g in units of E* h'_rms and h_rms: the rule of an active set, in
     which no pressure is small by itself. Where it reaches the hardness the gap may be negative.
 
-    Parameters
-    ----------
-    claim : Claim
-        Of which the pressure and the cost are used.
-    job : Job
-        What was asked; a residual above the tolerance of its settings makes the status say so.
-    method : str
-        Named in the provenance.
-    response : Response, optional
-        C(q) of the solid at the grid points; that of the job if not given.
-    element : str
-        What the edges are those of: "bem" by its residuals, or a finite element.
-    displacement : (nx, ny) array, optional
-        u [m] as a code of finite elements gives it: then this is believed, and not recomputed.
+    Of the `claim` pressure and cost are used; a residual above the tolerance of the settings of the `job`
+    makes the status say so. `response` is C(q) of the solid at the grid points, that of the job if not given;
+    the edges are those of an `element`: "bem" by its residuals, or a finite element. A `displacement` [m]
+    that a code of finite elements gives is believed, and not recomputed.
     """
     response = response or job.model.felt_response
     field, bound, tolerance = job.field, job.model.pressure_bound, float(job.settings["tolerance"])
     pressure, modulus = claim.pressure, response.contact_modulus
     told = "pressure and displacement" if displacement is not None else "pressure alone"
     if displacement is None:
-        displacement = felt_displacement(pressure, field, response=response)
+        (nx, ny), (lx, ly) = field.shape, field.lengths
+        qx: Array = np.asarray(2 * np.pi * np.fft.fftfreq(nx, lx / nx), dtype=np.float64)
+        qy: Array = np.asarray(2 * np.pi * np.fft.rfftfreq(ny, ly / ny), dtype=np.float64)
+        compliance = response.compliance(qx[:, None], qy[None, :])
+        displacement = np.asarray(np.fft.irfft2(compliance * np.fft.rfft2(pressure), s=field.shape))
     at_bound = np.zeros(pressure.shape, dtype=bool) if bound is None else pressure >= bound * (1 - tolerance)
     # The gap vanishes in the mean over what bears.
     below, bearing = field.heights - displacement, np.where(at_bound, 0.0, np.maximum(pressure, 0))
@@ -225,13 +218,17 @@ def judged(
         target_pressure=job.load.get("mean_pressure"),
         at_bound=at_bound,
     )
+    # Pressure over gap [Pa/m] that tells contact; of a flat surface E* / L.
+    height, gradient = field.rms_height, field.rms_gradient
+    rough = height > 0 and gradient > 0
+    stiffness = modulus * gradient / height if rough else modulus / max(field.lengths)
     good = np.isfinite(pressure).all() and residuals.within(tolerance)
     good = good and (bound is None or bool(pressure.max() <= bound * (1 + 10 * tolerance)))
     return ContactResult(
         pressure=pressure,
         gap=gap,
         displacement=displacement,
-        in_contact=(pressure > 0) & (pressure > _stiffness(field, modulus) * gap),
+        in_contact=(pressure > 0) & (pressure > stiffness * gap),
         at_bound=at_bound,
         heights=field.heights,
         lengths=field.lengths,
@@ -250,33 +247,11 @@ def judged(
     )
 
 
-def _stiffness(field: HeightField, modulus: float) -> float:
-    """Pressure over gap [Pa/m] that tells contact: E* h'_rms / h_rms, of a flat surface E* / L."""
-    height, gradient = field.rms_height, field.rms_gradient
-    return modulus * gradient / height if height > 0 and gradient > 0 else modulus / max(field.lengths)
-
-
-def felt_displacement(pressure: Array, field: HeightField, *, response: Response) -> Array:
-    """Return the displacement [m] of a solid under pressures [Pa] at the points of a surface."""
-    nx, ny = field.shape
-    qx: Array = np.asarray(2 * np.pi * np.fft.fftfreq(nx, field.lengths[0] / nx), dtype=np.float64)
-    qy: Array = np.asarray(2 * np.pi * np.fft.rfftfreq(ny, field.lengths[1] / ny), dtype=np.float64)
-    compliance = response.compliance(qx[:, None], qy[None, :])
-    return np.asarray(np.fft.irfft2(compliance * np.fft.rfft2(pressure), s=field.shape))
-
-
 def claimed_in_own_process(function: str, job: Job, *, told: Mapping[str, Any]) -> Claim:
     """Call a solver in a child process and return what it says.
 
-    Parameters
-    ----------
-    function : str
-        ``module:name``; the module may also lie in the folder the command was started in.
-    job : Job
-        Its settings bound the call: ``seconds`` and ``memory`` [bytes].
-    told : mapping
-        Keywords that it is given if it takes them.
-
+    `function` is ``module:name``, also of a module in the folder the command was started in; it is given what
+    it takes of `told`. The settings of the job bound the call: ``seconds`` and ``memory`` [bytes].
     A NotConverged when nothing comes of it, with what happened.
     """
     field, load = job.field, dict(job.load)

@@ -116,16 +116,9 @@ def read_topography(path: Path, *, lengths: Lengths | None = None, unit: float |
     Text is a matrix, rows along x, or three columns x, y, z of an even grid; a width and a height in its
     header, as Gwyddion writes them, are the sizes along its columns and rows.
 
-    Parameters
-    ----------
-    path : Path
-    lengths : tuple of float, optional
-        Size of the patch [m]; from the file if not given.
-    unit : float, optional
-        Unit of the heights [m]; that of the file if not given.
-
-    A UsageError for a file that cannot be read, or says neither size nor unit and is not given them: heights
-    taken for metres by default would be wrong by the factor that instruments most often leave out.
+    The size [m] and the unit of the heights [m] are those of the file if not given. A UsageError for a file
+    that cannot be read, or says neither and is given none: heights taken for metres by default would be wrong
+    by the factor that instruments most often leave out.
     """
     says = file_says(path)
     size = lengths or says.lengths
