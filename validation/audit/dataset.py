@@ -11,12 +11,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from validation.audit.stored import LARGEST, Array, Stored, sealed_bytes
 from validation.files import read_record, read_whole
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,21 +137,21 @@ class Result:
 
     def solve(self, key: str) -> Labelled | None:
         """Return the numbers of a stored solve; None where it is not there."""
-        found: Labelled | None = self._solve(key, Labelled.of)
-        return found
+        return self._solve(key, Labelled.of)
 
     def fields(self, key: str) -> Stored | None:
         """Return the fields of a stored solve; None where it is not there."""
-        found: Stored | None = self._solve(key, Stored)
-        return found
+        return self._solve(key, Stored)
 
-    def _solve(self, key: str, kind: Callable[[bytes], Any]) -> Any:
+    def _solve(self, key: str, kind: Callable[[bytes], T]) -> T | None:
+        path = None if self.store is None else self.store / f"{key}.nc"
+        if path is None or not path.is_file():
+            return None
         name = f"{kind.__qualname__} {key}"
         if name not in self._read:
-            path = None if self.store is None else self.store / f"{key}.nc"
-            there = path is not None and path.is_file()
-            self._read[name] = kind(sealed_bytes(path)) if path is not None and there else None
-        return self._read[name]
+            self._read[name] = kind(sealed_bytes(path))
+        found: T = self._read[name]
+        return found
 
 
 def _bytes(path: Path, digest: str) -> bytes:

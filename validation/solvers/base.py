@@ -294,3 +294,10 @@ def example_field(points: int) -> HeightField:
     heights = waves[:, None] + np.roll(waves, 3)[None, :]
     rough = HeightField(heights=heights, lengths=(1.0, 1.0))
     return HeightField(heights=heights * (0.1 / rough.rms_gradient), lengths=(1.0, 1.0))
+
+
+def example_job(points: int, effects: Sequence[Effect] = (), **settings: Any) -> Job:
+    """Return a job on these waves, with examples of the kinds of effects."""
+    examples = [type(effect).example(1 / points) for effect in effects]
+    model = ContactModel.filled(Solid(young=1.0, poisson=0.0), examples)
+    return Job(field=example_field(points), load={"mean_pressure": 0.02}, model=model, settings=settings)

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import Field, StrictInt
 
 from fem_contact.area import EDGE_CONSTANTS, discretisation
 from fem_contact.contact import ContactResult
-from fem_contact.solid import Solid
 from validation.arrays import Grid
-from validation.effects.base import ContactModel, Effect, SlotName, effect_key
+from validation.effects.base import Effect, SlotName, effect_key
 from validation.errors import UsageError
-from validation.solvers.base import Cost, Gridded, Job, Shift, Size, Solved, Solver, example_field
+from validation.solvers.base import Cost, Gridded, Job, Shift, Size, Solved, Solver, example_job
 from validation.units import Table
 
 if TYPE_CHECKING:
@@ -115,11 +115,7 @@ class Bem(Solver):
 
     def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Press a small surface: large enough for all passes, those of single precision among them."""
-        points = 256
-        examples = [type(effect).example(1 / points) for effect in effects]
-        model = ContactModel.filled(Solid(young=1.0, poisson=0.0), examples)
-        load, settings = {"mean_pressure": 0.02}, {"tolerance": 1e-6}
-        self.solve(Job(field=example_field(points), load=load, model=model, settings=settings, threads=1))
+        self.solve(replace(example_job(256, effects, tolerance=1e-6), threads=1))
 
     def edge_constant(self, result: ContactResult) -> float:
         """Return that of boundary elements, periodic or with free surroundings."""

@@ -27,7 +27,6 @@ from fem_contact.area import EDGE_CONSTANTS
 from fem_contact.contact import ContactResult, Status, measure_residuals
 from fem_contact.errors import NotConverged
 from fem_contact.response import BondedLayer, Response
-from fem_contact.solid import Solid
 from validation import sandbox
 from validation.arrays import Array
 from validation.effects.base import ContactModel, Effect
@@ -41,7 +40,7 @@ from validation.solvers.base import (
     Solved,
     Solver,
     check_bodies,
-    example_field,
+    example_job,
 )
 from validation.solvers.bem import FIXED_BYTES, FIXED_PAIRS
 from validation.units import Duration, Memory, Table
@@ -147,14 +146,8 @@ class ExternalSolver(Solver):
 
     def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Solve a small contact, so that the process has imported and compiled what it needs."""
-        job = Job(
-            field=example_field(16),
-            load={"mean_pressure": 0.02},
-            model=ContactModel(solid=Solid(young=1.0, poisson=0.0)),
-            settings=settings or {},
-        )
         with contextlib.suppress(NotConverged):
-            self.claim(job)
+            self.claim(example_job(16, **(settings or {})))
 
     def edge_constant(self, result: ContactResult) -> float:
         """Return that of boundary elements: the residuals say that it is the same discrete problem."""

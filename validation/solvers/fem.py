@@ -10,7 +10,6 @@ from pydantic import Field
 
 from fem_contact.contact import ContactResult
 from fem_contact.response import Response
-from fem_contact.solid import Solid
 from validation.arrays import Grid
 from validation.effects.base import ContactModel, Effect, SlotName, effect_key
 from validation.errors import UsageError
@@ -22,7 +21,7 @@ from validation.solvers.base import (
     Solved,
     Solver,
     check_bodies,
-    example_field,
+    example_job,
 )
 from validation.solvers.bem import BYTES_PER_POINT, FIXED_BYTES, FIXED_PAIRS
 from validation.units import Length, Number, Table
@@ -144,11 +143,7 @@ class Fem(Solver):
 
     def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Press a small block."""
-        points = 16
-        examples = [type(effect).example(1 / points) for effect in effects]
-        model = ContactModel.filled(Solid(young=1.0, poisson=0.0), examples)
-        said = {"method": self.variant(settings or {})}
-        self.solve(Job(field=example_field(points), load={"mean_pressure": 0.02}, model=model, settings=said))
+        self.solve(example_job(16, effects, method=self.variant(settings or {})))
 
     def edge_constant(self, result: ContactResult) -> float:
         """Return that of the finite element used."""
