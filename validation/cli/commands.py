@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 import sys
 from collections.abc import Callable
 from typing import Annotated, Any
@@ -58,7 +59,7 @@ app = typer.Typer(
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        typer.echo(f"fem-contact {validation.__version__}")
+        typer.echo(f"fem-contact {importlib.metadata.version('fem-contact')}")
         raise typer.Exit
 
 
