@@ -10,7 +10,6 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-import validation
 from validation.cli.audit import audit
 from validation.cli.challenge import challenge_app
 from validation.cli.compare import compare
