@@ -58,7 +58,8 @@ def lookup(
     r"""Look contact area and its companions up, between the nodes of the table by interpolation.
 
     Monotone cubic in H, ln(lambda_long/lambda_short) and ln p*: the area over erf(sqrt(2) p*), the others by
-    their logarithms. The difference from piecewise linear interpolation is taken as its uncertainty.
+    their logarithms. Uncertain by 1.5 times the larger of the difference from
+    piecewise linear interpolation and the bend at the next nodes.
 
     Parameters
     ----------
