@@ -194,6 +194,14 @@ class Verdict:
         return "not judged" if self.left_out else "holds" if self.passed else "FAILS"
 
     @property
+    def why(self) -> str:
+        """Why it does not hold: the error, why it was left out, or the check that is farthest off."""
+        if self.error or self.left_out or not self.checks:
+            return self.error or self.left_out or "no number came"
+        worst = max(self.checks, key=lambda check: check.used)
+        return f"{worst.quantity} is {worst.computed:.4g}, not {worst.reference:.4g} +- {worst.tolerance:.2g}"
+
+    @property
     def used(self) -> float:
         """Largest difference over its tolerance; infinite where nothing could be computed."""
         if self.error is not None or not self.checks:
@@ -284,5 +292,6 @@ def run_cases(cases: Iterable[Case], *, tell: Callable[[str], None] | None = Non
         )
         if tell is not None:
             outcome = {"holds": "passed", "FAILS": "FAILED"}.get(verdict.word, verdict.word)
-            tell(f"{outcome}  {case.name}  ({verdict.seconds:.1f} s)")
+            why = "" if verdict.passed else f": {verdict.why}"
+            tell(f"{outcome}  {case.name}  ({verdict.seconds:.1f} s){why}")
         yield verdict

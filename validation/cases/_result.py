@@ -98,7 +98,9 @@ def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard] = ())
         coords={
             "claim": claims,
             "solver": solvers,
-            "check": _unique(f"{_solver(one)}, {one.row}: {check.quantity}" for one, check in checks),
+            "check": np.array(
+                _unique(f"{_solver(one)}, {one.row}: {check.quantity}" for one, check in checks), str
+            ),
         },
     )
     data = derive(data, check_used="abs(check_value - check_reference) / check_tolerance")
