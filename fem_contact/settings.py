@@ -26,7 +26,8 @@ class Settings:
     Parameters
     ----------
     tolerance : float
-        Residual that will do, dimensionless; at most 0.1.
+        Complementarity that will do, the mean gap where there is pressure, weighted with it, over h_rms; at
+        most 0.1. The other residuals are within ten times that.
     max_iterations : int
         Steps allowed.
     time_limit : float, optional

@@ -190,7 +190,10 @@ def _inspected(
         facts |= {"slope along y": raw.slope[1], "share of a plane in the variance": raw.plane_share}
         facts |= {"edge jump over typical step": patch.edge_jump, "treatment": "; ".join(patch.history)}
         if found.faults:
-            facts["before it is pressed"] = "\n".join(fault_lines(found.faults, surface.model_dump()))
+            sides = [side.strip() for side in (length or "").strip(" []").split(",")]
+            given = {"path": str(surface.path), "length": sides if length else None, "unit": unit}
+            table = {key: value for key, value in given.items() if value is not None}
+            facts["before it is pressed"] = "\n".join(fault_lines(found.faults, table))
         field = patch.height_field()
         window: Literal["none", "hann"] = "none" if patch.edge_jump < 4 else "hann"
     else:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
@@ -80,8 +80,8 @@ class Explanation:
         if self.grids:
             yield self._plan()
             yield (
-                f"About {self.seconds:.0f} s in all and {self.peak_bytes / 2**20:.0f} MiB at most on this "
-                "machine (meant to be right within a factor of 2)."
+                f"About {self.seconds:.2g} s of solving and {self.peak_bytes / 2**20:.0f} MiB at most on "
+                "this machine (meant to be right within a factor of 2); start and page take seconds more."
             )
         else:
             yield "No solver runs: the theory answers from C(q) alone, in about a second for each load."
@@ -114,25 +114,28 @@ class Explanation:
 def explain(scene: Scene, problem: ContactProblem | None = None) -> Explanation:
     """Say what a scene will run and at what cost, without solving anything.
 
+    With its problem it is a case of a sweep, which treats no map otherwise.
+
     Raises
     ------
     UsageError
         For an effect that a method of the scene lacks, and for numbers that no method can compute with.
     """
+    listed = run_solves if problem is None else solves_of
     problem = problem or realise(scene, surveyed=True)
     try:
         check_scene(scene, problem)
-        return _explained(scene, problem)
+        return _explained(scene, problem, listed(scene, problem))
     except (fem_errors.InvalidInput, persson_errors.InvalidInput) as error:
         raise UsageError(str(error)) from None
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         raise UsageError(f"its numbers lie too far apart to compute with ({error})") from None
 
 
-def _explained(scene: Scene, problem: ContactProblem) -> Explanation:
+def _explained(scene: Scene, problem: ContactProblem, planned: Iterable[Press]) -> Explanation:
     pair = transform_seconds()
     groups: dict[tuple[str, tuple[int, int]], list[Press]] = {}
-    for solve in run_solves(scene, problem):
+    for solve in planned:
         groups.setdefault((solve.method, solve.grid), []).append(solve)
     grids = []
     for (method, grid), solves in groups.items():
@@ -225,7 +228,7 @@ class SweepExplanation:
         yield (
             f"{self.solves} solves; {self.asked - self.solves} more are shared between cases: about "
             f"{self.seconds:.2g} s one after the other and {self.peak_bytes / 2**20:.3g} MiB at most (meant "
-            "to be right within a factor of 2)."
+            "to be right within a factor of 2); start and page take seconds more."
         )
         ends = self.cases[:1] if len(self.cases) == 1 else (self.cases[0], self.cases[-1])
         for words, one in ends:

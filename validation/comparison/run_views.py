@@ -68,7 +68,7 @@ _GRIDS = (
     "Counted: points of the contact set, mean over sub-grid positions; corrected: less the method's edge "
     "constant times edge length times dx; located: the edge placed inside the cells. kappa is the corrected "
     "area over p*. The residual is the largest of penetration/h_rms, tension/(E* h'_rms), complementarity "
-    "and load error."
+    "and load error; a tolerance bounds complementarity, and the others by ten times that."
 )
 
 
@@ -329,8 +329,8 @@ def _edges(data: xr.Dataset) -> Iterator[Finding]:
         yield Finding(
             kind="value",
             form="Counted points are off the limit by {each}.",
-            item="{area_pixel_off:+.2%} on {grid} and {last:+.2%} on the finest grid ({method}; corrected at "
-            "the edge {area_perimeter_off:+.2%})",
+            item="{area_pixel_off:+.2%} on {grid} (corrected at the edge {area_perimeter_off:+.2%}) and "
+            "{last:+.2%} on the finest grid ({method})",
             rows=tuple(rows),
         )
 

@@ -210,7 +210,8 @@ class FileSurface(Table):
     )
     treatment: bool | None = Field(
         default=None,
-        description="whether a run also treats the map otherwise; default: where that is cheap",
+        description="whether a run also treats the map otherwise, which a sweep never does; "
+        "default: where that is cheap",
     )
 
     @model_validator(mode="after")

@@ -38,7 +38,9 @@ class Gridded(Table):
         description="surface points, e.g. [32, 64]; default: 4, 8 and 16 on the shortest wave, as affordable"
     )
     tolerance: Annotated[Number, Field(gt=0, lt=1e-2)] = Field(
-        default=1e-8, description="largest residual of the solution, e.g. 1e-6"
+        default=1e-8,
+        description="complementarity sum p |g| / (h_rms sum p) of the solution, e.g. 1e-6; penetration, "
+        "tension and load are within ten times that",
     )
     under_resolved: StrictBool = Field(
         default=False, description="run grids with lambda_short <= 2 dx, labelled"

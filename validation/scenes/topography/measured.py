@@ -47,7 +47,7 @@ class Measured:
         """Raise a UsageError of all that keeps it from being pressed, or of what these keys mend."""
         faults = {k: fault for k, fault in self.faults.items() if not keys or k in keys}
         if faults:
-            table = self.surface.model_dump()
+            table = {"path": str(self.surface.path)}
             raise UsageError("\n".join(("cannot be pressed as it is", *fault_lines(faults, table))))
 
     @cached_property
@@ -100,7 +100,7 @@ class Measured:
 def fault_lines(faults: Mapping[str, tuple[str, str]], table: Mapping[str, Any]) -> tuple[str, ...]:
     """Return a line for each fault, and the table of the scene that mends them all, to be pasted."""
     remedies = {key: json.dumps(remedy) for key, (_, remedy) in faults.items()}
-    block = [f"path = {json.dumps(str(table['path']))}"]
+    block = [f"{key} = {json.dumps(table[key])}" for key in ("path", "length", "unit") if key in table]
     block += [f"{key} = {remedy}" for key, remedy in remedies.items()]
     return (
         *(f"  {key}: {words}" for key, (words, _) in faults.items()),
