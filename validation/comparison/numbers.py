@@ -339,7 +339,6 @@ def _as_claimed(data: xr.Dataset, accurate: Mapping[str, Any]) -> xr.Dataset:
         area_error=error_of(area, surfaces=statistical, grid=left, **within),
         scatter=accurate["scatter"],
         surfaces=float(accurate["surfaces"]),
-        area_basis="mean over surfaces of the limit over the grids",
     )
 
 
