@@ -204,7 +204,8 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
         predicted = "; theory: {area_plastic_persson:.4}" if "area_plastic_persson" in data else ""
         at, basis = _finest(data), "{solver} on {grid}, points counted" + predicted
         yield Card("How much has yielded? A_pl/A0", told("{area_plastic_pixel:.4}", at), told(basis, at))
-    basis = "{solves} solves shown, largest {unknowns_largest} unknowns"
+    basis = "{solves} solves of this surface, largest {unknowns_largest} unknowns"
+    basis += "; without those of the mean" if several else ""
     shown = told(basis, solves=float(data.shifts.sum()))
     yield Card("What did it cost?", told("{seconds_total:u}"), shown)
 
