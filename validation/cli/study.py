@@ -94,6 +94,8 @@ def study(
             options.print_plan(plan.solves, plan.store, as_json=as_json)
             if getattr(parsed, "ladders", False):
                 options.say("--no-ladders leaves out what is solved for the budget alone", prefix="note: ")
+            if "bem" in (others := getattr(parsed, "methods", ())) and len(others) > 1:
+                options.say("--methods bem leaves out what other solvers press", prefix="note: ")
         else:
             typer.echo("[]" if as_json else "Nothing is solved by this study.")
         return
