@@ -16,7 +16,7 @@ import psutil
 import xarray as xr
 
 from validation.execution.attempt import Progress
-from validation.execution.solve import NumbersSolve, Prediction
+from validation.execution.solve import Prediction, Solve
 from validation.sandbox import ONE_THREAD
 from validation.studies import area
 
@@ -53,7 +53,7 @@ class Killing(Notes):
             self.act()
 
 
-class Numbers(NumbersSolve):
+class Numbers(Solve):
     """A solve of a study: some numbers made from a seed."""
 
     def __init__(self, seed=7):
@@ -72,7 +72,7 @@ class Numbers(NumbersSolve):
     def predict(self, *, pair_seconds=0.5e-3):
         return Prediction(seconds=0.1, peak_bytes=1, unknowns=1)
 
-    def measure(self):
+    def do(self, *, threads=None):
         rng = np.random.default_rng(self.seed)
         return xr.Dataset(
             {
@@ -97,9 +97,9 @@ class Slow(Numbers):
 
     seconds = 0.4
 
-    def measure(self):
+    def do(self, *, threads=None):
         time.sleep(self.seconds)
-        return super().measure()
+        return super().do()
 
 
 class Endless(Slow):
@@ -113,10 +113,10 @@ class Held(Numbers):
         super().__init__(seed)
         self.gate = str(gate)
 
-    def measure(self):
+    def do(self, *, threads=None):
         while self.seed >= 3 and not Path(self.gate).exists():
             time.sleep(0.02)
-        return super().measure()
+        return super().do()
 
 
 class Deadly(Numbers):
@@ -126,12 +126,12 @@ class Deadly(Numbers):
         super().__init__(seed)
         self.tally = tally
 
-    def measure(self):
+    def do(self, *, threads=None):
         left = int(Path(self.tally).read_text())
         if left:
             Path(self.tally).write_text(str(left - 1))
             os.kill(os.getpid(), signal.SIGKILL)
-        return super().measure()
+        return super().do()
 
 
 class DiesAtStart(Numbers):

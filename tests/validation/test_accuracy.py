@@ -113,7 +113,7 @@ def test_the_controlled_mean_is_that_of_plain_surfaces_whatever_amplitudes_and_l
     )
     found = mean_area(base, half_width=0.01, bench=bench, tolerance=1e-5)
     plain = area_pairs(problem=base, grids=found.grids[1:], first=77_000_000, count=400, tolerance=1e-5)
-    areas = [limit.value for limit in Areas.joined(plain, [plain.measure()]).limits(1)]
+    areas = [limit.value for limit in Areas.joined(plain, [plain.do()]).limits(1)]
     middle, half = mean_of(xr.DataArray(areas, dims="surface"), pairs=True)
     assert abs(found.estimate.value - float(middle)) < 1.5 * math.hypot(found.half_width, float(half))
     if load == "pressure":

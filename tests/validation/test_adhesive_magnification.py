@@ -27,7 +27,7 @@ def whole():
 
 def sticky(whole, *, work, reach):
     shells = tuple(2 * np.pi / 1e-5 * np.array([1.5, 3.0]))
-    return sticky_contact(problem=whole[0], grid=(48, 48), work=work, reach=reach, shells=shells).measure()
+    return sticky_contact(problem=whole[0], grid=(48, 48), work=work, reach=reach, shells=shells).do()
 
 
 def test_without_attraction_all_is_that_of_the_plain_contact(whole):

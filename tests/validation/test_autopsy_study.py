@@ -42,7 +42,7 @@ def chain(*, load: float, **changes: object) -> Call:
 @pytest.fixture(scope="module")
 def full():
     """A chain whose contact stays full: what the theory says of it is exact."""
-    return chain(load=1.8).measure()
+    return chain(load=1.8).do()
 
 
 def test_at_full_contact_every_term_is_that_of_the_theory_to_rounding(full):
@@ -63,7 +63,7 @@ def test_at_full_contact_every_term_is_that_of_the_theory_to_rounding(full):
 
 def test_at_full_contact_restarted_diffusion_keeps_all_area_and_nothing_is_remembered(full):
     # Eight deviations from zero: the normal distribution of the theory has nothing there, either.
-    heavy = chain(load=4.0, ends=(1.0, 2.0, 4.0), points=32).measure()
+    heavy = chain(load=4.0, ends=(1.0, 2.0, 4.0), points=32).do()
     known = heavy.area_diffused.values[np.isfinite(heavy.area_diffused.values)]
     assert known.size == 5
     np.testing.assert_allclose(known, 1.0, rtol=1e-12)
@@ -73,7 +73,7 @@ def test_at_full_contact_restarted_diffusion_keeps_all_area_and_nothing_is_remem
 
 @pytest.fixture(scope="module")
 def partial():
-    return chain(load=0.1).measure()
+    return chain(load=0.1).do()
 
 
 def test_no_point_is_missing_from_the_budgets_of_area_load_and_square(partial):
@@ -189,7 +189,7 @@ def test_a_ring_is_as_high_as_its_step_asks_for_and_the_load_is_of_the_waves_the
     probe = rings.probe(
         problem=base_case(surface, reduced_pressure=4.0), points=40, magnification=2.0, steps=(0.01, 0.16)
     )
-    data = probe.measure()
+    data = probe.do()
     assert float(data.nominal) == pytest.approx(8.0, rel=1e-12)
     np.testing.assert_allclose(data.pressure_change_square, (0.01, 0.16), rtol=1e-12)
 

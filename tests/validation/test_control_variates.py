@@ -46,7 +46,7 @@ def test_the_gradient_is_told_and_differs_where_amplitudes_are_random():
     base = base_case(base_surface(hurst=0.8, periods=2.0, bandwidth=2.0, seed=17), reduced_pressure=0.1)
     gaussian = replace(base, surface=base.surface.model_copy(update={"amplitudes": "gaussian"}))
     told, plain = (
-        unsolved_pairs(problem=one, grid=(16, 16), first=3, count=4).measure() for one in (gaussian, base)
+        unsolved_pairs(problem=one, grid=(16, 16), first=3, count=4).do() for one in (gaussian, base)
     )
     assert told.attrs["statistics"].split("; ")[-1] == "h'_rms"
     own = [gaussian.further(k).field.rms_gradient for k in range(3, 7)]

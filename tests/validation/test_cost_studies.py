@@ -104,9 +104,9 @@ def peer(code: str, *, seed: int = 4177) -> Call:
 
 def test_a_peer_is_solved_no_further_than_its_grid_deserves(monkeypatch):
     monkeypatch.setattr(external_codes, "_SOLVER_SHARE", 100.0)
-    loose = peer(external_codes.OWN).measure()
+    loose = peer(external_codes.OWN).do()
     monkeypatch.setattr(external_codes, "_SOLVER_SHARE", 0.0)
-    exact = peer(external_codes.OWN).measure()
+    exact = peer(external_codes.OWN).do()
     assert 1e-2 == float(loose.tolerance) > float(exact.tolerance)
     assert float(loose.solver_error) > float(exact.solver_error) == 0.0
 
@@ -115,14 +115,14 @@ def test_a_peer_that_fails_is_a_sentence(monkeypatch):
     monkeypatch.setattr(external_codes, "known_peers", lambda: {"tamaas": "no_such_module:solve"})
     monkeypatch.setattr(external_codes, "chosen_solver", lambda by: (Own(), {"solver": by}))
     with pytest.raises(NotConverged, match="no_such_module:solve: raised ModuleNotFoundError"):
-        peer("tamaas").measure()
+        peer("tamaas").do()
 
 
 @pytest.mark.parametrize("code", [external_codes.OWN, *external_codes.known_peers()])
 def test_an_installed_peer_counts_the_area_that_is_counted_here(code):
     pytest.importorskip(code)
     solve = peer(code, seed=4178)
-    found = solve.measure()
+    found = solve.do()
     assert float(found.solver_error) < 0.1 * 0.103 * float(found.pixel) * 2
     # The same areas are read off its pressures as off ours.
     own = solve["problem"]

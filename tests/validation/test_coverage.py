@@ -15,9 +15,7 @@ def measured(
 ) -> xr.Dataset:
     surface = base_surface(hurst=hurst, periods=2.0, bandwidth=bandwidth, seed=seed)
     pressed = base_case(surface, reduced_pressure=load)
-    return press_on_grids(
-        problem=pressed, grids=tuple(grid_for(pressed, n) for n in grids), shifts=2
-    ).measure()
+    return press_on_grids(problem=pressed, grids=tuple(grid_for(pressed, n) for n in grids), shifts=2).do()
 
 
 def holds(data: xr.Dataset, used: tuple[int, ...], truth: tuple[int, ...]) -> tuple[bool, float]:

@@ -28,7 +28,7 @@ def base(load):
 @pytest.mark.parametrize("effects", [(), (Hardness(hardness=1.5e8),)])
 def test_a_block_reads_the_areas_of_each_surface_and_its_mirror_image(load, effects):
     case = area_pairs(problem=base(load), grids=GRIDS, first=7, count=2, tolerance=1e-7, effects=effects)
-    areas = Areas.joined(case, [case.measure()])
+    areas = Areas.joined(case, [case.do()])
     limits = areas.limits(1)
     for k, inverted in ((0, False), (1, True), (2, False), (3, True)):
         surface = replace(base(load).further(7 + k // 2), inverted=inverted)
@@ -48,8 +48,8 @@ def test_a_block_reads_the_areas_of_each_surface_and_its_mirror_image(load, effe
 
 def test_the_statistics_of_a_block_are_those_of_the_same_surfaces_that_are_not_solved():
     told = {"problem": base(Load(reduced_pressure=0.2)), "first": 3, "count": 3}
-    solved = area_pairs(grids=GRIDS[:1], **told).measure().value.values
-    looked = unsolved_pairs(grid=GRIDS[0], **told).measure()
+    solved = area_pairs(grids=GRIDS[:1], **told).do().value.values
+    looked = unsolved_pairs(grid=GRIDS[0], **told).do()
     np.testing.assert_allclose(solved, looked.value.values, rtol=1e-12)
     names = looked.attrs["statistics"].split("; ")
     assert (len(names), names[-1]) == (solved.shape[1], "h'_rms")

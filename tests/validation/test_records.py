@@ -97,7 +97,7 @@ def test_a_stored_file_larger_than_memory_is_refused_unread_and_stays(tmp_path, 
 
 
 def _kept(folder, **asked):
-    data = Numbers(2).measure()
+    data = Numbers(2).do()
     return write_results(
         folder, data, kind="run", name="x", asked=asked, store=folder / "s", words=["a word"]
     )
@@ -160,7 +160,7 @@ def test_a_study_says_how_its_solves_were_made_and_a_changed_one_is_not_reported
 
 
 def test_numbers_of_a_sweep_or_study_are_sealed(tmp_path):
-    data = Numbers(2).measure()
+    data = Numbers(2).do()
     write_numbers(tmp_path / "data.nc", data, recipe={"a": 1})
     assert read_numbers(tmp_path / "data.nc").equals(data)
     with pytest.raises(RunFailed, match="is not there; run it again"):

@@ -480,7 +480,7 @@ def test_the_surfaces_of_the_page_are_those_of_the_table_and_have_the_areas_that
             measured = press_on_grids(
                 problem=case, grids=grids, reduced_pressures=tuple(shipped["reduced_pressure"])
             )
-            area = limits_of(measured.measure())
+            area = limits_of(measured.do())
             off = np.abs(area.area_each.values - shipped["area"][k])
             own = area.area_each_error.sel(source="grid").values + np.abs(area.area_each_drift.values)
             assert (off <= np.hypot(own, shipped["area_error"][k])).all()

@@ -271,7 +271,7 @@ FAILURES = [
 @pytest.mark.parametrize(("name", "number"), FAILURES)
 def test_a_call_that_fails_is_told_in_one_line(tmp_path, monkeypatch, name, number):
     with failing(monkeypatch, name, number, 0), pytest.raises(NotWritten, match="intact") as told:
-        Store(folder=tmp_path).save(Numbers(1), Numbers(1).measure(), made=MADE)
+        Store(folder=tmp_path).save(Numbers(1), Numbers(1).do(), made=MADE)
     assert "\n" not in str(told.value)
     assert "a.nc" in str(told.value) or "numbers-" in str(told.value)
 

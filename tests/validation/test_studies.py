@@ -37,7 +37,7 @@ def measurement(**changes: object) -> Call:
 
 @pytest.fixture(scope="module")
 def measured():
-    return measurement().measure()
+    return measurement().do()
 
 
 def test_area_grows_with_load_and_falls_with_refinement(measured):
@@ -48,13 +48,13 @@ def test_area_grows_with_load_and_falls_with_refinement(measured):
 
 
 def test_numbers_do_not_depend_on_the_modulus(measured):
-    other = measurement(problem=pressed(solid=SolidSpec(young=7e10, poisson=0.4))).measure()
+    other = measurement(problem=pressed(solid=SolidSpec(young=7e10, poisson=0.4))).do()
     np.testing.assert_allclose(other.pixel.values, measured.pixel.values, rtol=1e-12)
     np.testing.assert_allclose(other.mean_gap.values, measured.mean_gap.values, rtol=1e-6)
 
 
 def test_energy_tends_to_that_of_full_contact():
-    full = measurement(reduced_pressures=(8.0,), grids=((24, 24),), shifts=1).measure()
+    full = measurement(reduced_pressures=(8.0,), grids=((24, 24),), shifts=1).do()
     assert float(full.pixel[0, 0, 0]) == 1.0
     # The mean pressure stores nothing here: u has no mean in a half-space.
     assert float(full.energy[0, 0, 0]) == pytest.approx(full.attrs["full_contact_energy"], rel=1e-9)
@@ -63,7 +63,7 @@ def test_energy_tends_to_that_of_full_contact():
 def test_the_inverted_surface_has_the_same_gradient_and_another_area(measured):
     inverted = measurement(problem=replace(pressed(), inverted=True))
     assert inverted.key != measurement().key
-    found = inverted.measure()
+    found = inverted.do()
     assert found.attrs["rms_gradient"] == measured.attrs["rms_gradient"]
     assert not np.allclose(found.pixel.values, measured.pixel.values)
 
@@ -98,7 +98,7 @@ def test_a_recipe_holds_everything_and_nothing_else():
 def test_the_grid_scale_protocol_depends_on_the_slope_in_the_known_order():
     found = grid_roughness(
         problem=base_case(base_surface(hurst=0.8, seed=61, **SMALL), reduced_pressure=0.1), grid=(32, 32)
-    ).measure()
+    ).do()
     spectral, forward, central = found.kappa.values
     assert spectral > forward > central
 

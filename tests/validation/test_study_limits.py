@@ -40,7 +40,7 @@ def measured():
     case = base_case(surface, reduced_pressure=0.05, solid=SOLID)
     return press_on_grids(
         problem=case, reduced_pressures=(0.05, 0.2), grids=grids, shifts=2, keep=("distributions",)
-    ).measure()
+    ).do()
 
 
 def test_rungs_of_common_surfaces_lead_to_the_law_they_follow_whatever_their_offsets():
@@ -279,7 +279,7 @@ def test_kappa_is_that_of_another_code_on_other_surfaces_of_the_same_spectrum(ex
         for inverted in (False, True):
             problem = replace(base.further(pair), inverted=inverted)
             case = press_on_grids(problem=problem, grids=(grid_for(base, 4.0),), shifts=2)
-            found = case.measure().mean("shift").isel(grid=0, load=0)
+            found = case.do().mean("shift").isel(grid=0, load=0)
             values.append(float(found.pixel - 0.118 * found.edge_fraction) / 0.05)
     # Surfaces scatter by 1.7 %: .5 % for sixteen, .6 % for the other's eight; thrice that.
     assert np.mean(values) == pytest.approx(published, rel=3 * np.hypot(0.005, 0.006))

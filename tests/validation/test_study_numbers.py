@@ -199,7 +199,7 @@ def flattened():
 
 def test_the_energy_of_a_measurement_at_full_contact_is_the_sum_over_waves(flattened):
     case, solve = flattened
-    data = solve.measure()
+    data = solve.do()
     exact = full_contact_energy(case.field, modulus=case.contact_modulus)
     np.testing.assert_allclose(data.energy.values, exact, rtol=1e-8)
     assert data.attrs["full_contact_energy"] == pytest.approx(exact, rel=1e-12)

@@ -320,9 +320,9 @@ def test_dask_workers_are_warm_before_a_solve_is_timed(tmp_path, monkeypatch):
     order, store = [], Store(folder=tmp_path)
     monkeypatch.setattr(DiesAtStart, "warm_up", lambda self: order.append("warm"))
     monkeypatch.setattr(
-        DiesAtStart, "measure", lambda self: (order.append("solve"), Numbers.measure(self))[1]
+        DiesAtStart, "do", lambda self, *, threads: (order.append("solve"), Numbers.do(self))[1]
     )
-    monkeypatch.setattr(attempt, "_warm", set())
+    monkeypatch.setattr(attempt, "_warm", {()})
     for seed in (1, 2):
         assert cluster._remote(DiesAtStart(seed, ""), store) == Outcome()
     assert order == ["warm", "solve", "solve"]

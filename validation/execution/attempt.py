@@ -14,7 +14,7 @@ from validation.execution.solve import Solve
 from validation.execution.store import Store
 from validation.files import system_words
 
-__all__ = ["Outcome", "Progress", "attempt", "attempt_in_worker", "made_ready", "one_blas_thread", "warm_up"]
+__all__ = ["Outcome", "Progress", "attempt", "attempt_in_worker", "one_blas_thread", "warm_up"]
 
 
 class Progress:
@@ -44,23 +44,17 @@ class Outcome:
     fatal: bool = False
 
 
-def warm_up(solves: Iterable[Solve]) -> None:
-    """Load the compiled passes of methods and effects, so that no solve is charged with it."""
-    for path, solve in {solve.code_path: solve for solve in solves}.items():
-        if path:
-            solve.warm_up()
-
-
-#: Of a worker process: code paths that it is warm for, and the solve before, whose surface may be shared.
-_warm: set[tuple[str, ...]] = set()
+#: Code paths that this process is warm for; of a worker, the solve before, whose surface may be shared.
+_warm: set[tuple[str, ...]] = {()}
 _previous: list[Solve] = []
 
 
-def made_ready(solve: Solve) -> None:
-    """Load the compiled passes of a solve, in a worker process."""
-    if solve.code_path not in _warm:
-        warm_up([solve])
-        _warm.add(solve.code_path)
+def warm_up(solves: Iterable[Solve]) -> None:
+    """Load the compiled passes of methods and effects, so that no solve is charged with it."""
+    for solve in solves:
+        if solve.code_path not in _warm:
+            solve.warm_up()
+            _warm.add(solve.code_path)
 
 
 def attempt_in_worker(solve: Solve, store: Store) -> Outcome:

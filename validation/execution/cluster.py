@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from validation.errors import RunFailed, UsageError
-from validation.execution.attempt import Outcome, Progress, attempt_in_worker, made_ready
+from validation.execution.attempt import Outcome, Progress, attempt_in_worker, warm_up
 from validation.execution.cost import too_large
 from validation.execution.pool import Again, Died, scheduled
 
@@ -249,7 +249,7 @@ def _remote(solve: Solve, store: Store) -> Outcome:
     """Do a solve in a worker."""
     if not store.folder.is_dir():
         return Outcome(error=f"{socket.gethostname()}: {_unshared(store.folder)}", fatal=True)
-    made_ready(solve)
+    warm_up([solve])
     return attempt_in_worker(solve, store)
 
 

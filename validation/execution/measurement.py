@@ -13,16 +13,15 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property, update_wrapper
 from typing import TYPE_CHECKING, Any, Generic, ParamSpec, cast
 
 from pydantic import BaseModel
 
-from validation.execution.solve import LOCATED_EDGES, NumbersSolve, Prediction
+from validation.execution.solve import LOCATED_EDGES, Compiled, Prediction, Solve
 from validation.scenes.problem import ContactProblem
-from validation.solvers import find_solver
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,9 +29,6 @@ if TYPE_CHECKING:
 __all__ = ["Call", "Measurement", "measurement"]
 
 P = ParamSpec("P")
-
-#: A method, its settings and the effects that it is to be warmed up with.
-Compiled = tuple[tuple[str, Mapping[str, Any], tuple[Any, ...]], ...]
 
 
 @dataclass(eq=False, kw_only=True)
@@ -83,7 +79,7 @@ def measurement(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Call(NumbersSolve):
+class Call(Solve):
     """A measurement with its arguments: the key of its own result."""
 
     measurement: Measurement[Any]
@@ -96,7 +92,7 @@ class Call(NumbersSolve):
         """Return the same with other arguments."""
         return self.measurement(**{**dict(self.arguments), **others})
 
-    def measure(self) -> xr.Dataset:
+    def do(self, *, threads: int | None = None) -> xr.Dataset:
         """Solve, and keep the numbers."""
         dataset: xr.Dataset = self.measurement.function(**dict(self.arguments))
         return dataset
@@ -158,23 +154,10 @@ class Call(NumbersSolve):
         return Prediction(seconds=seconds, peak_bytes=about.bytes * points, unknowns=points)
 
     @cached_property
-    def _compiled(self) -> Compiled:
+    def compiled(self) -> Compiled:
+        """As the measurement says; plain boundary elements if it says nothing."""
         compiled = self.measurement.compiled
         return (("bem", {}, ()),) if compiled is None else cast("Compiled", self._evaluated(compiled))
-
-    @property
-    def code_path(self) -> tuple[str, ...]:
-        """Each method, its variant, kinds of effects."""
-        return tuple(
-            part
-            for method, settings, effects in self._compiled
-            for part in (method, find_solver(method).variant(settings), *sorted(one.kind for one in effects))
-        )
-
-    def warm_up(self) -> None:
-        """Let the methods run through their compiled passes."""
-        for method, settings, effects in self._compiled:
-            find_solver(method).warm_up(effects, settings)
 
     def _evaluated(self, of: Callable[..., Any], **more: Any) -> Any:
         """Call with those of the arguments that are named."""

@@ -10,7 +10,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from typing import TYPE_CHECKING, Any, Protocol
 
 from validation.errors import RunFailed
-from validation.execution.attempt import Outcome, Progress, attempt_in_worker, made_ready
+from validation.execution.attempt import Outcome, Progress, attempt_in_worker, warm_up
 from validation.files import remove_drafts
 from validation.sandbox import Child, OutOfBounds
 
@@ -203,7 +203,7 @@ class _Processes:
                 worker.start()
             except OSError as error:
                 return Outcome(error=_not_started(error), fatal=True)
-            worker.call(made_ready, solve)
+            worker.call(warm_up, [solve])
             ready = True
             outcome: Outcome = worker.call(attempt_in_worker, solve, self.store)
             return outcome

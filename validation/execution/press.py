@@ -10,10 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fem_contact.contact import ContactResult
+from fem_contact.settings import available_processors
 from validation.arrays import Grid
 from validation.effects.base import ContactModel
 from validation.execution.cost import dearer_by
-from validation.execution.solve import Prediction, Solve
+from validation.execution.fields import decode_result, encode_result
+from validation.execution.solve import Compiled, Prediction, Solve
 from validation.files import atomic_path
 from validation.scenes.problem import ContactProblem, realise
 from validation.scenes.scene import EffectSpec, Scene
@@ -133,14 +135,10 @@ class Press(Solve):
 
     def encode(self, result: Solved) -> memoryview:
         """Return fields and provenance."""
-        from validation.execution.fields import encode_result
-
         return encode_result(result.contact, recipe=self.recipe_text)
 
     def decode(self, content: memoryview) -> ContactResult:
         """Read fields and provenance."""
-        from validation.execution.fields import decode_result
-
         return decode_result(content)
 
     @property
@@ -161,14 +159,13 @@ class Press(Solve):
                 write_block(draft, result.block)
 
     @property
-    def code_path(self) -> tuple[str, ...]:
-        """Method, its variant, kinds of effects."""
-        variant = self.solver.variant(dict(self.settings))
-        return (self.method, variant, *sorted(effect.kind for effect in self.effects))
+    def compiled(self) -> Compiled:
+        """The method with its effects."""
+        return ((self.method, dict(self.settings), self.effects),)
 
-    def warm_up(self) -> None:
-        """Let the method run through its compiled passes."""
-        self.solver.warm_up(self.effects, dict(self.settings))
+    def threads_used(self, threads: int | None) -> int:
+        """Those that are given, or all."""
+        return threads or available_processors()
 
     def after(self, previous: Solve | None) -> Press:
         """Share the surface of the previous solve, if it is the same one."""

@@ -5,16 +5,18 @@ from __future__ import annotations
 import hashlib
 import json
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from fem_contact.settings import available_processors
+from validation.execution.netcdf import dataset_bytes, read_dataset
+from validation.solvers import find_solver
 
-if TYPE_CHECKING:
-    import xarray as xr
+__all__ = ["LOCATED_EDGES", "RESULTS_VERSION", "Compiled", "Prediction", "Solve"]
 
-__all__ = ["LOCATED_EDGES", "RESULTS_VERSION", "NumbersSolve", "Prediction", "Solve"]
+#: A method, its settings and the effects that it is to be warmed up with.
+Compiled = tuple[tuple[str, Mapping[str, Any], tuple[Any, ...]], ...]
 
 #: Raised when a change of the code changes results, so that stored ones are not mistaken for new ones.
 RESULTS_VERSION = 2
@@ -34,7 +36,7 @@ class Prediction:
 
 
 class Solve(ABC):
-    """One unit of work; its result is kept under a name made from its recipe.
+    """One unit of work; its result, a dataset of numbers as a rule, has a name on disk made from its recipe.
 
     Subclasses are frozen dataclasses of plain data, so that worker processes can be sent them. A solve is the
     key of its own result: ``bench.solve(solves)[solve]``.
@@ -68,30 +70,44 @@ class Solve(ABC):
 
     @abstractmethod
     def do(self, *, threads: int | None = None) -> Any:
-        """Do it; does not touch the disk. All available processors are used if `threads` is not given."""
+        """Do it; does not touch the disk. All available processors are used if `threads` is not given.
 
-    @abstractmethod
+        Numbers are solved for on one thread each, so that they are the same everywhere.
+        """
+
     def encode(self, result: Any) -> memoryview:
         """Return a result as the bytes of a netCDF file; does not touch the disk."""
+        return dataset_bytes(result.assign_attrs(recipe=self.recipe_text))
 
-    @abstractmethod
     def decode(self, content: memoryview) -> Any:
         """Return the result of a netCDF file that is intact."""
+        return read_dataset(content)
 
     def written_beside(self, result: Any, folder: Path) -> None:  # noqa: B027
         """Write what belongs beside a result, such as a block to look at; nothing unless a subclass does."""
 
     @property
-    def code_path(self) -> tuple[str, ...]:
-        """What decides which compiled passes are run through; nothing to warm up if empty."""
+    def compiled(self) -> Compiled:
+        """Methods whose compiled passes it runs through."""
         return ()
 
-    def warm_up(self) -> None:  # noqa: B027
+    @property
+    def code_path(self) -> tuple[str, ...]:
+        """What decides which compiled passes are run through: each method, its variant, kinds of effects."""
+        return tuple(
+            part
+            for method, settings, effects in self.compiled
+            for part in (method, find_solver(method).variant(settings), *sorted(e.kind for e in effects))
+        )
+
+    def warm_up(self) -> None:
         """Run through the compiled passes once, so that no solve is charged with loading them."""
+        for method, settings, effects in self.compiled:
+            find_solver(method).warm_up(effects, settings)
 
     def threads_used(self, threads: int | None) -> int:
         """Return how many threads `do` uses when it is given that many."""
-        return available_processors() if threads is None else threads
+        return 1
 
     def after(self, previous: Solve | None) -> Solve:
         """Return this solve with what the previous one has made already, such as its surface."""
@@ -108,31 +124,3 @@ class Solve(ABC):
     def key(self) -> str:
         """Name on disk: readable, then the hash of the recipe."""
         return f"{self.prefix}-{hashlib.sha256(self.recipe_text.encode()).hexdigest()[:16]}"
-
-
-class NumbersSolve(Solve):
-    """A solve of a study, whose result is a small dataset of numbers rather than fields."""
-
-    @abstractmethod
-    def measure(self) -> xr.Dataset:
-        """Solve, and keep the numbers."""
-
-    def do(self, *, threads: int | None = None) -> xr.Dataset:
-        """Measure; such solves use one thread each, so that their numbers are the same everywhere."""
-        return self.measure()
-
-    def threads_used(self, threads: int | None) -> int:
-        """One."""
-        return 1
-
-    def encode(self, result: xr.Dataset) -> memoryview:
-        """Return the dataset as netCDF, with the recipe."""
-        from validation.execution.netcdf import dataset_bytes
-
-        return dataset_bytes(result.assign_attrs(recipe=self.recipe_text))
-
-    def decode(self, content: memoryview) -> xr.Dataset:
-        """Read the dataset."""
-        from validation.execution.netcdf import read_dataset
-
-        return read_dataset(content)
