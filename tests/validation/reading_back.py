@@ -12,11 +12,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+import pint
 import xarray as xr
 
 import validation.report
-from validation.report.words import mathtext
 
+UNITS = pint.UnitRegistry()
 REGISTRY = tomllib.loads((Path(validation.report.__file__).parent / "quantities.toml").read_text())
 FACTORS = {"p": 1e12, "n": 1e9, "u": 1e6, "m": 1e3, "": 1.0, "k": 1e-3, "M": 1e-6, "G": 1e-9}
 #: Errors that belong to the step to any spectrum and period.
@@ -47,11 +48,15 @@ def misdrawn(drawing, data: xr.Dataset) -> Iterator[str]:
 def _mark(one, data: xr.Dataset) -> Iterator[str]:
     kind = type(one.mark).__name__
     if kind == "Image":
-        factor, shown = _factor(one.mark.y, ""), np.asarray(one.artist.get_array())
-        numbers = data[one.mark.y]
+        factor, shown = _factor(one.mark.y, one.label), np.asarray(one.artist.get_array())
+        if math.isnan(factor):
+            yield f"its colours have a unit that is none of {one.mark.y}"
+            return
+        numbers = data[one.mark.y].isel(dict(one.mark.at))
         place = [dim for dim in numbers.dims if dim not in one.data[one.mark.y].dims]
         numbers = numbers.sel({dim: one.data[dim].item() for dim in place if dim in data.coords})
-        if not _same(np.sort(shown.ravel()), np.sort(numbers.values.ravel()) * factor):
+        numbers = numbers.transpose(*one.data[one.mark.rows].dims, *one.data[one.x].dims)
+        if not _same(shown, numbers.values * factor):
             yield "the map is not that of its variable"
         return
     factor_x, factor_y = _factor(one.x, one.axes.get_xlabel()), _factor(one.mark.y, one.axes.get_ylabel())
@@ -198,7 +203,8 @@ def _factor(name: str, axis: str) -> float:
     told = re.search(r"\[([^\]]*)\]\s*$", axis.replace("\n", " "))
     if told is None:
         return 1.0 if unit == "1" or not axis else math.nan
-    for prefix, factor in FACTORS.items():
-        if told[1] == prefix + unit or mathtext(told[1]) == mathtext(prefix + unit):
-            return factor
-    return math.nan
+    shown = re.sub(r"[${}]", "", told[1])
+    try:
+        return float(UNITS.Quantity(1.0, unit.replace("^", "**")).to(shown.replace("^", "**")).magnitude)
+    except pint.PintError:
+        return math.nan

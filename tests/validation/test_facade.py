@@ -6,6 +6,7 @@ import numpy as np
 import pint
 import pytest
 from matplotlib.figure import Figure
+from reading_back import misdrawn
 
 import fem_contact
 import persson
@@ -123,7 +124,14 @@ def test_a_surface_knows_its_size_in_numbers_and_pictures():
     assert wave.rms_curvature == pytest.approx(1e-3 * (2 * np.pi) ** 2 / np.sqrt(2) / 2, rel=1e-9)
     assert wave.pixel_size == (1 / 32, 1 / 32)
     drawn = SURFACE.plot()
+    assert list(misdrawn(drawn, drawn.data)) == []
     assert float(drawn.data.heights.std()) == pytest.approx(exact, rel=0.01)
+
+
+@pytest.mark.parametrize("what", ["pressure", "gap", "distribution", "grids"])
+def test_a_picture_of_a_contact_shows_its_numbers(what):
+    drawing = CONTACT.plot(what)
+    assert list(misdrawn(drawing, drawing.data)) == []
 
 
 def test_a_figure_goes_into_axes_that_are_there():

@@ -8,7 +8,7 @@ import xarray as xr
 from reading_back import misdrawn
 
 from validation.report.estimates import claim
-from validation.report.marks import Figure, Line, Panel, draw
+from validation.report.marks import Figure, Image, Line, Panel, draw
 
 
 @pytest.fixture
@@ -102,4 +102,30 @@ def test_a_figure_of_the_kit_shows_what_it_says(drawing, data):
 )
 def test_a_mistake_in_a_picture_is_noticed(drawing, data, mistake):
     mistake(drawing)
+    assert list(misdrawn(drawing, data))
+
+
+@pytest.fixture
+def map_drawing():
+    x, y = 1e-6 * np.arange(3), 1e-6 * np.arange(3)
+    pressure = xr.DataArray(np.arange(18.0).reshape(2, 3, 3), dims=("solver", "x", "y"))
+    data = xr.Dataset({"pressure_map": 1e6 * pressure}, {"x": x, "y": y, "solver": ["bem", "fem"]})
+    image = Image(y="pressure_map", rows="y", at={"solver": 0})
+    return draw(Figure(name="f", caption="c", panels=[Panel(marks=[image], x="x")]), data), data
+
+
+def test_a_map_of_the_kit_shows_what_it_says(map_drawing):
+    assert list(misdrawn(*map_drawing)) == []
+
+
+@pytest.mark.parametrize("mistake", ["transposed", "of another solver", "in another unit"])
+def test_a_mistake_in_a_map_is_noticed(map_drawing, mistake):
+    drawing, data = map_drawing
+    (one,) = drawing.drawn
+    if mistake == "transposed":
+        one.artist.set_array(one.artist.get_array().T)
+    elif mistake == "of another solver":
+        one.artist.set_array(one.artist.get_array() + 9)
+    else:
+        object.__setattr__(one, "label", one.label.replace("MPa", "GPa"))
     assert list(misdrawn(drawing, data))

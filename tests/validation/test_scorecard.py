@@ -7,10 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from reading_back import misdrawn
 from typer.testing import CliRunner
 
 from validation.cases import Verdict, below, run_cases
-from validation.cases._result import claims_dataset, claims_views
+from validation.cases._result import claims_dataset, claims_page, claims_views
 from validation.cases.scorecard import Scorecard, Subject, rows, score
 from validation.cli import app
 from validation.execution.results import read_results
@@ -81,8 +82,11 @@ def test_boundary_elements_are_scored_in_less_than_two_minutes_of_processor_time
     assert outcome.exit_code == 0, outcome.output
     (card,) = json.loads(outcome.output)["scorecards"]
     assert card["passed"]
-    page = (tmp_path / "results" / "scorecard-bem" / "report.html").read_text(encoding="utf-8")
-    assert "Every claim holds: " in page
+    result = read_results(tmp_path / "results" / "scorecard-bem")
+    page = claims_page(result)
+    assert page.findings[0].startswith("Every claim holds: ")
+    assert [problem for one in page.figures for problem in misdrawn(one, result.data)] == []
+    assert page.figures
 
 
 def test_a_failing_solver_of_ones_own_exits_with_one_and_is_named(

@@ -5,11 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import xarray as xr
+from reading_back import misdrawn
 
 from gold.asked import ACCURATE, COMPARED, SCENES
 from gold.make import Record, of_dataset
 from validation.comparison.accuracy import run_accurate
 from validation.comparison.compare import compare_folders
+from validation.comparison.pages import result_page
 from validation.comparison.run import run_scene
 from validation.comparison.sweep import run_sweep
 from validation.execution.bench import Bench
@@ -26,11 +28,13 @@ def of_scene(name: str, bench: Bench, folder: Path) -> tuple[Record, xr.Dataset]
         folders = [folder / f"run-{k}" for k in range(len(COMPARED[name]))]
         for one, results in zip(COMPARED[name], folders, strict=True):
             _ran(one, solves, results)
-        compare_folders(folders, folder / "both", report=False)
+        page, _ = compare_folders(folders, folder / "both")
         data = read_results(folder / "both").data
     else:
         data = _ran(name, solves, folder / "run")
-    return of_dataset(name, data), data
+        page = result_page(read_results(folder / "run"))
+    odd = [problem for drawing in page.figures for problem in misdrawn(drawing, data)]
+    return {**of_dataset(name, data), "misdrawn": {"words": odd}}, data
 
 
 def _ran(name: str, solves: Path, results: Path) -> xr.Dataset:
