@@ -1,8 +1,8 @@
 """The independent reader: every number of a run, computed again from its stored fields alone.
 
-It shares no code with what it judges. It reads the netCDF files of the solves with netCDF4, and computes with
-NumPy, special functions of SciPy and closed forms; constants stand here a second time. Nothing of `persson`,
-`fem_contact` or any other room of `validation` is imported, and the linter holds that.
+It shares no code with what it judges but the reading of files. It computes with NumPy, special functions of
+SciPy and closed forms; constants stand here a second time. Nothing of `persson` and `fem_contact` is
+imported, and the linter holds that.
 """
 
 from validation.audit.ledger import Entry, Ledger

@@ -8,76 +8,27 @@ import io
 import json
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
+import xarray as xr
 
 from validation.audit.stored import LARGEST, Array, Stored, sealed_bytes
+from validation.execution.netcdf import read_dataset
 from validation.files import read_record, read_whole
 
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Variable:
-    """An array with the names of its dimensions and its attributes."""
-
-    values: Array
-    dims: tuple[str, ...]
-    attrs: Mapping[str, Any] = field(default_factory=dict)
-
-    def along(self, dims: tuple[str, ...]) -> Array:
-        """Return the array with these dimensions in this order, of length 1 where it has none of them."""
-        order = [self.dims.index(dim) for dim in dims if dim in self.dims]
-        shape = [self.values.shape[self.dims.index(d)] if d in self.dims else 1 for d in dims]
-        return np.transpose(self.values, order).reshape(shape)
-
-    def at(self, place: Mapping[str, int]) -> Variable:
-        """Return the part at some positions."""
-        index = tuple(place.get(dim, slice(None)) for dim in self.dims)
-        dims = tuple(dim for dim in self.dims if dim not in place)
-        return Variable(values=np.asarray(self.values[index]), dims=dims, attrs=self.attrs)
+#: Variables by name.
+Variables: TypeAlias = Mapping[Any, xr.Variable]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Labelled:
-    """Variables of a netCDF file by name, and its attributes."""
-
-    variables: Mapping[str, Variable]
-    attrs: Mapping[str, Any]
-
-    @classmethod
-    def of(cls, content: bytes) -> Labelled:
-        """Read the bytes of a file."""
-        import netCDF4
-
-        with netCDF4.Dataset("memory", memory=content) as file:
-            file.set_auto_maskandscale(False)
-            variables = {
-                name: Variable(
-                    values=np.asarray(variable[...]),
-                    dims=tuple(variable.dimensions),
-                    attrs={key: variable.getncattr(key) for key in variable.ncattrs()},
-                )
-                for name, variable in file.variables.items()
-            }
-            return cls(variables=variables, attrs={key: file.getncattr(key) for key in file.ncattrs()})
-
-    def __getitem__(self, name: str) -> Variable:
-        return self.variables[name]
-
-    @property
-    def coordinates(self) -> set[str]:
-        """Names of what says where the numbers stand."""
-        said = [self.attrs.get("coordinates", "")]
-        said += [one.attrs.get("coordinates", "") for one in self.variables.values()]
-        return {name for text in said for name in str(text).split() if name in self}
-
-    def __contains__(self, name: str) -> bool:
-        return name in self.variables
+def ordered(variable: xr.Variable, dims: tuple[Any, ...]) -> Array:
+    """Return an array with these dimensions in this order, of length 1 where it has none of them."""
+    return np.asarray(variable.set_dims(dims))  # type: ignore[no-untyped-call]
 
 
 class Result:
@@ -94,7 +45,8 @@ class Result:
         #: h'_rms by the pressure of solves, once they were looked at.
         self.gradients: dict[float, float] = {}
         self.record = read_record(folder / "result.json")
-        self.data = Labelled.of(_bytes(folder / "data.nc", str(self.record["data"])))
+        data = _bytes(folder / "data.nc", str(self.record["data"]))
+        self.data: Variables = read_dataset(memoryview(data)).variables
         self.digests: Mapping[str, str] = read_record(folder / "shown.json")["files"]
         self.summary: Mapping[str, Any] = json.loads(self._shown("summary.json"))
         if not isinstance(self.summary, dict):
@@ -119,9 +71,10 @@ class Result:
         }
 
     @cached_property
-    def figures(self) -> dict[str, Labelled]:
+    def figures(self) -> dict[str, Variables]:
         """Data behind each figure by the name of its file."""
-        return {Path(name).name: Labelled.of(self._shown(name)) for name in self._names("figures", ".nc")}
+        names = self._names("figures", ".nc")
+        return {Path(name).name: read_dataset(memoryview(self._shown(name))).variables for name in names}
 
     @cached_property
     def page(self) -> str:
@@ -135,21 +88,21 @@ class Result:
         path = None if said is None else Path(os.path.realpath(self.folder / str(said)))
         return path if path is not None and path.is_dir() else None
 
-    def solve(self, key: str) -> Labelled | None:
+    def solve(self, key: str) -> xr.Dataset | None:
         """Return the numbers of a stored solve; None where it is not there."""
-        return self._solve(key, Labelled.of)
+        return self._solve(key, read_dataset)
 
     def fields(self, key: str) -> Stored | None:
         """Return the fields of a stored solve; None where it is not there."""
         return self._solve(key, Stored)
 
-    def _solve(self, key: str, kind: Callable[[bytes], T]) -> T | None:
+    def _solve(self, key: str, kind: Callable[[memoryview], T]) -> T | None:
         path = None if self.store is None else self.store / f"{key}.nc"
         if path is None or not path.is_file():
             return None
         name = f"{kind.__qualname__} {key}"
         if name not in self._read:
-            self._read[name] = kind(sealed_bytes(path))
+            self._read[name] = kind(memoryview(sealed_bytes(path)))
         found: T = self._read[name]
         return found
 

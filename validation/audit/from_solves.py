@@ -10,8 +10,9 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
-from validation.audit.dataset import Labelled, Result, Variable
+from validation.audit.dataset import Result, ordered
 from validation.audit.expressions import value_of
 from validation.audit.limits import TRAITS, limit_over
 from validation.audit.stored import Array, moments
@@ -20,11 +21,11 @@ from validation.audit.stored import Array, moments
 _LEAST_POINTS = 3.0
 
 
-def _places(result: Result, variable: Variable) -> Iterator[tuple[Any, str]]:
+def _places(result: Result, variable: xr.Variable) -> Iterator[tuple[Any, str]]:
     """Yield index and keys of the solves of a variable: those named along most of its dimensions."""
     named = [
         one
-        for name, one in result.data.variables.items()
+        for name, one in result.data.items()
         if name.startswith("solve") and set(one.dims) <= set(variable.dims)
     ]
     solves = max(named, key=lambda one: len(one.dims), default=None)
@@ -33,7 +34,7 @@ def _places(result: Result, variable: Variable) -> Iterator[tuple[Any, str]]:
         yield tuple(at.get(dim, slice(None)) for dim in variable.dims), str(key)
 
 
-def over_solves(result: Result, variable: Variable, read: Callable[[Labelled], Any]) -> Array | None:
+def over_solves(result: Result, variable: xr.Variable, read: Callable[[xr.Dataset], Any]) -> Array | None:
     """Fill an array with what is read off the solve of each place; None where one is not to be had.
 
     Of a list by load that has one, a variable without that dimension is the value.
@@ -53,16 +54,16 @@ def over_solves(result: Result, variable: Variable, read: Callable[[Labelled], A
     return found if seen else None
 
 
-def limits(solve: Labelled, *, without: int = 0) -> list[tuple[float, float]]:
+def limits(solve: xr.Dataset, *, without: int = 0) -> list[tuple[float, float]]:
     """Limit over the resolved grids and its standard error at each load, without so many of the coarsest."""
     wave = solve["points_per_wave"].values
     grids = np.flatnonzero(wave >= _LEAST_POINTS * (1 - 1e-9))[without:]
     points, cells = solve["points"].values, solve["cells"].values
     pixel, perimeter, subcell, edges = (
-        solve[name].along(("grid", "shift", "load"))
+        ordered(solve.variables[name], ("grid", "shift", "load"))
         for name in ("pixel", "perimeter", "subcell", "edge_fraction")
     )
-    traits = {name: solve[name].along(("grid", "shift", "load")) for name in TRAITS}
+    traits = {name: ordered(solve.variables[name], ("grid", "shift", "load")) for name in TRAITS}
     found = []
     for load in range(pixel.shape[2]):
         areas: list[Any] = [
@@ -83,14 +84,14 @@ def limits(solve: Labelled, *, without: int = 0) -> list[tuple[float, float]]:
     return found
 
 
-def limit(result: Result, name: str, variable: Variable, *, error: bool = False) -> Array | None:
+def limit(result: Result, name: str, variable: xr.Variable, *, error: bool = False) -> Array | None:
     """Limits over the grids of each solve, or their standard errors."""
     if variable.attrs["of"] != "subcell":
         return _limit_of_fields(result, variable, error=error)
     return over_solves(result, variable, lambda solve: [found[int(error)] for found in limits(solve)])
 
 
-def _limit_of_fields(result: Result, variable: Variable, *, error: bool) -> Array | None:
+def _limit_of_fields(result: Result, variable: xr.Variable, *, error: bool) -> Array | None:
     """Limits from the fields of several solves, whose keys stand beside each other."""
     found = np.full(variable.values.shape, np.nan)
     for index, keys in _places(result, variable):
@@ -103,13 +104,13 @@ def _limit_of_fields(result: Result, variable: Variable, *, error: bool) -> Arra
     return found
 
 
-def drift(result: Result, name: str, variable: Variable) -> Array | None:
+def drift(result: Result, name: str, variable: xr.Variable) -> Array | None:
     """Change of each limit without its coarsest grid."""
 
-    def read(solve: Labelled) -> list[float]:
+    def read(solve: xr.Dataset) -> list[float]:
         wave = solve["points_per_wave"].values
         resolved = int(np.count_nonzero(wave >= _LEAST_POINTS * (1 - 1e-9)))
-        shifts = solve["pixel"].along(("grid", "shift", "load")).shape[1]
+        shifts = ordered(solve.variables["pixel"], ("grid", "shift", "load")).shape[1]
         if resolved < 3 or (resolved - 1) * shifts < 3:
             return [0.0] * solve["reduced_pressure"].values.size
         pairs = zip(limits(solve), limits(solve, without=1), strict=True)
@@ -118,50 +119,48 @@ def drift(result: Result, name: str, variable: Variable) -> Array | None:
     return over_solves(result, variable, read)
 
 
-def shift_mean(result: Result, name: str, variable: Variable) -> Array | None:
+def shift_mean(result: Result, name: str, variable: xr.Variable) -> Array | None:
     """Mean over the shifts of each grid."""
 
-    def read(solve: Labelled) -> Array:
+    def read(solve: xr.Dataset) -> Array:
         values = _over_shifts(solve, variable)
         return values if "grid" in variable.dims else np.asarray(values[-1])
 
     return over_solves(result, variable, read)
 
 
-def _over_shifts(solve: Labelled, variable: Variable) -> Array:
+def _over_shifts(solve: xr.Dataset, variable: xr.Variable) -> Array:
     """Mean over the shifts, (grid, load), of a power of what a solve keeps, over a scale."""
     told = variable.attrs
     scale = told.get("scale", 1.0)
     scale = float(solve.attrs[scale] if isinstance(scale, str) else scale)
-    values = solve[str(told["of"])].along(("grid", "shift", "load"))
+    values = ordered(solve.variables[str(told["of"])], ("grid", "shift", "load"))
     return np.asarray((values ** float(told.get("power", 1.0))).mean(axis=1) / scale)
 
 
-def second_order_step(solve: Labelled, variable: Variable) -> tuple[Array, Array]:
+def second_order_step(solve: xr.Dataset, variable: xr.Variable) -> tuple[Array, Array]:
     """Values on the finest grid, and the step from there to the limit, by the two finest."""
     coarse, fine = _over_shifts(solve, variable)[-2:]
     points = solve["points_per_wave"].values
     return fine, (fine - coarse) / (float(points[-1] / points[-2]) ** 2 - 1)
 
 
-def second_order(result: Result, name: str, variable: Variable) -> Array | None:
+def second_order(result: Result, name: str, variable: xr.Variable) -> Array | None:
     """Limits by a step of second order."""
     return over_solves(result, variable, lambda one: sum(second_order_step(one, variable)))
 
 
-def finest_profile(result: Result, name: str, variable: Variable) -> Array | None:
+def finest_profile(result: Result, name: str, variable: xr.Variable) -> Array | None:
     """Profiles on the finest grid."""
     return over_solves(result, variable, lambda one: one[str(variable.attrs["of"])].values[-1])
 
 
-def read(result: Result, name: str, variable: Variable) -> Array | None:
+def read(result: Result, name: str, variable: xr.Variable) -> Array | None:
     """Read off what a solve keeps, by the expression that says it."""
     tree = ast.parse(str(variable.attrs["expression"]), mode="eval")
 
-    def read(solve: Labelled) -> Any:
-        known = {
-            n: one.values.astype(float) for n, one in solve.variables.items() if one.values.dtype.kind in "fi"
-        }
+    def read(solve: xr.Dataset) -> Any:
+        known = {n: one.values.astype(float) for n, one in solve.variables.items() if one.dtype.kind in "fib"}
         known |= {
             n: np.asarray(v, dtype=float)
             for n, v in solve.attrs.items()
@@ -172,27 +171,25 @@ def read(result: Result, name: str, variable: Variable) -> Array | None:
     return over_solves(result, variable, read)
 
 
-def read_off(result: Result, name: str, variable: Variable) -> Array | None:
+def read_off(result: Result, name: str, variable: xr.Variable) -> Array | None:
     """Read what solves keep or were asked under this name, where the shapes are those.
 
     Of what is said once of several solves, all must say the same: where they do not it is NaN.
     """
     plain = name.removesuffix("_each")
-    if variable.values.dtype.kind not in "fi" or name.endswith(("_error", "drift")):
+    if variable.dtype.kind not in "fib" or name.endswith(("_error", "drift")):
         return None
 
-    def read(solve: Labelled) -> Any:
-        if (
-            plain in (solve if name != plain else solve.coordinates)
-            and solve[plain].values.dtype.kind in "fi"
-        ):
+    def read(solve: xr.Dataset) -> Any:
+        places = set(solve.coords) - set(solve.dims)
+        if plain in (solve.variables if name != plain else places) and solve[plain].dtype.kind in "fib":
             return solve[plain].values
         return solve.attrs.get(plain, _asked(result, solve, plain))
 
     return over_solves(result, variable, read) if name != plain else _said_by_all(result, variable, read)
 
 
-def _asked(result: Result, solve: Labelled, name: str) -> Any:
+def _asked(result: Result, solve: xr.Dataset, name: str) -> Any:
     """Return the one number of this name in what a solve was asked; p* follows from p0."""
     recipe = _recipe(solve)
     found = [recipe[f"{name}s"]] if f"{name}s" in recipe else list(_numbers(recipe, name))
@@ -206,7 +203,7 @@ def _asked(result: Result, solve: Labelled, name: str) -> Any:
     return found[0] if len(found) == 1 else None
 
 
-def _recipe(solve: Labelled) -> dict[str, Any]:
+def _recipe(solve: xr.Dataset) -> dict[str, Any]:
     found: dict[str, Any] = json.loads(str(solve.attrs.get("recipe", "{}")))
     return found
 
@@ -215,7 +212,7 @@ def _steepest(result: Result) -> dict[float, float]:
     """h'_rms of the surface with all its waves, by the pressure that it and its parts are given."""
     found = result.gradients
     if not found:
-        named = (v.values for name, v in result.data.variables.items() if name.startswith("solve"))
+        named = (v.values for name, v in result.data.items() if name.startswith("solve"))
         for key in {one for values in named for text in values.ravel() for one in str(text).split()}:
             solve = result.solve(key)
             if solve is not None and "heights" in solve:
@@ -235,8 +232,8 @@ def _numbers(recipe: Any, name: str) -> Iterator[float]:
             yield from _numbers(part, name)
 
 
-def _said_by_all(result: Result, variable: Variable, read: Callable[[Labelled], Any]) -> Array | None:
-    named = result.data.variables
+def _said_by_all(result: Result, variable: xr.Variable, read: Callable[[xr.Dataset], Any]) -> Array | None:
+    named = result.data
     for solves in (named[name] for name in sorted(named) if name.startswith("solve")):
         found, seen = np.full(variable.values.shape, np.nan), np.zeros(variable.values.shape, dtype=bool)
         for place, key in np.ndenumerate(solves.values):

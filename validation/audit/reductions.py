@@ -10,18 +10,19 @@ import ast
 import contextlib
 import math
 from collections.abc import Callable, Mapping
-from functools import partial
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from scipy.special import stdtrit
 
 from validation.audit import from_solves
-from validation.audit.dataset import Result, Variable
+from validation.audit.dataset import Result, Variables, ordered
 from validation.audit.expressions import names_of, value_of
 from validation.audit.stored import Array
 
-_SOURCES = ("surfaces", "grid", "solver", "size", "bandwidth", "depth", "theory")
-_NORMAL = 1.959963984540054
+SOURCES = ("surfaces", "grid", "solver", "size", "bandwidth", "depth", "theory")
+NORMAL = 1.959963984540054
 
 
 def recomputed(result: Result, name: str) -> Array | None:
@@ -29,8 +30,11 @@ def recomputed(result: Result, name: str) -> Array | None:
     variable = result.data[name]
     reduction = REDUCTIONS.get(str(variable.attrs.get("reduction", "")))
     try:
-        return (reduction or from_solves.read_off)(result, name, variable)
-    except (ArithmeticError, LookupError, TypeError, ValueError):
+        found = (reduction or from_solves.read_off)(result, name, variable)
+        if isinstance(found, xr.Variable):
+            return np.asarray(found.set_dims(variable.sizes))  # type: ignore[no-untyped-call]
+        return found
+    except (ArithmeticError, LookupError, SyntaxError, TypeError, ValueError):
         return None
 
 
@@ -41,7 +45,7 @@ def errors_of(result: Result, name: str) -> dict[str, Array]:
     return {}
 
 
-def _errors_of(result: Result, name: str, variable: Variable) -> dict[str, Array]:
+def _errors_of(result: Result, name: str, variable: xr.Variable) -> dict[str, Array]:
     kind = variable.attrs.get("reduction")
     if kind == "mean" and "pairs" in variable.attrs:
         return _mean_errors(result, variable)
@@ -49,10 +53,10 @@ def _errors_of(result: Result, name: str, variable: Variable) -> dict[str, Array
         return _expression_errors(result, variable)
     if kind == "limit":
         found = from_solves.limit(result, name, variable, error=True)
-        return {} if found is None else {"grid": _NORMAL * found}
+        return {} if found is None else {"grid": NORMAL * found}
     if kind == "second-order limit":
         found = from_solves.over_solves(
-            result, variable, lambda one: _NORMAL * abs(from_solves.second_order_step(one, variable)[1])
+            result, variable, lambda one: NORMAL * abs(from_solves.second_order_step(one, variable)[1])
         )
         return {} if found is None else {"grid": found}
     if kind == "power law" and not name.endswith("_factor"):
@@ -63,24 +67,24 @@ def _errors_of(result: Result, name: str, variable: Variable) -> dict[str, Array
 # ---- means -------------------------------------------------------------------------------------------
 
 
-def _samples(result: Result, variable: Variable) -> tuple[Array, Array]:
+def _samples(result: Result, variable: xr.Variable) -> tuple[Array, Array]:
     """Return the single values, surfaces last, and which of them were solved."""
     over = str(variable.attrs["over"])
     each = result.data[str(variable.attrs["of"])]
     dims = (*variable.dims, over)
-    return each.along(dims).astype(float), _there(result, each, dims, over)
+    return ordered(each, dims).astype(float), _there(result, each, dims, over)
 
 
-def _there(result: Result, each: Variable, dims: tuple[str, ...], over: str) -> Array:
+def _there(result: Result, each: xr.Variable, dims: tuple[Any, ...], over: str) -> Array:
     """Return which values were solved, along these dimensions."""
-    shape = each.along(dims).shape
-    for name, named in result.data.variables.items():
+    shape = ordered(each, dims).shape
+    for name, named in result.data.items():
         if name.startswith("solve") and over in named.dims and set(named.dims) <= set(each.dims):
-            return np.broadcast_to(named.along(dims).astype(str) != "", shape)
+            return np.broadcast_to(ordered(named, dims).astype(str) != "", shape)
     return np.ones(shape, dtype=bool)
 
 
-def _paired(samples: tuple[Array, Array], variable: Variable) -> tuple[Array, Array]:
+def _paired(samples: tuple[Array, Array], variable: xr.Variable) -> tuple[Array, Array]:
     """Return the means of +h and -h where these are one sample together."""
     values, there = samples
     if not int(variable.attrs.get("pairs", 0)):
@@ -88,7 +92,7 @@ def _paired(samples: tuple[Array, Array], variable: Variable) -> tuple[Array, Ar
     return (values[..., 0::2] + values[..., 1::2]) / 2, there[..., 0::2]
 
 
-def _mean(result: Result, name: str, variable: Variable) -> Array:
+def _mean(result: Result, name: str, variable: xr.Variable) -> Array:
     return _mean_there(*_paired(_samples(result, variable), variable))
 
 
@@ -99,7 +103,7 @@ def _mean_there(values: Array, there: Array) -> Array:
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)
 
 
-def _mean_errors(result: Result, variable: Variable) -> dict[str, Array]:
+def _mean_errors(result: Result, variable: xr.Variable) -> dict[str, Array]:
     values, there = _samples(result, variable)
     samples, kept = _paired((values, there), variable)
     middle = _mean_there(samples, kept)
@@ -109,79 +113,70 @@ def _mean_errors(result: Result, variable: Variable) -> dict[str, Array]:
         half = stdtrit(np.maximum(n - 1, 1), 0.975) * np.sqrt(squares / (n - 1) / n)
     found = {"surfaces": np.where(n > 1, half, np.nan)}
     of, dims = str(variable.attrs["of"]), (*variable.dims, str(variable.attrs["over"]))
-    error, drift = (result.data.variables.get(f"{of}_{what}") for what in ("error", "drift"))
+    error, drift = (result.data.get(f"{of}_{what}") for what in ("error", "drift"))
     grid = np.zeros(middle.shape)
     if error is not None:
         each = [
-            np.broadcast_to(error.at({"source": k}).along(dims), values.shape) for k in range(len(_SOURCES))
+            np.broadcast_to(ordered(error.isel(source=k), dims), values.shape) for k in range(len(SOURCES))
         ]
         fewer = 1 if int(variable.attrs.get("alike", 0)) else np.maximum(there.sum(axis=-1), 1)
-        found |= {source: _mean_there(each[k], there) for k, source in enumerate(_SOURCES) if k > 1}
-        grid = _mean_there(each[_SOURCES.index("grid")] ** 2, there) / fewer
+        found |= {source: _mean_there(each[k], there) for k, source in enumerate(SOURCES) if k > 1}
+        grid = _mean_there(each[SOURCES.index("grid")] ** 2, there) / fewer
     if drift is not None:
-        grid = grid + _mean_there(np.broadcast_to(drift.along(dims), values.shape), there) ** 2
+        grid = grid + _mean_there(np.broadcast_to(ordered(drift, dims), values.shape), there) ** 2
     return found if error is drift is None else {**found, "grid": np.sqrt(grid)}
 
 
-def _change(result: Result, name: str, variable: Variable) -> Array:
+def _change(result: Result, name: str, variable: xr.Variable) -> xr.Variable:
     told, along = variable.attrs, str(variable.attrs["along"])
     each = result.data[str(told["of"])]
-    first, last = (each.at({along: int(told[k])}).along(variable.dims) for k in ("first", "last"))
-    places = {int(told[k]) % each.values.shape[each.dims.index(along)] for k in ("first", "last")}
-    return np.asarray(last / first - 1 if len(places) > 1 else np.full(last.shape, np.nan))
+    first, last = (int(told[k]) % each.sizes[along] for k in ("first", "last"))
+    change: xr.Variable = each.isel({along: last}) / each.isel({along: first}) - 1
+    return change if first != last else change * np.nan
 
 
 # ---- expressions ---
 
 
-def _expression(result: Result, name: str, variable: Variable) -> Array | None:
-    def value(of: str, place: Mapping[str, int]) -> Array:
-        return result.data[of].at(place).along(variable.dims).astype(float)
-
-    try:
-        with np.errstate(all="ignore"):
-            found = value_of(ast.parse(str(variable.attrs["expression"]), mode="eval"), value)
-    except (LookupError, ValueError, SyntaxError):
-        return None
-    return np.broadcast_to(np.asarray(found, dtype=float), variable.values.shape)
+def _expression(result: Result, name: str, variable: xr.Variable) -> xr.Variable:
+    return _evaluated(str(variable.attrs["expression"]), result.data)
 
 
-def _named(values: Mapping[str, Array], name: str, place: Mapping[str, int]) -> Array:
-    return values[name]
+def _evaluated(expression: str, values: Variables) -> xr.Variable:
+    def value(name: str, place: Mapping[str, int]) -> xr.Variable:
+        return values[name].isel(place, missing_dims="ignore").astype(float)
+
+    with np.errstate(all="ignore"):
+        return xr.as_variable(value_of(ast.parse(expression, mode="eval"), value))
 
 
-def _expression_errors(result: Result, variable: Variable) -> dict[str, Array]:
+def _expression_errors(result: Result, variable: xr.Variable) -> dict[str, Array]:
     """Carry errors along to first order, source by source."""
     expression = str(variable.attrs["expression"])
     if ".isel(" in expression:
         return {}
-    values = {
-        n: result.data[n].along(variable.dims).astype(float) for n in names_of(expression) if n in result.data
-    }
-    moved = [n for n in values if f"{n}_error" in result.data]
-    tree, found = ast.parse(expression, mode="eval"), {}
-    for k, source in enumerate(_SOURCES if moved else ()):
-        total = np.zeros(variable.values.shape)
+    values, found = result.data, {}
+    moved = [n for n in names_of(expression) if f"{n}_error" in values]
+    for k, source in enumerate(SOURCES if moved else ()):
+        total = xr.zeros_like(variable, dtype=float)
         for n in moved:
-            step = result.data[f"{n}_error"].at({"source": k}).along(variable.dims)
-            with np.errstate(all="ignore"):
-                ends: list[dict[str, Array]] = [{**values, n: values[n] + s * step} for s in (1, -1)]
-                up, down = (value_of(tree, partial(_named, end)) for end in ends)
+            step = values[f"{n}_error"].isel(source=k)
+            up, down = (_evaluated(expression, {**values, n: values[n] + s * step}) for s in (1, -1))
             total = total + ((up - down) / 2) ** 2
-        found[source] = np.sqrt(total)
+        found[source] = np.sqrt(ordered(total, variable.dims))
     return found
 
 
 # ---- what is fitted, and shares --------------------------------------------------------------------------
 
 
-def _power(result: Result, variable: Variable) -> tuple[Array, Array, Array]:
+def _power(result: Result, variable: xr.Variable) -> tuple[Array, Array, Array]:
     """Exponent, half of its 95 % interval and factor of a power, by normal equations."""
     told = variable.attrs
     of, x = result.data[str(told["of"])], result.data[str(told["x"])]
     dims = (*variable.dims, *str(told["along"]).split())
-    y = of.along(dims).astype(float)
-    at = np.broadcast_to(x.along(dims).astype(float), y.shape)
+    y = ordered(of, dims).astype(float)
+    at = np.broadcast_to(ordered(x, dims).astype(float), y.shape)
     y, at = (one.reshape(*one.shape[: len(variable.dims)], -1) for one in (y, at))
     found = np.full((3, *y.shape[:-1]), np.nan)
     for place in np.ndindex(y.shape[:-1]):
@@ -200,17 +195,17 @@ def _power(result: Result, variable: Variable) -> tuple[Array, Array, Array]:
     return found[0], found[1], found[2]
 
 
-def _share(result: Result, name: str, variable: Variable) -> Array:
+def _share(result: Result, name: str, variable: xr.Variable) -> Array:
     """Share of what lies within its claim and the error of what it is compared with."""
     of, within = (result.data[str(variable.attrs[key])].values for key in ("of", "within"))
-    reference = result.data["reference_each_error"].at({"source": _SOURCES.index("grid")}).values
+    reference = result.data["reference_each_error"].isel(source=SOURCES.index("grid")).values
     return np.asarray(np.mean(np.abs(of) <= np.hypot(within, reference)))
 
 
-def _straight_limit(result: Result, name: str, variable: Variable) -> Array:
+def _straight_limit(result: Result, name: str, variable: xr.Variable) -> Array:
     """Extrapolate what is linear in the spacing, from the two finest grids."""
     told = variable.attrs
-    values = result.data[str(told["of"])].along((*variable.dims, "grid"))
+    values = ordered(result.data[str(told["of"])], (*variable.dims, "grid"))
     points = result.data[str(told["x"])].values
     step = 1 / points[-2:].astype(float)
     slope = (values[..., -2] - values[..., -1]) / (step[0] - step[1])
@@ -218,13 +213,13 @@ def _straight_limit(result: Result, name: str, variable: Variable) -> Array:
     return np.asarray(np.clip(limit, 0.0, float(told["most"])) if "most" in told else limit)
 
 
-def _line(result: Result, name: str, variable: Variable) -> Array:
+def _line(result: Result, name: str, variable: xr.Variable) -> Array:
     """Limit or slope of the straight line through means along a dimension, by weighted normal equations."""
-    told, dims = variable.attrs, variable.dims
+    told, dims = variable.attrs, tuple(map(str, variable.dims))
     along, over = str(told["along"]), str(told["over"])
     each = result.data[str(told["of"])]
-    values = each.along((*dims, along, over))
-    x = np.broadcast_to(result.data[str(told["x"])].along((*dims, along)), values.shape[:-1])
+    values = ordered(each, (*dims, along, over))
+    x = np.broadcast_to(ordered(result.data[str(told["x"])], (*dims, along)), values.shape[:-1])
     there = _there(result, each, (*dims, along, over), over)
     found = np.full((2, *values.shape[:-2]), np.nan)
     for place in np.ndindex(values.shape[:-2]):
@@ -241,26 +236,26 @@ def _line(result: Result, name: str, variable: Variable) -> Array:
         found[(0, *place)], found[(1, *place)] = float(w @ means) - slope * middle, slope
     if str(told["reduction"]) == "line slope":
         return np.asarray(found[1])
-    reach = result.data[name.removesuffix("_limit") + "_reach"].along(dims)
+    reach = ordered(result.data[name.removesuffix("_limit") + "_reach"], dims)
     # Further off than two spans of what was measured a limit is none.
     return np.where(reach <= 2.0, found[0], np.nan)
 
 
-def _reduced(how: Callable[..., Array]) -> Callable[[Result, str, Variable], Array]:
+def _reduced(how: Callable[..., Array]) -> Callable[[Result, str, xr.Variable], Array]:
     """Return the reduction of single values over the surfaces, without an interval."""
 
-    def reduce(result: Result, name: str, variable: Variable) -> Array:
+    def reduce(result: Result, name: str, variable: xr.Variable) -> Array:
         values, _ = _samples(result, variable)
         return np.asarray(how(values, axis=-1))
 
     return reduce
 
 
-def _polynomial(result: Result, name: str, variable: Variable) -> Array:
+def _polynomial(result: Result, name: str, variable: xr.Variable) -> Array:
     """Value at a vanishing spacing by a polynomial in a power of it, over the grids."""
     each, dims = result.data[str(variable.attrs["of"])], (*variable.dims, "grid")
-    values = each.along(dims).astype(float)
-    spacing = result.data["spacing"].along(dims)
+    values = ordered(each, dims).astype(float)
+    spacing = ordered(result.data["spacing"], dims)
     at = np.broadcast_to(spacing ** float(variable.attrs["power"]), values.shape)
     grids = values.shape[-1]
     degree = min(int(variable.attrs["degree"]), grids - 2) if grids > 2 else 1
@@ -269,15 +264,15 @@ def _polynomial(result: Result, name: str, variable: Variable) -> Array:
     return np.reshape(found, values.shape[:-1])
 
 
-def _mean_distance(result: Result, name: str, variable: Variable) -> Array:
+def _mean_distance(result: Result, name: str, variable: xr.Variable) -> Array:
     """Mean distance from 1 over the loads below full contact."""
-    over = result.data[str(variable.attrs["of"])].along((*variable.dims, "load")).astype(float)
+    over = ordered(result.data[str(variable.attrs["of"])], (*variable.dims, "load")).astype(float)
     partly = result.data["area"].values < float(variable.attrs["below"])
     return np.asarray(np.abs(over[..., partly] - 1).mean(axis=-1))
 
 
 #: By the attribute `reduction`.
-REDUCTIONS: Mapping[str, Callable[[Result, str, Variable], Array | None]] = {
+REDUCTIONS: Mapping[str, Callable[[Result, str, xr.Variable], Array | xr.Variable | None]] = {
     "change": _change,
     "drift": from_solves.drift,
     "expression": _expression,

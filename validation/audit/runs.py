@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from scipy.special import stdtrit
 
-from validation.audit.dataset import Result, Variable
+from validation.audit.dataset import Result
 from validation.audit.ledger import Ledger
 from validation.audit.limits import limit_over
 from validation.audit.stored import Stored, sealed_bytes
@@ -38,12 +39,12 @@ def audit_run(result: Result) -> tuple[Ledger, list[Run]]:
         run = Run(scene, result.store or result.folder)
         if not run.methods:
             raise LookupError("a scene of the theory alone stores no field")
-        here = {name: variable.at(at) for name, variable in result.data.variables.items()}
+        here = {name: variable.isel(at, missing_dims="ignore") for name, variable in result.data.items()}
         judged |= _Case(run, here, words, ledger).judge(record["asked"].get("accuracy"))
         runs.append(run)
     ledger.unread += [
         f"data.nc: {name}"
-        for name, variable in sorted(result.data.variables.items())
+        for name, variable in sorted(result.data.items())
         if name not in judged and variable.values.dtype.kind == "f" and name not in variable.dims
     ]
     return ledger, runs
@@ -126,7 +127,7 @@ class Run:
         # A store, which others may share, has the solves of this scene among others.
         for path in sorted(store.glob("*.nc")):
             if path.name.startswith(tuple(f"{name}-" for name in self.methods)):
-                one = Stored(sealed_bytes(path))
+                one = Stored(memoryview(sealed_bytes(path)))
                 k = self._realisation(one.recipe)
                 if k is not None:
                     self.solves.setdefault((one.method, one.grid, one.shift, k), one)
@@ -294,7 +295,7 @@ class Run:
 class _Case:
     """One scene: its numbers in the dataset, beside those of its stored solves."""
 
-    def __init__(self, run: Run, data: Mapping[str, Variable], words: str, ledger: Ledger) -> None:
+    def __init__(self, run: Run, data: Mapping[str, xr.Variable], words: str, ledger: Ledger) -> None:
         self.run, self.data, self.ledger = run, data, ledger
         self.at = f" at {words}" if words else ""
         self.judged: set[str] = set()
@@ -308,9 +309,11 @@ class _Case:
             return
         told, dims = dict(at or {}), self.data[name].dims
         where = {d: self.names[d].index(k) if isinstance(k, str) else k for d, k in told.items()}
-        words = [self.names[d][where[d]] if d in ("solver", "grid") else f"{d} {where[d]}" for d in dims]
+        words = [
+            self.names[d][where[d]] if d in ("solver", "grid") else f"{d} {where[d]}" for d in map(str, dims)
+        ]
         place = f"{name}{' of ' * bool(dims)}{' '.join(words)}{self.at}"
-        found = float(self.data[name].at(where).values)
+        found = float(self.data[name].isel(where, missing_dims="ignore").values)
         self.ledger.number("data.nc", place, found, expected, **{**_LOOSE.get(name, {}), **how})
         self.judged.add(name)
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.execution.netcdf import reading
 from validation.files import read_whole
 
 Array = NDArray[Any]
@@ -82,16 +83,13 @@ class Stored:
 
     Parameters
     ----------
-    content : bytes
+    content : memoryview
         Of its netCDF file.
     """
 
-    def __init__(self, content: bytes) -> None:
-        import netCDF4
-
-        with netCDF4.Dataset("memory", memory=content) as file:
-            file.set_auto_maskandscale(False)
-            fields = {name: np.asarray(file.variables[name][...]) for name in file.variables}
+    def __init__(self, content: memoryview) -> None:
+        with reading(content) as file:
+            fields = {name: np.asarray(values[...]) for name, values in file.variables.items()}
             said = {name: file.getncattr(name) for name in file.ncattrs()}
         self.recipe: dict[str, Any] = json.loads(said["recipe"])
         self.provenance: dict[str, str] = json.loads(said["provenance"])

@@ -9,13 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from validation.audit.dataset import Labelled, Result, Variable
+from validation.audit.dataset import Result, Variables, ordered
 from validation.audit.files import page_tables
 from validation.audit.ledger import Ledger
-from validation.audit.reductions import errors_of, recomputed
+from validation.audit.reductions import SOURCES, errors_of, recomputed
 from validation.audit.stored import Array
 
-_SOURCES = ("surfaces", "grid", "solver", "size", "bandwidth", "depth", "theory")
 #: Those of the step to any spectrum and period.
 _SPECTRAL = ("size", "bandwidth")
 _PREFIXES = {"p": -12, "n": -9, "u": -6, "m": -3, "k": 3, "M": 6, "G": 9}
@@ -50,8 +49,8 @@ def judge_shown(result: Result, ledger: Ledger) -> None:
 
 def judge_dataset(result: Result, ledger: Ledger) -> None:
     """Judge every variable by its reduction, and its errors by theirs."""
-    for name, variable in result.data.variables.items():
-        if variable.values.dtype.kind not in "fiu" or name == "source" or name.endswith("_error"):
+    for name, variable in result.data.items():
+        if variable.values.dtype.kind not in "fiub" or name == "source" or name.endswith("_error"):
             continue
         expected = recomputed(result, name)
         if expected is None and name in variable.dims:
@@ -74,22 +73,20 @@ def _errors(result: Result, name: str, ledger: Ledger) -> None:
     error = result.data[f"{name}_error"]
     expected = errors_of(result, name)
     value = result.data[name].values.astype(float)
-    for k, source in enumerate(_SOURCES):
+    for k, source in enumerate(SOURCES):
         # Where there is no value, its errors say nothing.
-        told = error.at({"source": k}).along(result.data[name].dims)
+        told = ordered(error.isel(source=k), result.data[name].dims)
         told = np.broadcast_to(told, value.shape)
-        part = Variable(values=np.where(np.isnan(value), 0.0, told), dims=result.data[name].dims)
+        part = np.where(np.isnan(value), 0.0, told)
         expected = {s: np.where(np.isnan(value), 0.0, one) for s, one in expected.items()}
         if source in error.attrs:
-            none = np.where(np.isnan(part.values), np.nan, 0.0)
-            _worst("data.nc", f"{name}_error, {source} does not enter", part.values, none, ledger)
+            none = np.where(np.isnan(part), np.nan, 0.0)
+            _worst("data.nc", f"{name}_error, {source} does not enter", part, none, ledger)
         elif source in expected and source not in str(error.attrs.get("claimed", "")).split():
             scale = float(np.nanmax(np.abs(result.data[name].values), initial=0.0))
             told = expected[source]
-            _worst(
-                "data.nc", f"{name}_error, {source}", part.values, told, ledger, rtol=1e-5, atol=1e-11 * scale
-            )
-        elif np.isfinite(part.values).any():
+            _worst("data.nc", f"{name}_error, {source}", part, told, ledger, rtol=1e-5, atol=1e-11 * scale)
+        elif np.isfinite(part).any():
             ledger.unread.append(f"data.nc: {name}_error, {source}")
 
 
@@ -122,21 +119,21 @@ def _worst(
 # ---- what is shown ---------------------------------------------------------------------------------------
 
 
-def _total(data: Labelled, name: str, place: Mapping[str, int]) -> float | None:
+def _total(data: Variables, name: str, place: Mapping[str, int]) -> float | None:
     """Root sum of squares of the sources that enter and are measured; None for what has no errors."""
     if f"{name}_error" not in data:
         return None
     return float(_totals(data, name, place).item())
 
 
-def _totals(data: Labelled, name: str, place: Mapping[str, int]) -> Array:
+def _totals(data: Variables, name: str, place: Mapping[str, int]) -> Array:
     """Return these totals at a place, along the dimensions that are left there."""
     error = data[f"{name}_error"]
     limit = error.attrs.get("limit_in")
-    kept = [s for s in _SOURCES if (s not in _SPECTRAL or s == limit) and s not in error.attrs]
-    here = error.at(place)
+    kept = [s for s in SOURCES if (s not in _SPECTRAL or s == limit) and s not in error.attrs]
+    here = error.isel(place, missing_dims="ignore")
     dims = tuple(dim for dim in here.dims if dim != "source")
-    values = here.along((*dims, "source"))[..., [_SOURCES.index(s) for s in kept]].astype(float)
+    values = ordered(here, (*dims, "source"))[..., [SOURCES.index(s) for s in kept]].astype(float)
     known = np.isfinite(values)
     squares = np.where(known, values**2, 0.0).sum(axis=-1)
     return np.where(known.any(axis=-1), np.sqrt(squares), np.nan)
@@ -155,12 +152,11 @@ def judge_findings(result: Result, ledger: Ledger) -> None:
             if named not in result.data or not set(result.data[named].dims) <= set(at):
                 ledger.unread.append(f"finding {k + 1}: {name} = {value.get('value')}")
                 continue
-            stands, expected = value.get("value"), result.data[named].at(at).values.item()
-            if isinstance(expected, str | bytes):
-                plain = expected if isinstance(expected, str) else expected.decode()
-                ledger.same(place, where, stands, plain)
+            expected = result.data[named].isel(at, missing_dims="ignore").values.item()
+            if isinstance(expected, str):
+                ledger.same(place, where, value.get("value"), expected)
             else:
-                ledger.number(place, where, stands, float(expected), rtol=1e-12, atol=0.0)
+                ledger.number(place, where, value.get("value"), float(expected), rtol=1e-12, atol=0.0)
             if "error" in value:
                 ledger.number(place, f"{where}, its interval", value["error"], _total(result.data, named, at))
 
@@ -191,10 +187,10 @@ def judge_table(result: Result, ledger: Ledger) -> None:
                 ledger.number("table.csv", f"{where}, its interval", line[k + 1], error, rtol=1e-12, atol=0.0)
 
 
-def _rows(data: Labelled, shown: Mapping[str, Any]) -> Iterator[list[tuple[float | str, float | None]]]:
+def _rows(data: Variables, shown: Mapping[str, Any]) -> Iterator[list[tuple[float | str, float | None]]]:
     """Yield values and intervals of the rows of a table: where more is known than coordinates."""
     dims = list(shown["rows"])
-    sizes = {dim: n for v in data.variables.values() for dim, n in zip(v.dims, v.values.shape, strict=True)}
+    sizes = {dim: n for v in data.values() for dim, n in zip(v.dims, v.values.shape, strict=True)}
     for place in np.ndindex(*(sizes[dim] for dim in dims)):
         at = dict(zip(dims, map(int, place), strict=True))
         row: list[tuple[float | str, float | None]] = []
@@ -202,7 +198,7 @@ def _rows(data: Labelled, shown: Mapping[str, Any]) -> Iterator[list[tuple[float
         for column in shown["columns"]:
             name = column["name"]
             where = {**at, **column.get("at", {})}
-            value = data[name].at(where).values.item()
+            value = data[name].isel(where, missing_dims="ignore").values.item()
             row.append((value if isinstance(value, str) else float(value), _total(data, name, where)))
             inside = isinstance(value, str) or not math.isnan(value)
             own = not shown.get("sparse") or set(data[name].dims) >= set(dims)
@@ -225,14 +221,14 @@ def judge_budget(result: Result, ledger: Ledger) -> None:
     ledger.same("budget.csv", "number of rows", len(lines), len(places))
     for line, (name, at) in zip(lines, places, strict=False):
         cells = dict(zip(header, line, strict=False))
-        value = float(result.data[name].at(at).values)
+        value = float(result.data[name].isel(at, missing_dims="ignore").values)
         error = result.data[f"{name}_error"]
         # Of zero only no error is a part.
         shares = [
             100 * abs(half / value) if value else (0.0 if half == 0 else math.nan)
-            for half in error.at(at).values.ravel().astype(float).tolist()
+            for half in error.isel(at, missing_dims="ignore").values.ravel().astype(float).tolist()
         ]
-        told = dict(zip(_SOURCES, shares, strict=True))
+        told = dict(zip(SOURCES, shares, strict=True))
         own = [share for source, share in told.items() if source not in _SPECTRAL]
         sums = {"for this spectrum and period [%]": own, "for any [%]": list(shares)}
         where = cells.get("number", name)
@@ -261,7 +257,7 @@ def _spread_out(result: Result, file: str, rows: list[list[str]], ledger: Ledger
     """Judge a CSV file of variables that share their dimensions."""
     header, *lines = rows
     for k, name in enumerate(header):
-        if name not in result.data or result.data[name].values.dtype.kind not in "fiu":
+        if name not in result.data or result.data[name].values.dtype.kind not in "fiub":
             continue
         variable, base = result.data[name], name.removesuffix("_error")
         expected = variable.values.astype(float)
@@ -273,13 +269,13 @@ def _spread_out(result: Result, file: str, rows: list[list[str]], ledger: Ledger
             _worst(file, name, found, expected.ravel(), ledger, rtol=1e-12, atol=0.0)
 
 
-def _figure(result: Result, file: str, data: Labelled, ledger: Ledger) -> None:
+def _figure(result: Result, file: str, data: Variables, ledger: Ledger) -> None:
     """Judge the data behind a figure: variables of the dataset."""
     place = f"figures/{file}"
-    for name, variable in data.variables.items():
+    for name, variable in data.items():
         if name not in result.data:
             ledger.unread.append(f"{place}: {name}")
-        elif variable.values.dtype.kind in "fiu" and variable.dims == result.data[name].dims:
+        elif variable.values.dtype.kind in "fiub" and variable.dims == result.data[name].dims:
             expected = result.data[name].values
             _worst(place, name, variable.values, expected, ledger, rtol=1e-12, atol=0.0)
 
