@@ -59,6 +59,11 @@ _JUDGED = {
 }  # fmt: skip
 
 
+def _run(folder):
+    """The stored solves of a results folder."""
+    return Run(read_results(folder).asked["scene"], read_results(folder).store)
+
+
 def _moved(data, name, by):
     """The dataset with one number of a variable changed."""
     values = data[name].values.copy()
@@ -140,7 +145,7 @@ def test_with_adhesion_tension_and_balance_are_judged_and_the_theory_is_listed(w
     assert [str(entry) for entry in ledger.wrong] == []
     names = {entry.name for entry in ledger.entries}
     assert {"residual, tension", "residual, complementarity", "residual of bem 48 x 48"} <= names
-    run = Run.of(tmp_path / "results")
+    run = _run(tmp_path / "results")
     one = run.solves["bem", (24, 24), (0.0, 0.0), 0]
     one.p[~one.contact] -= 0.1 * abs(one.p.min())
     ledger = Ledger()
@@ -151,7 +156,7 @@ def test_with_adhesion_tension_and_balance_are_judged_and_the_theory_is_listed(w
 def test_the_displacement_of_a_bonded_layer_is_judged(write_scene, tmp_path):
     ledger = _audited(write_scene, tmp_path / "results", _LAYER, theory=False)
     assert [str(entry) for entry in ledger.wrong] == []
-    run = Run.of(tmp_path / "results")
+    run = _run(tmp_path / "results")
     one = run.solves["bem", (24, 24), (0.0, 0.0), 0]
     run.effects[0]["thickness"] *= 1.1
     run.__dict__.pop("depth", None)
@@ -187,7 +192,7 @@ def test_what_a_run_to_an_accuracy_claims_follows_from_its_fields(write_scene, t
 
 
 def test_fields_that_break_their_own_definitions_are_found(small_run):
-    run = Run.of(small_run.folder)
+    run = _run(small_run.folder)
     (one,) = [solve for key, solve in run.solves.items() if key[:2] == ("fem", (24, 24))]
     one.gap[0, 0] += 1e-9
     one.p[one.contact] *= 1.001
@@ -200,7 +205,7 @@ def test_fields_that_break_their_own_definitions_are_found(small_run):
 
 
 def test_surfaces_that_share_one_seed_are_found(small_run):
-    run = Run.of(small_run.folder)
+    run = _run(small_run.folder)
     key = ("bem", (24, 24), (0.0, 0.0), 0)
     run.solves[(*key[:3], 1)] = run.solves[key]
     ledger = Ledger()
@@ -209,7 +214,7 @@ def test_surfaces_that_share_one_seed_are_found(small_run):
 
 
 def test_a_shift_in_the_other_direction_is_found(small_run):
-    run = Run.of(small_run.folder)
+    run = _run(small_run.folder)
     one = run.solves[("bem", (24, 24), (0.0, 0.5), 0)]
     one.h = np.roll(one.h, 1, axis=1)
     ledger = Ledger()

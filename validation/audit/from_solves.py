@@ -145,16 +145,6 @@ def second_order_step(solve: xr.Dataset, variable: xr.Variable) -> tuple[Array, 
     return fine, (fine - coarse) / (float(points[-1] / points[-2]) ** 2 - 1)
 
 
-def second_order(result: Result, name: str, variable: xr.Variable) -> Array | None:
-    """Limits by a step of second order."""
-    return over_solves(result, variable, lambda one: sum(second_order_step(one, variable)))
-
-
-def finest_profile(result: Result, name: str, variable: xr.Variable) -> Array | None:
-    """Profiles on the finest grid."""
-    return over_solves(result, variable, lambda one: one[str(variable.attrs["of"])].values[-1])
-
-
 def read(result: Result, name: str, variable: xr.Variable) -> Array | None:
     """Read off what a solve keeps, by the expression that says it."""
     tree = ast.parse(str(variable.attrs["expression"]), mode="eval")

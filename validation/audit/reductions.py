@@ -10,6 +10,7 @@ import ast
 import contextlib
 import math
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -92,7 +93,9 @@ def _paired(samples: tuple[Array, Array], variable: xr.Variable) -> tuple[Array,
     return (values[..., 0::2] + values[..., 1::2]) / 2, there[..., 0::2]
 
 
-def _mean(result: Result, name: str, variable: xr.Variable) -> Array:
+def _mean(result: Result, name: str, variable: xr.Variable) -> Array | xr.Variable:
+    if "pairs" not in variable.attrs:
+        return _reduced("mean", result, name, variable)
     return _mean_there(*_paired(_samples(result, variable), variable))
 
 
@@ -241,14 +244,10 @@ def _line(result: Result, name: str, variable: xr.Variable) -> Array:
     return np.where(reach <= 2.0, found[0], np.nan)
 
 
-def _reduced(how: Callable[..., Array]) -> Callable[[Result, str, xr.Variable], Array]:
-    """Return the reduction of single values over the surfaces, without an interval."""
-
-    def reduce(result: Result, name: str, variable: xr.Variable) -> Array:
-        values, _ = _samples(result, variable)
-        return np.asarray(how(values, axis=-1))
-
-    return reduce
+def _reduced(how: str, result: Result, name: str, variable: xr.Variable) -> xr.Variable:
+    """Reduce single values over the surfaces, without an interval."""
+    reduced: xr.Variable = getattr(result.data[variable.attrs["of"]], how)(variable.attrs["over"])
+    return reduced
 
 
 def _polynomial(result: Result, name: str, variable: xr.Variable) -> Array:
@@ -276,21 +275,23 @@ REDUCTIONS: Mapping[str, Callable[[Result, str, xr.Variable], Array | xr.Variabl
     "change": _change,
     "drift": from_solves.drift,
     "expression": _expression,
-    "finest profile": from_solves.finest_profile,
+    "finest profile": lambda result, name, one: from_solves.over_solves(
+        result, one, lambda solve: solve[str(one.attrs["of"])].values[-1]
+    ),
     "limit": from_solves.limit,
     "line limit": _line,
     "line slope": _line,
-    "max": _reduced(np.nanmax),
+    "max": partial(_reduced, "max"),
     "mean distance": _mean_distance,
-    "mean": lambda result, name, one: (_mean if "pairs" in one.attrs else _reduced(np.nanmean))(
-        result, name, one
-    ),
+    "mean": _mean,
     "polynomial limit": _polynomial,
     "power law": lambda result, name, one: _power(result, one)[2 if name.endswith("_factor") else 0],
     "read": from_solves.read,
-    "second-order limit": from_solves.second_order,
+    "second-order limit": lambda result, name, one: from_solves.over_solves(
+        result, one, lambda solve: sum(from_solves.second_order_step(solve, one))
+    ),
     "share": _share,
     "shift mean": from_solves.shift_mean,
     "straight limit": _straight_limit,
-    "sum": _reduced(np.nansum),
+    "sum": partial(_reduced, "sum"),
 }
