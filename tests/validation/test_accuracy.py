@@ -56,7 +56,7 @@ def truth_of(scene, folder) -> tuple[float, float]:
     folder.mkdir()
     solve_all(solves, store)
     told = {"edge_constant": EDGE_CONSTANTS["bem"], "subcell": not scene.effects}
-    limit = limit_over([contact_areas(store.load(solve), **told) for solve in solves])
+    limit = limit_over([contact_areas(store.read(solve).result, **told) for solve in solves])
     return limit.value, limit.uncertainty
 
 

@@ -203,7 +203,7 @@ def test_a_full_disk_is_a_clear_error_and_leaves_finished_cases_intact(tmp_path,
         store, solves = Store(folder=disk), solves_of(**CASES)
         kept = [solve for solve in solves if store.path(solve).exists()]
         assert 3 <= len(kept) < 80
-        assert all(store.holds(solve) for solve in kept)
+        assert all(store.read(solve) for solve in kept)
         names = {path.name for path in disk.iterdir()}
         assert names == {store.path(solve).name for solve in kept}, "half-written files"
 
@@ -225,7 +225,7 @@ def test_a_case_that_fails_does_not_keep_the_others_from_being_done(tmp_path, mo
     store = Store(folder=prepare_folder(tmp_path / "store"))
     with pytest.raises(RunFailed, match=r"1 of 16 solves failed, the others are stored:\n.*BEM 16x16"):
         solve_all(solves, store)
-    assert [solve for solve in solves if not store.holds(solve)] == [solves[2]]
+    assert [solve for solve in solves if store.read(solve) is None] == [solves[2]]
 
 
 def test_cases_that_do_not_fit_together_wait_and_one_that_never_fits_is_refused(tmp_path, monkeypatch):
@@ -348,7 +348,7 @@ def test_an_interruption_anywhere_ends_the_workers_and_keeps_what_is_finished(tm
     assert time.monotonic() - began < 120
     assert workers_of(os.getpid()) == []
     assert len(progress.finished) >= 1
-    assert set(progress.finished) <= {solve.key for solve in solves if store.holds(solve)}
+    assert set(progress.finished) <= {solve.key for solve in solves if store.read(solve)}
     assert not list(tmp_path.glob(".*")), "half-written files"
 
 
@@ -362,7 +362,7 @@ def test_overhead_of_the_bench_is_below_20_milliseconds_per_case(tmp_path):
         began = time.perf_counter()
         solve_all(solves, store)
         total = time.perf_counter() - began
-        solves = sum(store.load(solve).cost.wall_seconds for solve in solves)
+        solves = sum(store.read(solve).result.cost.wall_seconds for solve in solves)
         overheads.append((total - solves) / len(solves))
     print(f"overhead per case: {1e3 * np.median(overheads):.1f} ms")
     assert np.median(overheads) < 20e-3

@@ -93,7 +93,7 @@ def test_contact_in_numbers_follows_from_the_fields(small_run):
     scene = _scene(small_run)
     store, data = Store(folder=small_run.folder / "solves"), small_run.data
     own = [s for s in solves_of(scene) if s.method == "bem" and s.is_own]
-    before, finest = (store.load(solve) for solve in sorted(own, key=lambda s: s.grid)[-2:])
+    before, finest = (store.read(solve).result for solve in sorted(own, key=lambda s: s.grid)[-2:])
     assert float(data.mean_gap) == pytest.approx(float(finest.gap.mean()), rel=1e-12)
     change = abs(float(finest.gap.mean()) - float(before.gap.mean()))
     assert float(data.mean_gap_error.sel(source="grid")) == pytest.approx(change, rel=1e-9)
@@ -176,7 +176,7 @@ def test_a_stored_result_is_read_back_bit_for_bit(write_scene, tmp_path):
     store = Store(folder=prepare_folder(tmp_path / "store"))
     solved = solve.do()
     store.save(solve, solved, made=Made.now(threads=1, seconds=0.0))
-    result, found = solved.contact, store.load(solve)
+    result, found = solved.contact, store.read(solve).result
     for name in ("pressure", "gap", "displacement", "heights", "in_contact"):
         np.testing.assert_array_equal(getattr(found, name), getattr(result, name))
     assert (found.offset, found.residuals, found.cost, found.status) == (
@@ -200,7 +200,7 @@ def test_a_killed_run_continues_after_its_finished_solves(write_scene, tmp_path)
     process.wait()
     store = Store(folder=solves)
     solves = solves_of(load_scene(str(path)))
-    finished = [solve for solve in solves if store.holds(solve)]
+    finished = [solve for solve in solves if store.read(solve)]
     assert 3 <= len(finished) < len(solves)
     small = tuple(solve for solve in solves if solve.grid[0] < 100)
     times = {solve.key: store.path(solve).stat().st_mtime_ns for solve in finished}

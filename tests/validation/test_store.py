@@ -103,7 +103,7 @@ def test_no_damage_passes_in_silence_and_none_hangs(stored, count):
         assert silent == 0, damage.__name__
         assert slowest < 2
     store.path(solve).write_bytes(whole)
-    assert store.holds(solve)
+    assert store.read(solve)
 
 
 def test_every_single_byte_of_the_seal_counts(stored):
@@ -120,14 +120,14 @@ def test_a_result_under_the_name_of_another_is_not_taken(stored):
     told = []
     assert store.read(solve, on_damage=told.append) is None
     assert "the result of another recipe than its name says; set aside as" in told[0]
-    assert store.holds(other)
+    assert store.read(other)
 
 
 def test_what_is_read_is_what_was_written_and_any_netcdf_reader_reads_it(stored):
     store, solve, _ = stored
     result = solve.do(threads=1)
     result = getattr(result, "contact", result)
-    assert same(store.load(solve), store.load(solve))
+    assert same(store.read(solve).result, store.read(solve).result)
     path = store.path(solve)
     with netCDF4.Dataset(path) as file:
         assert file.recipe == solve.recipe_text
@@ -136,9 +136,9 @@ def test_what_is_read_is_what_was_written_and_any_netcdf_reader_reads_it(stored)
     sealed = unseal(path.read_bytes())
     assert sealed.recipe == solve.recipe_text
     if isinstance(result, xr.Dataset):
-        assert same(store.load(solve).drop_attrs(), result.drop_attrs())
+        assert same(store.read(solve).result.drop_attrs(), result.drop_attrs())
     else:
-        assert same(store.load(solve), result)
+        assert same(store.read(solve).result, result)
 
 
 def test_the_file_has_no_padding(stored):
@@ -146,7 +146,7 @@ def test_the_file_has_no_padding(stored):
     store, solve, _ = stored
     content = unseal(store.path(solve).read_bytes()).content
     by_path = store.folder / "by_path.nc"
-    store.load(solve)
+    store.read(solve)
     with netCDF4.Dataset("m", memory=content) as file:
         assert file.file_format == "NETCDF4"
     by_path.write_bytes(content[:-1])
@@ -211,7 +211,7 @@ def test_a_file_that_cannot_be_read_is_one_line_and_stays(stored, monkeypatch, n
         store.read(solve)
     monkeypatch.undo()
     assert "\n" not in str(told.value)
-    assert store.holds(solve)
+    assert store.read(solve)
 
 
 def test_links_and_pipes_in_a_store_are_not_followed_and_do_not_hang(stored):
@@ -230,7 +230,7 @@ def test_links_and_pipes_in_a_store_are_not_followed_and_do_not_hang(stored):
     with pytest.raises(RunFailed, match="is not a file; move it away"):
         store.read(solve)
     assert attempt(solve, store).fatal
-    assert store.holds(other)
+    assert store.read(other)
 
 
 def test_writing_replaces_a_link_and_leaves_what_it_points_to(tmp_path):
@@ -279,7 +279,7 @@ def test_a_call_that_fails_is_told_in_one_line(tmp_path, monkeypatch, name, numb
 @pytest.mark.parametrize(("name", "number"), FAILURES)
 def test_a_file_system_that_fails_at_any_call_loses_no_finished_solve(stored, monkeypatch, name, number):
     store, solve, other = stored
-    result, before = store.load(solve), store.path(solve).read_bytes()
+    result, before = store.read(solve).result, store.path(solve).read_bytes()
     if not isinstance(result, xr.Dataset):
         result = solve.do(threads=1)
     for at in range(3):
@@ -287,8 +287,8 @@ def test_a_file_system_that_fails_at_any_call_loses_no_finished_solve(stored, mo
             store.save(solve, result, made=MADE)
         left = {path.name for path in store.folder.iterdir()}
         assert left == {store.path(solve).name, store.path(other).name}
-        assert store.holds(solve)
-        assert store.holds(other)
+        assert store.read(solve)
+        assert store.read(other)
     assert store.path(solve).read_bytes()[:8] == before[:8]
 
 
@@ -296,9 +296,9 @@ def test_short_writes_are_continued(stored, monkeypatch):
     store, solve, _ = stored
     real = os.write
     monkeypatch.setattr(files.os, "write", lambda handle, data: real(handle, bytes(data[:1000])))
-    result = store.load(solve) if isinstance(solve, Numbers) else solve.do(threads=1)
+    result = store.read(solve).result if isinstance(solve, Numbers) else solve.do(threads=1)
     store.save(solve, result, made=MADE)
-    assert store.holds(solve)
+    assert store.read(solve)
 
 
 def test_bytes_are_on_the_disk_before_the_name_is(stored, monkeypatch):
@@ -310,7 +310,7 @@ def test_bytes_are_on_the_disk_before_the_name_is(stored, monkeypatch):
         monkeypatch.setattr(
             files.os, name, lambda *a, _name=name, _real=real: (calls.append((_name, a[0])), _real(*a))[1]
         )
-    result = store.load(solve) if isinstance(solve, Numbers) else solve.do(threads=1)
+    result = store.read(solve).result if isinstance(solve, Numbers) else solve.do(threads=1)
     store.save(solve, result, made=MADE)
     names = [name for name, _ in calls]
     assert names[-2:] == ["fsync", "replace"]
@@ -432,7 +432,7 @@ def test_a_file_without_a_digest_is_not_taken(stored):
 def test_a_picture_reads_only_what_is_intact(tmp_path):
     store, solve = Store(folder=tmp_path), fields()
     attempt(solve, store)
-    assert same(read_result(store.path(solve)), store.load(solve))
+    assert same(read_result(store.path(solve)), store.read(solve).result)
     store.path(solve).write_bytes(b"")
     with pytest.raises(RunFailed, match="damaged"):
         read_result(store.path(solve))

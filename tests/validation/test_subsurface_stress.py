@@ -57,7 +57,7 @@ def test_a_run_says_where_the_solid_yields_first(run):
 def test_the_number_is_that_of_the_pressures_on_the_finest_grid(run):
     scene, fine = asked(), run.data.sel(solver="bem").isel(grid=-1)
     solve = solves_of(scene)[-1]
-    contact = Store(folder=run.folder / "solves").load(solve)
+    contact = Store(folder=run.folder / "solves").read(solve).result
     depths = scene.subsurface.depths[1:]
     point = strongest_point(contact, HalfSpace(solid=realise(scene).elastic), depths=depths)
     told = [float(fine[f"von_mises{end}"]) for end in ("", "_depth", "_x", "_y")]

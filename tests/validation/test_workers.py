@@ -64,7 +64,7 @@ def test_a_solve_that_kills_its_workers_is_given_up_and_the_others_are_stored(tm
         RunFailed, match=r"seed 1: its worker died 3 times, and once more when nothing else ran"
     ):
         solve_all([deadly, *others], store, execution=Execution(workers=2))
-    assert all(store.holds(solve) for solve in others)
+    assert all(store.read(solve) for solve in others)
     assert int(Path(deadly.tally).read_text()) == 99 - 4
 
 
@@ -167,7 +167,7 @@ def test_without_workers_a_cluster_is_waited_for_within_bounds_and_told(tmp_path
         solve_all(solves, store, progress=progress, execution=Execution(scheduler=address, patience=4.0))
     assert "\n" not in str(told.value)
     assert any(re.search(r"no workers for \d+ s; waiting", note) for note in progress.notes)
-    assert [store.holds(solve) for solve in solves] == [True] * 3 + [False] * 3
+    assert [store.read(solve) is not None for solve in solves] == [True] * 3 + [False] * 3
     gate.touch()
     assert solve_all(solves, store).solved == 3
 
@@ -184,7 +184,7 @@ def test_a_lost_scheduler_is_one_line_and_what_is_stored_stays(tmp_path, cluster
     with pytest.raises(RunFailed, match=r"the scheduler is lost .* is stored: start it again") as told:
         solve_all(solves, store, progress=progress, execution=Execution(scheduler=address))
     assert "\n" not in str(told.value)
-    assert [store.holds(solve) for solve in solves] == [True] * 3 + [False] * 3
+    assert [store.read(solve) is not None for solve in solves] == [True] * 3 + [False] * 3
 
 
 @pytest.mark.filterwarnings("default")
@@ -274,7 +274,7 @@ def test_a_cluster_with_tls_works_for_who_holds_a_certificate_of_its_authority(t
         with with_certificates(*own):
             done = solve_all([Numbers(1), Numbers(2)], store, execution=Execution(scheduler=address))
         assert done.solved == 2
-        assert all(store.holds(Numbers(seed)) for seed in (1, 2))
+        assert all(store.read(Numbers(seed)) for seed in (1, 2))
 
 
 def test_where_encryption_is_asked_for_an_address_without_it_is_refused(tmp_path):

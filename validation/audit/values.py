@@ -121,22 +121,17 @@ def _worst(
 
 def _total(data: Variables, name: str, place: Mapping[str, int]) -> float | None:
     """Root sum of squares of the sources that enter and are measured; None for what has no errors."""
-    if f"{name}_error" not in data:
-        return None
-    return float(_totals(data, name, place).item())
+    return float(_totals(data, name, place)) if f"{name}_error" in data else None
 
 
 def _totals(data: Variables, name: str, place: Mapping[str, int]) -> Array:
     """Return these totals at a place, along the dimensions that are left there."""
     error = data[f"{name}_error"]
     limit = error.attrs.get("limit_in")
-    kept = [s for s in SOURCES if (s not in _SPECTRAL or s == limit) and s not in error.attrs]
-    here = error.isel(place, missing_dims="ignore")
-    dims = tuple(dim for dim in here.dims if dim != "source")
-    values = ordered(here, (*dims, "source"))[..., [SOURCES.index(s) for s in kept]].astype(float)
-    known = np.isfinite(values)
-    squares = np.where(known, values**2, 0.0).sum(axis=-1)
-    return np.where(known.any(axis=-1), np.sqrt(squares), np.nan)
+    enters = [k for k, s in enumerate(SOURCES) if (s not in _SPECTRAL or s == limit) and s not in error.attrs]
+    parts = error.isel(source=enters).isel(place, missing_dims="ignore").astype(float)
+    known = (parts**2).where(np.isfinite(parts))  # type: ignore[no-untyped-call]
+    return np.asarray(np.sqrt(known.sum("source", min_count=1)))
 
 
 def judge_findings(result: Result, ledger: Ledger) -> None:
@@ -298,8 +293,8 @@ def judge_page(result: Result, ledger: Ledger) -> None:
             for column, cell in zip(titles, row, strict=False):
                 source, factor = _without_prefix(column, cells)
                 if source:
-                    value, half = (_scaled(cells.get(n), factor) for n in (source, f"{source} {_INTERVAL}"))
-                    _cell(ledger, place, f"row {k + 1}, {column}", cell, value or "", half)
+                    half = factor * _float(cells.get(f"{source} {_INTERVAL}", ""))
+                    _cell(ledger, place, f"row {k + 1}, {column}", cell, cells[source], half, factor)
 
 
 def _without_prefix(column: str, cells: Mapping[str, str]) -> tuple[str, float]:
@@ -314,26 +309,18 @@ def _without_prefix(column: str, cells: Mapping[str, str]) -> tuple[str, float]:
     return (column, 1.0) if column in cells else ("", 1.0)
 
 
-def _scaled(text: str | None, factor: float) -> str | None:
-    number = _float(text or "")
-    return text if factor == 1 or math.isnan(number) else repr(number * factor)
-
-
-def _words(text: str) -> str:
-    """Return a text without what a page sets otherwise than it is typed."""
-    return text.replace("^", "").replace("\u2032", "'").replace(" ", "")
-
-
-def _cell(ledger: Ledger, place: str, name: str, cell: str, source: str, interval: str | None) -> None:
+def _cell(ledger: Ledger, place: str, name: str, cell: str, source: str, half: float, factor: float) -> None:
     """Judge one cell: words, a number of five digits, or a number with its interval."""
-    value = _float(source)
+    value = factor * _float(source)
     if math.isnan(value) and source not in ("", "nan"):
-        ledger.same(place, name, _words(cell), _words(source))
+        # A page sets some signs otherwise than they are typed.
+        cell, source = (re.sub("[ ^]", "", text).replace("\u2032", "'") for text in (cell, source))
+        ledger.same(place, name, cell, source)
     elif "+-" in cell:
         # (2.10 +- 0.32)e-05
-        number, _, half = cell.removeprefix("(").partition("+-")
-        half, _, power = half.partition(")")
+        number, _, interval = cell.removeprefix("(").partition("+-")
+        interval, _, power = interval.partition(")")
         ledger.text(place, name, number.strip() + power, value)
-        ledger.text(place, f"{name}, its interval", half.strip() + power, _float(interval or "nan"))
+        ledger.text(place, f"{name}, its interval", interval.strip() + power, half)
     else:
         ledger.text(place, name, cell, value, 5)

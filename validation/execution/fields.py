@@ -7,7 +7,6 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact.contact import ContactResult, Cost, Residuals, Status
 from validation.execution.netcdf import InMemory, reading
@@ -21,8 +20,10 @@ _FIELDS = {
     "heights": ("m", "rigid profile, positive towards the elastic body"),
     "contacting_points": ("1", "membership of the contact set"),
     "at_bound": ("1", "points held at the pressure bound"),
+    "weights": ("1", "area carried by each point over the mean cell area"),
 }
-_OPTIONAL = {"weights": ("1", "area carried by each point over the mean cell area")}
+#: In a `ContactResult`, where it has another name there.
+_NAMES = {"contacting_points": "in_contact"}
 _FORMAT = "fem-contact result 1"
 
 #: Fields that are mostly zero or one; compressing others costs 50 ms per 256 x 256 points and saves nothing.
@@ -31,16 +32,6 @@ _COMPRESSED = frozenset({"pressure", "contacting_points", "at_bound"})
 
 def encode_result(result: ContactResult, *, recipe: str) -> memoryview:
     """Return one solve as a netCDF file."""
-    values: dict[str, NDArray[Any]] = {
-        "pressure": result.pressure,
-        "gap": result.gap,
-        "displacement": result.displacement,
-        "heights": result.heights,
-        "contacting_points": result.in_contact.astype(np.int8),
-        "at_bound": result.at_bound.astype(np.int8),
-    }
-    if result.weights is not None:
-        values["weights"] = result.weights
     memory = InMemory()
     file = memory.file
     file.setncatts(
@@ -62,14 +53,15 @@ def encode_result(result: ContactResult, *, recipe: str) -> memoryview:
         positions = file.createVariable(axis, "f8", (axis,))
         positions.units = "m"
         positions[...] = np.arange(count) * step
-    for name in values:
-        unit, words = (_FIELDS | _OPTIONAL)[name]
-        packed = name in _COMPRESSED
+    for name, (unit, words) in _FIELDS.items():
+        if (value := getattr(result, _NAMES.get(name, name))) is None:
+            continue
+        value, packed = value.astype(np.int8) if value.dtype == bool else value, name in _COMPRESSED
         # Checksums on all: whoever reads the file with another tool notices damage, too.
         options: Any = {"zlib": packed, "complevel": 1, "shuffle": packed, "fletcher32": True}
-        variable = file.createVariable(name, values[name].dtype, ("x", "y"), **options)
+        variable = file.createVariable(name, value.dtype, ("x", "y"), **options)
         variable.setncatts({"units": unit, "long_name": words})
-        variable[...] = values[name]
+        variable[...] = value
     return memory.close()
 
 
@@ -80,20 +72,15 @@ def decode_result(content: memoryview) -> ContactResult:
         attributes = {name: file.getncattr(name) for name in file.ncattrs()}
         if attributes["format"] != _FORMAT:
             raise ValueError(f"is not a '{_FORMAT}' file")
-        values = {name: file.variables[name][...] for name in _FIELDS}
-        weights = file.variables["weights"][...] if "weights" in file.variables else None
+        present = [name for name in _FIELDS if name != "weights" or name in file.variables]
+        values = {_NAMES.get(name, name): file.variables[name][...] for name in present}
+    values |= {name: values[name].astype(bool) for name in ("in_contact", "at_bound")}
     return ContactResult(
-        pressure=values["pressure"],
-        gap=values["gap"],
-        displacement=values["displacement"],
-        heights=values["heights"],
-        in_contact=values["contacting_points"].astype(bool),
-        at_bound=values["at_bound"].astype(bool),
+        **values,
         lengths=(float(attributes["lengths"][0]), float(attributes["lengths"][1])),
         contact_modulus=float(attributes["contact_modulus"]),
         offset=float(attributes["offset"]),
         mean_pressure=float(attributes["mean_pressure"]),
-        weights=weights,
         status=Status[attributes["status"]],
         residuals=Residuals(**json.loads(attributes["residuals"])),
         cost=Cost(**json.loads(attributes["cost"])),

@@ -76,7 +76,12 @@ def scheduled(
     under_way: dict[Any, Solve] = {}
     deaths: Counter[str] = Counter()
     while waiting or suspects or under_way:
-        while solve := _next(waiting, suspects, list(under_way.values()), workers):
+        busy = list(under_way.values())
+        if not waiting and suspects and not busy:  # alone
+            waiting.append(suspects.pop(0))
+        while (k := next((k for k, s in enumerate(waiting) if workers.room(s, busy)), None)) is not None:
+            solve = waiting.pop(k)
+            busy.append(solve)
             progress.begin(solve)
             under_way[workers.submit(solve)] = solve
         for future in workers.finished(under_way):
@@ -105,17 +110,6 @@ def scheduled(
                     last = f"and once more when nothing else ran{death}"
                     why = f"{workers.lost}, {last}: killed from outside or for lack of memory"
                     yield solve, Outcome(error=f"{solve.describe()}: {why}")
-
-
-def _next(
-    waiting: list[Solve], suspects: list[Solve], under_way: Sequence[Solve], workers: Workers
-) -> Solve | None:
-    """Take the first solve that may begin now; a suspect runs alone."""
-    if not waiting:
-        return suspects.pop(0) if suspects and not under_way else None
-    fitting = (k for k, solve in enumerate(waiting) if workers.room(solve, under_way))
-    k = next(fitting, None)
-    return None if k is None else waiting.pop(k)
 
 
 class _Worker(Child):

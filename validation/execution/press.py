@@ -70,11 +70,6 @@ class Press(Solve):
             "effects": [effect.model_dump(mode="json", exclude_none=True) for effect in self.effects],
         }
 
-    @cached_property
-    def key(self) -> str:
-        """Name on disk, made once."""
-        return super().key
-
     @property
     def prefix(self) -> str:
         """Method and grid."""

@@ -7,6 +7,7 @@ import json
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -120,7 +121,7 @@ class Solve(ABC):
             {"results_version": RESULTS_VERSION, "kind": self.kind, **self.recipe}, sort_keys=True
         )
 
-    @property
+    @cached_property
     def key(self) -> str:
         """Name on disk: readable, then the hash of the recipe."""
         return f"{self.prefix}-{hashlib.sha256(self.recipe_text.encode()).hexdigest()[:16]}"

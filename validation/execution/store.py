@@ -102,15 +102,6 @@ class Store:
                 "another store, or move it away"
             ) from error
 
-    def load(self, solve: Solve) -> Any:
-        """Read the result of a finished solve; None if there is none."""
-        stored = self.read(solve)
-        return None if stored is None else stored.result
-
-    def holds(self, solve: Solve) -> bool:
-        """Whether an intact result of the solve is stored."""
-        return self.read(solve) is not None
-
 
 def read_result(path: Path) -> ContactResult:
     """Read the fields of a stored solve by the name of its file; RunFailed for none, or a damaged one."""
