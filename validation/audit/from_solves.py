@@ -24,14 +24,15 @@ _LEAST_POINTS = 3.0
 def _places(result: Result, variable: xr.Variable) -> Iterator[tuple[Any, str]]:
     """Yield index and keys of the solves of a variable: those named along most of its dimensions."""
     named = [
-        one
-        for name, one in result.data.items()
-        if name.startswith("solve") and set(one.dims) <= set(variable.dims)
+        solves
+        for name, solves in result.data.items()
+        if name.startswith("solve") and set(solves.dims) <= set(variable.dims)
     ]
-    solves = max(named, key=lambda one: len(one.dims), default=None)
-    for place, key in np.ndenumerate(solves.values) if solves is not None else ():
-        at = dict(zip(solves.dims, place, strict=True)) if solves is not None else {}
-        yield tuple(at.get(dim, slice(None)) for dim in variable.dims), str(key)
+    if named:
+        solves = max(named, key=lambda solves: solves.ndim)
+        for place, key in np.ndenumerate(solves.values):
+            at = dict(zip(solves.dims, place, strict=True))
+            yield tuple(at.get(dim, slice(None)) for dim in variable.dims), str(key)
 
 
 def over_solves(result: Result, variable: xr.Variable, read: Callable[[xr.Dataset], Any]) -> Array | None:
@@ -39,19 +40,18 @@ def over_solves(result: Result, variable: xr.Variable, read: Callable[[xr.Datase
 
     Of a list by load that has one, a variable without that dimension is the value.
     """
-    found, seen = np.full(variable.values.shape, np.nan), False
+    filled, seen = np.full(variable.shape, np.nan), False
     for index, key in _places(result, variable):
-        solve = result.solve(key) if key else None
-        values: Any = None if solve is None else read(solve)
-        if key and values is None:
-            return None
+        if not key:
+            continue
+        solve = result.solve(key)
+        values = None if solve is None else read(solve)
         if "load" not in variable.dims and isinstance(values, list) and len(values) == 1:
             values = values[0]
-        if key and np.shape(values) != found[index].shape:
+        if values is None or np.shape(values) != filled[index].shape:
             return None
-        if key:
-            found[index], seen = values, True
-    return found if seen else None
+        filled[index], seen = values, True
+    return filled if seen else None
 
 
 def limits(solve: xr.Dataset, *, without: int = 0) -> list[tuple[float, float]]:
@@ -59,27 +59,21 @@ def limits(solve: xr.Dataset, *, without: int = 0) -> list[tuple[float, float]]:
     wave = solve["points_per_wave"].values
     grids = np.flatnonzero(wave >= _LEAST_POINTS * (1 - 1e-9))[without:]
     points, cells = solve["points"].values, solve["cells"].values
-    pixel, perimeter, subcell, edges = (
-        ordered(solve.variables[name], ("grid", "shift", "load"))
-        for name in ("pixel", "perimeter", "subcell", "edge_fraction")
-    )
-    traits = {name: ordered(solve.variables[name], ("grid", "shift", "load")) for name in TRAITS}
+    names = {"edge_fraction": "edges"} | {name: name for name in ("pixel", "perimeter", "subcell", *TRAITS)}
+    arrays = {to: ordered(solve.variables[name], ("grid", "shift", "load")) for name, to in names.items()}
+    _, shifts, loads = arrays["pixel"].shape
     found = []
-    for load in range(pixel.shape[2]):
+    for load in range(loads):
         areas: list[Any] = [
             SimpleNamespace(
                 spacing=(1 / float(points[i]), float(points[i]) / float(cells[i])),
                 cells=int(cells[i]),
-                pixel=float(pixel[i, j, load]),
-                perimeter=float(perimeter[i, j, load]),
-                edges=float(edges[i, j, load]),
-                subcell=float(subcell[i, j, load]),
-                **{name: float(one[i, j, load]) for name, one in traits.items()},
+                **{name: float(values[i, j, load]) for name, values in arrays.items()},
             )
             for i in grids
-            for j in range(pixel.shape[1])
+            for j in range(shifts)
         ]
-        located = not any(math.isnan(one.subcell) for one in areas)
+        located = not any(math.isnan(area.subcell) for area in areas)
         found.append(limit_over(areas, located=located))
     return found
 

@@ -121,7 +121,7 @@ def _worst(
 
 def _total(data: Variables, name: str, place: Mapping[str, int]) -> float | None:
     """Root sum of squares of the sources that enter and are measured; None for what has no errors."""
-    return float(_totals(data, name, place)) if f"{name}_error" in data else None
+    return float(_totals(data, name, place).item()) if f"{name}_error" in data else None
 
 
 def _totals(data: Variables, name: str, place: Mapping[str, int]) -> Array:
