@@ -74,7 +74,8 @@ def sealed_bytes(path: Path) -> bytes:
     content = read_whole(path, most=LARGEST)
     body, foot = memoryview(content)[:-72], content[-72:]
     if foot != b"sha256 %s\n" % hashlib.sha256(body).hexdigest().encode():
-        raise ValueError(f"{path.name} is not what was written (SHA-256)")
+        # No ValueError, after which a number would count as one that cannot be judged.
+        raise OSError(f"{path.name} is not what was written (SHA-256)")
     return content
 
 

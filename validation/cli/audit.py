@@ -33,7 +33,7 @@ def audit(
     except (OSError, ValueError, LookupError) as error:
         absent = Path(error.filename).name if isinstance(error, FileNotFoundError) else error
         why = f"no {absent} in it" if isinstance(error, (FileNotFoundError, KeyError)) else error
-        raise UsageError(f"{folder}: cannot be audited: {why}; name the results of a run") from None
+        raise UsageError(f"{folder}: cannot be audited: {why}; run it again, or name a result") from None
     if as_json:
         print_json({"entries": [asdict(entry) for entry in ledger.entries], "unread": ledger.unread})
     else:

@@ -7,7 +7,6 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from validation.cases import NotJudged
 from validation.cases.scorecard import Scorecard, ladder, rows, score
 from validation.cases.scorecard.subject import Subject
 from validation.errors import UsageError
-from validation.files import atomic_path, write_json
+from validation.files import atomic_path, read_record, write_json, write_record
 from validation.solvers.base import Claim, Job
 from validation.solvers.bem import Bem
 
@@ -84,13 +83,13 @@ class _Answers(_Posed):
         folder = self.folders.get(_key(job))
         if folder is None:
             raise NotJudged("a problem that was not exported")
-        answer = _read_json(folder / "answer.json")
+        seconds, iterations = _effort(folder / "answer.json")
         return Claim(
             pressure=_pressure(folder, job.field.shape),
             in_contact=None,
-            iterations=int(answer.get("iterations", 0)),
-            wall_seconds=float(answer.get("seconds", np.nan)),
-            cpu_seconds=float(answer.get("seconds", np.nan)),
+            iterations=iterations,
+            wall_seconds=seconds,
+            cpu_seconds=seconds,
             peak_bytes=0,
         )
 
@@ -118,7 +117,7 @@ def export(folder: Path, *, points: int, tolerance: float) -> int:
         place.mkdir(parents=True, exist_ok=True)
         _write(place, number, job, tolerance)
     index = {"format": _FORMAT, "points": points, "tolerance": tolerance, "problems": len(problems)}
-    write_json(folder / _INDEX, index)
+    write_record(folder / _INDEX, index)
     return len(problems)
 
 
@@ -130,9 +129,15 @@ def score_folder(folder: Path, *, tell: Callable[[str], None] | None = None) -> 
     UsageError
         For a folder that is no challenge, holds no answer, or one that cannot be read.
     """
-    index = _read_json(folder / _INDEX)
-    if index.get("format") != _FORMAT:
-        raise UsageError(f"{folder}: is no challenge; make one with: fem-contact challenge export DIR")
+    try:
+        index = read_record(folder / _INDEX)
+        if index["format"] != _FORMAT:
+            raise ValueError(f"{_INDEX} is of another version")
+    except (OSError, ValueError, KeyError) as error:
+        why = f"no {_INDEX} in it" if isinstance(error, FileNotFoundError) else error
+        raise UsageError(
+            f"{folder}: is no challenge ({why}); make one with: fem-contact challenge export DIR"
+        ) from None
     points, tolerance = int(index["points"]), float(index["tolerance"])
     problems = _problems(folder, points, tolerance)
     answered = [place for place in problems if _answer(place)]
@@ -140,6 +145,7 @@ def score_folder(folder: Path, *, tell: Callable[[str], None] | None = None) -> 
         raise UsageError(f"{folder}: no answer; write pressure.npy or pressure.txt beside the heights")
     for place in answered:
         _pressure(place, problems[place].field.shape)
+        _effort(place / "answer.json")
     subject = Subject(
         name=folder.resolve().name,
         solver=_Answers(problems, points),
@@ -203,17 +209,17 @@ def _pressure(folder: Path, shape: tuple[int, int]) -> Array:
             found = np.asarray(np.load(file, allow_pickle=False), dtype=float)
         else:
             found = np.loadtxt(file, ndmin=2)
-    except (OSError, ValueError, TypeError) as problem:
-        raise UsageError(f"{file}: cannot be read: {problem}") from None
+    except (OSError, ValueError, TypeError, EOFError, MemoryError) as problem:
+        raise UsageError(f"{file}: cannot be read: {problem}; write it again") from None
     if found.shape != shape:
         raise UsageError(f"{file}: shape {found.shape}: must be that of the heights, {shape}")
     return np.array(found, dtype=np.float64)
 
 
-def _read_json(file: Path) -> dict[str, Any]:
-    """Return what a JSON file says; nothing where there is none or it says something else."""
+def _effort(file: Path) -> tuple[float, int]:
+    """Return the processor time and iterations that an answer tells; NaN and 0 without one."""
     try:
-        found = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return found if isinstance(found, dict) else {}
+        answer = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+        return float(answer.get("seconds", np.nan)), int(answer.get("iterations", 0))
+    except (OSError, ValueError, TypeError, AttributeError, OverflowError, RecursionError) as problem:
+        raise UsageError(f"{file}: cannot be read: {problem}; write it again, or remove it") from None
