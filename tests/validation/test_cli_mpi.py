@@ -52,6 +52,13 @@ def test_the_command_presses_the_surface_of_the_scene_and_uses_finished_grids_ag
             same = value if value is None else pytest.approx(value, rel=1e-9)
             assert row["areas"][name] == same, name
         assert (tmp_path / "out" / "mpi" / f"{solve.key}.h5").exists()
+    path = tmp_path / "out" / "mpi" / f"{solve.key}.h5"
+    whole = path.read_bytes()
+    path.write_bytes(whole.replace(b'"pixel": 0.', b'"pixel": 7.'))
+    outcome = CliRunner().invoke(app, command)
+    assert f"{path.name}: damaged" in outcome.stderr
+    assert json.loads(outcome.stdout)["limit"] == found["limit"]
+    path.write_bytes(whole)
     monkeypatch.setattr("fem_contact.bem.solve", None)
     assert json.loads(CliRunner().invoke(app, command).stdout) == found
     shown = CliRunner().invoke(app, [*command[:3], *command[4:]]).stdout

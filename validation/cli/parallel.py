@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import json
 import os
 import sys
@@ -96,22 +97,15 @@ def _solves(scene: Scene) -> list[Press]:
 
 def _solved(solve: Press, folder: Path, comm: Any) -> dict[str, Any]:
     """Solve, or find finished, one grid; what is told of it."""
-    import h5py
-
     from fem_contact import bem
     from validation.effects.base import ContactModel
     from validation.scenes.surfaces import waves_drawn
     from validation.scenes.tables import FileSurface
 
     path = folder / f"{solve.key}.h5"
-    stored = None
-    if comm.rank == 0 and path.exists():
-        with h5py.File(path) as file:
-            if file.attrs.get("recipe") == solve.recipe_text:
-                stored = json.loads(file.attrs["row"])
-    stored = comm.bcast(stored)
+    stored: dict[str, Any] | None = comm.bcast(_finished(solve, path) if comm.rank == 0 else None)
     if stored is not None:
-        return dict(stored)
+        return stored
     rough = solve.problem.surface
     surface = (
         # Every process reads a measured surface; of a random one each makes its slab.
@@ -147,8 +141,29 @@ def _solved(solve: Press, folder: Path, comm: Any) -> dict[str, Any]:
     }
     if comm.rank == 0:
         folder.mkdir(parents=True, exist_ok=True)
-    result.write(path, about={"recipe": solve.recipe_text, "row": json.dumps(row)})
+    told = json.dumps(row)
+    result.write(path, about={"recipe": solve.recipe_text, "row": told, "sha256": _digest(solve, told)})
     return row
+
+
+def _digest(solve: Press, told: str) -> str:
+    return hashlib.sha256(f"{solve.recipe_text}\n{told}".encode()).hexdigest()
+
+
+def _finished(solve: Press, path: Path) -> dict[str, Any] | None:
+    """Return what is told of a finished grid; None where there is none, or one that is damaged."""
+    import h5py
+
+    from validation.cli.options import say
+
+    if not path.exists():
+        return None
+    with contextlib.suppress(Exception), h5py.File(path) as file:  # whatever damaged bytes lead to
+        told = str(file.attrs["row"])
+        if file.attrs["sha256"] == _digest(solve, told):
+            return dict(json.loads(told))
+    say(f"{path}: damaged, or of another version; computed again")
+    return None
 
 
 def _print(rows: list[dict[str, Any]], folder: Path, processes: int, *, as_json: bool) -> None:
