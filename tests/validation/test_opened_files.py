@@ -52,6 +52,8 @@ COMMANDS = {
 _BY_HAND = {"scene.toml", "sweep.toml", "pressure.npy", "answer.json"}
 #: Opened here: in a child process, where nobody watches.
 _BY_A_CHILD = {"inspect": {"rough.nc"}}
+#: Long to make, or read by what reads the others, too.
+_LONG = re.compile("reproduce|(report|compare) of (sweep|accuracy)")
 _TIMES = re.compile("second|bytes|date|when|host|cost|made|version")
 #: What is opened goes to the last of these.
 _watched: list[tuple[list[Path], set[Path]]] = []
@@ -151,7 +153,7 @@ def _damaged(whole: bytes, chance: random.Random) -> bytes:
 
 @pytest.mark.parametrize("count", COUNTS)
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.nightly] * ("reproduce" in name)) for name in COMMANDS]
+    "name", [pytest.param(name, marks=[pytest.mark.nightly] * bool(_LONG.search(name))) for name in COMMANDS]
 )
 def test_no_file_that_a_command_opens_is_believed_once_changed(results, name, count, monkeypatch, tmp_path):
     monkeypatch.chdir(results)
