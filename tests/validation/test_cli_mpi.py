@@ -52,7 +52,7 @@ def test_the_command_presses_the_surface_of_the_scene_and_uses_finished_grids_ag
             same = value if value is None else pytest.approx(value, rel=1e-9)
             assert row["areas"][name] == same, name
         assert (tmp_path / "out" / "mpi" / f"{solve.key}.h5").exists()
-    path = tmp_path / "out" / "mpi" / f"{solve.key}.h5"
+    path = tmp_path / "out" / "mpi" / f"{solve.key}.json"
     whole = path.read_bytes()
     path.write_bytes(whole.replace(b'"pixel": 0.', b'"pixel": 7.'))
     outcome = CliRunner().invoke(app, command)

@@ -213,12 +213,12 @@ def test_while_one_process_writes_into_a_folder_others_wait_or_say_so(tmp_path, 
 
 @pytest.mark.parametrize(("at_once", "rounds"), [(2, 1), pytest.param(10, 20, marks=pytest.mark.nightly)])
 def test_runs_at_once_in_one_folder_each_end_well(tmp_path, at_once, rounds):
-    for k in range(2):
-        (tmp_path / f"{k}.toml").write_text(small_scene(grids="[12, 24]").replace("seed = 77", f"seed = {k}"))
+    for k, grids in enumerate(("[12, 24]", "[24, 32]", "[12, 32]")):  # which share their solves
+        (tmp_path / f"{k}.toml").write_text(small_scene(grids=grids))
     for _ in range(rounds):
         runs = [
             subprocess.Popen(
-                [sys.executable, "-m", "validation.cli", "run", f"{k % 2}.toml", "-o", "out", "-q"],
+                [sys.executable, "-m", "validation.cli", "run", f"{k % 3}.toml", "-o", "out", "-q"],
                 cwd=tmp_path,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,
@@ -231,3 +231,4 @@ def test_runs_at_once_in_one_folder_each_end_well(tmp_path, at_once, rounds):
             assert run.returncode == 0 or "another run is writing there" in said, said
         outcome = CliRunner().invoke(app, ["audit", str(tmp_path / "out")])
         assert outcome.exit_code == 0, outcome.output or outcome.exception
+        assert not [path for path in (tmp_path / "out").rglob("*") if path.name.startswith(".")], "drafts"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import json
 import os
 import sys
@@ -17,6 +16,7 @@ import typer
 from fem_contact.area import ContactAreas
 from fem_contact.errors import FemContactError, NotConverged
 from validation.errors import RunFailed, UsageError
+from validation.files import read_record, write_record
 
 if TYPE_CHECKING:
     from validation.execution.press import Press
@@ -141,28 +141,25 @@ def _solved(solve: Press, folder: Path, comm: Any) -> dict[str, Any]:
     }
     if comm.rank == 0:
         folder.mkdir(parents=True, exist_ok=True)
-    told = json.dumps(row)
-    result.write(path, about={"recipe": solve.recipe_text, "row": told, "sha256": _digest(solve, told)})
+    result.write(path, about={"recipe": solve.recipe_text, "row": json.dumps(row)})
+    if comm.rank == 0:
+        write_record(path.with_suffix(".json"), {"recipe": solve.recipe_text, "row": row})
     return row
 
 
-def _digest(solve: Press, told: str) -> str:
-    return hashlib.sha256(f"{solve.recipe_text}\n{told}".encode()).hexdigest()
-
-
 def _finished(solve: Press, path: Path) -> dict[str, Any] | None:
-    """Return what is told of a finished grid; None where there is none, or one that is damaged."""
-    import h5py
-
+    """Return what the record beside a finished grid tells; None without one, or for one that is damaged."""
     from validation.cli.options import say
 
-    if not path.exists():
-        return None
-    with contextlib.suppress(Exception), h5py.File(path) as file:  # whatever damaged bytes lead to
-        told = str(file.attrs["row"])
-        if file.attrs["sha256"] == _digest(solve, told):
-            return dict(json.loads(told))
-    say(f"{path}: damaged, or of another version; computed again")
+    record = path.with_suffix(".json")
+    try:
+        stored = read_record(record)
+        if path.exists() and stored["recipe"] == solve.recipe_text:
+            return dict(stored["row"])
+    except FileNotFoundError:
+        pass
+    except (OSError, ValueError) as damage:
+        say(f"{record}: damaged ({damage}); computed again")
     return None
 
 
