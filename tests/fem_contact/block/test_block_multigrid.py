@@ -12,7 +12,6 @@ from fem_contact.block.full.cells import overlap_means
 from fem_contact.block.full.linear import conjugate_gradients
 from fem_contact.block.full.multigrid import Hierarchy, Transfer, build_hierarchy
 from fem_contact.block.full.quadratic import QuadraticBlock, parity_blocks, refined_hierarchy
-from fem_contact.block.full.stencil import TERMS
 from fem_contact.block.session import needed_bytes
 from fem_contact.solid import Solid
 
@@ -33,47 +32,6 @@ def some_tied(shape, *, seed=5):
     tied = np.random.default_rng(seed).random(shape) < 0.2
     tied[1:3, 2:4] = True
     return tied
-
-
-# The NumPy twins.
-
-
-def twin_apply(c, u):
-    """Sum what every plane does to its neighbours, one mirror image after the other."""
-    forces = np.zeros_like(u)
-    nz = u.shape[2]
-    for target in (-1, 0, 1):
-        source = slice(max(0, -target), nz - max(0, target))
-        onto = slice(max(0, target), nz - max(0, -target))
-        for term, (a, b, x, y) in enumerate(TERMS):
-            odd_x, odd_y = (a == 0) != (b == 0), (a == 1) != (b == 1)
-            for i in {x, -x}:
-                for j in {y, -y}:
-                    sign = (-1 if odd_x and i < 0 else 1) * (-1 if odd_y and j < 0 else 1)
-                    moved = np.roll(u[..., b], (-i, -j), axis=(0, 1))
-                    forces[:, :, onto, a] += sign * c[source, target + 1, term] * moved[:, :, source]
-    return forces
-
-
-def twin_relax(c, f, tied, u, *, backward):
-    """Solve the columns of one colour at once with a dense matrix; only for even numbers of columns."""
-    nz = u.shape[2]
-    line = np.zeros((3 * nz, 3 * nz))
-    for column in range(3 * nz):
-        unit = np.zeros((4, 4, nz, 3))
-        unit[0, 0].flat[column] = 1
-        line[:, column] = twin_apply(c, unit)[0, 0].ravel()
-    u = u.copy()
-    for colour in (3, 2, 1, 0) if backward else (0, 1, 2, 3):
-        left = f - twin_apply(c, u)
-        for i in range(colour // 2, u.shape[0], 2):
-            for j in range(colour % 2, u.shape[1], 2):
-                free = np.ones(3 * nz, dtype=bool)
-                free[-1] = not tied[i, j]
-                change = np.zeros(3 * nz)
-                change[free] = np.linalg.solve(line[np.ix_(free, free)], left[i, j].ravel()[free])
-                u[i, j] += change.reshape(nz, 3)
-    return u
 
 
 def twin_interpolation(fine, coarse):
@@ -99,25 +57,17 @@ def test_the_stencil_is_the_assembled_matrix(element, shape, layered):
     np.testing.assert_allclose(found, exact, rtol=0, atol=1e-14 * np.abs(exact).max())
 
 
-@pytest.mark.parametrize("shape", [(6, 8), (5, 3), (2, 1)])
-def test_forces_are_their_twin(shape):
-    _, hierarchy, _ = hierarchy_of(shape, layered=True)
-    level, generator = hierarchy.levels[0], np.random.default_rng(31)
-    u = generator.standard_normal(level.field_shape)
-    exact, found = twin_apply(level.coefficients, u), np.empty_like(u)
-    kernels.apply_stencil(level.coefficients, u, found)
-    np.testing.assert_allclose(found, exact, atol=1e-13 * np.abs(exact).max())
-
-
-@pytest.mark.parametrize("backward", [False, True])
-def test_relaxation_is_its_twin(backward):
-    _, hierarchy, _ = hierarchy_of((6, 8), layered=True)
-    level, generator = hierarchy.levels[0], np.random.default_rng(32)
-    u, f = generator.standard_normal((2, *level.field_shape))
-    tied = some_tied((6, 8))
-    exact = twin_relax(level.coefficients, f, tied, u, backward=backward)
-    kernels.relax(level.coefficients, level.lines.low, level.lines.reciprocal, f, tied, u, backward)
-    np.testing.assert_allclose(u, exact, atol=1e-12 * np.abs(exact).max())
+@pytest.mark.parametrize("shape", [(2, 1), (1, 1)])
+def test_few_columns_bear_what_their_periods_do_on_a_larger_grid(shape):
+    few, many = (
+        hierarchy_of(cells, cells, layered=True, depth=2.0)[1].levels[0] for cells in (shape, (6, 4))
+    )
+    u, times = (
+        np.random.default_rng(31).standard_normal(few.field_shape),
+        (6 // shape[0], 4 // shape[1], 1, 1),
+    )
+    exact = many.apply(np.tile(u, times))
+    np.testing.assert_allclose(np.tile(few.apply(u), times), exact, atol=1e-13 * np.abs(exact).max())
 
 
 @pytest.mark.parametrize(
@@ -140,8 +90,8 @@ def test_a_coarser_grid_is_what_interpolation_makes_of_the_finer_one():
     _, hierarchy, _ = hierarchy_of((8, 6), layered=True)
     fine, coarse = hierarchy.levels[:2]
     u = np.random.default_rng(34).standard_normal(coarse.field_shape)
-    exact = fine.restricted(twin_apply(fine.coefficients, fine.prolonged(u)))
-    np.testing.assert_allclose(twin_apply(coarse.coefficients, u), exact, atol=1e-12 * np.abs(exact).max())
+    exact = fine.restricted(fine.apply(fine.prolonged(u)))
+    np.testing.assert_allclose(coarse.apply(u), exact, atol=1e-12 * np.abs(exact).max())
 
 
 def cell_moduli(mesh, contrast, *, seed=15):
@@ -162,10 +112,12 @@ def test_cells_of_a_modulus_each_sum_to_the_assembled_matrix(shape, element):
 
 
 @pytest.mark.parametrize("backward", [False, True])
-def test_relaxing_cells_of_a_modulus_each_solves_one_column_after_the_other(backward):
+@pytest.mark.parametrize("layered", [False, True])
+def test_relaxing_cells_of_a_modulus_each_solves_one_column_after_the_other(layered, backward):
     mesh = plan_mesh((4, 6), (1.0, 1.1))
-    modulus = cell_moduli(mesh, 100.0)
-    matrix = assemble(mesh, poisson=0.3, modulus=modulus).free().toarray()
+    modulus = np.linspace(1.0, 7.0, mesh.nz) if layered else cell_moduli(mesh, 100.0)
+    moduli = np.broadcast_to(modulus, (*mesh.cells, mesh.nz))
+    matrix = assemble(mesh, poisson=0.3, modulus=moduli).free().toarray()
     level = build_hierarchy(mesh, poisson=0.3, modulus=modulus).levels[0]
     u, f = np.random.default_rng(32).standard_normal((2, *level.field_shape))
     tied = some_tied((4, 6))
@@ -224,7 +176,7 @@ def test_a_single_column_is_solved_exactly():
     level = hierarchy.levels[0]
     f = np.random.default_rng(36).standard_normal(level.field_shape)
     u = hierarchy.cycle(f, (np.zeros((1, 1), dtype=bool),))
-    np.testing.assert_allclose(twin_apply(level.coefficients, u), f, atol=1e-12)
+    np.testing.assert_allclose(level.apply(u), f, atol=1e-12)
 
 
 def steps_of(hierarchy: Hierarchy, tied, block=None) -> int:

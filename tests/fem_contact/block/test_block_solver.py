@@ -9,8 +9,6 @@ from fem_contact.surface import HeightField
 
 SOLID = Solid(young=3e9, poisson=0.3)
 
-#: Sum of 1 / r^3 over the points of a unit square lattice other than the origin.
-
 
 def rough(
     shape: tuple[int, int], lengths: tuple[float, float] = (1e-5, 1e-5), *, seed: int = 7
@@ -75,23 +73,6 @@ def test_provenance_names_what_was_solved(solution: BlockSolution) -> None:
     assert solution.contact.cost.unknowns == estimate((20, 20)).unknowns == 3 * 20 * 20 * solution.layers.size
 
 
-@pytest.mark.parametrize(
-    ("changes", "name"),
-    [
-        ({"mean_pressure": -1.0}, "mean_pressure"),
-        ({"mean_pressure": float("nan")}, "mean_pressure"),
-        ({"tolerance": 0.0}, "tolerance"),
-        ({"max_iterations": 0}, "max_iterations"),
-        ({"start": np.ones((3, 3), dtype=bool)}, "start"),
-        ({"depth": 0.0}, "depth"),
-    ],
-)
-def test_bad_arguments_are_refused_by_name(changes: dict[str, object], name: str) -> None:
-    surface = HeightField(heights=np.zeros((4, 4)), lengths=(1.0, 1.0))
-    with pytest.raises(InvalidInput, match=name):
-        solve(surface, SOLID, **({"mean_pressure": 1e6, "method": "full"} | changes))
-
-
 def test_too_large_a_block_is_refused_before_anything_is_assembled() -> None:
     surface = HeightField(heights=np.zeros((4096, 4096)), lengths=(1.0, 1.0))
     with pytest.raises(InsufficientMemory, match="GiB are available"):
@@ -144,17 +125,23 @@ def test_an_option_that_the_mesh_does_not_have_is_refused() -> None:
         ("method", np.array([])),
         ("modulus", 2.0),
         ("pressure_bound", "x"),
+        ("mean_pressure", -1.0),
+        ("mean_pressure", float("nan")),
         ("tolerance", 5e-324),
+        ("tolerance", 0.0),
+        ("max_iterations", 0),
         ("max_iterations", float("nan")),
         ("max_iterations", True),
         ("start", "x"),
+        ("start", np.ones((3, 3), dtype=bool)),
+        ("depth", 0.0),
         ("depth", "x"),
         ("growth", [1.2]),
         ("first_layer", 10**400),
         ("element", []),
     ],
 )
-def test_what_is_of_the_wrong_type_is_refused_by_name(method: str, argument: str, value: object) -> None:
+def test_what_cannot_be_is_refused_by_name(method: str, argument: str, value: object) -> None:
     given = {"surface": rough((10, 11)), "solid": SOLID, "mean_pressure": 1e5, "method": method}
-    with pytest.raises(InvalidInput, match=f"^{argument} = "):
+    with pytest.raises(InvalidInput, match=f"^{argument} (=|of shape) "):
         solve(**(given | {argument: value}))
