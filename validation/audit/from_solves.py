@@ -80,22 +80,18 @@ def limits(solve: xr.Dataset, *, without: int = 0) -> list[tuple[float, float]]:
 
 def limit(result: Result, name: str, variable: xr.Variable, *, error: bool = False) -> Array | None:
     """Limits over the grids of each solve, or their standard errors."""
-    if variable.attrs["of"] != "subcell":
-        return _limit_of_fields(result, variable, error=error)
-    return over_solves(result, variable, lambda solve: [found[int(error)] for found in limits(solve)])
-
-
-def _limit_of_fields(result: Result, variable: xr.Variable, *, error: bool) -> Array | None:
-    """Limits from the fields of several solves, whose keys stand beside each other."""
-    found = np.full(variable.values.shape, np.nan)
+    if variable.attrs["of"] == "subcell":
+        return over_solves(result, variable, lambda solve: [pair[int(error)] for pair in limits(solve)])
+    # From the fields of several solves, whose keys stand beside each other.
+    filled = np.full(variable.shape, np.nan)
     for index, keys in _places(result, variable):
         fields = [result.fields(key) for key in keys.split()]
-        solves = [one for one in fields if one is not None]
+        solves = [solve for solve in fields if solve is not None]
         if not solves or len(solves) < len(fields):
             return None
-        plain = not any(one.recipe.get("effects") for one in solves)
-        found[index] = limit_over(solves, located=plain)[int(error)]
-    return found
+        plain = not any(solve.recipe.get("effects") for solve in solves)
+        filled[index] = limit_over(solves, located=plain)[int(error)]
+    return filled
 
 
 def drift(result: Result, name: str, variable: xr.Variable) -> Array | None:

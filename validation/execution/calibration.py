@@ -71,24 +71,14 @@ def calibrate(
 ) -> EffectCosts:
     """Measure the factors on this machine and keep them; a UsageError where the cache cannot be written.
 
-    On a surface of so many `points` along a side; of the `repeats` of each solve after the first, which
-    compiles, the fastest counts. `tell` is given a line for every effect.
+    All on one surface of so many `points` along a side, grid and load, on one thread; of the `repeats` of
+    each solve after the first, which compiles, the fastest counts. `tell` is given a line for every effect.
     """
-    folder = prepare_folder(cache_file().parent, option="cache")
-    seconds = _measured(points, repeats, tell)
-    plain = seconds.pop("plain")
-    factors = {kind: value / plain for kind, value in seconds.items()}
-    today = date.today().isoformat()
-    write_record(folder / cache_file().name, {"date": today, "points": points, "factors": factors})
-    return EffectCosts(factors=MappingProxyType(factors), source=f"measured on this machine, {today}")
-
-
-def _measured(points: int, repeats: int, tell: Callable[[str], None] | None) -> dict[str, float]:
-    """Processor seconds of each solve, all on one surface, grid and load, on one thread."""
     from fem_contact.solid import Solid
     from validation.effects.base import ContactModel
     from validation.solvers.base import Job, example_field
 
+    folder = prepare_folder(cache_file().parent, option="cache")
     field, solid, bem = example_field(points), Solid(young=1.0, poisson=0.0), find_solver("bem")
     cases: dict[str, tuple[Effect, ...]] = {"plain": ()}
     cases |= {name: (kind.example(1 / points),) for name, kind in effect_kinds().items()}
@@ -108,8 +98,12 @@ def _measured(points: int, repeats: int, tell: Callable[[str], None] | None) -> 
             if turn > 0:
                 seconds[name] = min(seconds[name], contact.cost.cpu_seconds)
                 pairs[name] = contact.cost.fft_pairs
-    for name, value in seconds.items():
+    factors = {name: value / seconds["plain"] for name, value in seconds.items()}
+    for name, factor in factors.items():
         if tell is not None:
-            ratio = value / seconds["plain"]
-            tell(f"{name:10s} {value:8.3f} s, {ratio:5.2f} times plain, {pairs[name]:4.0f} FFT pairs")
-    return seconds
+            words = f"{seconds[name]:8.3f} s, {factor:5.2f} times plain"
+            tell(f"{name:10s} {words}, {pairs[name]:4.0f} FFT pairs")
+    del factors["plain"]
+    today = date.today().isoformat()
+    write_record(folder / cache_file().name, {"date": today, "points": points, "factors": factors})
+    return EffectCosts(factors=MappingProxyType(factors), source=f"measured on this machine, {today}")

@@ -40,10 +40,6 @@ class Execution:
                 f"workers = {self.workers}: cannot be combined with a scheduler, which has workers of its own"
             )
 
-    def allowed_memory(self) -> int:
-        """Return the bytes that solves may take together."""
-        return available_memory() if self.memory is None else self.memory
-
 
 #: Results that are held in memory after they were read, in all.
 _HELD_BYTES = 2**29
@@ -123,20 +119,17 @@ def solve_all(
     execution, progress = execution or Execution(), progress or Progress()
     results = Solves(tuple({solve.key: solve for solve in solves}.values()), store)
     missing = tuple(solve for solve in results if results.read(solve, on_damage=progress.note) is None)
-    if execution.scheduler is None and missing:
-        largest, limit = (
-            max(missing, key=lambda solve: solve.predict().peak_bytes),
-            execution.allowed_memory(),
-        )
-        if largest.predict().peak_bytes > limit:
-            raise UsageError(too_large(largest, limit))
-    if missing:  # a store that holds everything may be read-only
-        prepare_folder(store.folder, option="--store")
+    memory = available_memory() if execution.memory is None else execution.memory
+    if missing:
+        largest = max(missing, key=lambda solve: solve.predict().peak_bytes)
+        if execution.scheduler is None and largest.predict().peak_bytes > memory:
+            raise UsageError(too_large(largest, memory))
+        prepare_folder(store.folder, option="--store")  # one that holds everything may be read-only
     progress.start(missing, len(results) - len(missing))
     failed: dict[str, str] = {}
     synced = time.monotonic()
     try:
-        for solve, outcome in _outcomes(missing, store, execution, progress):
+        for solve, outcome in _outcomes(missing, store, execution, progress, memory):
             if outcome.fatal:
                 raise RunFailed(outcome.error)
             if outcome.error is not None:
@@ -163,7 +156,7 @@ def solve_all(
 
 
 def _outcomes(
-    solves: tuple[Solve, ...], store: Store, execution: Execution, progress: Progress
+    solves: tuple[Solve, ...], store: Store, execution: Execution, progress: Progress, memory: int
 ) -> Iterator[tuple[Solve, Outcome]]:
     """Do solves where they are to run; yield each with its outcome."""
     if solves and execution.scheduler is not None:
@@ -174,7 +167,7 @@ def _outcomes(
     elif solves and execution.workers > 1:
         from validation.execution.pool import solve_in_processes
 
-        memory, workers = execution.allowed_memory(), execution.workers
+        workers = execution.workers
         yield from solve_in_processes(solves, store, workers=workers, memory=memory, progress=progress)
     else:
         warm_up(solves)
