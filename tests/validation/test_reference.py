@@ -168,7 +168,7 @@ def test_between_its_loads_the_area_of_a_surface_is_read_off():
     loads = np.array(study.Options().reduced_pressures)
     areas = law(0.8, 8.0, loads)[0]
     for share in (0.93, 1.0, 1.04):
-        found = at_loads(areas, loads=loads, wanted=share * loads)
+        found = at_loads(areas, loads=loads, targets=share * loads)
         assert found == pytest.approx(law(0.8, 8.0, share * loads)[0], rel=2e-6)
 
 
@@ -352,7 +352,7 @@ def test_exact_amplitudes_have_one_gradient_and_the_two_loads_differ_by_its_rati
     gradients = {round(float(one.attrs["rms_gradient"]), 12) for one in solved.values()}
     (gradient,) = gradients
     loads = np.array(options.reduced_pressures)
-    told = at_loads(exact.area.values, loads=loads, wanted=loads * 0.1 / gradient)
+    told = at_loads(exact.area.values, loads=loads, targets=loads * 0.1 / gradient)
     assert exact.area_by_spectrum.values == pytest.approx(told, rel=1e-3)
     assert abs(gradient / 0.1 - 1) > 0.005
 

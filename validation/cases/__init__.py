@@ -190,7 +190,7 @@ class Verdict:
 
     @property
     def word(self) -> str:
-        """What it comes to."""
+        """The verdict in a word: holds, FAILS or not judged."""
         return "not judged" if self.left_out else "holds" if self.passed else "FAILS"
 
     @property

@@ -65,14 +65,14 @@ def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard] = ())
     solvers = list(dict.fromkeys(map(_solver, verdicts)))
     by_place = {(verdict.row, _solver(verdict)): verdict for verdict in verdicts}
     of_claim = {verdict.row: verdict for verdict in reversed(verdicts)}
-    judged = [verdict for verdict in verdicts if not verdict.left_out]
-    checks = [(verdict, check) for verdict in judged for check in verdict.checks]
+    scored = [verdict for verdict in verdicts if not verdict.left_out]
+    checks = [(verdict, check) for verdict in scored for check in verdict.checks]
 
     def placed(value: Callable[[Verdict], Any], empty: Any) -> tuple[tuple[str, str], list[list[Any]]]:
         rows = ([by_place.get((claim, solver)) for solver in solvers] for claim in claims)
         return ("claim", "solver"), [[empty if one is None else value(one) for one in row] for row in rows]
 
-    def words(value: Callable[[Verdict, Check], str]) -> tuple[str, Array]:
+    def by_check(value: Callable[[Verdict, Check], str]) -> tuple[str, Array]:
         return "check", np.array([value(*pair) for pair in checks], str)
 
     data = xr.Dataset(
@@ -84,15 +84,15 @@ def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard] = ())
             "statement": ("claim", [of_claim[claim].claim for claim in claims]),
             "tolerance_from": ("claim", [of_claim[claim].tolerance for claim in claims]),
             "claim_source": ("claim", [of_claim[claim].source for claim in claims]),
-            "check_claim": words(lambda verdict, _: verdict.case),
-            "check_solver": words(lambda verdict, _: _solver(verdict)),
-            "check_quantity": words(lambda _, check: check.quantity),
-            "check_verdict": words(lambda _, check: "holds" if check.passed else "FAILS"),
+            "check_claim": by_check(lambda verdict, _: verdict.case),
+            "check_solver": by_check(lambda verdict, _: _solver(verdict)),
+            "check_quantity": by_check(lambda _, check: check.quantity),
+            "check_verdict": by_check(lambda _, check: "holds" if check.passed else "FAILS"),
             "check_value": ("check", [check.computed for _, check in checks]),
             "check_reference": ("check", [check.reference for _, check in checks]),
             "check_tolerance": ("check", [check.tolerance for _, check in checks]),
-            "claims_judged": float(len(judged)),
-            "claims_failed": float(sum(not verdict.passed for verdict in judged)),
+            "claims_judged": float(len(scored)),
+            "claims_failed": float(sum(not verdict.passed for verdict in scored)),
             "checks_made": float(len(checks)),
         },
         coords={
@@ -359,7 +359,7 @@ def write_claims(
 
 def write_scorecards(folder: Path, cards: Sequence[Scorecard], *, report: bool = True) -> tuple[Path, ...]:
     """Write the results of scorecards into a folder, the first of them is what the page is about."""
-    asked = {
+    settings = {
         "solvers": [card.subject.name for card in cards],
         "settings": {card.subject.name: dict(card.subject.settings) for card in cards},
         "tolerance": cards[0].subject.tolerance,
@@ -367,7 +367,7 @@ def write_scorecards(folder: Path, cards: Sequence[Scorecard], *, report: bool =
         "papers": list(dict.fromkeys(paper for card in cards for paper in card.subject.solver.papers)),
     }
     verdicts = [verdict for card in cards for verdict in card.verdicts]
-    return write_claims(folder, verdicts, name="scorecard", asked=asked, cards=cards, report=report)[1]
+    return write_claims(folder, verdicts, name="scorecard", asked=settings, cards=cards, report=report)[1]
 
 
 def report_claims(folder: Path, *, report: bool = True) -> tuple[Page, tuple[Path, ...]]:

@@ -44,7 +44,7 @@ def _both_ways(element: str, shape: tuple[int, int], poisson: float) -> Iterator
 def _assembled() -> Iterator[Check]:
     for element, poisson, shape in (("Hex1", 0.3, (24, 24)), ("Hex2/P1disc", 0.45, (16, 16))):
         surface, solid = _rough(shape), Solid(young=1.0, poisson=poisson)
-        found = block.solve(
+        contact = block.solve(
             surface,
             solid,
             mean_pressure=0.05 * solid.contact_modulus * surface.rms_gradient,
@@ -53,8 +53,8 @@ def _assembled() -> Iterator[Check]:
             modulus=partial(_particle, surface),
             tolerance=1e-11,
         )
-        again = block.assembled_field(found, tolerance=1e-11)
-        difference = np.max(np.abs(again - found.field)) / np.max(np.abs(found.field))
+        again = block.assembled_field(contact, tolerance=1e-11)
+        difference = np.max(np.abs(again - contact.field)) / np.max(np.abs(contact.field))
         yield below(f"largest difference of displacement, {element}", difference, 1e-9)
 
 
@@ -74,22 +74,22 @@ _WAVES = (
 
 def _waves() -> Iterator[Check]:
     for element, poisson, growth, nodes, axis, diagonal in _WAVES:
-        (found,) = block.wave_errors(
+        (errors,) = block.wave_errors(
             (256, 256), (1.0, 1.0), [nodes / 256], poisson=poisson, growth=growth, element=element
         )
         name = f"{element}, nu = {poisson}, {nodes} nodes per wave, growth {growth}"
-        yield below(f"error along the axis: {name}", found.along_axis, axis)
-        yield below(f"error along the diagonal: {name}", found.along_diagonal, diagonal)
+        yield below(f"error along the axis: {name}", errors.along_axis, axis)
+        yield below(f"error along the diagonal: {name}", errors.along_diagonal, diagonal)
 
 
 def _orders() -> Iterator[Check]:
     for element, poisson, expected in (("Hex1", 0.3, 2), ("Hex1/P0", 0.49, 2), ("Hex2", 0.3, 4)):
         sizes, errors = (32, 64, 128), []
         for n in sizes:
-            (found,) = block.wave_errors(
+            (wave,) = block.wave_errors(
                 (n, n), (1.0, 1.0), [1.0], poisson=poisson, element=element, growth=1 + 1.6 * expected / 2 / n
             )
-            errors.append(abs(found.along_diagonal))
+            errors.append(abs(wave.along_diagonal))
         yield order(f"observed order, {element}", sizes, errors, expected=expected, tolerance=0.4)
 
 

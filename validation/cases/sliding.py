@@ -83,14 +83,14 @@ def _cylinder() -> Iterator[Check]:
     profile = HeightField(heights=heights, lengths=(1.0, 1.0))
     for ratio, speed in ((10.0, 0.5), (1000.0, 0.5), (1000.0, 1.5)):
         drift = speed * elastic
-        found = slide(profile, _standard(ratio, 0.0), velocity=drift, mean_pressure=load).checked()
+        result = slide(profile, _standard(ratio, 0.0), velocity=drift, mean_pressure=load).checked()
         a, centre, friction = _hunter(load, ratio=ratio, drift=drift)
-        pressure = found.contact.pressure[:, 0]
-        touched = x[found.contact.in_contact[:, 0]]
-        said = f"E_inf/E_0 = {ratio:g}, v tau = {speed:g} a_0"
-        yield relative(f"friction, {said}", np.sum(x * pressure) / np.sum(pressure), friction, 0.01)
-        yield near(f"half width, {said}", float(touched[-1] - touched[0]) / 2, a, 1 / n)
-        yield near(f"centre, {said}", float(touched[-1] + touched[0]) / 2, centre, 1 / n)
+        pressure = result.contact.pressure[:, 0]
+        touched = x[result.contact.in_contact[:, 0]]
+        parameters = f"E_inf/E_0 = {ratio:g}, v tau = {speed:g} a_0"
+        yield relative(f"friction, {parameters}", np.sum(x * pressure) / np.sum(pressure), friction, 0.01)
+        yield near(f"half width, {parameters}", float(touched[-1] - touched[0]) / 2, a, 1 / n)
+        yield near(f"centre, {parameters}", float(touched[-1] + touched[0]) / 2, centre, 1 / n)
 
 
 @case(
@@ -100,8 +100,8 @@ def _cylinder() -> Iterator[Check]:
     tolerance="grid",
 )
 def _twice() -> Iterator[Check]:
-    found = _slid(256, 10.0, 0.03)
-    ratio = found.slopes / found.dissipation
+    result = _slid(256, 10.0, 0.03)
+    ratio = result.slopes / result.dissipation
     yield relative("friction by slopes over that by losses, n = 256", ratio, 1.0, 0.005)
     # A thousandfold modulus leaves percents at these sizes; what is asked is that they fall.
     coarse, fine = (_slid(n, 1000.0, 0.3) for n in (64, 128))
@@ -116,7 +116,7 @@ def _twice() -> Iterator[Check]:
     tolerance="solver",
 )
 def _full() -> Iterator[Check]:
-    found = _slid(32, 50.0, 0.02, reduced=60.0)
+    result = _slid(32, 50.0, 0.02, reduced=60.0)
     surface = _rough(32)
     q = 2 * np.pi * np.fft.fftfreq(32, 1 / 32)
     power = np.abs(np.fft.fft2(surface.heights, norm="forward")) ** 2
@@ -132,5 +132,5 @@ def _full() -> Iterator[Check]:
         modulus=_standard(50.0).modulus,
         poisson=_POISSON,
     )
-    yield relative("friction by slopes", found.slopes, theory.friction, 1e-6)
-    yield relative("friction by losses", found.dissipation, theory.friction, 1e-6)
+    yield relative("friction by slopes", result.slopes, theory.friction, 1e-6)
+    yield relative("friction by losses", result.dissipation, theory.friction, 1e-6)

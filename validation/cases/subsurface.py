@@ -44,7 +44,7 @@ def _hertz() -> Iterator[Check]:
         exact = case.stress(x[:, None], x[None, :], plane.depth, poisson=_NU)
         worst = float(np.max(np.abs(plane.stress - exact)[inside])) / case.peak
         yield below(f"largest error over the peak, depth {plane.depth / a:g} a", worst, a**3)
-    found = strongest_point(result, _HALF_SPACE)
+    strongest = strongest_point(result, _HALF_SPACE)
     exact_depth = minimize_scalar(
         lambda depth: -_on_axis(case, depth), bounds=(0.3 * a, 0.7 * a), method="bounded"
     ).x
@@ -56,8 +56,8 @@ def _hertz() -> Iterator[Check]:
         origin, origin, depth, radius=a, peak=case.peak, poisson=_NU
     )
     alone = (plane.stress[n // 2, n // 2] - images) / case.peak
-    yield relative("largest von Mises stress over the peak", found.von_mises / case.peak, top, 1e-3)
-    yield relative("its depth over a", found.depth / a, exact_depth / a, 0.01)
+    yield relative("largest von Mises stress over the peak", strongest.von_mises / case.peak, top, 1e-3)
+    yield relative("its depth over a", strongest.depth / a, exact_depth / a, 0.01)
     yield relative(
         "shear stress at .48 a of a sphere alone, over the peak", (alone[0] - alone[2]) / 2, 0.31, 0.005
     )

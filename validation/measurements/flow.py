@@ -87,10 +87,10 @@ def leaks(*, problem: ContactProblem, grid: Grid, areas: tuple[float, ...]) -> x
 
     def threshold_area(percolates: Callable[[ContactResult], bool]) -> float:
         """A/A0 at which a path closes: it is open at a light enough load, and closed at p* = 1."""
-        light = 0.05
-        while not percolates(contact_at(light)):
-            light /= 2
-        return contact_at.threshold(percolates, light, 1.0, area=_BRACKET)[0]
+        light_load = 0.05
+        while not percolates(contact_at(light_load)):
+            light_load /= 2
+        return contact_at.threshold(percolates, light_load, 1.0, area=_BRACKET)[0]
 
     contact_at = States(solve)
     contacts = [contact_at.at_area(area) for area in areas]

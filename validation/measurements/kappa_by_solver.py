@@ -76,10 +76,10 @@ class KappaBySolver:
             parts[name, hurst, k] = limit.drop_attrs().assign_attrs(limit.attrs)
         surfaces = {"surface_by_solver": range(2 * self.pairs)}
         data = gather(parts, solver=("bem", *self.solvers), hurst=self.hursts, **surfaces)
-        own = {name: str(name).replace("area", "area_by_solver") for name in data if name != "solve"}
-        bem = data[[*own]].sel(solver="bem", drop=True)
-        data = data.rename(own | {"solve": "solve_by_solver"}).drop_vars("surface_by_solver")
-        data = data.assign({str(name).replace("area", "area_bem"): bem[name] for name in own})
+        renamed = {name: str(name).replace("area", "area_by_solver") for name in data if name != "solve"}
+        bem = data[[*renamed]].sel(solver="bem", drop=True)
+        data = data.rename(renamed | {"solve": "solve_by_solver"}).drop_vars("surface_by_solver")
+        data = data.assign({str(name).replace("area", "area_bem"): bem[name] for name in renamed})
         data["reduced_pressure_by_solver"] = self.reduced_pressure
         data["bandwidth_by_solver"] = self.bandwidth
         data = derive(

@@ -31,20 +31,20 @@ def solved(bench: Bench, cases: Mapping[Case, Solve]) -> dict[Case, xr.Dataset]:
     return {case: results[solve].assign_attrs(solve=solve.key) for case, solve in cases.items()}
 
 
-def read_off(one: xr.Dataset, **expressions: str) -> xr.Dataset:
+def read_off(result: xr.Dataset, **expressions: str) -> xr.Dataset:
     """Return what is taken of a solve: variables by expressions of what it keeps, as attributes or variables."""
-    attributes = {n: xr.DataArray(v) for n, v in one.attrs.items() if isinstance(v, int | float)}
-    variables = {**attributes, **{str(n): one[n] for n in one.variables}}
-    data = xr.Dataset(attrs={name: one.attrs[name] for name in ("solve",) if name in one.attrs})
+    attributes = {n: xr.DataArray(v) for n, v in result.attrs.items() if isinstance(v, int | float)}
+    variables = {**attributes, **{str(n): result[n] for n in result.variables}}
+    data = xr.Dataset(attrs={name: result.attrs[name] for name in ("solve",) if name in result.attrs})
     for name, expression in expressions.items():
         made = {"reduction": "read", "expression": expression}
         data[name] = xr.DataArray(evaluated(expression, variables)).assign_attrs(made)
     return data
 
 
-def kept_of(one: xr.Dataset) -> xr.Dataset:
+def kept_of(result: xr.Dataset) -> xr.Dataset:
     """Return all that a solve keeps, where each variable says that it is read off."""
-    return read_off(one, **{str(name): str(name) for name in one.data_vars})
+    return read_off(result, **{str(name): str(name) for name in result.data_vars})
 
 
 def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:

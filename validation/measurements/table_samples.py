@@ -40,7 +40,7 @@ BY_SPECTRUM = "area_by_spectrum"
 
 
 def at_loads(
-    areas: Array, *, loads: ArrayLike, wanted: Array, interpolator: Callable[..., Any] = CubicSpline
+    areas: Array, *, loads: ArrayLike, targets: Array, interpolator: Callable[..., Any] = CubicSpline
 ) -> Array:
     """Read A/A0 of a surface off between its loads: A over Persson's is interpolated in ln p*.
 
@@ -48,11 +48,11 @@ def at_loads(
     ----------
     areas, loads : (n,) arrays
         A/A0 at p*, rising.
-    wanted : (m,) array
+    targets : (m,) array
         p*; a little beyond the first and the last it is extrapolated.
     """
     ratio = areas / persson_area(loads)
-    return np.asarray(persson_area(wanted) * interpolator(np.log(loads), ratio)(np.log(wanted)))
+    return np.asarray(persson_area(targets) * interpolator(np.log(loads), ratio)(np.log(targets)))
 
 
 #: Order in which grids came to the table, which numbers its pairs and so keeps its solves.
@@ -111,7 +111,7 @@ class SampledSpectrum:
     def _values(self, data: xr.Dataset, name: str, grid: int) -> Array:
         """Return a quantity of a surface on one grid over the loads; the area by its limit where the grids allow one."""
         if name == BY_SPECTRUM:
-            return at_loads(self._values(data, "area", grid), loads=self.loads, wanted=self._wanted(data))
+            return at_loads(self._values(data, "area", grid), loads=self.loads, targets=self._wanted(data))
         if name == "area" and (grid >= 2 or grid == len(self.pairs) - 1):
             return area_limits(data.isel(grid=slice(0, grid + 1)))[0]
         on_grid = data.isel(grid=grid)

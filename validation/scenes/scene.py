@@ -84,7 +84,7 @@ class MethodTables(Table):
 
     @property
     def solvers(self) -> dict[str, Solver]:
-        """Those of them that press a surface; the first is what the others are compared with."""
+        """Methods that press a surface; the first is what the others are compared with."""
         return {name: method for name, method in self.asked.items() if isinstance(method, Solver)}
 
     def options(self, name: str) -> Any:
@@ -190,7 +190,7 @@ class Scene(Title):
 
     @property
     def subsurface(self) -> Subsurface | None:
-        """What is asked of the solid below the contact."""
+        """Depths and quantities computed in the solid below the contact."""
         return None if self.quantities is None else self.quantities.subsurface
 
     @property

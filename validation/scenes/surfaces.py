@@ -230,7 +230,7 @@ def measured_surface(surface: FileSurface) -> Measured:
         return measured(surface)
 
 
-def measured_spectrum(found: Measured) -> Tabulated:
+def measured_spectrum(measured: Measured) -> Tabulated:
     """C(q) of a measured surface, estimated from the patch before its edges were tapered.
 
     A patch that is one period needs no window; any other gets a Hann window, with its loss made up for.
@@ -238,23 +238,24 @@ def measured_spectrum(found: Measured) -> Tabulated:
     from fem_contact.surface.spectra import estimate_spectrum
     from persson.tabulated import Tabulated
 
-    with naming(found.surface):
-        patch = found.patch
-    periodic = found.surface.edges in (None, "periodic")
+    with naming(measured.surface):
+        patch = measured.patch
+    periodic = measured.surface.edges in (None, "periodic")
     rings = estimate_spectrum(patch.heights, patch.lengths, window="none" if periodic else "hann")
-    cut = 2 * math.pi / found.shortest if found.surface.lambda_short else math.inf
+    cut = 2 * math.pi / measured.shortest if measured.surface.lambda_short else math.inf
     rough = (rings.power > 0) & (rings.q <= cut * (1 + 1e-9))
     return Tabulated(wavevectors=rings.q[rough], power=rings.power[rough])
 
 
-def measured_field(found: Measured) -> HeightField:
+def measured_field(measured: Measured) -> HeightField:
     """Heights of a measured surface as one period; they must be rough, since every p* divides by h'_rms."""
-    with naming(found.surface):
-        field = found.period.height_field()
-        if found.surface.edges == "free":
+    with naming(measured.surface):
+        field = measured.period.height_field()
+        if measured.surface.edges == "free":
             field = Patch(heights=field.heights, lengths=field.lengths)
     if not field.rms_gradient > 0:
         raise UsageError(
-            f"surface.path = {str(found.surface.path)!r}: is flat (h'_rms = 0); a scene needs a rough surface"
+            f"surface.path = {str(measured.surface.path)!r}: is flat (h'_rms = 0); "
+            "a scene needs a rough surface"
         )
     return field

@@ -53,7 +53,7 @@ class SweptKey:
 
     @property
     def numeric(self) -> bool:
-        """Whether its values are numbers."""
+        """Whether the values of the sweep are numbers."""
         return not any(isinstance(value, str) for value in self.values)
 
 
@@ -77,7 +77,7 @@ class Sweep:
 
     @property
     def run(self) -> RunOptions:
-        """How it is run."""
+        """How the sweep is run."""
         return self.scenes[0].run
 
     @property

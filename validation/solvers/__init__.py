@@ -50,15 +50,15 @@ def chosen_solver(text: str) -> tuple[Solver, dict[str, float | str]]:
     from validation.solvers.user_function import Own
 
     if ":" in text:
-        own = Own()
-        return own, dict(own.named(text))
-    found = find_solver(text)
-    if isinstance(found, Own):
+        user_solver = Own()
+        return user_solver, dict(user_solver.named(text))
+    solver = find_solver(text)
+    if isinstance(solver, Own):
         raise UsageError(f"method {text!r}: say which function: module:name")
-    missing = found.available()
+    missing = solver.available()
     if missing is not None:
         raise UsageError(f"method {text!r}: {missing}")
-    return found, {}
+    return solver, {}
 
 
 def find_solver(name: str) -> Solver:
@@ -66,7 +66,7 @@ def find_solver(name: str) -> Solver:
 
     A UsageError for an unknown name, or a method that presses no surface.
     """
-    found = find_method(name)
-    if not isinstance(found, Solver):
+    method = find_method(name)
+    if not isinstance(method, Solver):
         raise UsageError(f"method {name!r}: presses no surface")
-    return found
+    return method

@@ -59,7 +59,7 @@ def solve(
     if heights.shape[0] != heights.shape[1] or lengths[0] != lengths[1]:
         raise ValueError("ASPHER has square grids on square periods")
     solver = aspher.ContactSolver(grid_size=heights.shape[0], backend="periodic")
-    found = solver.solve(
+    solution = solver.solve(
         np.ascontiguousarray((heights.max() - heights) / lengths[0]),
         mean_pressure / contact_modulus,
         tol=_SAFETY * tolerance,
@@ -67,7 +67,7 @@ def solve(
         precond="fourier",
     )
     return {
-        "pressure": found.pressure * contact_modulus,
-        "iterations": int(found.iterations),
-        "converged": bool(found.converged),
+        "pressure": solution.pressure * contact_modulus,
+        "iterations": int(solution.iterations),
+        "converged": bool(solution.converged),
     }

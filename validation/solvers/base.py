@@ -160,7 +160,7 @@ class Method(ABC):
 
     @abstractmethod
     def handles(self, effect: type[Effect]) -> bool:
-        """Whether it can be given an effect of that kind."""
+        """Whether the method can be given an effect of that kind."""
 
     def cited(self, effects: Sequence[Effect]) -> tuple[str, ...]:
         """Return the papers to cite for it with these effects."""
@@ -192,7 +192,7 @@ class Solver(Method):
     score_points: ClassVar[int] = 32  # Points along a side of the coarsest grid of its scorecard
     #: What the edges of its contacts are those of there: "bem", or a finite element.
     score_element: ClassVar[str] = "bem"
-    told: ClassVar[tuple[str, ...]] = ("tolerance",)  # Keys of its table that a solve is told
+    told: ClassVar[tuple[str, ...]] = ("tolerance",)  # Keys of its table that are settings of a solve
 
     def handles(self, effect: type[Effect]) -> bool:
         """Whether the slot of the effect is one of its own."""
@@ -205,8 +205,8 @@ class Solver(Method):
 
     def settings(self, options: Any) -> Settings:
         """Return what a solve is told, of what the scene's table says."""
-        said = ((name, getattr(options, name)) for name in self.told)
-        return tuple((name, value) for name, value in said if value is not None)
+        values = ((name, getattr(options, name)) for name in self.told)
+        return tuple((name, value) for name, value in values if value is not None)
 
     @abstractmethod
     def cost(self, size: Size) -> Cost:
@@ -249,7 +249,7 @@ class Solver(Method):
 
 
 def check_effects_handled(
-    wanted: Mapping[str, Method], effects: Sequence[Effect], known: Mapping[str, Method]
+    requested: Mapping[str, Method], effects: Sequence[Effect], known: Mapping[str, Method]
 ) -> None:
     """Refuse an effect that a wanted method cannot be given.
 
@@ -257,7 +257,7 @@ def check_effects_handled(
     """
     for k, effect in enumerate(effects):
         able = sorted(name for name, method in known.items() if method.handles(type(effect)))
-        for name in wanted:
+        for name in requested:
             if name not in able:
                 raise UsageError(
                     f"{effect_key(k, 'kind')} = {effect.kind!r}: method {name!r} does not handle it; "

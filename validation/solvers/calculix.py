@@ -126,9 +126,9 @@ class Calculix(Solver):
             cpu_seconds=spent.children_user - clock.children_user,
             peak_bytes=0,
         )
-        asked = replace(job, settings={"tolerance": _ACCEPTED, **job.settings})
+        accepted_job = replace(job, settings={"tolerance": _ACCEPTED, **job.settings})
         rise = np.asarray(-rises * deck.length)
-        contact = judged(claim, asked, method=self.label, element="Hex1", displacement=rise)
+        contact = judged(claim, accepted_job, method=self.label, element="Hex1", displacement=rise)
         unknowns = 3 * job.field.heights.size * (deck.planes.size - 1)
         return Solved(contact=replace(contact, cost=replace(contact.cost, unknowns=unknowns)))
 

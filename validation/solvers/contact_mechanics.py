@@ -64,16 +64,16 @@ def solve(
     topography = SurfaceTopography.Topography(surface, sides, periodic=True)
     # Forces are per point there.
     cell = sides[0] * sides[1] / heights.size
-    told: dict[str, float] = {}
+    load: dict[str, float] = {}
     if mean_pressure is None and offset is not None:
-        told["offset"] = -(offset - heights.mean()) / scale
+        load["offset"] = -(offset - heights.mean()) / scale
     elif mean_pressure is not None:
-        told["external_force"] = mean_pressure / contact_modulus * heights.size * cell
+        load["external_force"] = mean_pressure / contact_modulus * heights.size * cell
     if hardness is not None:
-        told["hardness"] = hardness / contact_modulus * cell
+        load["hardness"] = hardness / contact_modulus * cell
     system = ContactMechanics.make_system(substrate=substrate, surface=topography)
     outcome = system.minimize_proxy(
-        pentol=_SAFETY * tolerance * (float(np.std(surface)) or 1.0), maxiter=max_iterations, **told
+        pentol=_SAFETY * tolerance * (float(np.std(surface)) or 1.0), maxiter=max_iterations, **load
     )
     return {
         "pressure": np.array(outcome.jac) / cell * contact_modulus,

@@ -115,8 +115,8 @@ class ExternalSolver(Solver):
 
     def settings(self, options: Any) -> Settings:
         """Return what was said, and which version of the solver is told so."""
-        said = super().settings(options)
-        return said + self.source(dict(said))
+        settings = super().settings(options)
+        return settings + self.source(dict(settings))
 
     def claim(self, job: Job) -> Claim:
         """Return what the solver says, unjudged.
@@ -124,17 +124,17 @@ class ExternalSolver(Solver):
         A NotConverged when it raised, crashed, took too much time or memory, or returned no pressures.
         """
         function, more = self.call(job.settings)
-        wanted = {name: job.settings[name] for name in self.controls if name in job.settings}
+        controls = {name: job.settings[name] for name in self.controls if name in job.settings}
         tolerance = job.settings.get("tolerance", self.accepted)
         return claimed_in_own_process(
-            function, job, told={"tolerance": tolerance, **wanted, **_effects(job.model), **more}
+            function, job, parameters={"tolerance": tolerance, **controls, **_effects(job.model), **more}
         )
 
     def solve(self, job: Job) -> Solved:
         """Ask the solver, and judge its pressures; its process has one thread."""
         _ = job.mean_pressure  # no distance: who wrote it may or may not have thought of them
-        asked = replace(job, settings={"tolerance": self.accepted, **job.settings})
-        return Solved(contact=judged(self.claim(job), asked, method=self.label))
+        accepted_job = replace(job, settings={"tolerance": self.accepted, **job.settings})
+        return Solved(contact=judged(self.claim(job), accepted_job, method=self.label))
 
     def cost(self, size: Size) -> Cost:
         """Assume memory and time, as pairs of FFTs, of an efficient code on a grid of this size."""
@@ -156,12 +156,12 @@ class ExternalSolver(Solver):
 
 def _effects(model: ContactModel) -> dict[str, float]:
     """Return what effects filled in, in numbers."""
-    told = {}
+    parameters = {}
     if model.pressure_bound is not None:
-        told["hardness"] = model.pressure_bound
+        parameters["hardness"] = model.pressure_bound
     if isinstance(model.response, BondedLayer):
-        told |= {"thickness": model.response.thickness, "poisson": model.solid.poisson}
-    return told
+        parameters |= {"thickness": model.response.thickness, "poisson": model.solid.poisson}
+    return parameters
 
 
 def judged(
@@ -188,7 +188,7 @@ def judged(
     response = response or job.model.felt_response
     field, bound, tolerance = job.field, job.model.pressure_bound, float(job.settings["tolerance"])
     pressure, modulus = claim.pressure, response.contact_modulus
-    told = "pressure and displacement" if displacement is not None else "pressure alone"
+    source = "pressure and displacement" if displacement is not None else "pressure alone"
     if displacement is None:
         (nx, ny), (lx, ly) = field.shape, field.lengths
         qx: Array = np.asarray(2 * np.pi * np.fft.fftfreq(nx, lx / nx), dtype=np.float64)
@@ -233,18 +233,18 @@ def judged(
         residuals=residuals,
         cost=claim.cost,
         provenance={
-            "method": f"{method}, {told}; the rest recomputed",
+            "method": f"{method}, {source}; the rest recomputed",
             "element": element,
             "tolerance": repr(tolerance),
         },
     )
 
 
-def claimed_in_own_process(function: str, job: Job, *, told: Mapping[str, Any]) -> Claim:
+def claimed_in_own_process(function: str, job: Job, *, parameters: Mapping[str, Any]) -> Claim:
     """Call a solver in a child process and return what it says.
 
     `function` is ``module:name``, also of a module in the folder the command was started in; it is given what
-    it takes of `told`. The settings of the job bound the call: ``seconds`` and ``memory`` [bytes].
+    it takes of `parameters`. The settings of the job bound the call: ``seconds`` and ``memory`` [bytes].
     A NotConverged when nothing comes of it, with what happened.
     """
     field, load = job.field, dict(job.load)
@@ -253,14 +253,14 @@ def claimed_in_own_process(function: str, job: Job, *, told: Mapping[str, Any]) 
         "mean_pressure": load.pop("mean_pressure", None),
     }
     try:
-        said = sandbox.call(
+        answer = sandbox.call(
             serve,
             function,
             str(Path.cwd()),
             field.heights,
             field.lengths,
             given,
-            {**told, **load},
+            {**parameters, **load},
             seconds=float(job.settings.get("seconds", _SECONDS)),
             memory=int(job.settings.get("memory", _MEMORY)),
         )
@@ -268,14 +268,14 @@ def claimed_in_own_process(function: str, job: Job, *, told: Mapping[str, Any]) 
         raise NotConverged(f"{function}: {error}; allow more (seconds, memory), or a coarser grid") from None
     except Exception as error:  # whatever it raises is its answer
         raise NotConverged(f"{function}: raised {type(error).__name__}: {error}") from None
-    pressure = np.array(said["pressure"], dtype=float)
+    pressure = np.array(answer["pressure"], dtype=float)
     if pressure.shape != field.shape:
         raise NotConverged(
             f"{function}: pressures of shape {pressure.shape}: must have that of the heights, {field.shape}"
         )
-    mask = said["in_contact"]
+    mask = answer["in_contact"]
     in_contact = None if mask is None or mask.shape != field.shape else mask.astype(bool)
-    return Claim(**{**said, "pressure": pressure, "in_contact": in_contact})
+    return Claim(**{**answer, "pressure": pressure, "in_contact": in_contact})
 
 
 def _imported(function: str, folder: str) -> Any:
@@ -297,11 +297,11 @@ def serve(
     heights: Array,
     lengths: Sequence[float],
     given: Mapping[str, Any],
-    told: Mapping[str, Any],
+    parameters: Mapping[str, Any],
 ) -> dict[str, Any]:
     """Call a solver, in the child process; return its fields and what it took."""
     solve, taken = _imported(function, folder), keywords(function, folder)
-    more = {name: value for name, value in told.items() if name in taken}
+    more = {name: value for name, value in parameters.items() if name in taken}
     heights = heights.copy()  # its own, to write to
     before = _peak_bytes(reset=True)
     clock, began = time.process_time(), time.perf_counter()

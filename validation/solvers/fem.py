@@ -129,7 +129,7 @@ class Fem(Solver):
         from fem_contact import block
 
         press = block.solve if "mean_pressure" in job.load else block.solve_displacement
-        solution = press(job.field, job.model.solid, **_told(job))
+        solution = press(job.field, job.model.solid, **_press_arguments(job))
         return Solved(contact=solution.contact, block=solution)
 
     def felt(self, job: Job) -> Response:
@@ -203,7 +203,7 @@ def planned(job: Job) -> BlockMesh:
     return plan_mesh(job.field.shape, job.field.lengths, **_mesh(job.settings, job.model))
 
 
-def _told(job: Job) -> dict[str, Any]:
+def _press_arguments(job: Job) -> dict[str, Any]:
     """Return what a block is told: the whole system unless said otherwise, and the body of an effect."""
     model = job.model
     said: dict[str, Any] = {"method": "full", **job.load, **job.settings, **_mesh(job.settings, model)}

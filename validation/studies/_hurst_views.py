@@ -53,8 +53,8 @@ _LITERATURE = Band(
 
 def _of_solvers_against_hurst(data: xr.Dataset) -> Iterator[Figure]:
     """Every solver's own limit in one panel as wide as a column, with the other bandwidths at that load."""
-    light = float(data.reduced_pressure_by_solver)
-    same = np.flatnonzero(np.isclose(data.reduced_pressure, light))
+    reduced_pressure = float(data.reduced_pressure_by_solver)
+    same = np.flatnonzero(np.isclose(data.reduced_pressure, reduced_pressure))
     wide = [
         Line(
             y="kappa",
@@ -65,13 +65,13 @@ def _of_solvers_against_hurst(data: xr.Dataset) -> Iterator[Figure]:
         )
         for k in same
     ]
-    own = Line(y="kappa_by_solver", by="solver")
-    caption = f"kappa against the Hurst exponent at p* = {light:g}, limits over the grids of each solver on the same "
+    solver_limits = Line(y="kappa_by_solver", by="solver")
+    caption = f"kappa against the Hurst exponent at p* = {reduced_pressure:g}, limits over the grids of each solver on the same "
     caption += (
         f"surfaces of bandwidth {float(data.bandwidth_by_solver):g}; Persson's theory; published values."
     )
     panel = Panel(
-        marks=[own, *wide, Level(y="kappa_persson_by_solver", label="Persson"), _LITERATURE],
+        marks=[solver_limits, *wide, Level(y="kappa_persson_by_solver", label="Persson"), _LITERATURE],
         x="hurst",
         bottom=1.5,
     )
@@ -92,8 +92,8 @@ def _against_hurst(data: xr.Dataset) -> Figure:
         caption="kappa against the Hurst exponent at each load: the limit over grids, points counted on the coarsest "
         "grid, and Persson's theory; black, published values (light load).",
         panels=[
-            replace(panel, marks=(*marks, _LITERATURE)) if float(light) < _LIGHT else panel
-            for panel, light in zip(panels, area, strict=True)
+            replace(panel, marks=(*marks, _LITERATURE)) if float(mean_area) < _LIGHT else panel
+            for panel, mean_area in zip(panels, area, strict=True)
         ],
         width=2.9 * max(2, len(panels)) + 1,
         height=4.4,

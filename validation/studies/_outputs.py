@@ -84,7 +84,7 @@ def study_page(
     figures: bool = True,
 ) -> Page:
     """Return the page of a study, drawn or not: all of it from its dataset and from what was asked."""
-    told: dict[str, Any] = {
+    header: dict[str, Any] = {
         "title": f"Study: {study.name}",
         "lead": study.question,
         "settings": options,
@@ -92,7 +92,7 @@ def study_page(
         "papers": _papers(str(data.attrs.get("methods", "theory bem")).split()),
     }
     summary: dict[str, Any] = {"kind": "study", "study": study.name, "options": dict(options)}
-    page = page_of(data, study.views(data), figures=figures, summary=summary, **told)
+    page = page_of(data, study.views(data), figures=figures, summary=summary, **header)
     return replace(page, findings=(*page.findings, *_undetermined(data), *words))
 
 

@@ -159,7 +159,7 @@ class PressedOptions(StudyOptions):
 
     @property
     def effects(self) -> tuple[EffectSpec, ...]:
-        """Those of the scene."""
+        """Effects of the scene; none without one."""
         return () if self.scene is None else self.scene.effects
 
     def press(self, *, surface: int, reduced_pressure: float, grid: Grid) -> Press:

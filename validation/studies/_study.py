@@ -61,7 +61,7 @@ class StudyOptions(Table):
 
     @classmethod
     def takes_scene(cls) -> bool:
-        """Whether it accepts a scene."""
+        """Whether the study accepts a scene."""
         return "scene" in cls.model_fields
 
     @classmethod
@@ -129,12 +129,12 @@ class Study:
 
     @property
     def options(self) -> type[StudyOptions]:
-        """Its table of options."""
+        """Table of options of the study."""
         options_class: type[StudyOptions] = self.module.Options
         return options_class
 
     def compute(self, options: StudyOptions, *, bench: Bench) -> xr.Dataset:
-        """Run it on a bench.
+        """Run the study on a bench.
 
         Raises
         ------

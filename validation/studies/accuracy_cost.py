@@ -103,8 +103,8 @@ def _codes(options: Options) -> tuple[str, ...]:
 def _singles(options: Options) -> Iterator[_Single]:
     """Finite elements, other codes and ours, each in a process of its own, and solvers that are asked for by name."""
     first = options.first
-    asked = options.fem_points_per_wave if "fem" in options.methods else ()
-    for element, n in itertools.product(_ELEMENTS, asked):
+    fem_points = options.fem_points_per_wave if "fem" in options.methods else ()
+    for element, n in itertools.product(_ELEMENTS, fem_points):
         solve = partial(block_beside_bem, grid=grid_for(first, n), element=element)
         yield _Single(part="FEM", name=f"FEM {element}", per_wave=n, solve=solve)
     for code, n in itertools.product(_codes(options), options.peer_points_per_wave):
@@ -126,8 +126,8 @@ def design(options: Options) -> dict[_Case, Call]:
     """Return the solves of each part: reference, boundary and finite elements, other codes."""
     cases: dict[_Case, Call] = {}
     held_out = tuple(grid_for(options.first, n) for n in options.held_out_points_per_wave)
-    own = options.grids_for(options.points_per_wave), options.tolerance(_TOLERANCE)
-    for part, (grids, tolerance) in {"coarse": own, "fine": (held_out, _FINE_TOLERANCE)}.items():
+    coarse = options.grids_for(options.points_per_wave), options.tolerance(_TOLERANCE)
+    for part, (grids, tolerance) in {"coarse": coarse, "fine": (held_out, _FINE_TOLERANCE)}.items():
         for k, problem in enumerate(options.pressed):
             cases[part, "", k] = press_on_grids(problem=problem, grids=grids, tolerance=tolerance)
     for single, (k, problem) in itertools.product(_singles(options), enumerate(options.pressed)):

@@ -120,8 +120,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 
 def _surface(options: Options, k: int, zeta: float) -> SelfAffineSurface:
-    told = {"hurst": options.hurst, "periods": options.periods, "bandwidth": options.magnifications[-1]}
-    return truncated_surface(zeta, seed=options.seed + k, length=_LENGTH, gradient=_GRADIENT, **told)
+    spectrum = {"hurst": options.hurst, "periods": options.periods, "bandwidth": options.magnifications[-1]}
+    return truncated_surface(zeta, seed=options.seed + k, length=_LENGTH, gradient=_GRADIENT, **spectrum)
 
 
 def _full_surface(options: Options, k: int) -> tuple[ContactProblem, float]:
@@ -135,15 +135,15 @@ def _cut(options: Options, k: int, zeta: float, *, along: Solutions | None = Non
     load = Load(pressure=whole.pressure)
     problem = ContactProblem(surface=_surface(options, k, zeta), solid=_SOLID, load=load)
     if along is None:
-        found: Solutions = readings(problem, work=work, area="projected")
+        solutions: Solutions = readings(problem, work=work, area="projected")
     else:
         # gamma_eff is that of one reading: so is what it is compared with.
-        found, left = {"improved": along["improved"]}, along["improved"]
+        solutions, left = {"improved": along["improved"]}, along["improved"]
         effective = 0.0 if left is None else float(left.work_at(2 * np.pi / problem.shortest))
         if effective < _LEAST * work:
             return None
         work = effective
-    return Cut(problem=problem, work=work, theory=found)
+    return Cut(problem=problem, work=work, theory=solutions)
 
 
 def _compared(data: xr.Dataset) -> xr.Dataset:
@@ -167,12 +167,12 @@ def _compared(data: xr.Dataset) -> xr.Dataset:
 def views(data: xr.Dataset) -> Views:
     """Area, force and energy over magnification, P(sigma), and P~ by waves."""
     last = data.sizes["magnification"] - 1
-    own, effective = {"told": 0}, {"told": 1}
+    full_work, effective = {"told": 0}, {"told": 1}
     panels = [
         Panel(
             marks=[
                 Line(y=name, by="told", joined=False),
-                *(Line(y=f"{name}_{reading}", at=own) for reading in READINGS),
+                *(Line(y=f"{name}_{reading}", at=full_work) for reading in READINGS),
                 Line(y=f"{name}_improved", at=effective, label="Persson, one solution", look=_ONE),
             ],
             x="magnification",
@@ -185,7 +185,7 @@ def views(data: xr.Dataset) -> Views:
     stresses = [
         Panel(
             marks=[
-                Line(y=f"stress_density{end}", at={**own, "magnification": z}, look={"marker": ""})
+                Line(y=f"stress_density{end}", at={**full_work, "magnification": z}, look={"marker": ""})
                 for end in ends
             ],
             x="stress",
@@ -223,7 +223,7 @@ _BESIDE = {"?": "beside"}
 
 
 def _findings(data: xr.Dataset, ends: list[int]) -> list[Finding]:
-    own, effective = (data.isel(told=k) for k in (0, 1))
+    full_work, effective = (data.isel(told=k) for k in (0, 1))
     holds = np.flatnonzero(np.isfinite(effective.area.values))
     item = (
         "{area} at zeta = {magnification} ({area_gain:~} times that without adhesion), {verdict} the theory's"
@@ -232,7 +232,7 @@ def _findings(data: xr.Dataset, ends: list[int]) -> list[Finding]:
         finding(
             "comparison",
             "Solved with w, A/A0 is {each}.",
-            own.isel(magnification=ends),
+            full_work.isel(magnification=ends),
             item=item + " {area_improved:~} ({area_gain_improved:~} times; {area_old:~} by Eq. 43)",
             by="area_excess",
             over="magnification",
@@ -241,7 +241,7 @@ def _findings(data: xr.Dataset, ends: list[int]) -> list[Finding]:
         finding(
             "comparison",
             "There F/F_load is {each}.",
-            own.isel(magnification=ends),
+            full_work.isel(magnification=ends),
             item="{force_inside} at zeta = {magnification}, {verdict} the theory's {force_inside_improved:~}, U_el/U_full "
             "{energy_ratio} for {energy_ratio_improved:~}, in tension {tension} of the contact for {tension_improved:~}, "
             "and P(sigma) A0/A up to {stress_distance_improved:~} apart",
@@ -274,7 +274,7 @@ def _findings(data: xr.Dataset, ends: list[int]) -> list[Finding]:
             "value",
             "The theory knows no range: with half of it (zeta = {magnification}, first surface) A/A0 is {area_half_range} for "
             "{area_each}, and F/F_load {force_inside_half_range} for {force_inside_each}.",
-            own.isel(surface=0, magnification=1),
+            full_work.isel(surface=0, magnification=1),
         ),
         finding(
             "value",

@@ -61,19 +61,19 @@ class Options(StudyOptions):
 
 def design(options: Options) -> dict[tuple[float, int], Call]:
     """Return the solves by size of the sample and number of the surface."""
-    found = {}
+    cases = {}
     for periods in options.periods:
         base = base_case(options.surface(periods), reduced_pressure=options.reduced_pressures[0])
         grids = tuple(grid_for(base, points) for points in options.points_per_wave)
         for k in range(options.surfaces):
-            found[periods, k] = press_on_grids(
+            cases[periods, k] = press_on_grids(
                 problem=base.further(k),
                 reduced_pressures=options.reduced_pressures,
                 grids=grids,
                 shifts=options.shifts,
                 keep=("stiffness",),
             )
-    return found
+    return cases
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -144,7 +144,7 @@ _THIN = {"color": "black", "lw": 0.8, "ls": "-"}
 
 
 def _findings(data: xr.Dataset) -> list[Finding]:
-    found = []
+    findings = []
     if bool((data.reduced_pressure_between <= _LIGHT).any()):
         power = finding(
             "comparison",
@@ -155,13 +155,13 @@ def _findings(data: xr.Dataset) -> list[Finding]:
             by="stiffness_exponent_light_excess",
             light=_LIGHT,
         )
-        found.append(power)
+        findings.append(power)
     middle = data.isel(periods=-1, load=sorted({0, data.sizes["load"] // 2, data.sizes["load"] - 1}))
     names = dict(
         zip(WITH_ENERGY, ("Persson's", "Yang and Persson's (2008)", "Wang and Müser's (2017)"), strict=True)
     )
     for variant, name in names.items():
-        found.append(
+        findings.append(
             finding(
                 "comparison",
                 "L/lambda_long = {periods}: K h_rms/p0 is {each}.",
@@ -171,4 +171,4 @@ def _findings(data: xr.Dataset) -> list[Finding]:
                 by=f"stiffness_excess_{variant}",
             )
         )
-    return found
+    return findings

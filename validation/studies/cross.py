@@ -88,11 +88,11 @@ def _blocks(options: Options) -> Iterator[tuple[str, float, Any]]:
     """Yield the ways through the finite elements: the full system, and its exact reduction."""
     if options.scene is not None or "fem" not in options.methods:
         return
-    ways: list[tuple[Literal["full", "reduced"], Element, float]] = [
+    discretisations: list[tuple[Literal["full", "reduced"], Element, float]] = [
         *(("full", "Hex1", n) for n in options.full_points_per_wave),
         *(("reduced", e, n) for e in options.elements for n in options.reduced_points_per_wave),
     ]
-    for method, element, n in ways:
+    for method, element, n in discretisations:
         grid = grid_for(options.first, n)
         yield f"{method} {element}", n, partial(block_beside_bem, grid=grid, method=method, element=element)
 
@@ -100,13 +100,13 @@ def _blocks(options: Options) -> Iterator[tuple[str, float, Any]]:
 def _others(options: Options) -> Iterator[tuple[str, float, Any]]:
     """Yield all other solvers that are asked for; on a scene the finite elements as its table has them."""
     for solver in options.others(options.method_points_per_wave):
-        told: dict[str, Any] = {
+        request: dict[str, Any] = {
             "method": solver.method,
             "settings": solver.settings,
             "effects": options.effects,
         }
         for grid in solver.grids:
-            yield solver.name, options.first.points_per_wave(grid), partial(beside_bem, grid=grid, **told)
+            yield solver.name, options.first.points_per_wave(grid), partial(beside_bem, grid=grid, **request)
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -132,7 +132,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         along=("points_per_wave", "surface"),
     )
     data = derive(data, order="-exponent", area_difference_size="abs(area_difference)")
-    solver = [one.method for one in options.others((), without=("bem",))]
+    solver = [other.method for other in options.others((), without=("bem",))]
     cited = ["bem", *solver, *(effect.kind for effect in options.effects), "perimeter"]
     return data.assign_attrs(
         study="cross", reduced_pressure=options.reduced_pressure, methods=" ".join(cited)

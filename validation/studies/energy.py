@@ -110,11 +110,11 @@ def _checked(near: xr.Dataset, usual: xr.Dataset) -> dict[str, Any]:
     return {name: ("load", values) for name, values in found.items()}
 
 
-def _path_work(at: xr.Dataset, told: Mapping[str, float]) -> Array:
+def _path_work(contact: xr.Dataset, attributes: Mapping[str, float]) -> Array:
     """Work of the load from the first on [J/m^2]: -int p du = -[p u] + int u p d ln p, by Hermite's rule."""
-    load = at.reduced_pressure.values * told["contact_modulus"] * told["rms_gradient"]
-    moment = at.mean_gap.values * load
-    slope = moment - load * told["rms_height"] / at.stiffness.values
+    load = contact.reduced_pressure.values * attributes["contact_modulus"] * attributes["rms_gradient"]
+    moment = contact.mean_gap.values * load
+    slope = moment - load * attributes["rms_height"] / contact.stiffness.values
     step = np.diff(np.log(load))
     pieces = step / 2 * (moment[1:] + moment[:-1]) + step**2 / 12 * (slope[:-1] - slope[1:])
     return np.concatenate([[0.0], moment[0] - moment[1:] + np.cumsum(pieces)])

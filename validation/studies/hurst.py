@@ -118,20 +118,22 @@ class Options(StudyOptions):
     @property
     def beside(self) -> KappaBySolver | None:
         """What other solvers press; None without them."""
-        own = {name: getattr(self, name) for name in ("periods", "shifts", "seed")}
-        own |= {name: getattr(self, f"method_{name}") for name in _OF_METHODS}
+        options = {name: getattr(self, name) for name in ("periods", "shifts", "seed")}
+        options |= {name: getattr(self, f"method_{name}") for name in _OF_METHODS}
         hursts, per_wave = tuple(sorted(set(self.hursts))), self.points_per_wave
-        each = KappaBySolver(solvers=self.others, hursts=hursts, bem_points_per_wave=per_wave, **own)
+        each = KappaBySolver(solvers=self.others, hursts=hursts, bem_points_per_wave=per_wave, **options)
         return each if self.others else None
 
     @property
     def climbed(self) -> Ladders | None:
         """The ladders; None without them."""
         hursts = self.hursts if self.ladder_hursts is None else self.ladder_hursts
-        own = {name: getattr(self, name) for name in ("periods", "shifts", "seed")}
+        options = {name: getattr(self, name) for name in ("periods", "shifts", "seed")}
         of_ladders = ("bandwidths", "pairs", "points_per_wave", "reduced_pressure")
-        own |= {name: getattr(self, f"ladder_{name}") for name in of_ladders}
-        return Ladders(hursts=hursts, sizes=self.ladder_periods, **own) if self.ladders and hursts else None
+        options |= {name: getattr(self, f"ladder_{name}") for name in of_ladders}
+        return (
+            Ladders(hursts=hursts, sizes=self.ladder_periods, **options) if self.ladders and hursts else None
+        )
 
 
 #: What is solved: a family of spectra, or which ladder, then H and what else tells it apart.
@@ -141,9 +143,9 @@ _Case = tuple[Any, ...]
 def design(options: Options) -> dict[_Case, Call]:
     """Return the solves: every spectrum's pairs, one of them with a smaller residual, and those of the ladders."""
     cases: dict[_Case, Call] = {}
-    told: dict[str, Any] = {"periods": options.periods, "seed": options.seed}
+    sample: dict[str, Any] = {"periods": options.periods, "seed": options.seed}
     for (family, hurst), bandwidth in options.spectra.items():
-        surface = base_surface(hurst=hurst, bandwidth=bandwidth, **told)
+        surface = base_surface(hurst=hurst, bandwidth=bandwidth, **sample)
         loads, count = options.reduced_pressures, {"pairs": options.pairs, "shifts": options.shifts}
         solves = pressed_pairs(surface, loads, options.points_per_wave, **count)
         cases |= {(family, hurst, k): solve for k, solve in enumerate(solves)}

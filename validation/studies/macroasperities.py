@@ -143,9 +143,9 @@ def views(data: xr.Dataset) -> Views:
     """Patches over zeta, the pressure in them over the load, and both thresholds."""
     seen = {"magnification": sorted({nearest(data.magnification, zeta) for zeta in (1.0, 2.0, 4.0)})}
     few = {"load": sorted({round(j) for j in np.linspace(0, data.sizes["load"] - 1, 5)})}
-    told = Line(y="area_persson", by="load", label="")
+    persson_line = Line(y="area_persson", by="load", label="")
     patches = [
-        Panel(marks=[Line(y="area", by="load"), told], x="magnification", log="xy", at=few),
+        Panel(marks=[Line(y="area", by="load"), persson_line], x="magnification", log="xy", at=few),
         Panel(marks=[Line(y="patch_density", by="load")], x="magnification", log="xy", at=few),
         Panel(marks=[Line(y="largest_patch", by="load")], x="magnification", log="x", at=few),
     ]

@@ -117,11 +117,11 @@ class Options(StudyOptions):
 
     def part(self, hursts: tuple[float, ...], bandwidths: tuple[float, ...]) -> Self | None:
         """Return the options of those of its spectra that are among some; None where none is."""
-        own = {
+        selection = {
             "hursts": tuple(value for value in self.hursts if value in hursts),
             "bandwidths": tuple(value for value in self.bandwidths if value in bandwidths),
         }
-        return self.model_copy(update=own) if all(own.values()) else None
+        return self.model_copy(update=selection) if all(selection.values()) else None
 
     def larger_samples(self) -> Self | None:
         """Return what makes the samples of twice the periods; None where nobody asks for one."""
@@ -153,11 +153,11 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 def spectra(options: Options, amplitudes: str) -> dict[tuple[float, float], SampledSpectrum]:
     """Return what is solved by Hurst exponent and bandwidth, of surfaces with such amplitudes."""
-    found = {}
+    sampled = {}
     for hurst, bandwidth in itertools.product(options.hursts, options.bandwidths):
         sharp = base_surface(hurst=hurst, periods=options.periods, bandwidth=bandwidth, seed=options.seed)
         surface = sharp.model_copy(update={"amplitudes": amplitudes})
-        found[hurst, bandwidth] = SampledSpectrum(
+        sampled[hurst, bandwidth] = SampledSpectrum(
             base=base_case(surface, reduced_pressure=options.reduced_pressures[0]),
             loads=options.reduced_pressures,
             points_per_wave=options.ladder_of(bandwidth),
@@ -166,7 +166,7 @@ def spectra(options: Options, amplitudes: str) -> dict[tuple[float, float], Samp
             shifts=options.shifts,
             tolerance=_TOLERANCE,
         )
-    return found
+    return sampled
 
 
 def _means(options: Options, amplitudes: str, bench: Bench) -> xr.Dataset:
@@ -179,9 +179,9 @@ def _means(options: Options, amplitudes: str, bench: Bench) -> xr.Dataset:
         at: spectrum.reduced({c: measured[at, c] for c in spectrum.cases}) for at, spectrum in sampled.items()
     }
     data = gather(cells, hurst=options.hursts, bandwidth=options.bandwidths)
-    told = {name: getattr(options, name) for name in ("periods", "unsolved", "seed")}
+    attributes = {name: getattr(options, name) for name in ("periods", "unsolved", "seed")}
     return data.expand_dims(amplitudes=[amplitudes]).assign_attrs(
-        study="reference", methods="bem", tolerance=_TOLERANCE, **told
+        study="reference", methods="bem", tolerance=_TOLERANCE, **attributes
     )
 
 

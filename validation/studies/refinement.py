@@ -171,10 +171,10 @@ def design(options: Options) -> dict[_Case, Call]:
             cases["fem", element, k, n] = block_beside_bem(problem=problem, grid=grid, element=element)
         cases["strict", element] = cases["fem", element, 0, min(blocks)].but(tolerance=_STRICT)
     for solver, (k, problem) in itertools.product(options.beside, enumerate(pressed)):
-        told: dict[str, Any] = {"settings": solver.settings, "effects": options.effects}
+        request: dict[str, Any] = {"settings": solver.settings, "effects": options.effects}
         for g, grid in enumerate(solver.grids):
             cases["other", solver.name, k, g] = beside_bem(
-                problem=problem, grid=grid, method=solver.method, **told
+                problem=problem, grid=grid, method=solver.method, **request
             )
     return cases | (dict(options.climbed.cases) if options.ladders else {})
 

@@ -124,9 +124,11 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = derive(data, number="points**2.0")
     data = reduce(data, "mean", *_COSTS, "area_located")
     fine = data.points.values >= _LARGE
-    kept = data.isel(points=fine) if np.count_nonzero(fine) >= 3 else data
+    fitted_data = data.isel(points=fine) if np.count_nonzero(fine) >= 3 else data
     for name in _COSTS:
-        fit = power_law(kept, f"exponent_{name}", of=f"{name}_each", x="number", along=("points", "surface"))
+        fit = power_law(
+            fitted_data, f"exponent_{name}", of=f"{name}_each", x="number", along=("points", "surface")
+        )
         data = data.assign({n: v for n, v in fit.data_vars.items() if str(n).startswith("exponent")})
         data = derive(
             data,

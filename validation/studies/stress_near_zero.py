@@ -199,7 +199,7 @@ def _figures(data: xr.Dataset, m: int) -> Iterator[Figure]:
         panels=[Panel(marks=[*densities, *slopes], x="stress", at=at, bottom=0.0, top=top)],
     )
     limit = "root_spacing_limit"
-    ways = [
+    marks = [
         *(Line(y=f"{way}_slope") for way in ("window", "contour")),
         *(Line(y=f"initial_slope_{way}", x=limit) for way in ("window", "contour")),
         Level(y="initial_slope_persson"),
@@ -208,7 +208,7 @@ def _figures(data: xr.Dataset, m: int) -> Iterator[Figure]:
         name=f"slope-at-zero{ending}",
         caption="Slope of P(sigma) at zero on each grid, from the density in a closing window and from the contour; at "
         f"the left end their limits; line, the theory.{words}",
-        panels=[Panel(marks=ways, x="root_spacing", y="initial_slope", at=at, bottom=0.0)],
+        panels=[Panel(marks=marks, x="root_spacing", y="initial_slope", at=at, bottom=0.0)],
     )
     density = [Line(y="density_at_zero"), Line(y="initial_density", x=limit)]
     yield Figure(

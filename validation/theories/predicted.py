@@ -48,11 +48,11 @@ def predictions(
     expected = _expected(surfaces)
     numbers = {name: np.full((2, len(theories), loads.size), np.nan) for name in COMPARED}
     for t, theory in enumerate(theories):
-        told = [[_along(theory, rough, loads, own=rough)] for rough in surfaces]
+        realised = [[_along(theory, rough, loads, units=rough)] for rough in surfaces]
         # Each surface meets its own nominal pressure; C(q) does not know which surface it is.
-        alone = [[_along(theory, rough, loads, own=one) for rough in expected] for one in surfaces]
+        spectral = [[_along(theory, rough, loads, units=one) for rough in expected] for one in surfaces]
         for name in COMPARED:
-            for k, values in enumerate((told, alone)):
+            for k, values in enumerate((realised, spectral)):
                 if values[0]:
                     numbers[name][k, t] = np.mean([[one[name] for one in row] for row in values], axis=(0, 1))
     made = {"reduction": "theory"}
@@ -64,24 +64,24 @@ def predictions(
     return xr.Dataset(data, coords={"theory": [theory.label for theory in theories]})
 
 
-def _expected(own: Sequence[Rough]) -> list[Rough]:
+def _expected(surfaces: Sequence[Rough]) -> list[Rough]:
     """Return what C(q) alone lets one expect: as rough as it says, with the scatter of the realised."""
-    spectrum = own[0].spectrum
+    spectrum = surfaces[0].spectrum
     if spectrum is None:
         return []
     waves = Waves.of_spectrum(spectrum)
     m0, m2, m4 = float(spectrum.m0()), float(spectrum.m2()), float(spectrum.m4())
-    squares = np.array([rough.moments.m2 for rough in own])
+    squares = np.array([rough.moments.m2 for rough in surfaces])
     return [
-        replace(own[0], waves=waves, moments=Moments(m0=m0, m2=m2 * share, m4=m4))
+        replace(surfaces[0], waves=waves, moments=Moments(m0=m0, m2=m2 * share, m4=m4))
         for share in squares / squares.mean()
     ]
 
 
-def _along(theory: Theory, rough: Rough, loads: Array, *, own: Rough) -> dict[str, Array]:
-    """One theory told of one surface, at the loads and in the units of its `own`."""
-    pressure = loads * own.contact_modulus * own.moments.rms_gradient
-    height, full = own.moments.rms_height, own.waves.full_energy * own.contact_modulus
+def _along(theory: Theory, rough: Rough, loads: Array, *, units: Rough) -> dict[str, Array]:
+    """One theory of one surface; loads and results are in the units of the surface `units`."""
+    pressure = loads * units.contact_modulus * units.moments.rms_gradient
+    height, full = units.moments.rms_height, units.waves.full_energy * units.contact_modulus
     nothing = np.full(loads.shape, np.nan)
     gap, energy = theory.mean_gap(pressure, rough), theory.elastic_energy(pressure, rough)
     up, down = pressure * np.exp(_STEP), pressure * np.exp(-_STEP)

@@ -55,18 +55,18 @@ class OwnTheory(Theory):
         function = self._functions.get(quantity)
         if function is None:
             return None
-        wanted = inspect.signature(function).parameters
-        inputs = {name: getattr(rough, name) for name in _TOLD if name in wanted}
+        parameters = inspect.signature(function).parameters
+        inputs = {name: getattr(rough, name) for name in _TOLD if name in parameters}
         shape = np.shape(values[0])
         try:
-            found = np.asarray(function(*values, **inputs), dtype=float)
+            result = np.asarray(function(*values, **inputs), dtype=float)
         except Exception as error:  # whatever it raises is its answer
             raise UsageError(
                 f"theory {self.label!r}: {quantity} raised {type(error).__name__}: {error}"
             ) from None
-        if found.shape != shape:
-            raise UsageError(f"theory {self.label!r}: {quantity} of shape {found.shape}: must have {shape}")
-        return found
+        if result.shape != shape:
+            raise UsageError(f"theory {self.label!r}: {quantity} of shape {result.shape}: must have {shape}")
+        return result
 
     def area(self, pressure: Array, rough: Rough) -> Array:
         """Return A/A0."""

@@ -110,12 +110,12 @@ def rows(subject: Subject) -> tuple[Case, ...]:
 
 def own_cases() -> tuple[Case, ...]:
     """Return the rows of the scorecards of our own solvers, named ``row-solver``."""
-    found = []
+    cases = []
     for name, (method, settings) in _OWN.items():
         subject = Subject(name=name, solver=chosen_solver(method)[0], settings=settings, own=True)
-        own = (row for row in rows(subject) if row.name != f"against-{name}")
-        found += [replace(row, name=f"{row.name}-{name}") for row in own]
-    return tuple(found)
+        renamed_rows = (row for row in rows(subject) if row.name != f"against-{name}")
+        cases += [replace(row, name=f"{row.name}-{name}") for row in renamed_rows]
+    return tuple(cases)
 
 
 def score(subject: Subject, *, tell: Callable[[str], None] | None = None) -> Scorecard:

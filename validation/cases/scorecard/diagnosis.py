@@ -61,14 +61,14 @@ def diagnose(subject: Subject) -> str:
 
 def _diagnosed(subject: Subject) -> str:
     pressed = solves(subject)
-    if not all(np.isfinite(one.claim.pressure).all() for _, _, one in pressed):
+    if not all(np.isfinite(pressed_once.claim.pressure).all() for _, _, pressed_once in pressed):
         return "pressures are no finite numbers"
     if not all(check.passed for check in repeatable.run(subject)):
         return "the same question has different answers"
     transfer = full_contact_transfer(subject)
-    found = _of_full_contact(transfer)
-    if found is not None:
-        return found or _of_response(subject, transfer)
+    cause = _of_full_contact(transfer)
+    if cause is not None:
+        return cause or _of_response(subject, transfer)
     return _of_rough(subject)
 
 

@@ -38,13 +38,13 @@ _THICKNESS = 0.25
 
 
 def _observed(
-    subject: Subject, words: str, errors: Sequence[float], *, expected: float, tolerance: float
+    subject: Subject, quantity: str, errors: Sequence[float], *, expected: float, tolerance: float
 ) -> Iterator[Check]:
     """Check an order, where the grids are far enough apart to observe one."""
     if not subject.doubles:
         return
     sizes = subject.ladder[: len(errors)]
-    yield order(f"observed order of {words}", sizes, errors, expected=expected, tolerance=tolerance)
+    yield order(f"observed order of {quantity}", sizes, errors, expected=expected, tolerance=tolerance)
 
 
 def _needs_order(subject: Subject) -> None:
