@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fem_contact.surface import HeightField, random_surface
 
-__all__ = ["LATTICE_CUBE", "rough_surface"]
+__all__ = ["periodic_paraboloid", "rough_surface"]
 
 #: Sum of |n|^-3 over the points of the square lattice but the origin: what the images of a load do to
 #: the curvature below it.
@@ -32,3 +33,17 @@ def rough_surface(
         seed=seed,
     )
     return HeightField(heights=surface.heights * (gradient / surface.rms_gradient), lengths=lengths)
+
+
+def periodic_paraboloid(
+    n: int, radius: float, shift: tuple[float, float] = (0.0, 0.0), *, modulus: float = 1.0
+) -> tuple[HeightField, float, NDArray[np.float64]]:
+    """Tip of radius 1 in a unit period, the pressure whose contact has that radius, and distances from it.
+
+    The periodic images add F / (2 pi E*) sum 1 / r^3 to the curvature, which the paraboloid is given less.
+    """
+    load = 4 * modulus * radius**3 / 3
+    curvature = 1 - load * LATTICE_CUBE / (2 * np.pi * modulus)
+    x, y = ((np.arange(n) + part) / n % 1 - 0.5 for part in shift)
+    distance = np.hypot(x[:, None], y[None, :])
+    return HeightField(heights=-curvature * distance**2 / 2, lengths=(1.0, 1.0)), load, distance

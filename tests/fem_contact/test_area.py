@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from surfaces import LATTICE_CUBE, rough_surface
+from surfaces import periodic_paraboloid, rough_surface
 
 from fem_contact import block
 from fem_contact.area import (
@@ -172,11 +172,7 @@ def test_constants_are_named_by_discretisation() -> None:
 
 def paraboloid(n: int, radius: float, shift: tuple[float, float]) -> tuple[ContactResult, float]:
     """Hertzian contact with the curvature that periodic images add; its true relative area."""
-    load = 4 * radius**3 / 3
-    curvature = 1 - load * LATTICE_CUBE / (2 * np.pi)
-    x, y = ((np.arange(n) + part) / n - 0.5 for part in shift)
-    heights = -(x[:, None] ** 2 + y[None, :] ** 2) * curvature / 2
-    surface = HeightField(heights=heights, lengths=(1.0, 1.0))
+    surface, load, _ = periodic_paraboloid(n, radius, shift)
     return solve(surface, SOFT, mean_pressure=load).checked(), float(np.pi * radius**2)
 
 

@@ -2,29 +2,20 @@ import dataclasses
 
 import numpy as np
 import pytest
-from surfaces import LATTICE_CUBE
+from surfaces import periodic_paraboloid
 
 from fem_contact.area import contact_areas
 from fem_contact.block import ELEMENTS, solve
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 
-#: Sum of 1 / r^3 over the points of a unit square lattice other than the origin.
-
 
 def press_paraboloid(
     n: int, edge: float, *, shift: tuple[float, float] = (0.0, 0.0), poisson: float = 0.3, **changes: object
 ):
-    """Contact of radius `edge` on a paraboloid of radius 1 in a unit period, the distances, and the peak.
-
-    The periodic images add F / (2 pi E*) sum 1 / r^3 to the curvature, which the paraboloid is given less.
-    """
+    """Contact of radius `edge` on a paraboloid of radius 1 in a unit period, the distances, and the peak."""
     solid = Solid(young=1.0, poisson=poisson)
-    load = 4 * solid.contact_modulus * edge**3 / 3
-    curvature = 1 - load / (2 * np.pi * solid.contact_modulus) * LATTICE_CUBE
-    x, y = (((np.arange(n) + s) / n + 0.5) % 1 - 0.5 for s in shift)
-    r = np.hypot(x[:, None], y[None, :])
-    surface = HeightField(heights=-curvature * r**2 / 2, lengths=(1.0, 1.0))
+    surface, load, r = periodic_paraboloid(n, edge, shift, modulus=solid.contact_modulus)
     contact = solve(surface, solid, mean_pressure=load, **changes).contact.checked()
     return contact, r, 3 * load / (2 * np.pi * edge**2)
 

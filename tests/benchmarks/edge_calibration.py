@@ -1,14 +1,16 @@
-"""Calibrate the edge constant and the edge map of a discretisation: boundary elements, or linear hexahedra.
+"""Calibrate the edge constant and the edge map of a discretisation, or the edge constant of each element.
 
 Contacts whose edge is known, with many cells across: paraboloids (all directions) and waves in oblique
 directions (straight edges), at random places on the grid. Prints the constants that `fem_contact.area` holds.
 
-Run as ``python tests/benchmarks/bem_edge_calibration.py [bem | fem] [cases]``.
+Run as ``python tests/benchmarks/edge_calibration.py [bem | fem | elements] [cases]``: `fem` are linear
+hexahedra; `elements` takes cases for each element and number of nodes per radius (16 gave the constants).
 """
 
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,12 +22,12 @@ from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from surfaces import periodic_paraboloid
+
 #: The constants of finite elements depend on Poisson's ratio, those of boundary elements do not.
 SOLID = Solid(young=1.0 - 0.3**2, poisson=0.3)
 SOFT = HalfSpace(solid=SOLID)
-
-#: Sum of 1/R^3 over the square lattice: what the periodic images add to the curvature of a paraboloid.
-LATTICE_CUBE = 9.03362168
 Array = NDArray[np.float64]
 
 
@@ -41,11 +43,9 @@ def paraboloid(
     n: int, radius: float, shift: tuple[float, float], method: str
 ) -> tuple[ContactResult, Array, float]:
     """A Hertzian contact of given radius [period]; the true place of each edge pair, and the true area."""
-    load = 4 * radius**3 / 3
-    curvature = 1 - load * LATTICE_CUBE / (2 * np.pi)
+    surface, load, _ = periodic_paraboloid(n, radius, shift)
     x, y = ((np.arange(n) + part) / n - 0.5 for part in shift)
-    heights = -(x[:, None] ** 2 + y[None, :] ** 2) * curvature / 2
-    result = press(HeightField(heights=heights, lengths=(1.0, 1.0)), load, method)
+    result = press(surface, load, method)
     edges = contact_edges(result)
     i, j = np.unravel_index(edges.inside, (n, n))
     along = np.where(edges.axis == 0, x[i], y[j]) * edges.sign
@@ -73,8 +73,28 @@ def wave(
     return result, np.where(edges.cosine > 0.1, place, np.nan), share
 
 
+def elements(places: int) -> None:
+    """Print the constant of each element with its standard error, for paraboloids at random places."""
+    known = (("Hex1", 0.3), ("Hex1", 0.0), ("Hex1/P0", 0.49), ("Hex2", 0.3), ("Hex2/P1disc", 0.5))
+    for (element, poisson), nodes in ((pair, nodes) for pair in known for nodes in (8, 16, 32)):
+        solid, n, values = Solid(young=1.0, poisson=poisson), 2 * round(nodes / 0.3), []
+        # Quadratic cells repeat every second node.
+        for shift in 2 * np.random.default_rng(20060412).random((places, 2)):
+            surface, load, _ = periodic_paraboloid(n, nodes / n, tuple(shift), modulus=solid.contact_modulus)
+            solution = block.solve(surface, solid, mean_pressure=load, growth=1.05, element=element)
+            areas = contact_areas(solution.contact.checked())
+            values.append((areas.pixel - np.pi * (nodes / n) ** 2, areas.edge_fraction))
+        excess, fraction = np.transpose(values)
+        error = (excess / fraction.mean()).std(ddof=1) / np.sqrt(places)
+        constant = excess.mean() / fraction.mean()
+        print(f"{element:>12} nu = {poisson:<4} a/dx = {nodes:>2}: {constant:.4f} +- {error:.4f}", flush=True)
+
+
 def main(method: str = "bem", cases: int = 100) -> None:
     """Print constants and the errors they leave."""
+    if method == "elements":
+        elements(cases)
+        return
     generator = np.random.default_rng(2024)
     features, places, weights = [], [], []
     constants: dict[str, list[tuple[float, float]]] = {"paraboloid": [], "wave": []}
