@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -66,19 +66,15 @@ def run_scene(
     folder: Path,
     *,
     problem: ContactProblem | None = None,
-    progress: Progress | None = None,
-    execution: Execution | None = None,
-    store_folder: Path | None = None,
-    pictures: bool = False,
-    report: bool = True,
     accurate: Mapping[str, Any] | None = None,
+    **how: Any,
 ) -> Outputs:
     """Run a scene into a folder; finished solves found in the store are used, not repeated.
 
-    Solves run in this process unless `execution` says where, and are kept in `folder`/solves unless
+    `accurate` is what was reached where the grids were chosen for an accuracy. Of `how`, solves run in this
+    process unless `execution` says where, report to `progress`, and are kept in `folder`/solves unless
     `store_folder` is given, to be shared with other runs and studies. `pictures` in 3-D are rendered off
-    screen in some seconds; without `report` figures and page are left for `report_scene`. `accurate` is what
-    was reached where the grids were chosen for an accuracy.
+    screen in some seconds; without `report` figures and page are left for `report_scene`.
 
     Raises
     ------
@@ -89,85 +85,72 @@ def run_scene(
     """
     problem = problem or realise(scene)
     check_scene(scene, problem)
-    prepare_folder(folder)
-    store = Store(folder=store_folder or folder / "solves")
     asked: dict[str, Any] = {"scene": scene.model_dump(mode="json", exclude_none=True)}
     if accurate is not None:
         asked["accuracy"] = dict(accurate)
-    begin(folder, asked)
-    results: Solves | None = None
-    written: tuple[Path, ...] = ()
-    if scene.methods.solvers:
-        results = solve_all(
-            run_solves(scene, problem) if accurate is None else solves_of(scene, problem),
-            store,
-            progress=progress,
-            execution=execution,
-            despite_failures=True,
-        )
-        failures = {s: why for s, why in results.failures.items() if not s.problem.variation}
-        data = scene_data(scene, problem, results, failures=failures, accurate=accurate)
-        data = with_treatment(data, problem, results)
-        data = with_fields(data, scene, problem, results)
-        with locked(folder):
-            fields = folder / "fields"
-            written = (*_link_blocks(results, fields), *write_below(scene, results, fields))
-    else:
-        data = theory_data(scene, problem)
-    data.attrs["effects_words"] = effects_words(scene, problem)
-    return leave(
-        folder,
-        data,
-        results,
-        kind="theory" if results is None else "run",
-        name=scene.name,
-        asked=asked,
-        store=store.folder,
-        written=written,
-        report=report,
-        pictures=pictures,
-    )
+    listed = run_solves if accurate is None else solves_of
+
+    def measured(results: Solves) -> tuple[xr.Dataset, Sequence[Path]]:
+        written: Sequence[Path] = ()
+        if scene.methods.solvers:
+            failures = {s: why for s, why in results.failures.items() if not s.problem.variation}
+            data = scene_data(scene, problem, results, failures=failures, accurate=accurate)
+            data = with_treatment(data, problem, results)
+            data = with_fields(data, scene, problem, results)
+            with locked(folder):
+                fields = folder / "fields"
+                written = (*_link_blocks(results, fields), *write_below(scene, results, fields))
+        else:
+            data = theory_data(scene, problem)
+        return data.assign_attrs(effects_words=effects_words(scene, problem)), written
+
+    kind = "run" if scene.methods.solvers else "theory"
+    return solve_and_write(folder, listed(scene, problem), measured, kind=kind, asked=asked, **how)
 
 
-def leave(
+def solve_and_write(
     folder: Path,
-    data: xr.Dataset,
-    results: Solves | None,
+    solves: Sequence[Press],
+    measured: Callable[[Solves], tuple[xr.Dataset, Sequence[Path]]],
     *,
     kind: str,
-    name: str,
     asked: Mapping[str, Any],
-    store: Path,
-    written: Sequence[Path] = (),
+    progress: Progress | None = None,
+    execution: Execution | None = None,
+    store_folder: Path | None = None,
     **shown: bool,
 ) -> Outputs:
-    """Write dataset, record and page of a run or a sweep, and say what is there."""
-    if results is not None:
+    """Do the solves of a run or a sweep, and write dataset, record and page.
+
+    `measured` makes the dataset of the results, and other files. What the folder holds of another question
+    is taken away first: if this is interrupted, nothing in it belies it.
+    """
+    prepare_folder(folder)
+    with locked(folder):
+        if record_of(folder).get("asked") != asked:
+            clear_results(folder)
+            clear_page(folder)
+            for block in (folder / "fields").glob("*.vtu"):
+                block.unlink(missing_ok=True)
+    store = Store(folder=store_folder or folder / "solves")
+    results = solve_all(solves, store, progress=progress, execution=execution, despite_failures=True)
+    data, written = measured(results)
+    if results:
         data.attrs[SOLVES_MADE] = "\n".join(made_words(results.made()))
     with locked(folder):
-        result = write_results(folder, data, kind=kind, name=name, asked=asked, store=store)
+        name = asked["scene"]["name"]
+        result = write_results(folder, data, kind=kind, name=name, asked=asked, store=store.folder)
         page, files = write_result_page(result, folder, **shown)
     failures = data.failures.values.ravel().tolist() if "failures" in data else []
     return Outputs(
         result=result,
         page=page,
         folder=folder,
-        files=(*files, *written, *([] if results is None else [store])),
-        solved=0 if results is None else results.solved,
-        reused=0 if results is None else len(results) - results.solved,
+        files=(*files, *written, *([store.folder] if results else [])),
+        solved=results.solved,
+        reused=len(results) - results.solved,
         failures=tuple(dict.fromkeys(filter(None, failures))),
     )
-
-
-def begin(folder: Path, asked: Mapping[str, Any]) -> None:
-    """Take away what a folder holds of another question: if this is interrupted, nothing in it belies it."""
-    with locked(folder):
-        if record_of(folder).get("asked") == asked:
-            return
-        clear_results(folder)
-        clear_page(folder)
-        for block in (folder / "fields").glob("*.vtu"):
-            block.unlink(missing_ok=True)
 
 
 def report_scene(folder: Path, *, pictures: bool | None = None) -> Outputs:

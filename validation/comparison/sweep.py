@@ -13,14 +13,11 @@ import xarray as xr
 
 from validation.comparison.explain import problems_of, solves_of_sweep
 from validation.comparison.numbers import scene_data
-from validation.comparison.run import Outputs, begin, leave
+from validation.comparison.run import Outputs, solve_and_write
 from validation.comparison.theory_alone import theory_data
 from validation.errors import RunFailed
-from validation.execution.attempt import Progress
 from validation.execution.press import solves_of
-from validation.execution.running import Execution, Solves, solve_all
-from validation.execution.store import Store
-from validation.files import prepare_folder
+from validation.execution.running import Solves
 from validation.report.estimates import gather
 from validation.report.quantities import labelled
 from validation.scenes.problem import ContactProblem
@@ -29,39 +26,22 @@ from validation.scenes.sweep import Sweep
 
 
 def run_sweep(
-    sweep: Sweep,
-    folder: Path,
-    *,
-    cases: Sequence[ContactProblem] | None = None,
-    progress: Progress | None = None,
-    execution: Execution | None = None,
-    store_folder: Path | None = None,
-    report: bool = True,
+    sweep: Sweep, folder: Path, *, cases: Sequence[ContactProblem] | None = None, **how: Any
 ) -> Outputs:
     """Run every scene of a sweep into one folder, as `run_scene` does one."""
-    cases = cases or problems_of(sweep)
-    prepare_folder(folder)
-    store = Store(folder=store_folder or folder / "solves")
+    problems = cases or problems_of(sweep)
+    solves = solves_of_sweep(sweep, problems)
     asked = {
         "scene": sweep.scenes[0].model_dump(mode="json", exclude_none=True),
         "sweep": {"mode": sweep.mode, "keys": [dataclasses.asdict(key) for key in sweep.keys]},
     }
-    begin(folder, asked)
-    solves = solves_of_sweep(sweep, cases)
-    results = solve_all(solves, store, progress=progress, execution=execution, despite_failures=True)
-    data = sweep_data(sweep, cases, results)
-    each = (solves_of(*pair) for pair in zip(sweep.scenes, cases, strict=True))
-    data.attrs.update(solves=len(solves), asked=sum(map(len, each)))
-    return leave(
-        folder,
-        data,
-        results,
-        kind="sweep",
-        name=sweep.name,
-        asked=asked,
-        store=store.folder,
-        report=report,
-    )
+
+    def measured(results: Solves) -> tuple[xr.Dataset, Sequence[Path]]:
+        each = (solves_of(*pair) for pair in zip(sweep.scenes, problems, strict=True))
+        counts = {"solves": len(solves), "asked": sum(map(len, each))}
+        return sweep_data(sweep, problems, results).assign_attrs(counts), ()
+
+    return solve_and_write(folder, solves, measured, kind="sweep", asked=asked, **how)
 
 
 def sweep_data(sweep: Sweep, cases: Sequence[ContactProblem], results: Solves) -> xr.Dataset:
