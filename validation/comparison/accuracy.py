@@ -28,6 +28,7 @@ from validation.execution.cost import memory_words
 from validation.execution.running import Execution
 from validation.execution.store import Store
 from validation.files import prepare_folder
+from validation.measurements.ensemble import MeanArea
 from validation.report.words import json_ready, percent
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import realise
@@ -65,10 +66,7 @@ class AccuracyResult:
 
     Errors are relative to their areas. `area` is the limit of A/A0 of the scene's surface over `grids`,
     each on `shifts`^2 sub-grid shifts, of the area whose edge is `located` inside the cells or corrected; of
-    the `tolerance` of the solver seven times is counted as left in it. With an ensemble `mean` is over
-    `surfaces` of the spectrum, single ones `scatter` (a standard deviation), and that is `statistical` of
-    its error: `pairs` +h, -h end with each of `surface_grids`, whose coarser ones are control variates of
-    the finer, and `unsolved` further ones were looked at on the coarsest alone. Of the `solves` done now,
+    the `tolerance` of the solver seven times is counted as left in it. Of the `solves` done now,
     blocks of pairs counted as one, and the `seconds` spent, `solving_seconds` were predicted to be
     `predicted_seconds`; `reused` solves were found finished.
     """
@@ -81,14 +79,7 @@ class AccuracyResult:
     located: bool = True
     tolerance: float
     beside: tuple[Beside, ...] = ()
-    surfaces: int = 1
-    mean: float | None = None
-    mean_error: float | None = None
-    statistical: float | None = None
-    scatter: float | None = None
-    surface_grids: tuple[Grid, ...] = ()
-    pairs: tuple[int, ...] = ()
-    unsolved: int = 0
+    ensemble: MeanArea | None = None
     solves: int
     seconds: float
     solving_seconds: float
@@ -98,7 +89,20 @@ class AccuracyResult:
 
     def summary(self) -> dict[str, Any]:
         """Return everything as JSON-ready data."""
-        return dict(json_ready(asdict(self)))
+        numbers = vars(self) | {"beside": [asdict(other) for other in self.beside], "mean": None}
+        found = numbers.pop("ensemble")
+        if found is not None:
+            numbers |= {
+                "surfaces": found.surfaces,
+                "mean": found.estimate.value,
+                "mean_error": found.half_width / found.estimate.value,
+                "statistical": found.estimate.half_width / found.estimate.value,
+                "scatter": found.scatter,
+                "surface_grids": found.grids,
+                "pairs": found.pairs,
+                "unsolved": found.unsolved,
+            }
+        return json_ready(numbers)
 
     def chosen(self, scene: Scene) -> Scene:
         """Return the scene with the grids that were chosen for its own surface."""
@@ -124,30 +128,27 @@ class AccuracyResult:
                     f"{area}), {100 * (other.area / self.area - 1):+.2g} % from it"
                 )
             yield f"Beside it {other.label} on {grid_words(other.grids)}: {found}."
-        if self.mean is not None and self.mean_error is not None and self.statistical is not None:
-            yield (
-                f"Mean over the surfaces of this spectrum: A/A0 = {self.mean:.6g} +- "
-                f"{percent(self.mean_error)} (95 %: surfaces, grid and solver), of which "
-                f"{percent(self.statistical)} from the scatter between surfaces; {self._pairs()}."
-            )
-        counted = ", blocks of pairs counted as one" if self.pairs else ""
+        if self.ensemble is not None:
+            yield self._mean(self.ensemble)
+        counted = ", blocks of pairs counted as one" if self.ensemble else ""
         yield (
             f"It cost {self.solves} solves{counted}, {self.seconds:.2g} s ({self.solving_seconds:.2g} s of "
             f"solving, {self.predicted_seconds:.2g} s predicted) and {memory_words(self.peak_bytes)} for the "
             "largest."
         )
 
-    def _pairs(self) -> str:
-        assert self.scatter is not None
-        assert self.statistical is not None
+    def _mean(self, found: MeanArea) -> str:
+        area, half = found.estimate.value, found.estimate.half_width
         ending = ", ".join(
-            f"{count} to {nx} x {ny}" for count, (nx, ny) in zip(self.pairs, self.surface_grids, strict=True)
+            f"{count} to {nx} x {ny}" for count, (nx, ny) in zip(found.pairs, found.grids, strict=True)
         )
-        plain = math.ceil((1.96 * self.scatter / self.statistical) ** 2) if self.statistical > 0 else 2
+        plain = math.ceil((1.96 * found.scatter * area / half) ** 2) if half > 0 else 2
         return (
-            f"from {sum(self.pairs)} pairs h, -h ({ending}) and {self.unsolved} that were not solved, where "
-            f"a plain mean of single surfaces, which scatter by {percent(self.scatter)}, would take about "
-            f"{plain}"
+            f"Mean over the surfaces of this spectrum: A/A0 = {area:.6g} +- "
+            f"{percent(found.half_width / area)} (95 %: surfaces, grid and solver), of which "
+            f"{percent(half / area)} from the scatter between surfaces; from {sum(found.pairs)} pairs h, -h "
+            f"({ending}) and {found.unsolved} that were not solved, where a plain mean of single surfaces, "
+            f"which scatter by {percent(found.scatter)}, would take about {plain}."
         )
 
 
@@ -219,20 +220,6 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
     search.reserve()
     single = search.own_surface()
     beside = search.beside()
-    mean = None if scene.ensemble is None else search.ensemble(single)
-    said: dict[str, Any] = {}
-    if mean is not None:
-        area = mean.estimate.value
-        said = {
-            "surfaces": mean.surfaces,
-            "mean": area,
-            "mean_error": mean.half_width / area,
-            "statistical": mean.estimate.half_width / area,
-            "scatter": mean.scatter,
-            "surface_grids": mean.grids,
-            "pairs": mean.pairs,
-            "unsolved": mean.unsolved,
-        }
     account = metered.account
     return AccuracyResult(
         target=target,
@@ -243,11 +230,11 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
         located=single.finest.subcell is not None,
         tolerance=search.tolerance,
         beside=beside,
+        ensemble=None if scene.ensemble is None else search.ensemble(single),
         solves=len(account.done),
         seconds=metered.spent,
         solving_seconds=account.solving,
         predicted_seconds=account.predicted,
         peak_bytes=search.peak_bytes,
         reused=len(account.found),
-        **said,
     )
