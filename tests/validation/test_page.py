@@ -167,11 +167,10 @@ def test_a_folder_is_that_of_what_ran_in_it_last(outputs, small_run, tmp_path):
     folder = tmp_path / "both"
     shutil.copytree(outputs["study"][1], folder)
     assert record_of(folder)["kind"] == "study"
-    run_scene(_scene(small_run), folder, store_folder=small_run.folder / "solves")
+    run_scene(_scene(small_run), folder, store_folder=small_run.folder / "solves", report=False)
     assert record_of(folder)["kind"] == "run"
-    _run_area(folder, tmp_path / "solves")
+    _run_area(folder, outputs["study"][1].parent / "solves", report=False)
     assert record_of(folder)["kind"] == "study"
-    assert not (folder / "methods.csv").exists()
 
 
 def _dead_process():
@@ -238,7 +237,7 @@ def test_findings_break_at_words_on_a_terminal_and_nowhere_in_a_log(small_run):
 def test_a_log_says_how_many_of_how_many_as_it_goes(write_scene, tmp_path, capsys):
     scene = load_scene(str(write_scene(fem=False)))
     with Bar(quiet=False) as bar:
-        run_scene(scene, tmp_path / "results", progress=bar)
+        run_scene(scene, tmp_path / "results", progress=bar, report=False)
     lines = capsys.readouterr().err.splitlines()
     assert lines[0].startswith("fem-contact: 1 of 12: ")
     assert lines[-1].startswith("fem-contact: 12 of 12: ")
