@@ -124,6 +124,7 @@ def _seconds(
     effects: tuple[EffectSpec, ...],
     reduced_pressures: tuple[float, ...],
 ) -> float:
+    """Return predicted seconds of processor time: `shifts` is along one side, so squared."""
     each = sum(2e-3 + 8e-7 * nx * ny for nx, ny in grids)
     return dearer_by(effects) * max(len(reduced_pressures), 1) * shifts**2 * each
 

@@ -31,7 +31,7 @@ _EDGE = 1e-9
 
 
 def areas_of(result: ContactResult) -> tuple[float, ...]:
-    """Return the numbers of `AREAS`."""
+    """Return the four counts of A/A0 named in `AREAS`, in that order, of a boundary-element result."""
     areas = contact_areas(result, edge_constant=EDGE_CONSTANTS["bem"], subcell=True)
     assert areas.subcell is not None
     return areas.pixel, areas.perimeter, areas.edge_fraction, areas.subcell
@@ -43,6 +43,7 @@ def _dataset(
     areas: Sequence[Sequence[tuple[float, ...]]],
     sums: Sequence[Mapping[str, Array]],
 ) -> xr.Dataset:
+    """Return areas[level][sign], four numbers as `AREAS` names them, and sums[step] by name, as variables."""
     table = np.array(areas)
     made = dict(data) | {name: (("sign", "level"), table[:, :, k].T) for k, name in enumerate(AREAS)}
     for name in sums[0]:
