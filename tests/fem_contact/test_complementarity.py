@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem_contact.complementarity import Solution, polonsky_keer, solve_bounded, solve_nested
+from fem_contact.complementarity import polonsky_keer, solve_bounded, solve_nested
 from fem_contact.complementarity.fourier import FourierOperator, coarsened, refined
 from fem_contact.complementarity.iteration_arrays import IterationArrays
 from fem_contact.complementarity.rows import Rows
@@ -228,6 +228,20 @@ def run(
     )
 
 
+def run_nested(heights: Array, operator: object = None, *, tolerance: float = 1e-10, **options: object):
+    """Solve from a coarse start under a load of 0.3."""
+    lengths = (1.0, heights.shape[1] / heights.shape[0])
+    return solve_nested(
+        operator or FourierOperator(SOFT, heights.shape, lengths, threads=1),
+        heights,
+        coarse=lambda shape: FourierOperator(SOFT, shape, lengths, threads=1),
+        mean_force=0.3,
+        length_scale=float(heights.std()),
+        settings=Settings(tolerance=tolerance, max_iterations=500, threads=1),
+        **options,
+    )
+
+
 @pytest.mark.parametrize("load", [1e-3, 0.3, 3.0, 12.0])
 def test_preconditioned_and_plain_solver_agree(load: float) -> None:
     heights = wavy((48, 45))
@@ -275,16 +289,7 @@ def test_bound_that_is_never_reached_changes_nothing() -> None:
 
 def test_coarse_start_changes_the_cost_and_not_the_answer() -> None:
     heights = wavy((128, 96))
-    lengths = (1.0, 96 / 128)
-    operator = FourierOperator(SOFT, heights.shape, lengths, threads=1)
-    nested = solve_nested(
-        operator,
-        heights,
-        coarse=lambda shape: FourierOperator(SOFT, shape, lengths, threads=1),
-        mean_force=0.3,
-        length_scale=float(heights.std()),
-        settings=Settings(tolerance=1e-10, max_iterations=500, threads=1),
-    )
+    nested = run_nested(heights)
     cold = run(heights, load=0.3)
     assert np.linalg.norm(nested.force - cold.force) < 1e-7 * np.linalg.norm(cold.force)
 
@@ -293,13 +298,12 @@ def test_weights_turn_the_interpolated_pressure_into_forces() -> None:
     """With node weights the start is w p; a diagonal response makes the answer known."""
     heights = wavy((40, 40))
     weights = np.where(np.add.outer(np.arange(40), np.arange(40)) % 2, 0.5, 1.5)
-    lengths = (1.0, 1.0)
 
     class Weighted:
         """Displacement of the pressure x / w, projected so that the response stays symmetric."""
 
         def __init__(self) -> None:
-            self.inner = FourierOperator(SOFT, (40, 40), lengths, threads=1)
+            self.inner = FourierOperator(SOFT, (40, 40), (1.0, 1.0), threads=1)
             self.pairs, self.stiffness = 1.0, self.inner.stiffness
 
         def apply(self, force: Array, out: Array) -> None:
@@ -308,19 +312,14 @@ def test_weights_turn_the_interpolated_pressure_into_forces() -> None:
         def precondition(self, residual: Array, out: Array) -> None:
             self.inner.precondition(residual, out)
 
-    settings = {
-        "mean_force": 0.3,
-        "length_scale": 1.0,
-        "settings": Settings(tolerance=1e-10, max_iterations=500, threads=1),
-    }
-    plain = solve_bounded(Weighted(), heights, **settings)
-    nested = solve_nested(
+    plain = solve_bounded(
         Weighted(),
         heights,
-        coarse=lambda shape: FourierOperator(SOFT, shape, lengths, threads=1),
-        weights=weights,
-        **settings,
+        mean_force=0.3,
+        length_scale=1.0,
+        settings=Settings(tolerance=1e-10, max_iterations=500, threads=1),
     )
+    nested = run_nested(heights, Weighted(), weights=weights)
     np.testing.assert_allclose(nested.force, plain.force, atol=1e-7 * plain.force.max())
 
 
@@ -362,22 +361,8 @@ def test_projected_gradient_keeps_load_and_bounds_and_points_down(bounded: bool)
 @pytest.mark.parametrize("bounded", [False, True])
 def test_steps_in_single_precision_change_the_path_and_not_the_answer(bounded: bool) -> None:
     heights = wavy((264, 257)) + 20.0
-    lengths = (1.0, 257 / 264)
-    operator = FourierOperator(SOFT, heights.shape, lengths, threads=1)
-
-    def solved(**options: object) -> Solution:
-        return solve_nested(
-            operator,
-            heights,
-            coarse=lambda shape: FourierOperator(SOFT, shape, lengths, threads=1),
-            mean_force=0.3,
-            length_scale=float(heights.std()),
-            settings=Settings(tolerance=1e-11, max_iterations=500, threads=1),
-            bound=np.full(heights.shape, 4.0) if bounded else None,
-            **options,
-        )
-
-    double, single = solved(double=True), solved()
+    options = {"tolerance": 1e-11, "bound": np.full(heights.shape, 4.0) if bounded else None}
+    double, single = run_nested(heights, double=True, **options), run_nested(heights, **options)
     assert single.status is Status.CONVERGED
     assert np.array_equal(single.in_contact, double.in_contact)
     # Twice 11 tolerance h_rms load bounds the energy of the difference; stiffness turns it into force.
