@@ -213,8 +213,8 @@ def test_while_one_process_writes_into_a_folder_others_wait_or_say_so(tmp_path, 
 
 @pytest.mark.parametrize(("at_once", "rounds"), [(2, 1), pytest.param(10, 20, marks=pytest.mark.nightly)])
 def test_runs_at_once_in_one_folder_each_end_well(tmp_path, at_once, rounds):
-    for k, grids in enumerate(("[12, 24]", "[24, 32]", "[12, 32]")):  # which share their solves
-        (tmp_path / f"{k}.toml").write_text(small_scene(grids=grids))
+    for k in range(3):
+        (tmp_path / f"{k}.toml").write_text(small_scene(grids="[12, 24]").replace("seed = 77", f"seed = {k}"))
     for _ in range(rounds):
         runs = [
             subprocess.Popen(
