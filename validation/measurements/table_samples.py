@@ -156,7 +156,7 @@ class SampledSpectrum:
         # Cubic splines beside monotone cubics.
         differences = []
         for surface in ending[0]:
-            case: dict[str, Any] = {"loads": self.loads, "wanted": self._wanted(surface)}
+            case: dict[str, Any] = {"loads": self.loads, "targets": self._wanted(surface)}
             areas = self._values(surface, "area", 0)
             differences.append(
                 at_loads(areas, **case) - at_loads(areas, **case, interpolator=PchipInterpolator)
