@@ -141,6 +141,9 @@ def test_a_theory_of_a_wrong_shape_is_refused_by_name(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     written("def area(pressure): return 0.5\ndef bad(pressure): return pressure + missing\n", "shapeless")
+    written("def area(pressure): return 1e-6 * pressure\n", "linear")
+    with pytest.raises(UsageError, match=r"area = 3: must lie in \[0, 1\], or be NaN"):
+        find_theory("linear:area").area(np.array([1.0, 3e6]), rough)
     with pytest.raises(UsageError, match=r"'shapeless:area': area of shape \(\): must have \(2,\)"):
         find_theory("shapeless:area").area(np.ones(2), rough)
     with pytest.raises(UsageError, match="raised NameError"):

@@ -149,20 +149,21 @@ def labelled(data: xr.Dataset) -> xr.Dataset:
 def prefixed_unit(unit: str, largest: float) -> tuple[float, str]:
     """Return a factor and an engineering unit in which a number of this size is read well.
 
-    >>> prefixed_unit("m", 3e-6)
-    (1000000.0, 'um')
+    >>> prefixed_unit("m", 3e-6), prefixed_unit("1/m", 4e7)
+    ((1000000.0, 'um'), (1e-06, '1/um'))
     """
     import math
 
     if unit == "m^2" and math.isfinite(largest) and largest > 0:
         factor, named = prefixed_unit("m", math.sqrt(largest))
         return factor**2, f"{named}^2"
-    if unit == "1/m":
-        factor, named = prefixed_unit("m", 1 / largest if largest > 0 else 0.0)
-        return 1 / factor, f"1/{named}"
-    if unit not in _PREFIXED or not math.isfinite(largest) or largest <= 0:
+    if unit not in (*_PREFIXED, "1/m") or not math.isfinite(largest) or largest <= 0:
         return 1.0, unit
-    power = min(max(math.floor(math.log10(largest) / 3 + 1e-9), -4), 3)
+    power = math.floor(math.log10(largest) / 3 + 1e-9)
+    if unit == "1/m":
+        power = min(max(power, 0), 3)
+        return 1000.0**-power, f"1/{_PREFIXES[-power]}m"
+    power = min(max(power, -4), 3)
     return 1000.0**-power, _PREFIXES[power] + unit
 
 

@@ -113,17 +113,19 @@ def _worst(data: xr.Dataset) -> Finding:
 
 
 def _agreeing(data: xr.Dataset) -> Finding:
-    """Count the cells whose 95 % interval holds each."""
+    """Count the cells whose 95 % interval holds each, and say how far away it is in the median."""
     inside = abs(data.z_score) <= 1.96
     known = data.z_score.notnull()
     counted = data.assign(
-        cells_within=inside.where(known).sum(_CELL).astype(float), cells_scored=known.sum(_CELL).astype(float)
+        cells_within=inside.where(known).sum(_CELL).astype(float),
+        cells_scored=known.sum(_CELL).astype(float),
+        theory_excess_median=abs(data.theory_excess).median(_CELL),
     )
     return finding(
         "share",
         "Within the 95 % interval of the table lie {each}.",
-        counted[["cells_within", "cells_scored"]],
-        item="{cells_within} of {cells_scored} cells of {theory}",
+        counted[["cells_within", "cells_scored", "theory_excess_median"]],
+        item="{cells_within} of {cells_scored} cells of {theory}, {theory_excess_median:%} away in the median",
         over="theory",
     )
 

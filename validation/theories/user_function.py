@@ -66,6 +66,12 @@ class OwnTheory(Theory):
             ) from None
         if result.shape != shape:
             raise UsageError(f"theory {self.label!r}: {quantity} of shape {result.shape}: must have {shape}")
+        if quantity == "area" and np.any((result < 0) | (result > 1)):
+            worst = result.ravel()[np.nanargmax(abs(result - 0.5))]
+            raise UsageError(
+                f"theory {self.label!r}: area = {worst:.4g}: must lie in [0, 1], or be NaN where it says "
+                "nothing; pressures come as an array in Pa, E* by an argument contact_modulus"
+            )
         return result
 
     def area(self, pressure: Array, rough: Rough) -> Array:
