@@ -125,6 +125,7 @@ def _audited(write_scene, folder, effects, *, theory=True):
 
 _HARD = '[[effects]]\nkind = "hardness"\nhardness = "60 kPa"'
 _STICKY = '[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "0.2 um"'
+_COAT = '[[effects]]\nkind = "coating"\nyoung = "5 MPa"\npoisson = 0.3\nthickness = "2 um"'
 _LAYER = '[[effects]]\nkind = "thickness"\nthickness = "3 um"'
 
 
@@ -163,6 +164,17 @@ def test_the_displacement_of_a_bonded_layer_is_judged(write_scene, tmp_path):
     ledger = Ledger()
     judge_fields(0, one, run, ledger)
     assert [entry.name for entry in ledger.wrong] == ["u against 2 p / (E* q)"]
+
+
+def test_a_coated_solid_is_judged_by_the_modulus_of_its_coating(write_scene, tmp_path):
+    ledger = _audited(write_scene, tmp_path / "results", _COAT, theory=False)
+    assert [str(entry) for entry in ledger.wrong] == []
+    run = _run(tmp_path / "results")
+    data = read_results(tmp_path / "results").data
+    assert float(data.contact_modulus) == pytest.approx(5e6 / (1 - 0.3**2), rel=1e-12)
+    assert float(data.contact_modulus_below) == pytest.approx(run.modulus, rel=1e-12)
+    wrong = _changed(tmp_path / "results", lambda d: d.assign(contact_modulus_below=1.01 * run.modulus))
+    assert "contact_modulus_below" in wrong
 
 
 def test_a_sweep_is_read_case_by_case(write_scene, tmp_path):

@@ -54,7 +54,7 @@ def judge_fields(k: int, one: Stored, run: Run, ledger: Ledger) -> None:
     """Judge one solve: what was pressed is what was asked for, and the fields obey their definitions."""
     place = f"{one.method} {one.grid[0]}x{one.grid[1]} {one.shift}, surface {k}"
     height = float(np.ptp(one.h)) or float(np.ptp(one.u)) or 1.0
-    ledger.number(place, "E* [Pa]", one.modulus, run.modulus)
+    ledger.number(place, "E* [Pa]", one.modulus, run.surface_modulus)
     pressure = run.pressure(k)
     if pressure is not None and not run.holds_distance:
         ledger.number(place, "mean pressure [Pa]", one.mean_pressure, pressure, rtol=1e-6)

@@ -193,6 +193,15 @@ class Run:
             compliance += (1 - solid["second_poisson"] ** 2) / solid["second_young"]
         return float(1 / compliance)
 
+    @cached_property
+    def surface_modulus(self) -> float:
+        """E* [Pa] of the coating where there is one, to which p* and kappa refer."""
+        solid = self.scene["solid"]
+        for effect in self.scene.get("effects", ()):
+            if effect["kind"] == "coating":
+                return float(effect["young"] / (1 - effect.get("poisson", solid["poisson"]) ** 2))
+        return self.modulus
+
     def pressure(self, k: int = 0) -> float | None:
         """p0 [Pa]: as given, or p* E* h'_rms of that realisation."""
         load = self.scene["load"]
@@ -213,10 +222,10 @@ class Run:
 
     @cached_property
     def reduced_pressure(self) -> float | None:
-        """p* = p0 / (E* h'_rms)."""
+        """p* = p0 / (E* h'_rms), E* of the surface."""
         pressure, found = self.pressure(), self.moments()
         flat = pressure is None or found is None or not found[1]
-        return None if flat else pressure / (self.modulus * math.sqrt(found[1]))  # type: ignore[operator,index]
+        return None if flat else pressure / (self.surface_modulus * math.sqrt(found[1]))  # type: ignore[operator,index]
 
     def shown(self, method: str, grid: Grid) -> list[Stored]:
         """Solves of the scene's own surface on one grid, all shifts that were asked for."""
@@ -324,7 +333,8 @@ def _judge(
 def _of_surface(run: Run) -> Expected:
     if run.measured:
         return
-    numbers = {"contact_modulus": run.modulus, "pressure": run.pressure()}
+    numbers = {"contact_modulus": run.surface_modulus, "contact_modulus_below": run.modulus}
+    numbers["pressure"] = run.pressure()
     numbers["reduced_pressure"] = run.reduced_pressure
     if (found := run.moments()) is not None:
         m0, m2, m4 = found
