@@ -253,6 +253,7 @@ def test_no_solve_is_charged_with_loading_what_its_effects_need(with_effects, mo
 
         return keeping
 
+    monkeypatch.setattr("validation.execution.attempt._warm", {()})  # whatever this process ran before
     monkeypatch.setattr(Bem, "solve", kept(Bem.solve))
     monkeypatch.setattr(block, "solve", kept(block.solve))
     solves = [
