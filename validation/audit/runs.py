@@ -333,8 +333,8 @@ def _judge(
 def _of_surface(run: Run) -> Expected:
     if run.measured:
         return
-    numbers = {"contact_modulus": run.surface_modulus, "contact_modulus_below": run.modulus}
-    numbers["pressure"] = run.pressure()
+    numbers: dict[str, float | None] = {"contact_modulus": run.surface_modulus}
+    numbers |= {"contact_modulus_below": run.modulus, "pressure": run.pressure()}
     numbers["reduced_pressure"] = run.reduced_pressure
     if (found := run.moments()) is not None:
         m0, m2, m4 = found
