@@ -78,10 +78,10 @@ def _winding(open_cells: Mask, axis: Axis) -> Mask:
 
 def _meeting(labels: NDArray[np.int64]) -> NDArray[np.int64]:
     """Labels of the clusters that have cells in every row: no other can wind."""
-    found = np.unique(labels[0])
+    spanning = np.unique(labels[0])
     for row in labels[1:]:
-        found = np.intersect1d(found, row, assume_unique=False)
-    return found[found > 0]
+        spanning = np.intersect1d(spanning, row, assume_unique=False)
+    return spanning[spanning > 0]
 
 
 def _winds(cluster: Mask) -> bool:

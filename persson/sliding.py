@@ -172,10 +172,10 @@ def friction_of_waves(
     before = np.concatenate([[0.0], np.cumsum(added)[:-1]])
     inside = before[:, None] + added[:, None] * (1 + points) / 2
     share = contact_area(1.0, stress_variance=inside)
-    kept = share * energy_factor(share, variant="yang_persson", energy_ratio=ratio)
+    retained = share * energy_factor(share, variant="yang_persson", energy_ratio=ratio)
     total = float(added.sum())
     return SlidingFriction(
-        friction=float(np.sum(heats * (kept @ weights) / 2)),
+        friction=float(np.sum(heats * (retained @ weights) / 2)),
         area=float(contact_area(1.0, stress_variance=total)),
         stress_variance=total * load**2,
     )

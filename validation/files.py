@@ -178,11 +178,11 @@ def read_whole(path: Path, *, most: int | None = None) -> bytes:
     flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
     handle = os.open(path, flags | getattr(os, "O_CLOEXEC", 0))
     try:
-        found = os.fstat(handle)
-        if not stat.S_ISREG(found.st_mode):
+        facts = os.fstat(handle)
+        if not stat.S_ISREG(facts.st_mode):
             raise OSError(errno.EINVAL, "not a regular file")
-        if most is not None and found.st_size > most:
-            raise OSError(errno.EFBIG, f"{found.st_size} bytes long; at most {most} are read")
+        if most is not None and facts.st_size > most:
+            raise OSError(errno.EFBIG, f"{facts.st_size} bytes long; at most {most} are read")
         with open(handle, "rb", closefd=False) as file:
             return file.read()
     finally:
@@ -286,24 +286,24 @@ def system_words(error: OSError) -> str:
 
 def refusal(path: Path, error: OSError) -> str:
     """Say in one line why a file was not written, and what to do."""
-    kept = "finished solves are intact"
+    finished = "finished solves are intact"
     if error.errno == errno.ENOENT and not path.parent.exists():
         return (
             f"{path.parent}: is gone, removed or unmounted; {path.name} was not written; the same command "
             "makes the folder again"
         )
     if error.errno == errno.EDQUOT:
-        return f"the disk is full: {path.name} was not written, your quota is used up; {kept}"
+        return f"the disk is full: {path.name} was not written, your quota is used up; {finished}"
     if error.errno == errno.ENOSPC or (error.errno in (errno.EACCES, None) and _is_full(path.parent)):
         with contextlib.suppress(OSError, AttributeError):
             space = os.statvfs(path.parent)
             if space.f_files > 0 and space.f_favail == 0:
                 return (
                     f"the disk takes no more files, its inodes are used up: {path.name} was not written; "
-                    f"{kept}; remove files or name another folder"
+                    f"{finished}; remove files or name another folder"
                 )
-        return f"the disk is full: {path.name} was not written; {kept}"
-    return f"{path}: not written: {reason(error)}; {kept}"
+        return f"the disk is full: {path.name} was not written; {finished}"
+    return f"{path}: not written: {reason(error)}; {finished}"
 
 
 def _is_full(folder: Path) -> bool:

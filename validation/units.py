@@ -206,10 +206,10 @@ def _read(value: object, *, unit: str, kind: str, example: str) -> float:
         raise wrong(allowed)
     if not isinstance(value, str):
         return _in_bounds(value, unit)
-    found = _QUANTITY.fullmatch(value) if len(value) <= _LONGEST else None
-    if found is None:
+    match = _QUANTITY.fullmatch(value) if len(value) <= _LONGEST else None
+    if match is None:
         raise wrong(allowed)
-    number, symbol = found[1], found[2]
+    number, symbol = match[1], match[2]
     if symbol is None:
         raise wrong(f"has no unit; {allowed} without quotes")
     if symbol in _PLAIN.get(unit, ()):

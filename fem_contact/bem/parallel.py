@@ -256,8 +256,8 @@ class SlabResult:
             lambda lo, hi: scipy.fft.rfft((heights[lo:hi] - mean) / largest), slabs.columns, waves
         )
         waves = scipy.fft.fft(waves, axis=0, overwrite_x=True)
-        own = wave_sums(waves, slabs.shape, self.contact.spacing, first)
-        return traits_of(slabs.gathered(*own).sum(axis=0))
+        sums = wave_sums(waves, slabs.shape, self.contact.spacing, first)
+        return traits_of(slabs.gathered(*sums).sum(axis=0))
 
     def write(self, path: Path, *, about: Mapping[str, Any]) -> None:
         """Write all fields into one file of HDF5, which netCDF reads, too; each process its own rows at once.

@@ -36,7 +36,7 @@ def _changed(folder, change):
     """Change the dataset of a run, and its record with it, as a mistake of the comparison would."""
     found = read_results(folder)
     data = change(found.data.copy(deep=True))
-    kept = {"kind": found.kind, "name": found.name, "asked": found.asked, "store": found.store}
+    kept = {"kind": found.kind, "name": found.name, "settings": found.settings, "store": found.store}
     write_results(folder, data, **kept)
     return {entry.name for entry in audit(folder).wrong}
 
@@ -61,7 +61,7 @@ _JUDGED = {
 
 def _run(folder):
     """The stored solves of a results folder."""
-    return Run(read_results(folder).asked["scene"], read_results(folder).store)
+    return Run(read_results(folder).settings["scene"], read_results(folder).store)
 
 
 def _moved(data, name, by):

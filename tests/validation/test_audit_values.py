@@ -12,7 +12,7 @@ import xarray as xr
 from gold.asked import STUDIES
 
 from validation.audit import Ledger, dataset, values
-from validation.audit.values import judged
+from validation.audit.values import value_ledger
 from validation.studies import find_study
 from validation.studies._outputs import run_study
 
@@ -51,7 +51,7 @@ def changed(result, name, value):
 
 @pytest.mark.parametrize("name", SMALL)
 def test_every_number_of_a_study_follows_from_its_solves_or_is_listed(results, name):
-    ledger = judged(results[name])
+    ledger = value_ledger(results[name])
     assert ledger.wrong == ()
     assert len(ledger.entries) > 100
     # What is asked for, and costs, is no result of a solve; findings say numbers of two places at once.
@@ -129,7 +129,7 @@ def test_each_value_of_a_finding_that_is_blanked_or_moved_is_found_or_was_listed
 @pytest.mark.parametrize("name", SMALL)
 def test_each_variable_of_the_dataset_that_is_moved_somewhere_is_found_or_was_listed(results, name):
     result = results[name]
-    listed = judged(result).unread
+    listed = value_ledger(result).unread
     shown = set(result.figures and next(iter(result.figures.values())))
     for named, variable in result.data.items():
         numbers = variable.values

@@ -428,7 +428,7 @@ def test_an_accuracy_is_reached_told_and_stored_and_not_solved_again(tool, write
     assert (code, err) == (0, "")
     assert "Asked for 5 %: A/A0 = " in out
     kept = read_results(tmp_path / "results" / "small-accuracy")
-    told = kept.asked["accuracy"]
+    told = kept.settings["accuracy"]
     assert told["error"] <= told["target"] == 0.05
     assert f"\n{told['solves']} solves done, 0 found finished." in out
     assert not (tmp_path / "results" / "small" / "report.html").exists()

@@ -78,7 +78,7 @@ def _planted(value, error, **asked):
     errors[:, 1] = error
     data["area_error"] = (("load", "source"), errors)
     told = {"scene": {"surface": {"seed": 1}, **asked}}
-    return Result(kind="run", name="x", asked=told, store=None, data=data.assign_coords(source=sources))
+    return Result(kind="run", name="x", settings=told, store=None, data=data.assign_coords(source=sources))
 
 
 @pytest.mark.parametrize(("error", "outcome"), [(0.001, "differ"), (0.02, "agree"), (np.nan, "?")])
@@ -138,7 +138,7 @@ def test_what_cannot_be_compared_gets_one_line_and_the_rest_is_compared(results,
 def test_rows_that_nothing_names_are_not_paired_where_their_numbers_differ():
     def of(rows):
         data = xr.Dataset({"check_value": ("check", np.ones(rows))})
-        return Result(kind="claims", name="scorecard", asked={}, data=data, store=Path())
+        return Result(kind="claims", name="scorecard", settings={}, data=data, store=Path())
 
     with pytest.raises(UsageError, match="rows without names cannot be paired"):
         side_by_side({"a": of(2), "b": of(3)})

@@ -94,7 +94,7 @@ def test_p_star_of_one_p0_is_that_of_each_solid_and_the_audit_knows_it(pressed, 
     for number, told in enumerate((data, first)):  # as it was before: that of the first case for all
         folder = tmp_path / str(number)
         folder.mkdir()
-        write_results(folder, told, kind="study", name="x", asked={}, store=bench.store.folder)
+        write_results(folder, told, kind="study", name="x", settings={}, store=bench.store.folder)
         summary = write_json(folder / "summary.json", {})
         write_record(folder / "shown.json", {"files": {"summary.json": digest_of(summary)}})
         ledger = Ledger()

@@ -48,7 +48,7 @@ class Skin(Effect):
         model.response = LayeredSolid(layers=[skin], thicknesses=[self.thickness], base=model.solid)
 
     def judge(self, rough):
-        return self.said(f"skin over wave {self.thickness / rough.shortest:.3g}", matters=True)
+        return self.judgement(f"skin over wave {self.thickness / rough.shortest:.3g}", matters=True)
 
     @classmethod
     def unlisted(cls, rough):

@@ -40,7 +40,7 @@ def verdicts(rows):
 
 def result_of(rows, folder, figures=()):
     data = paper_dataset(rows, figures)
-    return Result(kind="paper", name="reproduce", asked={}, store=folder, data=data)
+    return Result(kind="paper", name="reproduce", settings={}, store=folder, data=data)
 
 
 def find(table, start):

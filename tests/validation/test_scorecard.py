@@ -61,7 +61,7 @@ def test_what_is_wrong_stands_on_the_page_and_in_the_sentence(wrong: Scorecard) 
 def test_the_worst_failure_stands_first(wrong: Scorecard) -> None:
     failures = [verdict.used for verdict in wrong.failed]
     assert failures == sorted(failures, reverse=True)
-    flags = [verdict.passed for verdict in wrong.judged]
+    flags = [verdict.passed for verdict in wrong.counted]
     assert flags == sorted(flags)
 
 

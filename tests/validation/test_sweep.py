@@ -154,10 +154,10 @@ def test_a_product_runs_its_last_key_fastest_and_a_zip_runs_side_by_side(small_s
     assert product.shape == (2, 2)
     pairs = [(scene.surface.seed, scene.solid.young) for scene in product.scenes]
     assert pairs == [(3, 1e6), (3, 3e6), (4, 1e6), (4, 3e6)]
-    assert product.words(2) == "seed = 4, young = 1e+06 Pa"
+    assert product.place(2) == "seed = 4, young = 1e+06 Pa"
     side = load_asked(small_scene, [*lists, "sweep.mode=zip"])
     assert [(scene.surface.seed, scene.solid.young) for scene in side.scenes] == [(3, 1e6), (4, 3e6)]
-    assert side.words(1) == "seed = 4, young = 3e+06 Pa"
+    assert side.place(1) == "seed = 4, young = 3e+06 Pa"
 
 
 def test_a_zip_has_its_keys_along_one_dimension(small_scene, tmp_path):

@@ -76,7 +76,7 @@ def test_every_quantity_of_the_theory_is_scored_and_full_contact_is_no_compariso
 
 
 def test_a_report_lists_what_is_uncertain_and_writes_it_as_csv(scored, tmp_path):
-    told = {"kind": "study", "name": "theory-verdict", "asked": {"seed": 2006}}
+    told = {"kind": "study", "name": "theory-verdict", "settings": {"seed": 2006}}
     write_results(tmp_path, scored, store=tmp_path, **told)
     report_study(tmp_path)
     page = (tmp_path / "report.html").read_text()

@@ -84,8 +84,8 @@ class Result:
     @cached_property
     def store(self) -> Path | None:
         """Folder of the stored solves; None where the record names none that is there."""
-        said = self.record.get("store")
-        path = None if said is None else Path(os.path.realpath(self.folder / str(said)))
+        store = self.record.get("store")
+        path = None if store is None else Path(os.path.realpath(self.folder / str(store)))
         return path if path is not None and path.is_dir() else None
 
     def solve(self, key: str) -> xr.Dataset | None:
@@ -103,8 +103,8 @@ class Result:
         name = f"{kind.__qualname__} {key}"
         if name not in self._read:
             self._read[name] = kind(memoryview(sealed_bytes(path)))
-        found: T = self._read[name]
-        return found
+        variable: T = self._read[name]
+        return variable
 
 
 def _bytes(path: Path, digest: str) -> bytes:

@@ -121,11 +121,11 @@ def shift_mean(result: Result, name: str, variable: xr.Variable) -> Array | None
 
 def _over_shifts(solve: xr.Dataset, variable: xr.Variable) -> Array:
     """Mean over the shifts, (grid, load), of a power of what a solve keeps, over a scale."""
-    told = variable.attrs
-    scale = told.get("scale", 1.0)
+    attrs = variable.attrs
+    scale = attrs.get("scale", 1.0)
     scale = float(solve.attrs[scale] if isinstance(scale, str) else scale)
-    values = ordered(solve.variables[str(told["of"])], ("grid", "shift", "load"))
-    return np.asarray((values ** float(told.get("power", 1.0))).mean(axis=1) / scale)
+    values = ordered(solve.variables[str(attrs["of"])], ("grid", "shift", "load"))
+    return np.asarray((values ** float(attrs.get("power", 1.0))).mean(axis=1) / scale)
 
 
 def second_order_step(solve: xr.Dataset, variable: xr.Variable) -> tuple[Array, Array]:
@@ -184,14 +184,14 @@ def _asked(result: Result, solve: xr.Dataset, name: str) -> Any:
 
 
 def _recipe(solve: xr.Dataset) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads(str(solve.attrs.get("recipe", "{}")))
-    return found
+    recipe: dict[str, Any] = json.loads(str(solve.attrs.get("recipe", "{}")))
+    return recipe
 
 
 def _steepest(result: Result) -> dict[float, float]:
     """h'_rms of the surface with all its waves, by the pressure that it and its parts are given."""
-    found = result.gradients
-    if not found:
+    gradients = result.gradients
+    if not gradients:
         named = (v.values for name, v in result.data.items() if name.startswith("solve"))
         for key in {one for values in named for text in values.ravel() for one in str(text).split()}:
             solve = result.solve(key)
@@ -199,8 +199,8 @@ def _steepest(result: Result) -> dict[float, float]:
                 x, y = solve.attrs["lengths"]
                 gradient = math.sqrt(moments(solve["heights"].values, (float(x), float(y)))[1])
                 for pressure in _numbers(_recipe(solve), "pressure"):
-                    found[pressure] = max(found.get(pressure, 0.0), gradient)
-    return found
+                    gradients[pressure] = max(gradients.get(pressure, 0.0), gradient)
+    return gradients
 
 
 def _numbers(recipe: Any, name: str) -> Iterator[float]:

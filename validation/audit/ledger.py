@@ -73,13 +73,13 @@ def printed(text: str, value: float | None, *, digits: int | None = None) -> boo
     if not math.isfinite(exact):
         return text in ("", "nan", "not determinable", "unknown")
     share = text.endswith("%")
-    found = re.fullmatch(_NUMBER, text.removesuffix("%").strip().replace(",", ""))
-    if found is None:
+    match = re.fullmatch(_NUMBER, text.removesuffix("%").strip().replace(",", ""))
+    if match is None:
         return False
     scale = 0.01 if share else 1.0
-    unit = 10.0 ** (int(found["power"] or 0) - len(found["decimals"] or "")) * scale
-    if float(found[0]) == 0 and share and found["decimals"] is None:
+    unit = 10.0 ** (int(match["power"] or 0) - len(match["decimals"] or "")) * scale
+    if float(match[0]) == 0 and share and match["decimals"] is None:
         unit = 1e-9  # percentages have two significant digits: 0 % is nothing
     if digits is not None and exact != 0:
         unit = 10.0 ** (math.floor(math.log10(abs(exact))) - digits + 1) * scale
-    return abs(float(found[0]) * scale - exact) <= 0.5 * unit * (1 + 1e-6) + 1e-14 * abs(exact)
+    return abs(float(match[0]) * scale - exact) <= 0.5 * unit * (1 + 1e-6) + 1e-14 * abs(exact)

@@ -11,7 +11,7 @@ from validation.audit.dataset import Result
 from validation.audit.ledger import Ledger
 from validation.audit.runs import Run, audit_run
 from validation.audit.stored import Array, Stored, wavevectors
-from validation.audit.values import judge_shown, judged
+from validation.audit.values import judge_shown, value_ledger
 
 
 def audit(folder: Path) -> Ledger:
@@ -38,7 +38,7 @@ def audit(folder: Path) -> Ledger:
         raise ValueError("a file is nested too deeply") from None
     kind = result.record.get("kind")
     if kind in ("study", "claims", "paper"):
-        return judged(result)
+        return value_ledger(result)
     if kind not in ("run", "sweep"):
         raise LookupError(f"a {kind} stores no field")
     ledger, runs = audit_run(result)
@@ -58,9 +58,9 @@ def judge_fields(k: int, one: Stored, run: Run, ledger: Ledger) -> None:
     pressure = run.pressure(k)
     if pressure is not None and not run.holds_distance:
         ledger.number(place, "mean pressure [Pa]", one.mean_pressure, pressure, rtol=1e-6)
-    misfit = float(np.max(np.abs(one.gap - (one.u - one.h + float(one.said["offset"])))))
+    misfit = float(np.max(np.abs(one.gap - (one.u - one.h + float(one.attrs["offset"])))))
     ledger.number(place, "gap less u - h + offset, over the height", misfit / height, 0.0, atol=1e-9)
-    ledger.same(place, "status", one.said["status"], "CONVERGED")
+    ledger.same(place, "status", one.attrs["status"], "CONVERGED")
     residuals: dict[str, float] | None = one.residuals
     if run.adhesive:
         residuals = None if pressure is None else one.adhesive_residuals(pressure)
@@ -97,15 +97,15 @@ def judge_surfaces(run: Run, ledger: Ledger) -> None:
         ledger.unread.append("heights of a measured surface against its file")
         return
     for (method, grid, shift, k), one in run.solves.items():
-        found = run.moments(k)
-        if found is None or not run.resolved(one):
+        moments = run.moments(k)
+        if moments is None or not run.resolved(one):
             continue
         place = f"{method} {grid[0]}x{grid[1]} {shift}, surface {k}"
         ledger.number(
             place,
             "h'_rms of the surface pressed",
             math.sqrt(one.roughness[1]),
-            math.sqrt(found[1]),
+            math.sqrt(moments[1]),
             rtol=1e-8,
         )
         still = run.solves.get((method, grid, (0.0, 0.0), k))

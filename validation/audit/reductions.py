@@ -131,9 +131,9 @@ def _mean_errors(result: Result, variable: xr.Variable) -> dict[str, Array]:
 
 
 def _change(result: Result, name: str, variable: xr.Variable) -> xr.Variable:
-    told, along = variable.attrs, str(variable.attrs["along"])
-    each = result.data[str(told["of"])]
-    first, last = (int(told[k]) % each.sizes[along] for k in ("first", "last"))
+    attrs, along = variable.attrs, str(variable.attrs["along"])
+    each = result.data[str(attrs["of"])]
+    first, last = (int(attrs[k]) % each.sizes[along] for k in ("first", "last"))
     change: xr.Variable = each.isel({along: last}) / each.isel({along: first}) - 1
     return change if first != last else change * np.nan
 
@@ -175,16 +175,16 @@ def _expression_errors(result: Result, variable: xr.Variable) -> dict[str, Array
 
 def _power(result: Result, variable: xr.Variable) -> tuple[Array, Array, Array]:
     """Exponent, half of its 95 % interval and factor of a power, by normal equations."""
-    told = variable.attrs
-    of, x = result.data[str(told["of"])], result.data[str(told["x"])]
-    dims = (*variable.dims, *str(told["along"]).split())
+    attrs = variable.attrs
+    of, x = result.data[str(attrs["of"])], result.data[str(attrs["x"])]
+    dims = (*variable.dims, *str(attrs["along"]).split())
     y = ordered(of, dims).astype(float)
     at = np.broadcast_to(ordered(x, dims).astype(float), y.shape)
     y, at = (one.reshape(*one.shape[: len(variable.dims)], -1) for one in (y, at))
     found = np.full((3, *y.shape[:-1]), np.nan)
     for place in np.ndindex(y.shape[:-1]):
-        kept = np.isfinite(y[place]) & (y[place] > 0) & np.isfinite(at[place])
-        u, v = np.log(at[place][kept]), np.log(y[place][kept])
+        valid = np.isfinite(y[place]) & (y[place] > 0) & np.isfinite(at[place])
+        u, v = np.log(at[place][valid]), np.log(y[place][valid])
         if np.unique(u).size < 2:
             continue
         spread = float(np.sum((u - u.mean()) ** 2))
@@ -207,37 +207,41 @@ def _share(result: Result, name: str, variable: xr.Variable) -> Array:
 
 def _straight_limit(result: Result, name: str, variable: xr.Variable) -> Array:
     """Extrapolate what is linear in the spacing, from the two finest grids."""
-    told = variable.attrs
-    values = ordered(result.data[str(told["of"])], (*variable.dims, "grid"))
-    points = result.data[str(told["x"])].values
+    attrs = variable.attrs
+    values = ordered(result.data[str(attrs["of"])], (*variable.dims, "grid"))
+    points = result.data[str(attrs["x"])].values
     step = 1 / points[-2:].astype(float)
     slope = (values[..., -2] - values[..., -1]) / (step[0] - step[1])
     limit = values[..., -1] - slope * step[1]
-    return np.asarray(np.clip(limit, 0.0, float(told["most"])) if "most" in told else limit)
+    return np.asarray(np.clip(limit, 0.0, float(attrs["most"])) if "most" in attrs else limit)
 
 
 def _line(result: Result, name: str, variable: xr.Variable) -> Array:
     """Limit or slope of the straight line through means along a dimension, by weighted normal equations."""
-    told, dims = variable.attrs, tuple(map(str, variable.dims))
-    along, over = str(told["along"]), str(told["over"])
-    each = result.data[str(told["of"])]
+    attrs, dims = variable.attrs, tuple(map(str, variable.dims))
+    along, over = str(attrs["along"]), str(attrs["over"])
+    each = result.data[str(attrs["of"])]
     values = ordered(each, (*dims, along, over))
-    x = np.broadcast_to(ordered(result.data[str(told["x"])], (*dims, along)), values.shape[:-1])
+    x = np.broadcast_to(ordered(result.data[str(attrs["x"])], (*dims, along)), values.shape[:-1])
     there = _there(result, each, (*dims, along, over), over)
     found = np.full((2, *values.shape[:-2]), np.nan)
     for place in np.ndindex(values.shape[:-2]):
         groups = [row[kept] for row, kept in zip(values[place], there[place], strict=True)]
-        if int(told["pairs"]):
+        if int(attrs["pairs"]):
             groups = [(group[0::2] + group[1::2]) / 2 for group in groups]
         means = np.array([group.mean() for group in groups])
         error = np.array([math.sqrt(np.sum((g - g.mean()) ** 2) / (g.size - 1) / g.size) for g in groups])
-        w = np.ones(means.size) if int(told["common"]) else 1 / np.maximum(error, 1e-3 * error.max() + 1e-300)
+        w = (
+            np.ones(means.size)
+            if int(attrs["common"])
+            else 1 / np.maximum(error, 1e-3 * error.max() + 1e-300)
+        )
         w = w**2 / np.sum(w**2)
         at = x[place]
         middle = float(w @ at)
         slope = float(w @ ((at - middle) * means)) / float(w @ (at - middle) ** 2)
         found[(0, *place)], found[(1, *place)] = float(w @ means) - slope * middle, slope
-    if str(told["reduction"]) == "line slope":
+    if str(attrs["reduction"]) == "line slope":
         return np.asarray(found[1])
     reach = ordered(result.data[name.removesuffix("_limit") + "_reach"], dims)
     # Further off than two spans of what was measured a limit is none.
@@ -259,8 +263,8 @@ def _polynomial(result: Result, name: str, variable: xr.Variable) -> Array:
     grids = values.shape[-1]
     degree = min(int(variable.attrs["degree"]), grids - 2) if grids > 2 else 1
     rows = zip(at.reshape(-1, grids), values.reshape(-1, grids), strict=True)
-    found = [np.linalg.lstsq(np.vander(a, degree + 1), y, rcond=None)[0][-1] for a, y in rows]
-    return np.reshape(found, values.shape[:-1])
+    intercepts = [np.linalg.lstsq(np.vander(a, degree + 1), y, rcond=None)[0][-1] for a, y in rows]
+    return np.reshape(intercepts, values.shape[:-1])
 
 
 def _mean_distance(result: Result, name: str, variable: xr.Variable) -> Array:

@@ -116,10 +116,10 @@ class Run:
         self.surface: dict[str, Any] = self.scene["surface"]
         self.measured = self.surface["kind"] == "file"
         self.effects: list[dict[str, Any]] = self.scene.get("effects", [])
-        asked = self.scene["methods"]
+        methods = self.scene["methods"]
         #: Methods that solve on grids, in the order of the comparison: the first is the reference.
-        self.methods = [name for name in asked if "grids" in asked[name]]
-        self.options: dict[str, dict[str, Any]] = asked
+        self.methods = [name for name in methods if "grids" in methods[name]]
+        self.options: dict[str, dict[str, Any]] = methods
         #: Stored solves by method, grid, shift and realisation.
         self.solves: dict[tuple[str, Grid, tuple[float, float], int], Stored] = {}
         self.realisations = int(scene.get("ensemble", {}).get("realisations", 1))
@@ -159,8 +159,10 @@ class Run:
             and said.get("effects", []) == self.effects
             and "inverted" not in said
         )
-        told = self.options.get(recipe["method"], {})
-        same = same and all(told.get(key) == value for key, value in said["settings"].items() if key in told)
+        options = self.options.get(recipe["method"], {})
+        same = same and all(
+            options.get(key) == value for key, value in said["settings"].items() if key in options
+        )
         return k if same and k in range(self.realisations) else None
 
     @cached_property
@@ -213,19 +215,19 @@ class Run:
         if self.holds_distance:
             own = [one for (name, _, _, m), one in self.solves.items() if name == self.methods[0] and m == 0]
             return max(own, key=lambda one: one.p.size).mean_pressure
-        found = self.moments(k)
+        moments = self.moments(k)
         return (
             None
-            if found is None
-            else float(np.ravel(load["reduced_pressure"])[0]) * self.modulus * math.sqrt(found[1])
+            if moments is None
+            else float(np.ravel(load["reduced_pressure"])[0]) * self.modulus * math.sqrt(moments[1])
         )
 
     @cached_property
     def reduced_pressure(self) -> float | None:
         """p* = p0 / (E* h'_rms), E* of the surface."""
-        pressure, found = self.pressure(), self.moments()
-        flat = pressure is None or found is None or not found[1]
-        return None if flat else pressure / (self.surface_modulus * math.sqrt(found[1]))  # type: ignore[operator,index]
+        pressure, moments = self.pressure(), self.moments()
+        flat = pressure is None or moments is None or not moments[1]
+        return None if flat else pressure / (self.surface_modulus * math.sqrt(moments[1]))  # type: ignore[operator,index]
 
     def shown(self, method: str, grid: Grid) -> list[Stored]:
         """Solves of the scene's own surface on one grid, all shifts that were asked for."""
@@ -238,8 +240,8 @@ class Run:
         """Return the largest of the four residuals; NaN under an attraction whose law is not read here."""
         pressure = self.pressure()
         if self.adhesive:
-            found = None if pressure is None else one.adhesive_residuals(pressure)
-            return math.nan if found is None else max(found.values())
+            residuals = None if pressure is None else one.adhesive_residuals(pressure)
+            return math.nan if residuals is None else max(residuals.values())
         load = (
             0.0 if pressure is None or self.holds_distance else abs(one.mean_pressure - pressure) / pressure
         )
@@ -275,8 +277,8 @@ class Run:
 
     def own_theory(self, k: int = 0) -> tuple[float, float]:
         """A/A0 and A_pl/A0 of one realisation."""
-        found = self.moments(k)
-        return self.theory(None if found is None else found[1], self.pressure(k))
+        moments = self.moments(k)
+        return self.theory(None if moments is None else moments[1], self.pressure(k))
 
     @cached_property
     def spectral_moments(self) -> tuple[float, float] | None:
@@ -336,8 +338,8 @@ def _of_surface(run: Run) -> Expected:
     numbers: dict[str, float | None] = {"contact_modulus": run.surface_modulus}
     numbers |= {"contact_modulus_below": run.modulus, "pressure": run.pressure()}
     numbers["reduced_pressure"] = run.reduced_pressure
-    if (found := run.moments()) is not None:
-        m0, m2, m4 = found
+    if (moments := run.moments()) is not None:
+        m0, m2, m4 = moments
         numbers |= {"rms_height": math.sqrt(m0), "rms_gradient": math.sqrt(m2)}
         numbers["nayak"] = 1.5 * m0 * m4 / m2**2 if m2 else None
     if (spectral := run.spectral_moments) is not None:

@@ -91,14 +91,14 @@ class Stored:
     def __init__(self, content: memoryview) -> None:
         with reading(content) as file:
             fields = {name: np.asarray(values[...]) for name, values in file.variables.items()}
-            said = {name: file.getncattr(name) for name in file.ncattrs()}
-        self.recipe: dict[str, Any] = json.loads(said["recipe"])
-        self.provenance: dict[str, str] = json.loads(said["provenance"])
-        self.cost: dict[str, float] = json.loads(said["cost"])
-        self.stored_residuals: dict[str, float] = json.loads(said["residuals"])
-        self.said = said
-        self.lengths = (float(said["lengths"][0]), float(said["lengths"][1]))
-        self.modulus = float(said["contact_modulus"])
+            attrs = {name: file.getncattr(name) for name in file.ncattrs()}
+        self.recipe: dict[str, Any] = json.loads(attrs["recipe"])
+        self.provenance: dict[str, str] = json.loads(attrs["provenance"])
+        self.cost: dict[str, float] = json.loads(attrs["cost"])
+        self.stored_residuals: dict[str, float] = json.loads(attrs["residuals"])
+        self.attrs = attrs
+        self.lengths = (float(attrs["lengths"][0]), float(attrs["lengths"][1]))
+        self.modulus = float(attrs["contact_modulus"])
         self.p, self.gap = fields["pressure"], fields["gap"]
         self.u, self.h = fields["displacement"], fields["heights"]
         self.contact = fields["contacting_points"] == 1
@@ -180,15 +180,15 @@ class Stored:
         carries H.
         """
         effects = {effect["kind"]: effect for effect in self.recipe["effects"]}
-        told = effects["adhesion"]
-        if told.get("law", "exponential") != "exponential":
+        adhesion = effects["adhesion"]
+        if adhesion.get("law", "exponential") != "exponential":
             return None
-        strength = told["work"] / told["reach"]
-        wall = self.p + strength * np.exp(-np.maximum(self.gap, 0.0) / told["reach"])
+        strength = adhesion["work"] / adhesion["reach"]
+        wall = self.p + strength * np.exp(-np.maximum(self.gap, 0.0) / adhesion["reach"])
         off, yielded = wall, self.gap < 0
         if "hardness" in effects:
             off = np.where(yielded, self.p - effects["hardness"]["hardness"], wall)
-        height = math.sqrt(self.moments[0]) or told["reach"]
+        height = math.sqrt(self.moments[0]) or adhesion["reach"]
         stress = max(strength, math.sqrt(float(np.mean(self.p**2))))
         return {
             "penetration": max(0.0, -float(np.min(np.where(yielded, 0.0, self.gap)))) / height,

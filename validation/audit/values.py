@@ -21,7 +21,7 @@ _PREFIXES = {"p": -12, "n": -9, "u": -6, "m": -3, "k": 3, "M": 6, "G": 9}
 _INTERVAL, _HOLDS = "+- (95 %)", "+- holds"
 
 
-def judged(result: Result) -> Ledger:
+def value_ledger(result: Result) -> Ledger:
     """Judge all that a result holds."""
     ledger = Ledger()
     if result.store is None:
@@ -75,17 +75,17 @@ def _errors(result: Result, name: str, ledger: Ledger) -> None:
     value = result.data[name].values.astype(float)
     for k, source in enumerate(SOURCES):
         # Where there is no value, its errors say nothing.
-        told = ordered(error.isel(source=k), result.data[name].dims)
-        told = np.broadcast_to(told, value.shape)
-        part = np.where(np.isnan(value), 0.0, told)
+        errors = ordered(error.isel(source=k), result.data[name].dims)
+        errors = np.broadcast_to(errors, value.shape)
+        part = np.where(np.isnan(value), 0.0, errors)
         expected = {s: np.where(np.isnan(value), 0.0, one) for s, one in expected.items()}
         if source in error.attrs:
             none = np.where(np.isnan(part), np.nan, 0.0)
             _worst("data.nc", f"{name}_error, {source} does not enter", part, none, ledger)
         elif source in expected and source not in str(error.attrs.get("claimed", "")).split():
             scale = float(np.nanmax(np.abs(result.data[name].values), initial=0.0))
-            told = expected[source]
-            _worst("data.nc", f"{name}_error, {source}", part, told, ledger, rtol=1e-5, atol=1e-11 * scale)
+            errors = expected[source]
+            _worst("data.nc", f"{name}_error, {source}", part, errors, ledger, rtol=1e-5, atol=1e-11 * scale)
         elif np.isfinite(part).any():
             ledger.unread.append(f"data.nc: {name}_error, {source}")
 
@@ -196,8 +196,8 @@ def _rows(data: Variables, shown: Mapping[str, Any]) -> Iterator[list[tuple[floa
             value = data[name].isel(where, missing_dims="ignore").values.item()
             row.append((value if isinstance(value, str) else float(value), _total(data, name, where)))
             inside = isinstance(value, str) or not math.isnan(value)
-            own = not shown.get("sparse") or set(data[name].dims) >= set(dims)
-            known = known or (inside and own and name not in shown["coordinates"])
+            whole = not shown.get("sparse") or set(data[name].dims) >= set(dims)
+            known = known or (inside and whole and name not in shown["coordinates"])
         if known:
             yield row
 
@@ -223,15 +223,15 @@ def judge_budget(result: Result, ledger: Ledger) -> None:
             100 * abs(half / value) if value else (0.0 if half == 0 else math.nan)
             for half in error.isel(at, missing_dims="ignore").values.ravel().astype(float).tolist()
         ]
-        told = dict(zip(SOURCES, shares, strict=True))
-        own = [share for source, share in told.items() if source not in _SPECTRAL]
-        sums = {"for this spectrum and period [%]": own, "for any [%]": list(shares)}
+        by_source = dict(zip(SOURCES, shares, strict=True))
+        entering = [share for source, share in by_source.items() if source not in _SPECTRAL]
+        sums = {"for this spectrum and period [%]": entering, "for any [%]": list(shares)}
         where = cells.get("number", name)
         ledger.number("budget.csv", f"{where}, value", cells.get("value"), value, rtol=1e-12)
         for title, parts in sums.items():
             total = math.sqrt(sum(part**2 for part in parts))
             ledger.number("budget.csv", f"{where}, {title}", cells.get(title), total)
-        for source, share in told.items():
+        for source, share in by_source.items():
             cell = cells.get(f"{source} [%]", "")
             if source in error.attrs:
                 ledger.same("budget.csv", f"{where}, {source}", cell, "does not enter")

@@ -317,15 +317,15 @@ def _findings(data: xr.Dataset) -> list[Finding]:
 def claims_page(result: Result, *, figures: bool = True) -> Page:
     """Return the page of judged claims: all of it from the dataset and from what was asked."""
     sources = dict.fromkeys(map(str, result.data.claim_source.values))
-    papers = [*result.asked.get("papers", ()), *filter(_is_paper, sources)]
-    scored = result.asked.get("solvers")
+    papers = [*result.settings.get("papers", ()), *filter(_is_paper, sources)]
+    scored = result.settings.get("solvers")
     return page_of(
         result.data,
         claims_views(with_places(result.data)),
         figures=figures,
         title=f"Scorecard: {' beside '.join(scored)}" if scored else "Claims with a known answer",
         lead="Is what is known found: closed forms, limits, symmetries, orders of convergence?",
-        settings={name: value for name, value in result.asked.items() if name != "papers"},
+        settings={name: value for name, value in result.settings.items() if name != "papers"},
         seeds="fixed in each claim",
         papers=tuple(papers),
         summary={"kind": result.kind, "name": result.name},
@@ -346,14 +346,14 @@ def write_claims(
     verdicts: Sequence[Verdict],
     *,
     name: str,
-    asked: Mapping[str, Any],
+    settings: Mapping[str, Any],
     cards: Sequence[Scorecard] = (),
     report: bool = True,
 ) -> tuple[Page, tuple[Path, ...]]:
     """Write dataset, record and page of verdicts into a folder; without `report` numbers alone."""
     data = claims_dataset(verdicts, cards)
     with locked(folder):
-        write_results(folder, data, kind=KIND, name=name, asked=json_ready(dict(asked)), store=folder)
+        write_results(folder, data, kind=KIND, name=name, settings=json_ready(dict(settings)), store=folder)
         return report_claims(folder, report=report)
 
 
@@ -367,7 +367,7 @@ def write_scorecards(folder: Path, cards: Sequence[Scorecard], *, report: bool =
         "papers": list(dict.fromkeys(paper for card in cards for paper in card.subject.solver.papers)),
     }
     verdicts = [verdict for card in cards for verdict in card.verdicts]
-    return write_claims(folder, verdicts, name="scorecard", asked=settings, cards=cards, report=report)[1]
+    return write_claims(folder, verdicts, name="scorecard", settings=settings, cards=cards, report=report)[1]
 
 
 def report_claims(folder: Path, *, report: bool = True) -> tuple[Page, tuple[Path, ...]]:

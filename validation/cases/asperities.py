@@ -63,7 +63,7 @@ def _summits() -> Iterator[Check]:
     """Statistics of summits in the moments of a profile: mu0 = m0, mu2 = m2 / 2, mu4 = 3 m4 / 8."""
     mu2, mu4 = _MOMENTS.m2 / 2, 3 * _MOMENTS.m4 / 8
     alpha = _MOMENTS.m0 * mu4 / mu2**2
-    found = nayak_asperities(_MOMENTS)
+    asperities = nayak_asperities(_MOMENTS)
     density = mu4 / mu2 / (6 * math.pi * math.sqrt(3))
     mean = 4 * math.sqrt(_MOMENTS.m0 / (math.pi * alpha))
     deviation = math.sqrt(_MOMENTS.m0 * (1 - 0.8968 / alpha))
@@ -77,9 +77,9 @@ def _summits() -> Iterator[Check]:
     second = 2 * float(np.trapezoid(d * (share - under), d))
     ring = ring_asperities(1e5, rms_height=1e-6)
     yield relative("Nayak parameter", _MOMENTS.nayak, alpha, 1e-12)
-    yield relative("density [1/m^2]", found.density, density, 1e-12)
-    yield relative("mean curvature [1/m]", 1 / found.radius, 8 / 3 * math.sqrt(mu4 / math.pi), 1e-12)
-    yield relative("scatter of heights [m]", found.rms_height, deviation, 1e-4)
+    yield relative("density [1/m^2]", asperities.density, density, 1e-12)
+    yield relative("mean curvature [1/m]", 1 / asperities.radius, 8 / 3 * math.sqrt(mu4 / math.pi), 1e-12)
+    yield relative("scatter of heights [m]", asperities.rms_height, deviation, 1e-4)
     yield relative("mean height, counted above planes [m]", first, mean, 1e-4)
     yield relative(
         "scatter of heights, counted above planes [m]", math.sqrt(second - first**2), deviation, 1e-3

@@ -33,7 +33,7 @@ def _wavy(amplitude: float, points: int) -> HeightField:
 def _flat() -> Iterator[Check]:
     """Press a block whose sides cannot move to half of Young's modulus, far from small strain."""
     load = 1.0
-    found = block.solve_finite_strain(
+    solution = block.solve_finite_strain(
         _wavy(1e-9, 6), _SOLID, mean_pressure=load, depth=0.5, growth=2.0, tolerance=1e-6
     )
 
@@ -43,9 +43,9 @@ def _flat() -> Iterator[Check]:
 
     j = brentq(excess, 0.1, 1.0, xtol=1e-14)
     stored = _SHEAR / 2 * (j ** (-2 / 3) * (2 + j**2) - 3) + _BULK / 2 * (j - 1) ** 2
-    yield relative("thickness over that before", 1 + found.offset / 0.5, j, 1e-7)
-    yield relative("stored energy [J/m^2]", found.energy, 0.5 * stored, 1e-6)
-    yield relative("projected area in contact", found.area, 1.0, 1e-12)
+    yield relative("thickness over that before", 1 + solution.offset / 0.5, j, 1e-7)
+    yield relative("stored energy [J/m^2]", solution.energy, 0.5 * stored, 1e-6)
+    yield relative("projected area in contact", solution.area, 1.0, 1e-12)
 
 
 @case(

@@ -81,7 +81,9 @@ def _channels() -> Iterator[Check]:
     along, across = 1 + 1.5 * 0.36, (1 - 0.36) ** 2.5 / (1 + 0.36 / 2)
     phase = {n: 2 * np.pi * (np.arange(n) + 0.5) / n for n in (16, 32, 64)}
     grooves = _grooved(64, phase[64][:, None])
-    found = {axis: 12 * flow_conductance(grooves, (1.0, 2.5), axis=axis).conductance for axis in ("x", "y")}
+    conductances = {
+        axis: 12 * flow_conductance(grooves, (1.0, 2.5), axis=axis).conductance for axis in ("x", "y")
+    }
     exact, sizes = (along + across) / 2, list(phase)
     errors = [
         abs(12 * flow_conductance(_grooved(n, a[:, None] + a[None, :]), (1.0, 1.0)).conductance - exact)
@@ -91,7 +93,7 @@ def _channels() -> Iterator[Check]:
         "K of a channel of width w on 3/7 of the period [m^3]", channel, 3 / 7 * 0.2**3 / 12, 1e-12
     )
     yield below("K across it", closed, 0.0)
-    yield relative("12 K along grooves 1 + .6 cos", found["y"], along, 1e-12)
+    yield relative("12 K along grooves 1 + .6 cos", conductances["y"], along, 1e-12)
     # The mean of an analytic function over a period converges faster than any power.
-    yield relative("12 K across them", found["x"], across, 1e-8)
+    yield relative("12 K across them", conductances["x"], across, 1e-8)
     yield order("order along oblique ones", sizes, errors, expected=2, tolerance=0.2)

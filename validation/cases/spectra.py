@@ -36,9 +36,9 @@ def _judged(
 ) -> Iterator[Check]:
     """Compare a spectrum and its moments with C(q) as its definition has it."""
     middle = math.sqrt(edges[-2] * edges[-1])
-    found = (spectrum.m0(), spectrum.m2(), spectrum.m4())
+    moments = (spectrum.m0(), spectrum.m2(), spectrum.m4())
     yield relative(f"C(q), {name}", spectrum(middle), power(middle), 1e-12)
-    for k, m in enumerate(found):
+    for k, m in enumerate(moments):
         yield relative(f"m{2 * k}, {name}", m, _moment(power, k, edges), 1e-9)
 
 
@@ -149,9 +149,9 @@ def _generator() -> Iterator[Check]:
     alpha = 1.5 * sums[0] * sums[2] / sums[1] ** 2
     yield relative("Nayak parameter of the surface", surface.nayak, alpha, 1e-12)
     # One wave of each pair +-q stands in the transform of a real field.
-    found = np.abs(np.fft.fft2(surface.heights)[3, 2] / surface.heights.size) ** 2
+    power = np.abs(np.fft.fft2(surface.heights)[3, 2] / surface.heights.size) ** 2
     one = cell * float(_power(np.array(2 * math.pi * math.hypot(3 / lx, 2 / ly))))
-    yield relative("|h(q)|^2 of one wave", found, one, 1e-10)
+    yield relative("|h(q)|^2 of one wave", power, one, 1e-10)
     finer = _drawn((80, 64))
     off = float(np.max(np.abs(finer.heights[::2, ::2] - surface.heights)) / surface.rms_height)
     yield below("difference of two grids at their common points", off, 1e-12)

@@ -105,13 +105,13 @@ def _prepared(
 
 
 def _folders(
-    asked: Scene | Sweep, output: Path | None, store: Path | None, *, accurate: bool
+    scene: Scene | Sweep, output: Path | None, store: Path | None, *, accurate: bool
 ) -> tuple[Path, Path]:
     """Return the folders of results and of solves: the command line goes before the scene."""
     from validation.scenes.run_options import not_led_out
 
-    how, results = asked.run, Path("results")
-    plain = output or how.folder("output") or not_led_out(results / asked.name, of=results, option="--output")
+    how, results = scene.run, Path("results")
+    plain = output or how.folder("output") or not_led_out(results / scene.name, of=results, option="--output")
     folder = plain
     if accurate and not (output or how.output):
         # Beside the results of a plain run, whose solves it shares.

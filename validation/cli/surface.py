@@ -126,10 +126,10 @@ def convert(
     from validation.scenes.surfaces import check_fits, measured_surface, naming
 
     # Without a taper a conversion leaves the edges as they are, and does not ask whether they match.
-    found = measured_surface(table)
+    measured = measured_surface(table)
     with naming(table):
-        found.check("missing")
-    patch = found.patch if edges is None else found.period
+        measured.check("missing")
+    patch = measured.patch if edges is None else measured.period
     for words in patch.history:
         typer.echo(words, err=True)
     field = patch.height_field()
@@ -182,18 +182,18 @@ def _inspected(
     else:
         surface = _file_surface(Path(source), length=length, unit=unit, tilt=tilt, missing=missing)
     if surface.kind == "file":
-        found = measured_surface(surface)
+        measured = measured_surface(surface)
         # Its numbers need heights everywhere, and are those of no plane.
-        remedies = {key: remedy for key, (_, remedy) in found.faults.items() if key != "edges"}
-        raw, patch = found.raw, replace(found, surface=surface.model_copy(update=remedies)).patch
+        remedies = {key: remedy for key, (_, remedy) in measured.faults.items() if key != "edges"}
+        raw, patch = measured.raw, replace(measured, surface=surface.model_copy(update=remedies)).patch
         facts |= {"missing points": raw.missing, "slope along x": raw.slope[0]}
         facts |= {"slope along y": raw.slope[1], "share of a plane in the variance": raw.plane_share}
         facts |= {"edge jump over typical step": patch.edge_jump, "treatment": "; ".join(patch.history)}
-        if found.faults:
+        if measured.faults:
             sides = [side.strip() for side in (length or "").strip(" []").split(",")]
             given = {"path": str(surface.path), "length": sides if length else None, "unit": unit}
             table = {key: value for key, value in given.items() if value is not None}
-            facts["before it is pressed"] = "\n".join(fault_lines(found.faults, table))
+            facts["before it is pressed"] = "\n".join(fault_lines(measured.faults, table))
         field = patch.height_field()
         window: Literal["none", "hann"] = "none" if patch.edge_jump < 4 else "hann"
     else:
@@ -205,11 +205,11 @@ def _inspected(
         "pixel [m]": f"{field.spacing[0]:.6g} x {field.spacing[1]:.6g}",
         "h_rms [m]": field.rms_height,
     }
-    own = field if window == "none" else Patch(heights=field.heights, lengths=field.lengths)
-    if own.rms_gradient > 0:
+    windowed = field if window == "none" else Patch(heights=field.heights, lengths=field.lengths)
+    if windowed.rms_gradient > 0:
         how = "spectral" if window == "none" else "differences"
-        facts[f"h'_rms ({how})"] = own.rms_gradient
-        facts[f"rms curvature [1/m] ({how})"] = math.sqrt(own.moments[2]) / 2
+        facts[f"h'_rms ({how})"] = windowed.rms_gradient
+        facts[f"rms curvature [1/m] ({how})"] = math.sqrt(windowed.moments[2]) / 2
         if window == "none":
             facts["Nayak parameter"] = field.nayak
         facts |= {
@@ -222,7 +222,7 @@ def _inspected(
             "mean curvature of summits [1/m]": traits.summit_curvature,
             "rms height of summits [m]": traits.summit_height,
         }
-        lay = measured_lay(own)
+        lay = measured_lay(windowed)
         turned = f", {math.degrees(lay.direction):.3g} degrees from x" if lay.ratio > _LAY else ""
         facts["lay (slope across over along)"] = f"{lay.ratio:.3g}{turned}"
     facts["window of C(q)"] = window

@@ -87,7 +87,7 @@ def validate(
     verdicts = tuple(run_cases(cases, tell=tell))
     failed_first = sorted(verdicts, key=lambda verdict: verdict.passed)
     asked = {"cases": list(names or []), "quick": quick}
-    page, files = write_claims(folder, failed_first, name="validate", asked=asked, report=with_report)
+    page, files = write_claims(folder, failed_first, name="validate", settings=asked, report=with_report)
     if as_json:
         print_json([verdict.summary() for verdict in verdicts])
     else:

@@ -35,7 +35,7 @@ from validation.scenes.problem import realise
 from validation.scenes.scene import Scene
 from validation.solvers.bem import BemOptions
 
-#: ContactModel of effects with which the area corrected at its edge follows its law of error.
+#: Slots of effects with which the area corrected at its edge follows its law of error.
 _LAWFUL = frozenset({"pressure bound", "response"})
 
 
@@ -53,8 +53,8 @@ def parse_accuracy(text: str) -> float:
     (0.01, 0.01, 0.025)
     """
     allowed = "must be a share such as 1% or 0.01, above 0 and at most 50%"
-    found = re.fullmatch(r"\s*(\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+(?:[eE][-+]?\d+)?)\s*(%?)\s*", text)
-    value = float(found[1]) / (100 if found[2] else 1) if found else math.nan
+    match = re.fullmatch(r"\s*(\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+(?:[eE][-+]?\d+)?)\s*(%?)\s*", text)
+    value = float(match[1]) / (100 if match[2] else 1) if match else math.nan
     if not 0 < value <= 0.5:
         raise UsageError(f"--accuracy = {text!r}: {allowed}")
     return value
@@ -90,17 +90,17 @@ class AccuracyResult:
     def summary(self) -> dict[str, Any]:
         """Return everything as JSON-ready data."""
         numbers = vars(self) | {"beside": [asdict(other) for other in self.beside], "mean": None}
-        found = numbers.pop("ensemble")
-        if found is not None:
+        ensemble = numbers.pop("ensemble")
+        if ensemble is not None:
             numbers |= {
-                "surfaces": found.surfaces,
-                "mean": found.estimate.value,
-                "mean_error": found.half_width / found.estimate.value,
-                "statistical": found.estimate.half_width / found.estimate.value,
-                "scatter": found.scatter,
-                "surface_grids": found.grids,
-                "pairs": found.pairs,
-                "unsolved": found.unsolved,
+                "surfaces": ensemble.surfaces,
+                "mean": ensemble.estimate.value,
+                "mean_error": ensemble.half_width / ensemble.estimate.value,
+                "statistical": ensemble.estimate.half_width / ensemble.estimate.value,
+                "scatter": ensemble.scatter,
+                "surface_grids": ensemble.grids,
+                "pairs": ensemble.pairs,
+                "unsolved": ensemble.unsolved,
             }
         return json_ready(numbers)
 
@@ -121,13 +121,13 @@ class AccuracyResult:
         )
         for other in self.beside:
             area = "located inside the cells" if other.located else "corrected at its edge"
-            found = f"no limit: {other.doubt}"
+            answer = f"no limit: {other.doubt}"
             if not other.doubt:
-                found = (
+                answer = (
                     f"A/A0 = {other.area:.6g} +- {percent(other.error)} (95 %: grid; limit of the area "
                     f"{area}), {100 * (other.area / self.area - 1):+.2g} % from it"
                 )
-            yield f"Beside it {other.label} on {grid_words(other.grids)}: {found}."
+            yield f"Beside it {other.label} on {grid_words(other.grids)}: {answer}."
         if self.ensemble is not None:
             yield self._mean(self.ensemble)
         counted = ", blocks of pairs counted as one" if self.ensemble else ""
@@ -137,18 +137,18 @@ class AccuracyResult:
             "largest."
         )
 
-    def _mean(self, found: MeanArea) -> str:
-        area, half = found.estimate.value, found.estimate.half_width
+    def _mean(self, ensemble: MeanArea) -> str:
+        area, half = ensemble.estimate.value, ensemble.estimate.half_width
         ending = ", ".join(
-            f"{count} to {nx} x {ny}" for count, (nx, ny) in zip(found.pairs, found.grids, strict=True)
+            f"{count} to {nx} x {ny}" for count, (nx, ny) in zip(ensemble.pairs, ensemble.grids, strict=True)
         )
-        plain = math.ceil((1.96 * found.scatter * area / half) ** 2) if half > 0 else 2
+        plain = math.ceil((1.96 * ensemble.scatter * area / half) ** 2) if half > 0 else 2
         return (
             f"Mean over the surfaces of this spectrum: A/A0 = {area:.6g} +- "
-            f"{percent(found.half_width / area)} (95 %: surfaces, grid and solver), of which "
-            f"{percent(half / area)} from the scatter between surfaces; from {sum(found.pairs)} pairs h, -h "
-            f"({ending}) and {found.unsolved} that were not solved, where a plain mean of single surfaces, "
-            f"which scatter by {percent(found.scatter)}, would take about {plain}."
+            f"{percent(ensemble.half_width / area)} (95 %: surfaces, grid and solver), of which "
+            f"{percent(half / area)} from the scatter between surfaces; from {sum(ensemble.pairs)} pairs "
+            f"h, -h ({ending}) and {ensemble.unsolved} that were not solved, where a plain mean of single "
+            f"surfaces, which scatter by {percent(ensemble.scatter)}, would take about {plain}."
         )
 
 

@@ -174,7 +174,7 @@ class Search:
             ladder = self._cheapest(usual if possible else chains, tried, share=_GRID_SHARE)
             tried.add(ladder.grids)
             try:
-                found = mean_area(
+                ensemble = mean_area(
                     self.problem,
                     half_width=self.target,
                     bench=self.bench,
@@ -187,12 +187,14 @@ class Search:
                 # One of many contacts is too small for these grids; the next are finer.
                 tried |= {one.grids for one in chains if one.seconds <= ladder.seconds}
                 continue
-            self.peak_bytes = max(self.peak_bytes, found.peak_bytes)
-            if found.half_width <= self.target * found.estimate.value:
-                return found
-            grid = found.grid / found.estimate.value
+            self.peak_bytes = max(self.peak_bytes, ensemble.peak_bytes)
+            if ensemble.half_width <= self.target * ensemble.estimate.value:
+                return ensemble
+            grid = ensemble.grid / ensemble.estimate.value
             if grid < _SPARE * self.target:
-                raise RunFailed(f"{self._known(found)}; all solves are stored: run it again, or ask for less")
+                raise RunFailed(
+                    f"{self._known(ensemble)}; all solves are stored: run it again, or ask for less"
+                )
             self.doubt = max(self.doubt, grid / ladder.error) * self.doubt
 
     def beside(self) -> tuple[Beside, ...]:
@@ -236,19 +238,21 @@ class Search:
                 )
             self.bench.account.reserved += seconds / self.bench.execution.workers
 
-    def _watch(self, found: MeanArea, solves: Sequence[Call]) -> None:
+    def _watch(self, ensemble: MeanArea, solves: Sequence[Call]) -> None:
         seconds = self.bench.seconds(solves)
-        surfaces = found.surfaces + 2 * sum(one["count"] for one in solves if one.measurement is area_pairs)
+        surfaces = ensemble.surfaces + 2 * sum(
+            one["count"] for one in solves if one.measurement is area_pairs
+        )
         if self.bench.affordable(seconds) and surfaces <= _MOST_SURFACES:
             return
         raise RunFailed(
-            f"{self._known(found)}; it needs about {seconds:.2g} s more, or more than {_MOST_SURFACES} "
+            f"{self._known(ensemble)}; it needs about {seconds:.2g} s more, or more than {_MOST_SURFACES} "
             f"surfaces, and {self.bench.means()}; all solves are stored"
         )
 
-    def _known(self, found: MeanArea) -> str:
-        error = percent(found.half_width / found.estimate.value)
-        return f"{self.bench.wanted}: the mean over {found.surfaces} surfaces is known to {error}"
+    def _known(self, ensemble: MeanArea) -> str:
+        error = percent(ensemble.half_width / ensemble.estimate.value)
+        return f"{self.bench.wanted}: the mean over {ensemble.surfaces} surfaces is known to {error}"
 
     def _grid(self, per_wave: float) -> Grid:
         """Return an even grid of fast transforms and nearly square cells of at least that resolution."""

@@ -58,12 +58,12 @@ def compare_folders(
         if "of its own" in str(error) or "damaged" in str(error):
             raise
     data, differ, first = side_by_side(results), differing(results), next(iter(results.values()))
-    asked = {label: dict(result.asked) for label, result in results.items()}
+    settings = {label: dict(result.settings) for label, result in results.items()}
     kind = _KINDS.get(first.kind, f"results of the {_question(first)}")
     table = _table(data)
     short = ResultTable.of(table.columns, table.rows[:_ROWS])
     more = f"{len(table.rows) - _ROWS} more rows are in table.csv. " if len(table.rows) > _ROWS else ""
-    settings = WordTable(
+    differences = WordTable(
         title="Settings that differ",
         columns=("setting", *results),
         rows=tuple((key, *values) for key, values in differ.items()),
@@ -82,12 +82,12 @@ def compare_folders(
         f"from {next(iter(results))}",
         tables=(
             shown(short, title="Numbers side by side", note=more + _JOINT),
-            *((settings,) if differ else ()),
+            *((differences,) if differ else ()),
         ),
-        settings=asked,
+        settings=settings,
         seeds="; ".join(
             f"{label}: {flat.get('surface.seed') or flat.get('seed') or 'none'}"
-            for label, flat in zip(results, map(_asked, results.values()), strict=True)
+            for label, flat in zip(results, map(_flat_settings, results.values()), strict=True)
         ),
         papers=(),
         records={"table": table},
@@ -104,7 +104,7 @@ def compare_folders(
         },
     )
     with locked(prepare_folder(output)):
-        write_results(output, data, kind="compare", name=page.title, asked=asked, store=output)
+        write_results(output, data, kind="compare", name=page.title, settings=settings, store=output)
         return page, write_page(page, output, numbers_only=not report)
 
 
@@ -115,17 +115,17 @@ def _read(folders: Sequence[Path]) -> tuple[dict[str, Result], tuple[str, ...]]:
     left_out = []
     for folder, label in zip(folders, _labels(folders), strict=True):
         try:
-            found = read_results(folder)
+            result = read_results(folder)
         except UsageError as error:
             left_out.append(f"{folder}: not compared: {str(error).removeprefix(f'{folder}: ')}")
             continue
-        first = next(iter(results.values()), found)
-        if _question(found) != _question(first):
+        first = next(iter(results.values()), result)
+        if _question(result) != _question(first):
             left_out.append(
-                f"{folder}: not compared: it is a {_question(found)}, and the first is a {_question(first)}"
+                f"{folder}: not compared: it is a {_question(result)}, and the first is a {_question(first)}"
             )
         else:
-            results[label] = found
+            results[label] = result
     if len(results) < 2:
         raise UsageError(
             "; ".join(left_out) + "; fewer than two folders are left: name results folders of one kind"
@@ -197,23 +197,27 @@ def _shared(attrs: Sequence[Mapping[str, Any]], context: Any = None) -> dict[str
 
 def _numbers(data: xr.Dataset) -> xr.Dataset:
     data = data.drop_dims(_FIELDS, errors="ignore")
-    kept = [
+    names = [
         str(name)
         for name, values in data.data_vars.items()
         if values.dtype.kind in "fiu"
         and not str(name).startswith(_LEFT_OUT)
         and not str(name).endswith("_drift")
     ]
-    return data[kept]
+    return data[names]
 
 
 def _placed(data: xr.Dataset) -> xr.Dataset:
     """Give dimensions without values of their own those of the first coordinate along them, as loads have."""
     for dim in map(str, data.dims):
-        own = [str(n) for n, c in data.coords.items() if c.dims == (dim,)]
-        if dim not in data.coords and own:
-            values = data[own[0]].values
-            data = data.drop_vars(own).rename({dim: own[0]}).assign_coords({own[0]: values})
+        coordinates = [str(n) for n, c in data.coords.items() if c.dims == (dim,)]
+        if dim not in data.coords and coordinates:
+            values = data[coordinates[0]].values
+            data = (
+                data.drop_vars(coordinates)
+                .rename({dim: coordinates[0]})
+                .assign_coords({coordinates[0]: values})
+            )
     return data
 
 
@@ -241,23 +245,23 @@ def _word(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _asked(result: Result) -> dict[str, str]:
+def _flat_settings(result: Result) -> dict[str, str]:
     """Return everything that was asked for by dotted key, as a scene names it."""
-    asked = dict(result.asked)
-    scene = {k: v for k, v in asked.pop("scene", {}).items() if k not in ("name", "title", "run")}
-    found = dict(_flat({**scene, **asked}))
-    for key in [k["key"] for k in asked.get("sweep", {}).get("keys", ())]:
-        found.pop(key, None)
+    settings = dict(result.settings)
+    scene = {k: v for k, v in settings.pop("scene", {}).items() if k not in ("name", "title", "run")}
+    options = dict(_flat({**scene, **settings}))
+    for key in [k["key"] for k in settings.get("sweep", {}).get("keys", ())]:
+        options.pop(key, None)
     # Of an accuracy what was reached is no setting.
-    return {k: v for k, v in found.items() if not k.startswith("accuracy.") or k == "accuracy.target"}
+    return {k: v for k, v in options.items() if not k.startswith("accuracy.") or k == "accuracy.target"}
 
 
 def differing(results: Mapping[str, Result]) -> dict[str, tuple[str, ...]]:
     """Return the settings that differ, each with its value in every result; "" where it has none."""
-    every = [_asked(result) for result in results.values()]
-    keys = dict.fromkeys(key for asked in every for key in asked)
-    values = {key: tuple(asked.get(key, "") for asked in every) for key in keys}
-    return {key: told for key, told in values.items() if len(set(told)) > 1}
+    every = [_flat_settings(result) for result in results.values()]
+    keys = dict.fromkeys(key for settings in every for key in settings)
+    values = {key: tuple(settings.get(key, "") for settings in every) for key in keys}
+    return {key: value for key, value in values.items() if len(set(value)) > 1}
 
 
 # ---- what is shown ---------------------------------------------------------------------------------
@@ -275,8 +279,8 @@ def _compared(data: xr.Dataset) -> list[str]:
 
 def _places(data: xr.Dataset, name: str) -> Iterator[tuple[str, xr.Dataset]]:
     dims = [str(dim) for dim in data[name].dims if dim != "result"]
-    told = [n for n in (name, f"{name}_error", f"{name}_apart", f"{name}_apart_error") if n in data]
-    for here in each(data[told], *dims):
+    names = [n for n in (name, f"{name}_error", f"{name}_apart", f"{name}_apart_error") if n in data]
+    for here in each(data[names], *dims):
         if bool(here[name].notnull().all()):
             yield ", ".join(filter(None, (_place(here, dim, data) for dim in dims))), here
 
@@ -307,9 +311,9 @@ def _table(data: xr.Dataset) -> ResultTable:
 
 
 def _cards(data: xr.Dataset, results: Mapping[str, Result]) -> Iterator[Card]:
-    told = list(differing(results))
-    words = ", ".join(told[:3]) + (", ..." if len(told) > 3 else "")
-    count = f"{len(told)} setting{'' if len(told) == 1 else 's'}"
+    keys = list(differing(results))
+    words = ", ".join(keys[:3]) + (", ..." if len(keys) > 3 else "")
+    count = f"{len(keys)} setting{'' if len(keys) == 1 else 's'}"
     yield Card("What differs in what was asked?", words or "nothing", count)
     if "area" not in data or data.area.dims != ("result",):
         return
@@ -320,22 +324,26 @@ def _cards(data: xr.Dataset, results: Mapping[str, Result]) -> Iterator[Card]:
 
 
 def _findings(data: xr.Dataset, results: Mapping[str, Result]) -> Iterator[Finding]:
-    told = differing(results)
-    if told:
-        said = [f"{key} ({'; '.join(v or 'none' for v in values)})" for key, values in told.items()]
-        more = f", and {len(said) - 6} more settings" if len(said) > 6 else ""
+    differences = differing(results)
+    if differences:
+        words = [f"{key} ({'; '.join(v or 'none' for v in values)})" for key, values in differences.items()]
+        more = f", and {len(words) - 6} more settings" if len(words) > 6 else ""
         # As a value, whatever braces are in it.
-        yield note("{settings}", settings=f"They differ in {', '.join(said[:6])}{more}.")
+        yield note("{settings}", settings=f"They differ in {', '.join(words[:6])}{more}.")
     else:
         yield note("No setting differs: these are results of one and the same question.")
-    judged = [n for n in _compared(data) if f"{n}_apart_error" in data and not n.endswith(_TWICE)]
-    for name in judged[:_FINDINGS]:
+    names = [n for n in _compared(data) if f"{n}_apart_error" in data and not n.endswith(_TWICE)]
+    for name in names[:_FINDINGS]:
         for k in range(1, data.sizes["result"]):
             yield _farthest(data, name, k)
-    if not judged:
+    if not names:
         yield note("No number that they share has an interval: how far they are apart cannot be judged.")
     draws = ("surface.seed", "seed", "surface.hurst", "surface.lambda", "ensemble.")
-    if any(key.startswith(draws) for key in told) and "surfaces" in data and bool((data.surfaces == 1).any()):
+    if (
+        any(key.startswith(draws) for key in differences)
+        and "surfaces" in data
+        and bool((data.surfaces == 1).any())
+    ):
         yield note(
             "Their surfaces differ, and an interval of one surface is that of the grids: another draw of the "
             "same spectrum would differ, too, by how much an [ensemble] in every scene tells."
@@ -391,12 +399,13 @@ def _figures(data: xr.Dataset) -> Iterator[Figure]:
         if made >= _FIGURES or f"{name}_error" not in data or len(dims) > 2 or (dims and not axes):
             continue
         rest = {dim: data.sizes[dim] // 2 for dim in dims if dim != axes[0]} if axes else {}
-        said = ", ".join(_place(data.isel({dim: k}), dim, data) for dim, k in rest.items())
+        place = ", ".join(_place(data.isel({dim: k}), dim, data) for dim, k in rest.items())
         marks = [Line(y=name, by="result" if axes else (), at=rest, joined=bool(axes))]
         x = axes[0] if axes else "result"
         made += 1
         yield Figure(
             name=name.replace("_", "-"),
-            caption=f"{quantity_of(data, name).meaning.capitalize()} of every result{said and f' ({said})'}.",
+            caption=f"{quantity_of(data, name).meaning.capitalize()} of every result"
+            f"{place and f' ({place})'}.",
             panels=[Panel(marks=marks, x=x)],
         )

@@ -189,7 +189,7 @@ def problems_of(sweep: Sweep, *, surveyed: bool = False) -> tuple[ContactProblem
                 raise UsageError(f"{key}: lists several loads; move the list to [sweep], as sweep.{key}")
             check_scene(scene, problem)
         except _UNFIT as error:
-            raise UsageError(f"{error} ([sweep] at {sweep.words(k)})") from None
+            raise UsageError(f"{error} ([sweep] at {sweep.place(k)})") from None
         surfaces.setdefault(scene.surface, problem)
         made.append(problem)
     return tuple(made)
@@ -216,9 +216,9 @@ class SweepExplanation:
 
     def summary(self) -> dict[str, Any]:
         """Return everything as JSON-ready data."""
-        said = {f.name: getattr(self, f.name) for f in fields(self)}
+        summary = {f.name: getattr(self, f.name) for f in fields(self)}
         cases = [{"case": words, **one.summary()} for words, one in self.cases]
-        return {**said, "keys": [asdict(key) for key in self.keys], "cases": cases}
+        return {**summary, "keys": [asdict(key) for key in self.keys], "cases": cases}
 
     def parts(self) -> Iterator[Any]:
         """Yield what the command line prints, in order: the sum, then the first and the last case."""
@@ -253,7 +253,7 @@ def explain_sweep(sweep: Sweep) -> SweepExplanation:
         name=sweep.name,
         mode=sweep.mode,
         keys=sweep.keys,
-        cases=tuple((sweep.words(k), one) for k, one in enumerate(each)),
+        cases=tuple((sweep.place(k), one) for k, one in enumerate(each)),
         solves=len(solves),
         asked=sum(grid.solves for one in each for grid in one.grids),
         seconds=sum(cost.seconds for cost in costs),
@@ -264,7 +264,7 @@ def explain_sweep(sweep: Sweep) -> SweepExplanation:
 def judgements(scene: Scene, problem: ContactProblem) -> tuple[tuple[Judgement, ...], tuple[Judgement, ...]]:
     """Return the effects that a scene lists and those it leaves out, each with the number that decides."""
     rough = roughness_of(problem)
-    listed = [effect.judged(rough) for effect in scene.effects]
+    listed = [effect.assess(rough) for effect in scene.effects]
     for k, judgement in enumerate(listed):
         if judgement.negligible and scene.methods.solvers:
             costs = effect_costs()
@@ -305,7 +305,7 @@ def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]
         facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} ({source})"))
         facts.append(("load", _load_words(problem)))
     facts += _usual_grids(scene, problem)
-    for name, method in scene.methods.asked.items():
+    for name, method in scene.methods.chosen.items():
         facts += method.facts(scene.methods.options(name), problem)
     if scene.methods.options("theory") is not None:
         words = "Persson 2006, elastic, without adhesion: A/A0, P(sigma), kappa; milliseconds"
@@ -357,7 +357,7 @@ def _left_out(scene: Scene, problem: ContactProblem, rough: Roughness) -> tuple[
     slots = {effect.slot for effect in scene.effects}
     # Where one effect fills a slot, its rivals are not missing.
     rivals = (kind for kind in effect_kinds().values() if kind.slot not in slots)
-    items = [judged for kind in rivals if (judged := kind.unlisted(rough)) is not None]
+    items = [judgement for kind in rivals if (judgement := kind.unlisted(rough)) is not None]
     items.append(finite_slopes(rough, poisson=problem.elastic.poisson))
     if not scene.methods.solvers:
         first = next(name for name, method in methods().items() if isinstance(method, Solver))

@@ -45,13 +45,13 @@ def with_cells(data: xr.Dataset, shape: tuple[int, ...], spacing: tuple[float, f
     return data.assign_coords({name: (name, (np.arange(n) + 0.5) * step) for name, n, step in each})
 
 
-def with_maps(data: xr.Dataset, own: Mapping[Press, ContactResult]) -> xr.Dataset:
+def with_maps(data: xr.Dataset, results: Mapping[Press, ContactResult]) -> xr.Dataset:
     """Add heights and pressures on the finest grid that all methods share, or on the finest of the first."""
-    methods = list(dict.fromkeys(solve.method for solve in own))
-    grids = [{solve.grid for solve in own if solve.method == name} for name in methods]
+    methods = list(dict.fromkeys(solve.method for solve in results))
+    grids = [{solve.grid for solve in results if solve.method == name} for name in methods]
     common = set.intersection(*grids) or grids[0]
     finest = max(common, key=lambda grid: grid[0] * grid[1])
-    there = {solve.method: result for solve, result in own.items() if solve.grid == finest}
+    there = {solve.method: result for solve, result in results.items() if solve.grid == finest}
     (nx, ny), first = finest, there[methods[0]]
     maps = np.full((data.sizes["solver"], nx, ny), np.nan)
     for k, name in enumerate(data.solver.values):
@@ -71,12 +71,12 @@ def _with_spectrum(data: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
     if not isinstance(problem.field, HeightField) or not problem.field.rms_gradient > 0:
         return data
     radial = radial_spectrum(problem.field)
-    kept = radial.power > 1e-12 * radial.power.max()
-    data = data.assign_coords(wavevector=("wavevector", radial.q[kept]))
-    data["power_spectrum"] = ("wavevector", radial.power[kept])
+    nonzero = radial.power > 1e-12 * radial.power.max()
+    data = data.assign_coords(wavevector=("wavevector", radial.q[nonzero]))
+    data["power_spectrum"] = ("wavevector", radial.power[nonzero])
     if problem.spectrum is not None:
-        told = np.asarray(problem.spectrum(radial.q[kept]), dtype=float)
-        data["power_spectrum_told"] = ("wavevector", np.where(told > 0, told, np.nan))
+        power = np.asarray(problem.spectrum(radial.q[nonzero]), dtype=float)
+        data["power_spectrum_told"] = ("wavevector", np.where(power > 0, power, np.nan))
     return data
 
 

@@ -24,12 +24,12 @@ _CLOSE = 0.01
 _SIMULATED = {"theory": "it is simulated"}
 
 
-def beside_each_other(data: xr.Dataset, own: Sequence[Reading]) -> xr.Dataset:
+def beside_each_other(data: xr.Dataset, readings: Sequence[Reading]) -> xr.Dataset:
     """Put every other method beside the first, on the grids they share; how differences shrink with dx."""
     methods, grids = data.solver.values.tolist(), data.grid.values.tolist()
     if len(methods) < 2:
         return data
-    still = {(one.solve.method, one.solve.grid): one for one in own if one.pressure is not None}
+    still = {(one.solve.method, one.solve.grid): one for one in readings if one.pressure is not None}
     names = [f"{name}_difference" for name in ("pressure", "area_pixel", "area_perimeter")]
     # The first method is not beside itself; where all others failed, nothing else says what is asked.
     cases = {(methods[0], grids[0]): xr.Dataset(dict.fromkeys(names, math.nan))}
@@ -101,18 +101,21 @@ def finest(data: xr.Dataset) -> xr.Dataset:
         # Of a method that failed on every grid the last one says nothing.
         place.append(int(next(reversed(good if good.size else [-1, *np.flatnonzero(solved)]))))
     at = xr.DataArray(place, dims="solver")
-    found = {f"{name}_finest": data[name].isel(grid=at).drop_vars("grid") for name in names}
-    return data.assign({**found, "grid_finest": ("solver", data.grid.values[place])})
+    finest = {f"{name}_finest": data[name].isel(grid=at).drop_vars("grid") for name in names}
+    return data.assign({**finest, "grid_finest": ("solver", data.grid.values[place])})
 
 
 def in_numbers(
-    data: xr.Dataset, own: Sequence[Reading], results: Mapping[Press, ContactResult], problem: ContactProblem
+    data: xr.Dataset,
+    readings: Sequence[Reading],
+    results: Mapping[Press, ContactResult],
+    problem: ContactProblem,
 ) -> xr.Dataset:
     """Add what one asks of a contact, on the finest resolved grid of the first method."""
     from fem_contact.conductance import frozen_contact
     from fem_contact.patches import find_patches
 
-    first = [o.solve for o in own if o.solve.method == own[0].solve.method and o.solve.is_own]
+    first = [o.solve for o in readings if o.solve.method == readings[0].solve.method and o.solve.is_own]
     solves = sorted(
         [s for s in first if problem.resolved_by(s.grid)] or first,
         key=lambda s: problem.points_per_wave(s.grid),

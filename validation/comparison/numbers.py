@@ -60,8 +60,8 @@ def scene_data(
         Where no solve of its own surface succeeded, or nothing touches.
     """
     failures = failures or {}
-    own, bare = set(own_solves(scene, results)), not scene.effects
-    readings = [Reading.of(solve, results[solve], bare=bare, shown=solve in own) for solve in results]
+    own_keys, bare = set(own_solves(scene, results)), not scene.effects
+    readings = [Reading.of(solve, results[solve], bare=bare, shown=solve in own_keys) for solve in results]
     case = _Case(scene=scene, problem=problem, readings=readings, failures=failures)
     if not case.own:
         raise RunFailed(case.failed)
@@ -82,7 +82,7 @@ def scene_data(
     treatment = () if problem.topography is None else problem.topography.history
     return labelled(data).assign_attrs(
         title=scene.title or scene.name,
-        methods=" ".join(scene.methods.asked),
+        methods=" ".join(scene.methods.chosen),
         effects=" ".join(effect.kind for effect in scene.effects),
         adhesive=int(is_adhesive(scene.effects)),
         treatment="\n".join(treatment),
@@ -121,16 +121,16 @@ class _Case:
         return f"{first}, and {len(others)} more" if others else first
 
 
-def _carried(own: Sequence[Reading]) -> float:
+def _carried(readings: Sequence[Reading]) -> float:
     """Load [Pa] at the distance that is held, on the finest grid of the first method."""
-    first = [one for one in own if one.solve.method == own[0].solve.method]
-    found = max(first, key=lambda one: one.solve.problem.points_per_wave(one.solve.grid))
-    load = found.solve.problem.load
-    if not found.mean_pressure > 0:
+    first = [one for one in readings if one.solve.method == readings[0].solve.method]
+    finest = max(first, key=lambda one: one.solve.problem.points_per_wave(one.solve.grid))
+    load = finest.solve.problem.load
+    if not finest.mean_pressure > 0:
         raise RunFailed(
             f"load.{load.key} = {load.values[0]:.6g} m: nothing touches so far apart; come closer"
         )
-    return found.mean_pressure
+    return finest.mean_pressure
 
 
 def _on_grids(case: _Case) -> xr.Dataset:
@@ -181,7 +181,7 @@ def _on_grids(case: _Case) -> xr.Dataset:
 def _of_the_scene(problem: ContactProblem, modulus: float) -> dict[str, float]:
     field = problem.field
     (lx, ly), scale = problem.lengths, modulus * field.rms_gradient
-    found = {
+    scales = {
         "pressure": problem.pressure,
         "reduced_pressure": problem.pressure / scale,
         "pressure_scale": scale,
@@ -196,8 +196,8 @@ def _of_the_scene(problem: ContactProblem, modulus: float) -> dict[str, float]:
     }
     if problem.spectrum is not None:
         moments = problem.spectrum.moments()
-        found |= {"rms_height_spectrum": moments.rms_height, "rms_gradient_spectrum": moments.rms_gradient}
-    return found
+        scales |= {"rms_height_spectrum": moments.rms_height, "rms_gradient_spectrum": moments.rms_gradient}
+    return scales
 
 
 def _beside_hertz(data: xr.Dataset, scene: Scene) -> xr.Dataset:
@@ -244,15 +244,15 @@ def _value_of(areas: Sequence[ContactAreas], tolerance: float) -> xr.Dataset:
 
 
 def _own_area(data: xr.Dataset, case: _Case) -> xr.Dataset:
-    found = {}
+    limits_by_method = {}
     for method in case.methods:
-        own = [one for one in case.own if one.solve.method == method]
-        good = [one.areas for one in own if case.problem.resolved_by(one.solve.grid)]
+        readings = [one for one in case.own if one.solve.method == method]
+        good = [one.areas for one in readings if case.problem.resolved_by(one.solve.grid)]
         tolerance = float(case.scene.methods.options(method).tolerance)
-        found[method] = _value_of(good or [one.areas for one in own], tolerance)
+        limits_by_method[method] = _value_of(good or [one.areas for one in readings], tolerance)
     succeeded = [name for name in case.methods if any(one.solve.method == name for one in case.own)]
-    method = next((name for name in succeeded if not found[name].why.item()), succeeded[0])
-    every, first = gather(found, solver=case.methods), found[method]
+    method = next((name for name in succeeded if not limits_by_method[name].why.item()), succeeded[0])
+    every, first = gather(limits_by_method, solver=case.methods), limits_by_method[method]
     absent = _ABSENT if case.scene.methods.solvers[method].sinks else {**_ABSENT, **_HALF_SPACE}
     limits = every.area.where(every.why == "")
     return data.assign(
@@ -269,16 +269,18 @@ def _beside_theory(data: xr.Dataset, case: _Case) -> xr.Dataset:
     options = case.scene.methods.options("theory")
     if options is None:
         return data
-    told, gradient = predict(case.problem, case.scene.effects, options), float(data.rms_gradient)
-    found = {
-        "area_persson_own": told.area,
-        "area_ensemble": told.ensemble_area,
-        "area_plastic_persson": told.plastic,
-        "area_other_energy": told.other,
-        "stress_variance": told.stress_variance / case.modulus**2,
-        "felt_modulus": 2 * math.sqrt(told.stress_variance) / gradient if gradient > 0 else math.nan,
+    prediction, gradient = predict(case.problem, case.scene.effects, options), float(data.rms_gradient)
+    predicted = {
+        "area_persson_own": prediction.area,
+        "area_ensemble": prediction.ensemble_area,
+        "area_plastic_persson": prediction.plastic,
+        "area_other_energy": prediction.other,
+        "stress_variance": prediction.stress_variance / case.modulus**2,
+        "felt_modulus": 2 * math.sqrt(prediction.stress_variance) / gradient if gradient > 0 else math.nan,
     }
-    return data.assign({n: v for n, v in found.items() if v is not None} | {"theory_note": told.note})
+    return data.assign(
+        {n: v for n, v in predicted.items() if v is not None} | {"theory_note": prediction.note}
+    )
 
 
 def _over_surfaces(data: xr.Dataset, case: _Case, accurate: Mapping[str, Any] | None) -> xr.Dataset:
@@ -323,9 +325,9 @@ def _over_surfaces(data: xr.Dataset, case: _Case, accurate: Mapping[str, Any] | 
 def _as_claimed(data: xr.Dataset, accurate: Mapping[str, Any]) -> xr.Dataset:
     """Put what a run to an accuracy claims in place of what a plain run would."""
     within = {"solver": "it is within that of the grid", **_ABSENT, **_HALF_SPACE}
-    own = float(data.area_own) * accurate["error"]
+    half = float(data.area_own) * accurate["error"]
     data = data.assign(
-        area_own_error=error_of(data.area_own, grid=own, **within),
+        area_own_error=error_of(data.area_own, grid=half, **within),
         accuracy_asked=accurate["target"],
         accuracy_reached=accurate["error"] if accurate["mean"] is None else accurate["mean_error"],
     )
@@ -347,26 +349,27 @@ def _surfaces(case: _Case) -> xr.Dataset | None:
     ensemble, solver = case.scene.ensemble, case.scene.ensemble_solver
     if ensemble is None or solver is None:
         return None
-    own: dict[int, dict[Grid, Reading]] = {k: {} for k in range(ensemble.realisations)}
+    by_surface: dict[int, dict[Grid, Reading]] = {k: {} for k in range(ensemble.realisations)}
     for one in case.readings:
-        if one.solve.method == solver.name and one.solve.realisation in own and one.solve.shift == (0.0, 0.0):
-            own[one.solve.realisation][one.solve.grid] = one
+        solve = one.solve
+        if solve.method == solver.name and solve.realisation in by_surface and solve.shift == (0.0, 0.0):
+            by_surface[solve.realisation][solve.grid] = one
     failed = {one.realisation: why for one, why in case.failures.items() if one.grid in ensemble.grids}
-    parts = {k: _surface(case, k, own[k], sorted(ensemble.grids)) for k in own}
+    parts = {k: _surface(case, k, by_surface[k], sorted(ensemble.grids)) for k in by_surface}
     if failed:
         parts = {k: part.assign(failure_each=failed.get(k, "")) for k, part in parts.items()}
     return gather(parts, surface=range(len(parts)))
 
 
 def _surface(case: _Case, k: int, on: Mapping[Grid, Reading], grids: Sequence[Grid]) -> xr.Dataset:
-    own = [on[grid] for grid in grids if grid in on]
-    here = own[0].solve.problem if own else case.problem.further(k)
-    limit = limit_of([one.areas for one in own])
+    readings = [on[grid] for grid in grids if grid in on]
+    here = readings[0].solve.problem if readings else case.problem.further(k)
+    limit = limit_of([one.areas for one in readings])
     if limit is None or not limit.determinable:
         limit = _NO_LIMIT
     area, half = xr.DataArray(limit.value), NORMAL * limit.uncertainty
     held = here.load.held
-    pressure = here.pressure if not held else own[-1].mean_pressure if own else math.nan
+    pressure = here.pressure if not held else readings[-1].mean_pressure if readings else math.nan
     part = xr.Dataset(
         {
             "area_each": area.assign_attrs(reduction="limit"),

@@ -43,7 +43,7 @@ def result_page(result: Result, *, figures: bool = True, pictures: bool = False)
     """
     if result.kind not in _VIEWS:
         raise UsageError(f"holds a {result.kind}, of which this makes no page")
-    data, scene = result.data, Scene.model_validate(result.asked["scene"])
+    data, scene = result.data, Scene.model_validate(result.settings["scene"])
     picture, missing = None, "not asked for" if result.kind == "run" else "no surface was pressed"
     if pictures and figures and result.kind == "run":
         picture, missing = _picture(result)
@@ -53,7 +53,7 @@ def result_page(result: Result, *, figures: bool = True, pictures: bool = False)
         for name, title in titles.items()
         if (lines := data.attrs.get(name, "").splitlines())
     )
-    settings = {**result.asked, "scene": scene.model_dump(mode="json", exclude_none=True)}
+    settings = {**result.settings, "scene": scene.model_dump(mode="json", exclude_none=True)}
     return page_of(
         data,
         _VIEWS[result.kind](data),
@@ -66,7 +66,7 @@ def result_page(result: Result, *, figures: bool = True, pictures: bool = False)
         settings=settings,
         seeds=_seeds(scene, data),
         papers=_papers(scene),
-        summary={"kind": result.kind, "name": result.name, **result.asked},
+        summary={"kind": result.kind, "name": result.name, **result.settings},
         data=None,
     )
 
@@ -110,7 +110,7 @@ def _lead(kind: str, data: xr.Dataset, scene: Scene) -> str:
 
 
 def _papers(scene: Scene) -> tuple[str, ...]:
-    cited = [paper for method in scene.methods.asked.values() for paper in method.cited(scene.effects)]
+    cited = [paper for method in scene.methods.chosen.values() for paper in method.cited(scene.effects)]
     cited += [paper for effect in scene.effects for paper in effect.papers]
     corrected = [PAPERS["perimeter"]] if scene.methods.solvers else []
     return tuple(
@@ -136,10 +136,10 @@ def _seeds(scene: Scene, data: xr.Dataset) -> str:
 def _picture(result: Result) -> tuple[Picture | None, str]:
     """Render the finest finite-element solve, or the finest of all, of the surface as it stands."""
     keys = result.data.solve.isel(shift=0)
-    found: list[tuple[Any, ...]] = []
+    groups: list[tuple[Any, ...]] = []
     for m, name in enumerate(keys.solver.values):
         for g, grid in enumerate(keys.grid.values):
             if key := str(keys.values[m, g]):
-                found.append(((result.store / f"{key}.vtu").exists(), g, key, f"{name} on {grid}"))
-    *_, key, label = max(found)
+                groups.append(((result.store / f"{key}.vtu").exists(), g, key, f"{name} on {grid}"))
+    *_, key, label = max(groups)
     return render_stored(result.store / f"{key}.nc", label=label)

@@ -82,9 +82,9 @@ def _density(result: ContactResult, *, adhesive: bool) -> float:
     if adhesive:
         return math.nan
     try:
-        found = density_at_zero(result)
+        density = density_at_zero(result)
     except InvalidInput:  # a flat surface has no scale of pressure
         return math.nan
     # A window that reaches up to the hardness sees what has yielded.
-    reached = np.any(result.at_bound & (result.pressure < found.threshold))
-    return math.nan if reached else found.reduced
+    clipped = np.any(result.at_bound & (result.pressure < density.threshold))
+    return math.nan if clipped else density.reduced

@@ -85,9 +85,9 @@ def run_scene(
     """
     problem = problem or realise(scene)
     check_scene(scene, problem)
-    asked: dict[str, Any] = {"scene": scene.model_dump(mode="json", exclude_none=True)}
+    settings: dict[str, Any] = {"scene": scene.model_dump(mode="json", exclude_none=True)}
     if accurate is not None:
-        asked["accuracy"] = dict(accurate)
+        settings["accuracy"] = dict(accurate)
     listed = run_solves if accurate is None else solves_of
 
     def measured(results: Solves) -> tuple[xr.Dataset, Sequence[Path]]:
@@ -105,7 +105,7 @@ def run_scene(
         return data.assign_attrs(effects_words=effects_words(scene, problem)), written
 
     kind = "run" if scene.methods.solvers else "theory"
-    return solve_and_write(folder, listed(scene, problem), measured, kind=kind, asked=asked, **how)
+    return solve_and_write(folder, listed(scene, problem), measured, kind=kind, settings=settings, **how)
 
 
 def solve_and_write(
@@ -114,7 +114,7 @@ def solve_and_write(
     measured: Callable[[Solves], tuple[xr.Dataset, Sequence[Path]]],
     *,
     kind: str,
-    asked: Mapping[str, Any],
+    settings: Mapping[str, Any],
     progress: Progress | None = None,
     execution: Execution | None = None,
     store_folder: Path | None = None,
@@ -127,7 +127,7 @@ def solve_and_write(
     """
     prepare_folder(folder)
     with locked(folder):
-        if record_of(folder).get("asked") != asked:
+        if record_of(folder).get("asked") != settings:
             clear_results(folder)
             clear_page(folder)
             for block in (folder / "fields").glob("*.vtu"):
@@ -138,8 +138,8 @@ def solve_and_write(
     if results:
         data.attrs[SOLVES_MADE] = "\n".join(made_words(results.made()))
     with locked(folder):
-        name = asked["scene"]["name"]
-        result = write_results(folder, data, kind=kind, name=name, asked=asked, store=store.folder)
+        name = settings["scene"]["name"]
+        result = write_results(folder, data, kind=kind, name=name, settings=settings, store=store.folder)
         page, files = write_result_page(result, folder, **shown)
     failures = data.failures.values.ravel().tolist() if "failures" in data else []
     return Outputs(
@@ -166,8 +166,8 @@ def report_scene(folder: Path, *, pictures: bool | None = None) -> Outputs:
     with locked(folder):
         result = read_results(folder)
         if pictures is None:
-            asked = result.asked.get("scene", {}).get("run", {}).get("pictures", False)
-            pictures = bool(asked) or any(folder.glob("figures/*.png"))
+            rendered = result.settings.get("scene", {}).get("run", {}).get("pictures", False)
+            pictures = bool(rendered) or any(folder.glob("figures/*.png"))
         page, files = write_result_page(result, prepare_folder(folder), pictures=pictures)
     return Outputs(result=result, page=page, folder=folder, files=files)
 

@@ -217,16 +217,18 @@ def _finest(data: xr.Dataset) -> xr.Dataset:
 
 def _findings(data: xr.Dataset) -> list[Finding]:
     """Say what was found, the most asked-for first; what finds no place among six stands in the tables."""
-    found = [finding("refusal", "Not all solves succeeded: {failures}.", data)] if "failures" in data else []
-    found += [*_area(data), *treatment_findings(data), *_theory(data)]
+    findings = (
+        [finding("refusal", "Not all solves succeeded: {failures}.", data)] if "failures" in data else []
+    )
+    findings += [*_area(data), *treatment_findings(data), *_theory(data)]
     if warnings := list(_warnings(data)):
         # One of several sentences, so that none is lost.
         form = " ".join(one.form for one in warnings)
-        found.append(note(form, **{k: v for one in warnings for k, v in one.values.items()}))
+        findings.append(note(form, **{k: v for one in warnings for k, v in one.values.items()}))
     if "area_plastic_pixel" in data:
         beside = "; {area_plastic_persson:.4} by the theory" if "area_plastic_persson" in data else ""
         text = "Yielded, A_pl/A0 = {area_plastic_pixel:.4} by {solver} on {grid} (points counted)"
-        found.append(finding("share", f"{text}{beside}.", _finest(data)))
+        findings.append(finding("share", f"{text}{beside}.", _finest(data)))
     if "von_mises" in data:
         text = (
             "The largest von Mises stress below the surface is {von_mises_reduced:.4} E* h'_rms "
@@ -234,30 +236,30 @@ def _findings(data: xr.Dataset) -> list[Finding]:
             "({von_mises_depth:u}; {solver} on {grid}): there the solid yields first. From the grid "
             "before it changed by {von_mises_change:+.2%}."
         )
-        found.append(finding("value", text, _finest(data)))
-    found += [*_methods(data), *_edges(data)]
+        findings.append(finding("value", text, _finest(data)))
+    findings += [*_methods(data), *_edges(data)]
     if "cheapest" in data:
         text = (
             "The cheapest way to within 1 % of the limit was {cheapest}: {seconds_cheapest:u}, off by "
             "{area_cheapest_off:+.2%}."
         )
-        found.append(finding("cost", text, data))
+        findings.append(finding("cost", text, data))
     elif "accuracy_asked" not in data and bool(data.deviation_pixel.notnull().any()):
-        found.append(note("No solve of this run is within 1 % of the limit: refine the grids."))
-    return found[:_MOST_FINDINGS]
+        findings.append(note("No solve of this run is within 1 % of the limit: refine the grids."))
+    return findings[:_MOST_FINDINGS]
 
 
 def _area(data: xr.Dataset) -> Iterator[Finding]:
     if float(data.area_own) >= 1 - 1e-12:
         yield note("Contact is complete: A/A0 = 1 on the resolved grids, and refinement changes nothing.")
         return
-    own = derive(data, kappa_own="area_own / reduced_pressure")
+    derived = derive(data, kappa_own="area_own / reduced_pressure")
     text = (
         "A/A0 = {area_own} for this surface ({area_basis}), kappa = {kappa_own} at p* = "
         "{reduced_pressure:.4}."
     )
     no_limit = " No limit over the grids: {no_limit}." if str(data.no_limit.item()) else ""
-    yield finding("value", text + no_limit, own)
+    yield finding("value", text + no_limit, derived)
     if float(data.surfaces) > 1:
         text = (
             "Over {surfaces} surfaces of this spectrum the mean is A/A0 = {area}; single ones scatter "

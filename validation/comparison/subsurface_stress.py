@@ -29,12 +29,12 @@ def below(data: xr.Dataset, scene: Scene, results: Mapping[Press, ContactResult]
     given = scene.subsurface.depths  # at the surface lie the edges of the contact ring
     depths = None if given is None else tuple(depth for depth in given if depth > 0)
     names = ("von_mises", "von_mises_depth", "von_mises_x", "von_mises_y")
-    found = {("", ""): xr.Dataset(dict.fromkeys(names, np.nan))}
+    parts = {("", ""): xr.Dataset(dict.fromkeys(names, np.nan))}
     for solve in _pressed(scene, results):
         point = strongest_point(results[solve], _response(solve), depths=depths)
         values = (point.von_mises, point.depth, *point.place)
-        found[solve.method, grid_name(solve.grid)] = xr.Dataset(dict(zip(names, values, strict=True)))
-    data = data.assign(gather(found, solver=data.solver.values, grid=data.grid.values).data_vars)
+        parts[solve.method, grid_name(solve.grid)] = xr.Dataset(dict(zip(names, values, strict=True)))
+    data = data.assign(gather(parts, solver=data.solver.values, grid=data.grid.values).data_vars)
     return data.assign(
         von_mises_reduced=data.von_mises / data.pressure_scale,
         von_mises_depth_reduced=data.von_mises_depth / data.wave_short,
@@ -85,13 +85,13 @@ def planes(data: xr.Dataset, scene: Scene, results: Mapping[Press, ContactResult
             (p.depth or np.nan, float(p.von_mises.max()), float(np.sqrt(np.mean(p.von_mises**2))))
             for p in under
         ]
-    found = np.full((3, data.sizes["solver"], max(map(len, rows.values()), default=0)), np.nan)
+    planes = np.full((3, data.sizes["solver"], max(map(len, rows.values()), default=0)), np.nan)
     for m, here in rows.items():
-        found[:, m, : len(here)] = np.transpose(here)
+        planes[:, m, : len(here)] = np.transpose(here)
     unit = float(data.pressure_scale)
     over = ("solver", "plane")
     return data.assign(
-        plane_depth=(over, found[0] / float(data.wave_short)),
-        plane_stress_largest=(over, found[1] / unit),
-        plane_stress_rms=(over, found[2] / unit),
+        plane_depth=(over, planes[0] / float(data.wave_short)),
+        plane_stress_largest=(over, planes[1] / unit),
+        plane_stress_rms=(over, planes[2] / unit),
     )

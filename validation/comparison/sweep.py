@@ -31,7 +31,7 @@ def run_sweep(
     """Run every scene of a sweep into one folder, as `run_scene` does one."""
     problems = cases or problems_of(sweep)
     solves = solves_of_sweep(sweep, problems)
-    asked = {
+    settings = {
         "scene": sweep.scenes[0].model_dump(mode="json", exclude_none=True),
         "sweep": {"mode": sweep.mode, "keys": [dataclasses.asdict(key) for key in sweep.keys]},
     }
@@ -41,7 +41,7 @@ def run_sweep(
         counts = {"solves": len(solves), "asked": sum(map(len, each))}
         return sweep_data(sweep, problems, results).assign_attrs(counts), ()
 
-    return solve_and_write(folder, solves, measured, kind="sweep", asked=asked, **how)
+    return solve_and_write(folder, solves, measured, kind="sweep", settings=settings, **how)
 
 
 def sweep_data(sweep: Sweep, cases: Sequence[ContactProblem], results: Solves) -> xr.Dataset:
@@ -63,12 +63,12 @@ def sweep_data(sweep: Sweep, cases: Sequence[ContactProblem], results: Solves) -
     for key in sweep.keys if sweep.mode == "product" else ():
         data = data.sortby(key.name) if key.numeric else data
     first = parts[0].attrs
-    kept = {
+    shared = {
         name: first[name]
         for name in ("title", "methods", "effects", "theory", "drawn", "adhesive")
         if name in first
     }
-    return labelled(data).assign_attrs(kept, mode=sweep.mode, cases=len(parts), keys=" ".join(names))
+    return labelled(data).assign_attrs(shared, mode=sweep.mode, cases=len(parts), keys=" ".join(names))
 
 
 def _case(scene: Scene, problem: ContactProblem, results: Solves) -> xr.Dataset:

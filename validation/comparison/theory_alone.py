@@ -27,12 +27,12 @@ def theory_data(scene: Scene, problem: ContactProblem) -> xr.Dataset:
     Over (load): A/A0 from C(q) alone, with the error that the theory estimates of itself; and along the waves
     up to each magnification.
     """
-    told = TheoryInputs.by(problem.elastic, scene.effects)
+    inputs = TheoryInputs.by(problem.elastic, scene.effects)
     answers = against_magnification(problem, scene.effects, scene.methods.options("theory"))
     moments = problem.own_spectrum.moments()
     points = max(math.floor(2 * length / problem.shortest) + 1 for length in problem.lengths)
     # Each load has its own magnifications.
-    parts = [_at_load(answer, told, problem) for answer in answers]
+    parts = [_at_load(answer, inputs, problem) for answer in answers]
     data = xr.concat(parts, "load", join="outer").drop_vars("wave").set_coords("pressure")
     data = data.assign(
         contact_modulus=problem.contact_modulus,
@@ -44,8 +44,8 @@ def theory_data(scene: Scene, problem: ContactProblem) -> xr.Dataset:
     )
     scale = data.pressure / data.reduced_pressure
     data["kappa_ensemble"] = (data.area_ensemble / data.pressure * scale).where(data.pressure > 0)
-    if told.work is not None:
-        data = data.assign(work=told.work)
+    if inputs.work is not None:
+        data = data.assign(work=inputs.work)
     estimated = data.error_estimate > 0
     kinds: dict[str, Any] = {
         "theory": data.error_estimate if bool(estimated.any()) else "it is a closed form"
@@ -62,12 +62,12 @@ def theory_data(scene: Scene, problem: ContactProblem) -> xr.Dataset:
         title=scene.title or scene.name,
         methods="theory",
         effects=" ".join(effect.kind for effect in scene.effects),
-        theory=theory_words(told, scene.methods.options("theory")),
+        theory=theory_words(inputs, scene.methods.options("theory")),
         drawn=int(problem.has_heights),
     )
 
 
-def _at_load(answer: Answer, told: TheoryInputs, problem: ContactProblem) -> xr.Dataset:
+def _at_load(answer: Answer, inputs: TheoryInputs, problem: ContactProblem) -> xr.Dataset:
     lowest, nothing = 2 * math.pi / max(problem.lengths), np.full(answer.area.shape, math.nan)
     curves = {"magnification": answer.wavevectors / lowest, "magnified_area": answer.area}
     single: dict[str, float | str] = {
@@ -77,10 +77,10 @@ def _at_load(answer: Answer, told: TheoryInputs, problem: ContactProblem) -> xr.
         "pressure": answer.pressure,
         "reduced_pressure": answer.pressure / problem.pressure_scale,
     }
-    if told.hardness is not None:
+    if inputs.hardness is not None:
         curves["magnified_area_plastic"] = answer.area_plastic
         single["area_plastic_ensemble"] = _last(answer.area_plastic)
-    if told.work is not None:
+    if inputs.work is not None:
         curves["magnified_work"] = nothing if answer.work is None else answer.work
         single["work_left"] = math.nan if answer.macroscopic_work is None else answer.macroscopic_work
     waves = {name: ("wave", values) for name, values in curves.items()}
@@ -158,8 +158,8 @@ def _said_at_load(here: xr.Dataset, *, at: int) -> Finding:
     if area == 0:
         text = where + "nothing is in contact: the adhesive energy does not pay for the elastic deformation"
     else:
-        said = "{area_ensemble}" if float(here.error_estimate) > 0 else "{area_ensemble:.4}"
-        text = where + f"A/A0 = {said} with all roughness"
+        area_words = "{area_ensemble}" if float(here.error_estimate) > 0 else "{area_ensemble:.4}"
+        text = where + f"A/A0 = {area_words} with all roughness"
     if "area_plastic_ensemble" in here:
         text += "; A_pl/A0 = {area_plastic_ensemble:.4} has yielded"
     if "work_left" in here and np.isfinite(here.work_left) and area > 0:

@@ -33,11 +33,11 @@ def passing(
     """
     if scene.quantities is None or not scene.quantities.passing:
         return data
-    own, ensemble = _ladder(scene, problem, results)
-    if not own:
+    ladder, ensemble = _ladder(scene, problem, results)
+    if not ladder:
         return data.assign(passing_note="not determinable: the points of every method weigh differently")
     for name, read, beside in _asked(scene.quantities, problem, bare=not scene.effects):
-        values = [read(results[solve]) for solve in own[-2:]]
+        values = [read(results[solve]) for solve in ladder[-2:]]
         (value, theory), before = values[-1], values[0][0]
         change = abs(value - before) if len(values) > 1 and np.isfinite(value) else np.nan
         data[name] = xr.DataArray(value)
@@ -61,17 +61,17 @@ def _ladder(
     def fine(solve: Press) -> float:
         return problem.points_per_wave(solve.grid)
 
-    own: list[Press] = []
+    presses: list[Press] = []
     for name in scene.methods.solvers:
         listed = [s for s in own_solves(scene, results) if s.method == name and s.is_own]
         resolved = [s for s in listed if problem.resolved_by(s.grid)] or listed
-        own = [s for s in sorted(resolved, key=fine) if results[s].weights is None]
-        if own:
+        presses = [s for s in sorted(resolved, key=fine) if results[s].weights is None]
+        if presses:
             break
     if scene.ensemble is None or scene.ensemble_solver is None:
-        return own, []
+        return presses, []
     finest = max(scene.ensemble.grids, key=problem.points_per_wave)
-    return own, [
+    return presses, [
         solve
         for solve in results
         if solve.method == scene.ensemble_solver.name and solve.grid == finest and solve.shift == (0.0, 0.0)

@@ -94,7 +94,7 @@ class Adhesion(Effect):
         """Compare attraction with repulsion and with the stored energy."""
         stored = rough.full_energy / self.work
         if self.reach is None:
-            return self.said(f"U_full/w = {stored:.3g} (Persson 2006, Sec. 8)", matters=stored < 10)
+            return self.judgement(f"U_full/w = {stored:.3g} (Persson 2006, Sec. 8)", matters=stored < 10)
         radius = 2 / rough.curvature
         tabor = (radius * self.work**2 / rough.modulus**2 / self.reach**3) ** (1 / 3)
         parting = self._parting(rough)
@@ -102,7 +102,7 @@ class Adhesion(Effect):
             f"Pastewka-Robbins number {parting:.3g} (sticky below 1; Pastewka and Robbins 2014, Eq. 10), "
             f"U_full/w = {stored:.3g} (Persson 2006, Sec. 8), Tabor parameter of a summit {tabor:.3g}"
         )
-        return self.said(number, matters=parting < _FELT or stored < 10)
+        return self.judgement(number, matters=parting < _FELT or stored < 10)
 
     def _parting(self, rough: Roughness) -> float:
         r"""Repulsion in the contacts over the attraction around them.

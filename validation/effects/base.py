@@ -193,7 +193,7 @@ class Effect(Table):
         """Say by a number whether it matters on a rough surface."""
         raise NotImplementedError
 
-    def judged(self, rough: Roughness) -> Judgement:
+    def assess(self, rough: Roughness) -> Judgement:
         """Say whether it matters; on a flat surface nothing tells."""
         if rough.gradient > 0:
             return self.judge(rough)
@@ -222,7 +222,7 @@ class Effect(Table):
         """Whether Persson's theory knows it."""
         return cls.theory is not Effect.theory
 
-    def said(self, number: str, *, matters: bool) -> Judgement:
+    def judgement(self, number: str, *, matters: bool) -> Judgement:
         """Return a judgement of this effect."""
         return Judgement(effect=self.kind, number=number, verdict="matters" if matters else "negligible")
 

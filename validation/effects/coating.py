@@ -71,7 +71,7 @@ class Coating(Effect):
         """Compare the thickness with the shortest wave."""
         thin = 2 * math.pi * self.thickness / rough.shortest
         number = f"q_short d = {thin:.3g}: the shortest waves feel the coating where it is above 0.1"
-        return self.said(number, matters=thin > _THIN)
+        return self.judgement(number, matters=thin > _THIN)
 
     @classmethod
     def example(cls, spacing: float) -> Self:

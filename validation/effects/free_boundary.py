@@ -86,9 +86,11 @@ class FreeBoundary(Effect):
     def judge(self, rough: Roughness) -> Judgement:
         """Compare the nominal curvature with that of the roughness; an edge always matters."""
         if self.radius is None:
-            return self.said("no images: the edges of the patch bear, too", matters=True)
+            return self.judgement("no images: the edges of the patch bear, too", matters=True)
         ratio = 1 / (self.radius * rough.curvature) if rough.curvature > 0 else math.inf
-        return self.said(f"1/R over the rms curvature of a profile = {ratio:.3g}; no images", matters=True)
+        return self.judgement(
+            f"1/R over the rms curvature of a profile = {ratio:.3g}; no images", matters=True
+        )
 
     @classmethod
     def example(cls, spacing: float) -> Self:

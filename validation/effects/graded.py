@@ -65,7 +65,7 @@ class Graded(Effect):
             f"q_long d = {wave:.3g}: the longest wave feels the profile where it is below 100; "
             "theory wants max E'/(E q) < 1 (Persson 2006, Sec. 5)"
         )
-        return self.said(number, matters=wave < 100)
+        return self.judgement(number, matters=wave < 100)
 
     @classmethod
     def unlisted(cls, rough: Roughness) -> Judgement:

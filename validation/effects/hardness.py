@@ -84,7 +84,7 @@ class Hardness(Effect):
         number = (
             f"E* h'_rms / H = {ratio:.3g} (stress spread at full contact is half of it; Persson 2006, Sec. 6)"
         )
-        return self.said(number, matters=ratio / 2 > 1 / _RARE)
+        return self.judgement(number, matters=ratio / 2 > 1 / _RARE)
 
     @classmethod
     def unlisted(cls, rough: Roughness) -> Judgement:

@@ -47,7 +47,7 @@ class Smoothing(Effect):
         """Compare the spread of the stress with the hardness."""
         ratio = rough.modulus * rough.gradient / self.hardness
         number = f"E* h'_rms / H = {ratio:.3g} at the squeezing (Persson 2006, Sec. 10.2)"
-        return self.said(number, matters=ratio / 2 > 1 / _RARE)
+        return self.judgement(number, matters=ratio / 2 > 1 / _RARE)
 
     @classmethod
     def example(cls, spacing: float) -> Self:

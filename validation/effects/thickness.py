@@ -39,7 +39,7 @@ class Thickness(Effect):
     def judge(self, rough: Roughness) -> Judgement:
         """Compare the thickness with the longest wave."""
         deep = 2 * math.pi * self.thickness / rough.longest
-        return self.said(f"q_long d = {deep:.3g} (bonded layer, Johnson 1985)", matters=deep < _DEEP)
+        return self.judgement(f"q_long d = {deep:.3g} (bonded layer, Johnson 1985)", matters=deep < _DEEP)
 
     @classmethod
     def unlisted(cls, rough: Roughness) -> Judgement:

@@ -192,12 +192,12 @@ def run_solves(scene: Scene, problem: ContactProblem) -> tuple[Press, ...]:
     they cost more than its own and it does not ask for them.
     """
     solves, solver = solves_of(scene, problem), scene.ensemble_solver
-    asked = getattr(scene.surface, "treatment", False)
-    if solver is None or asked is False:
+    treated = getattr(scene.surface, "treatment", False)
+    if solver is None or treated is False:
         return solves
     first = min((s for s in solves if s.method == solver.name and s.is_own), key=lambda s: prod(s.grid))
     variations = problem.variations
     whole = sum(prod(s.grid) for s in solves if s.method == solver.name)
-    if not asked and len(variations) * prod(first.grid) > whole:
+    if not treated and len(variations) * prod(first.grid) > whole:
         return solves
     return (*solves, *(replace(first, problem=case) for case in variations))

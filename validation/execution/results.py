@@ -42,12 +42,12 @@ _EARLIER = ("run.json", "sweep.json", "study.json", "accuracy.json")
 class Result:
     """What a results folder holds: the numbers of a run, theory, sweep, study or accuracy (`kind`).
 
-    `asked` is everything that was asked for, ready for JSON, `words` what a reader should know of it.
+    `settings` is everything that was asked for, ready for JSON, `words` what a reader should know of it.
     """
 
     kind: str
     name: str
-    asked: Mapping[str, Any]
+    settings: Mapping[str, Any]
     store: Path
     data: xr.Dataset
     words: tuple[str, ...] = ()
@@ -59,7 +59,7 @@ def write_results(
     *,
     kind: str,
     name: str,
-    asked: Mapping[str, Any],
+    settings: Mapping[str, Any],
     store: Path,
     words: Sequence[str] = (),
 ) -> Result:
@@ -68,14 +68,14 @@ def write_results(
         "format": _FORMAT,
         "kind": kind,
         "name": name,
-        "asked": dict(asked),
+        "asked": dict(settings),
         "words": list(words),
         "store": os.path.relpath(os.path.realpath(store), os.path.realpath(folder)),
     }
     clear_results(folder)
     write_numbers(folder / DATA, data, recipe=record)
     write_record(folder / RECORD, {**record, "data": digest_of(folder / DATA)})
-    return Result(kind=kind, name=name, asked=asked, store=store, data=data, words=tuple(words))
+    return Result(kind=kind, name=name, settings=settings, store=store, data=data, words=tuple(words))
 
 
 def clear_results(folder: Path) -> None:
@@ -104,7 +104,9 @@ def read_results(folder: Path) -> Result:
                 raise ValueError(f"{DATA}: damaged: it is not what {RECORD} was written for")
             data = read_numbers(folder / DATA)
         return Result(
-            **{name: record[name] for name in ("kind", "name", "asked")},
+            kind=record["kind"],
+            name=record["name"],
+            settings=record["asked"],
             store=Path(os.path.realpath(folder / record["store"])),
             data=data,
             words=tuple(record["words"]),

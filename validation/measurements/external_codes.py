@@ -25,7 +25,7 @@ from validation.measurements.common import reduced_load
 from validation.scenes.problem import ContactProblem
 from validation.solvers import chosen_solver, methods
 from validation.solvers.base import Claim, Job
-from validation.solvers.external import ExternalSolver, judged
+from validation.solvers.external import ExternalSolver, verified
 
 #: Part of its grid error that a solver may leave in its area: equal error, not equal residual.
 _SOLVER_SHARE = 0.1
@@ -112,7 +112,9 @@ def by_peer(*, code: str, problem: ContactProblem, grid: Grid) -> xr.Dataset:
     )
     allowed = _SOLVER_SHARE * EDGE_CONSTANTS["bem"] * ours.edge_fraction
     done, claim, error = _solved(code, job, pixel=ours.pixel, allowed=allowed)
-    areas = contact_areas(judged(claim, done, method=code), edge_constant=EDGE_CONSTANTS["bem"], subcell=True)
+    areas = contact_areas(
+        verified(claim, done, method=code), edge_constant=EDGE_CONSTANTS["bem"], subcell=True
+    )
     numbers = {
         "seconds": claim.cpu_seconds,
         "tolerance": done.settings["tolerance"],

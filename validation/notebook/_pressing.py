@@ -141,9 +141,9 @@ def theory(
     check_scene(scene, problem)
     data = theory_data(scene, problem).set_coords("reduced_pressure")
     names = {"area_ensemble": "area", "area_plastic_ensemble": "area_plastic"}
-    found = data[[*(name for name in names if name in data), "error_estimate"]].drop_attrs(deep=False)
+    variables = data[[*(name for name in names if name in data), "error_estimate"]].drop_attrs(deep=False)
     note = "; ".join(dict.fromkeys(filter(None, data.theory_note.values.tolist())))
-    return found.rename({n: names[n] for n in names if n in found}).assign_attrs(note=note)
+    return variables.rename({n: names[n] for n in names if n in variables}).assign_attrs(note=note)
 
 
 def table(contacts: Iterable[Contact], *, along: str = "reduced_pressure", limit: bool = False) -> xr.Dataset:
@@ -166,11 +166,11 @@ def table(contacts: Iterable[Contact], *, along: str = "reduced_pressure", limit
     pressed_ones = list(contacts) if isinstance(contacts, Iterable) else [contacts]
     if wrong := [one for one in pressed_ones if not isinstance(one, Contact)]:
         raise UsageError(f"table: {wrong[0]!r}: give a list of contacts, as [press(...), press(...)]")
-    said = [_said(contact) for contact in pressed_ones]
-    known = dict.fromkeys(name for one in said for name in one)
-    if any(along not in one for one in said) or not said:
+    inputs = [_said(contact) for contact in pressed_ones]
+    known = dict.fromkeys(name for one in inputs for name in one)
+    if any(along not in one for one in inputs) or not inputs:
         raise UsageError(f"table: along = {along!r}: not known of every contact; one of: {', '.join(known)}")
-    values = [one[along] for one in said]
+    values = [one[along] for one in inputs]
     if len(set(values)) < len(values):
         raise UsageError(f"table: along = {along!r}: {values[0]!r} and so on do not tell the contacts apart")
     rows = xr.concat(
@@ -178,9 +178,9 @@ def table(contacts: Iterable[Contact], *, along: str = "reduced_pressure", limit
     )
     # What else differs stands beside it.
     others = {
-        name: (along, [one[name] for one in said])
+        name: (along, [one[name] for one in inputs])
         for name in known
-        if name != along and all(name in one for one in said) and len({one[name] for one in said}) > 1
+        if name != along and all(name in one for one in inputs) and len({one[name] for one in inputs}) > 1
     }
     return rows.assign_coords({along: values, **others})
 
@@ -199,8 +199,8 @@ _COLUMNS = {
 
 def _numbers(contact: Contact, *, limit: bool) -> xr.Dataset:
     data, load = contact.data.isel(solver=0, grid=0, drop=True), contact.problem.reduced_pressure
-    kept = {name: column for name, column in _COLUMNS.items() if name in data}
-    row = data[list(kept)].rename(kept).reset_coords(drop=True)
+    columns = {name: column for name, column in _COLUMNS.items() if name in data}
+    row = data[list(columns)].rename(columns).reset_coords(drop=True)
     if "persson" in row:
         row["persson_kappa"] = row.persson / load
     if limit:
@@ -217,12 +217,12 @@ def _numbers(contact: Contact, *, limit: bool) -> xr.Dataset:
 
 def _said(contact: Contact) -> dict[str, Any]:
     scene, problem = contact.scene, contact.problem
-    found: dict[str, Any] = {"reduced_pressure": problem.reduced_pressure, "pressure": problem.pressure}
-    found |= {"method": contact.solve.solver.label, "points": contact.solve.grid[0]}
+    loads: dict[str, Any] = {"reduced_pressure": problem.reduced_pressure, "pressure": problem.pressure}
+    loads |= {"method": contact.solve.solver.label, "points": contact.solve.grid[0]}
     for listed in (scene.surface, scene.solid, *scene.effects):
         values = listed.model_dump(exclude_none=True, exclude={"kind"}).items()
-        found |= {name: value for name, value in values if isinstance(value, (int, float, str))}
-    return found
+        loads |= {name: value for name, value in values if isinstance(value, (int, float, str))}
+    return loads
 
 
 def _without_none(**said: Any) -> dict[str, Any]:
@@ -248,22 +248,22 @@ def _tables(
         elif isinstance(surface, HeightField):
             remedy = "write measured(field)"
         raise UsageError(f"surface: found {what}; {remedy}")
-    found: dict[str, Any] = {"name": "notebook", "surface": surface.table}
+    tables: dict[str, Any] = {"name": "notebook", "surface": surface.table}
     if solid is None:
-        return {**found, "solid": _without_none(young=young, poisson=poisson, **second)}
+        return {**tables, "solid": _without_none(young=young, poisson=poisson, **second)}
     if not isinstance(solid, Solid):
         what = type(solid).__name__
         remedy = "give its Solid, half_space.solid" if hasattr(solid, "solid") else "give a Solid"
         raise UsageError(f'solid: found {what}; {remedy}, or young="1 GPa", poisson=0.3')
     if young is not None or poisson is not None:
         raise UsageError("solid: given twice; leave young and poisson out, or the Solid")
-    return {**found, "solid": {"young": solid.young, "poisson": solid.poisson, **_without_none(**second)}}
+    return {**tables, "solid": {"young": solid.young, "poisson": solid.poisson, **_without_none(**second)}}
 
 
-def _effects(said: Mapping[str, Any]) -> list[dict[str, Any]]:
+def _effects(effects: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return effects as a scene lists them: a table, or the field that bears the name of the effect."""
     kinds, listed = effect_kinds(), []
-    for name, value in ((name.replace("_", "-"), value) for name, value in said.items()):
+    for name, value in ((name.replace("_", "-"), value) for name, value in effects.items()):
         if name not in kinds:
             allowed = [name for name in (*signature(press).parameters, *kinds) if name != "effects"]
             close = difflib.get_close_matches(name, allowed, n=1)

@@ -118,15 +118,15 @@ class Surface:
     @property
     def _facts(self) -> dict[str, str]:
         kinds = type(self.table).model_fields
-        said = self.table.model_dump(exclude_none=True, exclude={"kind", "path"})
-        facts = {name: shown(value, unit_of(kinds[name])) for name, value in said.items()}
+        options = self.table.model_dump(exclude_none=True, exclude={"kind", "path"})
+        facts = {name: shown(value, unit_of(kinds[name])) for name, value in options.items()}
         if self.given is not None:
             facts["what was done"] = "; ".join(self.given.raw.history)
         return facts
 
     def __repr__(self) -> str:
-        said = ", ".join(f"{name}={value}" for name, value in self._facts.items())
-        return f"<{self.table.kind} surface: {said}>"
+        facts = ", ".join(f"{name}={value}" for name, value in self._facts.items())
+        return f"<{self.table.kind} surface: {facts}>"
 
     def _repr_html_(self) -> str:
         return as_html(f"{self.table.kind} surface", self._facts)
@@ -172,7 +172,7 @@ def self_affine(
     ... ).heights(64).shape
     (64, 64)
     """
-    said = {
+    options = {
         "length": length,
         "hurst": hurst,
         "lambda_long": lambda_long,
@@ -181,7 +181,9 @@ def self_affine(
         "rms_height": rms_height,
         "seed": seed,
     }
-    return Surface(table=checked(SelfAffineSurface, "self_affine", {"kind": "self-affine", **said, **others}))
+    return Surface(
+        table=checked(SelfAffineSurface, "self_affine", {"kind": "self-affine", **options, **others})
+    )
 
 
 def measured(
@@ -212,9 +214,9 @@ def measured(
     if not treatment.keys() <= FileSurface.model_fields.keys():
         checked(FileSurface, "measured", {"kind": "file", **treatment})  # which names the unknown key
     if isinstance(heights, (str, os.PathLike)):
-        said = {"kind": "file", "path": str(heights), "length": length, "unit": unit, **treatment}
-        asked = {"surface": {name: plain(value) for name, value in said.items() if value is not None}}
-        on_file = checked(FileSurface, "measured", sized(asked, Path(), "measured")["surface"])
+        options = {"kind": "file", "path": str(heights), "length": length, "unit": unit, **treatment}
+        tables = {"surface": {name: plain(value) for name, value in options.items() if value is not None}}
+        on_file = checked(FileSurface, "measured", sized(tables, Path(), "measured")["surface"])
         return Surface(table=on_file, given=surfaces.measured_surface(on_file))
     values, own_length, own_unit, words = _told_by(heights)
     if length is None and own_length is None:
@@ -226,14 +228,14 @@ def measured(
     nx, ny = values.shape
     if length is not None and (isinstance(length, str) or np.ndim(length) == 0) and nx != ny:
         raise UsageError(f"measured: one length for {nx} x {ny} points; give both sides, as length=(Lx, Ly)")
-    said = {
+    options = {
         "kind": "file",
         "path": words,
         "length": own_length if length is None else length,
         "unit": own_unit if unit is None else unit,
         **treatment,
     }
-    in_memory = checked(FileSurface, "measured", said)
+    in_memory = checked(FileSurface, "measured", options)
     assert in_memory.unit is not None
     raw = Topography(
         heights=np.where(np.isfinite(values), values, np.nan) * in_memory.unit,

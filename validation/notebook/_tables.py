@@ -42,7 +42,7 @@ def plain(value: Any) -> Any:
     return value
 
 
-def checked(kind: type[T], source: str, said: Mapping[str, Any]) -> T:
+def checked(kind: type[T], source: str, values: Mapping[str, Any]) -> T:
     """Return a table of what was said; what is None was not.
 
     Raises
@@ -51,7 +51,9 @@ def checked(kind: type[T], source: str, said: Mapping[str, Any]) -> T:
         One line for each mistake.
     """
     try:
-        return kind.model_validate({name: plain(value) for name, value in said.items() if value is not None})
+        return kind.model_validate(
+            {name: plain(value) for name, value in values.items() if value is not None}
+        )
     except ValidationError as error:
         raise SceneError(source, problems(error)) from None
 

@@ -123,11 +123,11 @@ def _greenwood_williamson() -> Curves:
         ("estimates of Sec. 3.2", ring_asperities(q, rms_height=1 / q)),
         ("Nayak's relations", nayak_asperities(Moments(m0=1 / q**2, m2=1.0, m4=q**2))),
     ):
-        found = bumps.contact(bumps.rms_height * np.linspace(4.5, 0.0, 80), contact_modulus=1.0)
+        contact = bumps.contact(bumps.rms_height * np.linspace(4.5, 0.0, 80), contact_modulus=1.0)
         curves[label] = {
-            "load_modulus": found.pressure,
-            "area": found.area,
-            "patch_mean": found.patch_area,
+            "load_modulus": contact.pressure,
+            "area": contact.area,
+            "patch_mean": contact.patch_area,
         }
     return curves
 
@@ -191,11 +191,11 @@ def _adhesive(spectrum: Spectrum, modulus: float, pressure: float, interface: In
 def _against_roughness(
     make: Callable[[float], Spectrum], ratios: Array, modulus: float, interface: Interface
 ) -> Mapping[str, Array]:
-    found = [_adhesive(make(float(r)), modulus, 0.0, interface) for r in ratios]
+    answers = [_adhesive(make(float(r)), modulus, 0.0, interface) for r in ratios]
     return {
         "roughness_ratio": ratios,
-        "area": np.array([f.real_area for f in found]),
-        "work_share": np.array([f.macroscopic_work for f in found]) / interface.work_of_adhesion,
+        "area": np.array([f.real_area for f in answers]),
+        "work_share": np.array([f.macroscopic_work for f in answers]) / interface.work_of_adhesion,
     }
 
 
@@ -230,11 +230,11 @@ def _rim_magnification() -> Curves:
         ("Eq. 50 as printed", "as_printed"),
     ):
         interface = Interface(work_of_adhesion=s.RIM_WORK, energy=energy)  # type: ignore[arg-type]
-        found = _adhesive(s.rim(), s.RIM_MODULUS, s.RIM_PRESSURE, interface)
+        answer = _adhesive(s.rim(), s.RIM_MODULUS, s.RIM_PRESSURE, interface)
         curves[label] = {
-            "magnification": found.wavevectors / 1e5,
-            "area": found.area,
-            "work_share": found.work / s.RIM_WORK,
+            "magnification": answer.wavevectors / 1e5,
+            "area": answer.area,
+            "work_share": answer.work / s.RIM_WORK,
         }
     zeta = np.geomspace(1.0, 1e5, 150)
     area = _area(s.rim(), s.RIM_MODULUS, s.RIM_PRESSURE, 1e5 * zeta)

@@ -38,8 +38,8 @@ def _patches(quantity: str, load: float = 3.4e-4) -> float:
     """D ln A / d ln sigma_0, or of the patch, for Greenwood and Williamson; A/A0 = .001 at that load."""
     bumps = ring_asperities(600.0, rms_height=1 / 600.0)
     loads = np.array([0.99, 1.01]) * load
-    found = [bumps.contact_at(p, contact_modulus=1.0) for p in loads]
-    values = [math.log(float(getattr(f, quantity))) for f in found]
+    contacts = [bumps.contact_at(p, contact_modulus=1.0) for p in loads]
+    values = [math.log(float(getattr(f, quantity))) for f in contacts]
     return (values[1] - values[0]) / math.log(loads[1] / loads[0])
 
 

@@ -102,7 +102,7 @@ def paper_page(result: Result, *, figures: bool = True) -> Page:
         title="Persson (2006), recomputed",
         lead="Does every calculated figure, and every claim with a number, follow from the equations?",
         notes=(Note(title="Without a verdict", sentences=unjudged),),
-        settings=result.asked,
+        settings=result.settings,
         seeds="none: nothing is drawn at random",
         papers=(_PAPER,),
         summary={"kind": result.kind, "name": result.name},

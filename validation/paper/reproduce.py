@@ -51,7 +51,7 @@ def run(
     ]
     data = paper_dataset(rows, curves)
     with locked(output):
-        write_results(output, data, kind=KIND, name="reproduce", asked={"figures": figures}, store=output)
+        write_results(output, data, kind=KIND, name="reproduce", settings={"figures": figures}, store=output)
         return report(output, numbers_only=not figures)
 
 

@@ -82,10 +82,10 @@ def _seals() -> str:
     def verdict(area: float) -> str:
         return "seals" if area > high else "leaks" if area < low else "not decided"
 
-    told = (
+    problem = (
         f"{c.name} {c.value.pressed.real_area:.4f}: {verdict(c.value.pressed.real_area)}" for c in _READINGS
     )
-    return f"thresholds of {low:g} to {high:g}, without adhesion; " + ", ".join(told)
+    return f"thresholds of {low:g} to {high:g}, without adhesion; " + ", ".join(problem)
 
 
 #: The literal reading first.

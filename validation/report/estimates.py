@@ -166,13 +166,13 @@ def error_of(value: xr.DataArray, **sources: xr.DataArray | float | str) -> xr.D
     """
     parts, why = [], {}
     for source in SOURCES:
-        told = sources.pop(source, math.nan)
-        if isinstance(told, str):
-            why[source] = f"does not enter: {told}"
-            told = 0.0
-        if isinstance(told, xr.DataArray) and told.dims != value.dims:
-            told = (xr.zeros_like(value, dtype=float) + told).transpose(*value.dims)
-        parts.append(np.broadcast_to(np.asarray(told, dtype=float), value.shape))
+        share = sources.pop(source, math.nan)
+        if isinstance(share, str):
+            why[source] = f"does not enter: {share}"
+            share = 0.0
+        if isinstance(share, xr.DataArray) and share.dims != value.dims:
+            share = (xr.zeros_like(value, dtype=float) + share).transpose(*value.dims)
+        parts.append(np.broadcast_to(np.asarray(share, dtype=float), value.shape))
     if sources:
         raise UsageError(
             f"no source of errors is called {', '.join(sources)}; they are: {', '.join(SOURCES)}"
@@ -205,8 +205,8 @@ def claim(data: xr.Dataset, *names: str, **sources: xr.DataArray | float | str) 
         more = error_of(_of(data, name, "claim"), **sources)
         old = optional(data, f"{name}_error")
         if old is not None:
-            said = np.isin(SOURCES, list(sources))
-            more = more.copy(data=np.where(said, more.values, old.transpose(*more.dims).values))
+            wanted = np.isin(SOURCES, list(sources))
+            more = more.copy(data=np.where(wanted, more.values, old.transpose(*more.dims).values))
             # What is claimed does not follow from the reduction of the variable: the audit is told.
             claimed = {*str(old.attrs.get("claimed", "")).split(), *sources}
             more.attrs = {**old.attrs, **more.attrs, "claimed": " ".join(sorted(claimed))}
@@ -452,8 +452,8 @@ def evaluated(expression: str, values: Mapping[str, Any]) -> Any:
 
 def _at(expression: str, values: Mapping[str, xr.DataArray]) -> xr.DataArray:
     """Evaluate an expression of variables; a number becomes an array, too."""
-    found = evaluated(expression, values)
-    return found if isinstance(found, xr.DataArray) else xr.DataArray(found)
+    value = evaluated(expression, values)
+    return value if isinstance(value, xr.DataArray) else xr.DataArray(value)
 
 
 def power_law(data: xr.Dataset, name: str, *, of: str, x: str, along: Sequence[str]) -> xr.Dataset:
@@ -465,11 +465,11 @@ def power_law(data: xr.Dataset, name: str, *, of: str, x: str, along: Sequence[s
     import scipy.stats
 
     def fit(y: Array, at: Array) -> tuple[float, float, float]:
-        kept = np.isfinite(y) & (y > 0) & np.isfinite(at)
-        if np.unique(at[kept]).size < 2:
+        valid = np.isfinite(y) & (y > 0) & np.isfinite(at)
+        if np.unique(at[valid]).size < 2:
             return math.nan, math.nan, math.nan
-        line = scipy.stats.linregress(np.log(at[kept]), np.log(y[kept]))
-        free = np.count_nonzero(kept) - 2
+        line = scipy.stats.linregress(np.log(at[valid]), np.log(y[valid]))
+        free = np.count_nonzero(valid) - 2
         student = float(scipy.special.stdtrit(free, 0.975)) if free else math.nan
         return float(line.slope), student * float(line.stderr), float(np.exp(line.intercept))
 

@@ -162,17 +162,17 @@ class Finding:
 
     def as_json(self) -> dict[str, Any]:
         """Return it as data, with its text for those who read."""
-        said: dict[str, Any] = {"kind": self.kind, "text": self.text, "form": self.form}
+        record: dict[str, Any] = {"kind": self.kind, "text": self.text, "form": self.form}
         if self.values:
-            said["values"] = {name: value.as_json() for name, value in sorted(self.values.items())}
+            record["values"] = {name: value.as_json() for name, value in sorted(self.values.items())}
         if self.rows:
-            said["item"] = self.item
-            said["rows"] = [
+            record["item"] = self.item
+            record["rows"] = [
                 {name: value.as_json() for name, value in sorted(row.items())} for row in self.rows
             ]
         if self.by:
-            said |= {"by": self.by, "outcomes": list(self.outcomes)}
-        return said
+            record |= {"by": self.by, "outcomes": list(self.outcomes)}
+        return record
 
 
 def _with_errors(form: str, values: Mapping[str, Value]) -> Iterator[Value]:
@@ -208,7 +208,7 @@ def finding(
     over = (over,) if isinstance(over, str) else tuple(over)
     if data is not None:
         data = data.squeeze([dim for dim, n in data.sizes.items() if n == 1 and dim not in over])
-    told = {n: v if isinstance(v, Value) else Value(value=v) for n, v in more.items()}
+    values = {n: v if isinstance(v, Value) else Value(value=v) for n, v in more.items()}
     here = {} if data is None else values_of(data, lambda name: _named(name, form, item, by))
     asked = {part[1] for text in (form, item) for part in Formatter().parse(text) if part[1]}
     if kind not in KINDS or ("verdict" in asked and not (by and KINDS[kind][0])):
@@ -220,14 +220,14 @@ def finding(
         for place in each(data, *over):
             names = [str(n) for n, v in place.variables.items() if v.ndim == 0 and _named(str(n), item, by)]
             rows.append({n: value_of(place, n) for n in names if n not in here})
-    known = {*here, *told, *(rows[0] if rows else ()), "verdict", "each"}
+    known = {*here, *values, *(rows[0] if rows else ()), "verdict", "each"}
     absent = sorted({*asked, by} - known - {""}) if rows or not item else []
     if absent:
         raise UsageError(f"finding {form!r}: no single number {', '.join(absent)} at a place over {over}")
     return Finding(
         kind=kind,
         form=form,
-        values={**here, **told},
+        values={**here, **values},
         item=item,
         rows=tuple(rows),
         by=by,

@@ -155,11 +155,11 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawi
     )
     names += [f"{n}_error" for n in names if f"{n}_error" in data]
     # What was asked, without attributes of the machine and of the place in the whole.
-    asked = {name: value for name, value in data.attrs.items() if name not in ("at", "solves_made")}
+    attrs = {name: value for name, value in data.attrs.items() if name not in ("at", "solves_made")}
     return Drawing(
         name=figure.name,
         figure=canvas,
-        data=data[[n for n in names if n in data]].drop_attrs(deep=False).assign_attrs(asked),
+        data=data[[n for n in names if n in data]].drop_attrs(deep=False).assign_attrs(attrs),
         caption=_caption(figure.caption, drawn),
         drawn=tuple(drawn),
     )
@@ -194,8 +194,8 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
             look = {"capsize": 2 + 2 * before, "elinewidth": 1.5 / (1 + before), **look}
         x, factors = mark.x or panel.x, (scale_x[0], scale_y[0])
         artist = _put(mark, axes, here, x, factors, {**look, "label": mathtext(label)})
-        told: dict[str, Any] = {"label": label, "factors": factors, "look": look}
-        drawn.append(Drawn(artist=artist, axes=axes, mark=mark, x=x, data=here, **told))
+        options: dict[str, Any] = {"label": label, "factors": factors, "look": look}
+        drawn.append(Drawn(artist=artist, axes=axes, mark=mark, x=x, data=here, **options))
     for axis in panel.log:
         getattr(axes, f"set_{axis}scale")("log", base=panel.base if axis == "x" else 10)
     if isinstance(panel.marks[0], Image):
@@ -296,18 +296,18 @@ def _look(mark: _Mark, here: xr.Dataset, k: int, *, several: bool) -> dict[str, 
     from validation.report.figure import COLOURS, STYLES, SYMBOLS
 
     fixed = dict(quantity(mark.y).look)
-    own: dict[str, Any] = {}
+    options: dict[str, Any] = {}
     for dim in _by(mark):
         if dim in here.coords and here[dim].ndim == 0:
-            own |= named_at(here, dim).get("look", {})
-    if own and len(_by(mark)) > 1:
-        own["ls"] = STYLES[k % 4]
+            options |= named_at(here, dim).get("look", {})
+    if options and len(_by(mark)) > 1:
+        options["ls"] = STYLES[k % 4]
     if several:
         fixed.pop("color", None)
     qualifiers = registry()["qualifiers"].values()
     named = [c.item() for c in here.coords.values() if c.ndim == 0 and c.dtype.kind in "OU"]
     place = {k: v for one in qualifiers if one["words"] in named for k, v in one.get("look", {}).items()}
-    return {"color": COLOURS[k % 8], "marker": SYMBOLS[k % 8], **place, **own, **fixed}
+    return {"color": COLOURS[k % 8], "marker": SYMBOLS[k % 8], **place, **options, **fixed}
 
 
 def _by(mark: _Mark) -> tuple[str, ...]:
@@ -344,19 +344,21 @@ def _axis_label(what: Quantity, unit: str, *, width: int = 36) -> str:
 
 def _legend(canvas: Any, axes: Sequence[Axes]) -> None:
     """One legend below all, in as many columns as find place: what has one name looks alike on all panels."""
-    told: dict[str, Any] = {}
+    options: dict[str, Any] = {}
     for on in axes:
-        told |= {name: handle for handle, name in zip(*on.get_legend_handles_labels(), strict=True)}
-    if not told or (len(axes) > 1 and all(len(on.get_legend_handles_labels()[1]) < 2 for on in axes)):
+        options |= {name: handle for handle, name in zip(*on.get_legend_handles_labels(), strict=True)}
+    if not options or (len(axes) > 1 and all(len(on.get_legend_handles_labels()[1]) < 2 for on in axes)):
         return
-    if len(told) == 1 and next(iter(told)) in " ".join(axes[0].get_ylabel().split()):
+    if len(options) == 1 and next(iter(options)) in " ".join(axes[0].get_ylabel().split()):
         return
     # Of letters of 7 points, behind a sample of the line.
-    widest = 0.055 * max(map(len, told)) + 0.6
-    columns = min(len(told), max(1, int(canvas.get_figwidth() / widest)))
-    rows = -(-len(told) // columns)
+    widest = 0.055 * max(map(len, options)) + 0.6
+    columns = min(len(options), max(1, int(canvas.get_figwidth() / widest)))
+    rows = -(-len(options) // columns)
     canvas.set_figheight(canvas.get_figheight() + 0.17 * rows + 0.1)
-    canvas.legend(told.values(), told, fontsize=7, ncols=columns, loc="outside lower center", frameon=False)
+    canvas.legend(
+        options.values(), options, fontsize=7, ncols=columns, loc="outside lower center", frameon=False
+    )
 
 
 def _caption(text: str, drawn: Sequence[Drawn]) -> str:
@@ -365,8 +367,8 @@ def _caption(text: str, drawn: Sequence[Drawn]) -> str:
     for one in drawn:
         errors = optional(one.data, f"{one.mark.y}_error")
         if errors is not None and not isinstance(one.mark, Image):
-            kept = errors.sel(source=list(shown_sources(errors)))
-            there = (kept > 0).any([d for d in kept.dims if d != "source"])
+            shown = errors.sel(source=list(shown_sources(errors)))
+            there = (shown > 0).any([d for d in shown.dims if d != "source"])
             names = ", ".join(there.source.values[there.values].tolist())
             labels.setdefault(names, []).append(one.label)
     labels.pop("", None)

@@ -114,7 +114,7 @@ def page_of(data: xr.Dataset, views: Views, /, *, figures: bool = True, **rest: 
         for name, value in sorted(values_of(data).items())
     }
     summary = {**views.as_json(data), "numbers": numbers}
-    told: dict[str, Any] = {
+    context: dict[str, Any] = {
         "answers": tuple(Card(card.question, str(card.answer), str(card.basis)) for card in views.cards),
         "findings": tuple(one.text for one in views.findings),
         "tables": tuple(shown(rows, title=table.title, note=table.note) for table, rows in made),
@@ -124,9 +124,9 @@ def page_of(data: xr.Dataset, views: Views, /, *, figures: bool = True, **rest: 
         "data": data,
         "facts": tuple(str(data.attrs.get("solves_made", "")).splitlines()),
     }
-    told |= rest
-    told["summary"] = json_ready({**summary, **rest.get("summary", {})})
-    return Page(**told)
+    context |= rest
+    context["summary"] = json_ready({**summary, **rest.get("summary", {})})
+    return Page(**context)
 
 
 def write_page(page: Page, folder: Path, *, numbers_only: bool = False) -> tuple[Path, ...]:
@@ -158,8 +158,8 @@ def write_page(page: Page, folder: Path, *, numbers_only: bool = False) -> tuple
         draft.write_text(render(page, drawn), encoding="utf-8")
     drawings = [folder / file for figure in drawn for file, _ in figure["files"]]
     pictures = [figures / f"{picture.name}.png" for picture in page.pictures]
-    kept = [report, *(path for path in written if path != figures), *drawings, *pictures]
-    clear_page(folder, keep=(*kept, _seal(folder, kept)))
+    outputs = [report, *(path for path in written if path != figures), *drawings, *pictures]
+    clear_page(folder, keep=(*outputs, _seal(folder, outputs)))
     return (report, *written)
 
 

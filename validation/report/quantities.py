@@ -83,12 +83,12 @@ def quantity(name: str) -> Quantity:
         start = "_".join(parts[:cut])
         if start not in known:
             continue
-        found = _qualifiers("_".join(parts[cut:]), qualifiers)
-        if found is not None:
+        qualified = _qualifiers("_".join(parts[cut:]), qualifiers)
+        if qualified is not None:
             look: dict[str, Any] = {}
-            for one in found:
+            for one in qualified:
                 look |= qualifiers[one].get("look", {})
-            words = [qualifiers[one]["words"] for one in found]
+            words = [qualifiers[one]["words"] for one in qualified]
             return Quantity(name=start, which=", ".join(words), look=look, **known[start])
     raise UsageError(
         f"{name!r}: no such quantity in docs/glossary.md; add it to validation/report/quantities.toml"
@@ -103,17 +103,17 @@ def quantity_of(data: xr.Dataset, name: str) -> Quantity:
     UsageError
         For a name that neither knows.
     """
-    said = data[name].attrs if name in data.variables else {}
+    attrs = data[name].attrs if name in data.variables else {}
     try:
-        found = quantity(name)
+        registered = quantity(name)
     except UsageError:
-        if "key" not in said:
+        if "key" not in attrs:
             raise
     else:
-        if "key" not in said or found.unit == said["units"]:
-            return found
+        if "key" not in attrs or registered.unit == attrs["units"]:
+            return registered
     return Quantity(
-        name=name, symbol=name.replace("_", " "), words=said["long_name"], unit=said["units"], look={}
+        name=name, symbol=name.replace("_", " "), words=attrs["long_name"], unit=attrs["units"], look={}
     )
 
 

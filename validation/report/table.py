@@ -70,8 +70,8 @@ class Table:
         rows = []
         places = {title for name, title, _ in made if name in data.coords}
         listed = {name for name, _, _ in made} | {f"{name}_error" for name, _, _ in made}
-        kept = data[[str(name) for name in data.data_vars if name in listed]]
-        for here in each(kept, *self.rows):
+        subset = data[[str(name) for name in data.data_vars if name in listed]]
+        for here in each(subset, *self.rows):
             row: dict[str, float | str] = {}
             for name, title, at in made:
                 value = value_of(here.isel(at, missing_dims="ignore"), name)
@@ -79,8 +79,8 @@ class Table:
                 row |= interval_cells(title, value)
             values = {k: v for k, v in row.items() if k not in places and not k.endswith(SOURCES_OF)}
             there = any(isinstance(v, str) or not math.isnan(v) for v in values.values())
-            own = [t for n, t, _ in made if n in data.data_vars and set(data[n].dims) >= set(self.rows)]
-            if there and (not self.sparse or any(_known(row[title]) for title in own)):
+            titles = [t for n, t, _ in made if n in data.data_vars and set(data[n].dims) >= set(self.rows)]
+            if there and (not self.sparse or any(_known(row[title]) for title in titles)):
                 rows.append(row)
         return ResultTable.of_rows(rows)
 
@@ -94,8 +94,8 @@ class Table:
         ]
         there = [one for k, one in enumerate(there) if one not in there[:k]]
         coordinates = sorted(str(name) for name in data.coords if not str(name).startswith("_"))
-        kept = {"sparse": True} if self.sparse else {}
-        return {"rows": list(self.rows), "columns": there, "coordinates": coordinates, **kept}
+        attrs = {"sparse": True} if self.sparse else {}
+        return {"rows": list(self.rows), "columns": there, "coordinates": coordinates, **attrs}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -163,13 +163,13 @@ def budget_table(data: xr.Dataset, names: Sequence[str]) -> ResultTable:
             row: dict[str, float | str] = {"number": ", ".join([quantity(name).title, *filter(None, places)])}
             row["value"] = value
             shares = {str(s): _per_cent(float(e), value) for s, e in zip(SOURCES, error, strict=True)}
-            own = [share for s, share in shares.items() if s not in SPECTRAL]
-            row["for this spectrum and period [%]"] = combined(*own)
+            entering = [share for s, share in shares.items() if s not in SPECTRAL]
+            row["for this spectrum and period [%]"] = combined(*entering)
             row["for any [%]"] = combined(*shares.values())
             for source, share in shares.items():
-                said = "does not enter" if source in error.attrs else share
+                entry = "does not enter" if source in error.attrs else share
                 row[f"{source} [%]"] = (
-                    "not measured" if isinstance(said, float) and math.isnan(said) else said
+                    "not measured" if isinstance(entry, float) and math.isnan(entry) else entry
                 )
             rows.append(row)
     return ResultTable.of_rows(rows)
@@ -318,16 +318,16 @@ def _frames(data: xr.Dataset) -> dict[tuple[str, ...], Any]:
 
 
 def _frame(data: xr.Dataset, dims: tuple[str, ...], group: Mapping[str, Any]) -> Any:
-    told = [
+    rows = [
         str(name)
         for name, along in data.coords.items()
         if name not in dims and along.ndim and set(along.dims) <= set(dims)
     ]
-    frame = data[told].assign(group).to_dataframe(dim_order=list(dims)).reset_index()
+    frame = data[rows].assign(group).to_dataframe(dim_order=list(dims)).reset_index()
     # A place along a dimension is told by its value, or counted where it has none.
-    valued = {data[name].dims for name in told}
+    valued = {data[name].dims for name in rows}
     counted = [dim for dim in dims if dim in data.indexes or (dim,) not in valued]
-    return frame[[*counted, *told, *group]]
+    return frame[[*counted, *rows, *group]]
 
 
 def _with_interval(value: float | str, error: float | str | None, factor: float) -> float | str:

@@ -97,12 +97,12 @@ class Value:
 
     def as_json(self) -> dict[str, Any]:
         """Return it as data: value, error if it has one, and where it was read."""
-        said: dict[str, Any] = {"value": self.value}
+        record: dict[str, Any] = {"value": self.value}
         if self.error is not None:
-            said["error"] = self.error
+            record["error"] = self.error
         if self.sources:
-            said["sources"] = self.sources
-        return said | ({"name": self.name, "at": dict(self.at or {})} if self.name else {})
+            record["sources"] = self.sources
+        return record | ({"name": self.name, "at": dict(self.at or {})} if self.name else {})
 
 
 def combined(*errors: float) -> float:
@@ -129,8 +129,8 @@ def place_of(data: xr.Dataset) -> dict[str, int]:
     """Return the position along each dimension that was sliced away."""
     names = [str(name) for name in data.variables if str(name).startswith(_PLACE)]
     variables = {name.removeprefix(_PLACE): data.variables[name] for name in names}
-    told = {dim: int(place) for dim, place in variables.items() if place.ndim == 0}
-    return {**data.attrs.get("at", {}), **told}
+    places = {dim: int(place) for dim, place in variables.items() if place.ndim == 0}
+    return {**data.attrs.get("at", {}), **places}
 
 
 #: What coordinates begin with that count places.

@@ -40,9 +40,9 @@ class Views:
 
     def as_json(self, data: xr.Dataset) -> dict[str, Any]:
         """Return what is shown as data: findings, and which variables table and budget are of."""
-        said: dict[str, Any] = {"findings": [finding.as_json() for finding in self.findings]}
+        record: dict[str, Any] = {"findings": [finding.as_json() for finding in self.findings]}
         if self.table is not None:
-            said["table"] = self.table.as_json(data)
+            record["table"] = self.table.as_json(data)
         if self.budget:
-            said["budget"] = list(self.budget)
-        return said
+            record["budget"] = list(self.budget)
+        return record

@@ -233,12 +233,12 @@ class ContactProblem:
                 surface["path"] = read_spectrum(self.surface.path)[1]
             if surface.get("stretch") is None:  # what is not listed names no solve
                 surface.pop("stretch", None)
-        said = {
+        recipe = {
             "surface": surface,
             "solid": self.solid.model_dump(mode="json", exclude_none=True),
             "load": self.load.recipe,
         }
-        return said | {"inverted": True} if self.inverted else said
+        return recipe | {"inverted": True} if self.inverted else recipe
 
 
 #: What is made of the surface alone, whatever the solid and the load.

@@ -78,14 +78,14 @@ class MethodTables(Table):
         return self
 
     @property
-    def asked(self) -> dict[str, Method]:
+    def chosen(self) -> dict[str, Method]:
         """Methods whose table is present, by name, in the order of the registry."""
         return {name: method for name, method in methods().items() if getattr(self, name, None) is not None}
 
     @property
     def solvers(self) -> dict[str, Solver]:
         """Methods that press a surface; the first is what the others are compared with."""
-        return {name: method for name, method in self.asked.items() if isinstance(method, Solver)}
+        return {name: method for name, method in self.chosen.items() if isinstance(method, Solver)}
 
     def options(self, name: str) -> Any:
         """Return the table of a method; None where it is not listed."""

@@ -68,9 +68,11 @@ def spectrum_of(surface: RandomSurface) -> SelfAffine | Stretched | CapillaryWav
         return straight
     from persson.stretched import Stretched
 
-    found = Stretched(spectrum=straight, factor=surface.stretch)
+    stretched = Stretched(spectrum=straight, factor=surface.stretch)
     # The height keeps its variance when it is stretched, the slope does not.
-    return found if surface.rms_gradient is None else found.scaled(float(straight.m2() / found.m2()))
+    return (
+        stretched if surface.rms_gradient is None else stretched.scaled(float(straight.m2() / stretched.m2()))
+    )
 
 
 def waves_of(surface: RandomSurface, realisation: int = 0) -> RandomWaves:
@@ -204,10 +206,12 @@ def expected(surface: RandomSurface) -> Expected:
     import numpy as np
 
     spectrum = spectrum_of(surface)
-    found = spectrum.moments()
+    moments = spectrum.moments()
     q = np.geomspace(spectrum.q_min, spectrum.q_short, 4001)
     first = 2 * math.pi * float(np.trapezoid(q**3 * spectrum(q), np.log(q)))
-    return Expected(moments=(found.m0, found.m2, found.m4), first_moment=first, shape=surface.resolving_grid)
+    return Expected(
+        moments=(moments.m0, moments.m2, moments.m4), first_moment=first, shape=surface.resolving_grid
+    )
 
 
 def too_large_to_look_at(surface: RandomSurface) -> bool:

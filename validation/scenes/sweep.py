@@ -87,13 +87,13 @@ class Sweep:
             return (len(self.scenes),)
         return tuple(len(key.values) for key in self.keys)
 
-    def words(self, case: int) -> str:
+    def place(self, case: int) -> str:
         """Say where a case stands, such as "young = 2e+09 Pa, seed = 7"."""
         places: Any = (
             np.unravel_index(case, self.shape) if self.mode == "product" else [case] * len(self.keys)
         )
-        said = zip(self.keys, places, strict=True)
-        return ", ".join(f"{key.name} = {value_words(key.values[k], key.unit)}" for key, k in said)
+        pairs = zip(self.keys, places, strict=True)
+        return ", ".join(f"{key.name} = {value_words(key.values[k], key.unit)}" for key, k in pairs)
 
 
 def value_words(value: Value, unit: str = "1") -> str:
@@ -149,18 +149,18 @@ def _set_from_outside(data: dict[str, Any], setting: str) -> str:
         listed = {k: k if k == "mode" else _found_key(k, data) for k in flat}
         swept = key.startswith("sweep.")
         key = key.removeprefix("sweep.")
-        found = key if swept and key == "mode" else _found_key(key, data)
+        name = key if swept and key == "mode" else _found_key(key, data)
         if swept:
-            kept = {k: v for k, v in flat.items() if listed[k] != found}
-            data["sweep"] = {**kept, found: _value(text)}
-        elif found in listed.values():
-            raise UsageError(f"{found}: is swept; set sweep.{found}=[...] instead")
+            others = {k: v for k, v in flat.items() if listed[k] != name}
+            data["sweep"] = {**others, name: _value(text)}
+        elif name in listed.values():
+            raise UsageError(f"{name}: is swept; set sweep.{name}=[...] instead")
         else:
-            _refuse_rivals(found, found, listed.values(), "swept")
-            _put(data, found, _value(text))
+            _refuse_rivals(name, name, listed.values(), "swept")
+            _put(data, name, _value(text))
     except UsageError as error:
         raise UsageError(f"--set {error}") from None
-    return found
+    return name
 
 
 def _value(text: str) -> Any:
@@ -181,9 +181,9 @@ def _found_key(key: str, data: Mapping[str, Any]) -> str:
         return key
     ending = [full for full in keys if full.endswith(f".{key}")]
     present = [full for full in ending if _present(full, data)] or ending
-    own = f"effects.{key}.{key}"  # the hardness of the effect 'hardness' before that of another
-    if len(present) == 1 or own in present:
-        return own if own in present else present[0]
+    effect_key = f"effects.{key}.{key}"  # the hardness of the effect 'hardness' before that of another
+    if len(present) == 1 or effect_key in present:
+        return effect_key if effect_key in present else present[0]
     if present:
         raise UsageError(f"{key}: is short for {', '.join(present)}; name one of them")
     inside = [full for full in keys if full.startswith(f"{key}.")]
@@ -244,12 +244,12 @@ def _table(table: Any, data: Mapping[str, Any]) -> tuple[Mode, dict[str, list[An
     """Read [sweep]: the mode, and each key in full with its list."""
     if not isinstance(table, dict):
         raise UsageError("must be a table of keys with lists, such as load.reduced_pressure = [0.01, 0.1]")
-    said = dict(_flat(table))
-    mode = said.pop("mode", "product")
+    flat = dict(_flat(table))
+    mode = flat.pop("mode", "product")
     if mode not in MODES:
         raise UsageError(f"mode = {mode!r}: must be 'product' or 'zip'")
     lists: dict[str, list[Any]] = {}
-    for key, values in said.items():
+    for key, values in flat.items():
         full = _found_key(key, data)
         if full.partition(".")[0] in ("name", "title", "run"):
             raise UsageError(f"{full}: says how a scene is called or run, and changes no result")
@@ -263,8 +263,8 @@ def _table(table: Any, data: Mapping[str, Any]) -> tuple[Mode, dict[str, list[An
         raise UsageError("is empty; list a key with its values, such as load.reduced_pressure = [0.01, 0.1]")
     lengths = {key: len(values) for key, values in lists.items()}
     if mode == "zip" and len(set(lengths.values())) > 1:
-        found = ", ".join(f"{key} has {n}" for key, n in lengths.items())
-        raise UsageError(f"mode = 'zip': all lists must be as long; {found}")
+        counts = ", ".join(f"{key} has {n}" for key, n in lengths.items())
+        raise UsageError(f"mode = 'zip': all lists must be as long; {counts}")
     if mode == "product" and math.prod(lengths.values()) > _MOST_CASES:
         raise UsageError(f"makes {math.prod(lengths.values())} scenes; must be at most {_MOST_CASES}")
     return mode, lists

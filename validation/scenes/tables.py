@@ -347,6 +347,6 @@ class Load(Table):
     @property
     def recipe(self) -> dict[str, Any]:
         """What was given, as JSON-ready data."""
-        kept = ("pressure", "reduced_pressure")
-        said = self.model_dump(mode="json")
-        return {name: value for name, value in said.items() if name in kept or value is not None}
+        names = ("pressure", "reduced_pressure")
+        values = self.model_dump(mode="json")
+        return {name: value for name, value in values.items() if name in names or value is not None}

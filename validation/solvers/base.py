@@ -192,7 +192,7 @@ class Solver(Method):
     score_points: ClassVar[int] = 32  # Points along a side of the coarsest grid of its scorecard
     #: What the edges of its contacts are those of there: "bem", or a finite element.
     score_element: ClassVar[str] = "bem"
-    told: ClassVar[tuple[str, ...]] = ("tolerance",)  # Keys of its table that are settings of a solve
+    setting_keys: ClassVar[tuple[str, ...]] = ("tolerance",)  # Keys of its table that are settings of a solve
 
     def handles(self, effect: type[Effect]) -> bool:
         """Whether the slot of the effect is one of its own."""
@@ -205,7 +205,7 @@ class Solver(Method):
 
     def settings(self, options: Any) -> Settings:
         """Return what a solve is told, of what the scene's table says."""
-        values = ((name, getattr(options, name)) for name in self.told)
+        values = ((name, getattr(options, name)) for name in self.setting_keys)
         return tuple((name, value) for name, value in values if value is not None)
 
     @abstractmethod

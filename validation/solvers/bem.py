@@ -80,23 +80,25 @@ class Bem(Solver):
     def solve(self, job: Job) -> Solved:
         """Press; attraction makes the problem one of many minima, which another algorithm finds."""
         field, model, response = job.field, job.model, job.model.felt_response
-        said: dict[str, Any] = {"threads": job.threads, **job.load, **job.settings}
+        options: dict[str, Any] = {"threads": job.threads, **job.load, **job.settings}
         if model.gap_law is not None:
             from fem_contact import adhesion
 
-            state = adhesion.solve(field, response, law=model.gap_law, hardness=model.pressure_bound, **said)
+            state = adhesion.solve(
+                field, response, law=model.gap_law, hardness=model.pressure_bound, **options
+            )
             return Solved(contact=state.contact)
         from fem_contact import bem
 
         if "mean_pressure" not in job.load:
-            held = bem.solve_displacement(field, response, pressure_bound=model.pressure_bound, **said)
+            held = bem.solve_displacement(field, response, pressure_bound=model.pressure_bound, **options)
             return Solved(contact=held)
         if model.pressure_bound is not None:
             from fem_contact.hardness import Hardness, press_yielding
 
             limit = Hardness(pressure=model.pressure_bound)
-            return Solved(contact=press_yielding(field, response, hardness=limit, **said))
-        return Solved(contact=bem.solve(field, response, **said))
+            return Solved(contact=press_yielding(field, response, hardness=limit, **options))
+        return Solved(contact=bem.solve(field, response, **options))
 
     def check(self, options: BemOptions, problem: ContactProblem, effects: Sequence[Effect]) -> None:
         """Refuse a mean gap with attraction, of which several states may have one, and shifts of a patch."""

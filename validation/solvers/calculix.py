@@ -27,7 +27,7 @@ from validation.arrays import Array
 from validation.effects.base import Effect, SlotName
 from validation.solvers.base import Claim, Cost, Gridded, Job, Size, Solved, Solver, check_bodies
 from validation.solvers.bem import FIXED_BYTES, FIXED_PAIRS
-from validation.solvers.external import judged
+from validation.solvers.external import verified
 from validation.solvers.fem import block_response, planned, unknowns_of
 from validation.units import Duration, Length, Number, Table
 
@@ -72,7 +72,7 @@ class Calculix(Solver):
     slots: ClassVar[frozenset[SlotName]] = frozenset({"response"})
     score_element = "Hex1"
     score_points = 8
-    told = ("tolerance", "growth", "depth", "seconds")
+    setting_keys = ("tolerance", "growth", "depth", "seconds")
     papers = (
         "CalculiX: G. Dhondt, The Finite Element Method for Three-Dimensional Thermomechanical "
         "Applications (Wiley, 2004).",
@@ -128,7 +128,7 @@ class Calculix(Solver):
         )
         accepted_job = replace(job, settings={"tolerance": _ACCEPTED, **job.settings})
         rise = np.asarray(-rises * deck.length)
-        contact = judged(claim, accepted_job, method=self.label, element="Hex1", displacement=rise)
+        contact = verified(claim, accepted_job, method=self.label, element="Hex1", displacement=rise)
         unknowns = 3 * job.field.heights.size * (deck.planes.size - 1)
         return Solved(contact=replace(contact, cost=replace(contact.cost, unknowns=unknowns)))
 
@@ -197,11 +197,11 @@ class _Deck:
                 printed = Path(folder, "block.dat").read_text(encoding="ascii")
             except OSError:
                 printed = ""
-            found = [block for block in _blocks(printed) if len(block) == nx * ny]
-        if done.returncode != 0 or len(found) < 2:
-            said = [line.strip() for line in done.stdout.splitlines() if "ERROR" in line]
-            raise NotConverged(f"ccx: {said[0] if said else 'ended without an answer'}")
-        forces, rises = (np.array(block).reshape(nx, ny) for block in found[-2:])
+            blocks = [block for block in _blocks(printed) if len(block) == nx * ny]
+        if done.returncode != 0 or len(blocks) < 2:
+            errors = [line.strip() for line in done.stdout.splitlines() if "ERROR" in line]
+            raise NotConverged(f"ccx: {errors[0] if errors else 'ended without an answer'}")
+        forces, rises = (np.array(block).reshape(nx, ny) for block in blocks[-2:])
         return forces, rises
 
     def lines(self) -> Iterator[str]:

@@ -74,7 +74,7 @@ class ExternalSolver(Solver):
     options: ClassVar[type[Table]] = ExternalOptions
     independent = True
     foreign = True
-    told = ("tolerance", "seconds", "memory")
+    setting_keys = ("tolerance", "seconds", "memory")
     accepted: ClassVar[float] = 1e-6  # Tolerance that holds where none is said
     package: ClassVar[str | None] = None  # What must be installed; its version is part of the recipe
     install: ClassVar[str] = "pip install 'fem-contact[peers]'"  # How
@@ -134,7 +134,7 @@ class ExternalSolver(Solver):
         """Ask the solver, and judge its pressures; its process has one thread."""
         _ = job.mean_pressure  # no distance: who wrote it may or may not have thought of them
         accepted_job = replace(job, settings={"tolerance": self.accepted, **job.settings})
-        return Solved(contact=judged(self.claim(job), accepted_job, method=self.label))
+        return Solved(contact=verified(self.claim(job), accepted_job, method=self.label))
 
     def cost(self, size: Size) -> Cost:
         """Assume memory and time, as pairs of FFTs, of an efficient code on a grid of this size."""
@@ -164,7 +164,7 @@ def _effects(model: ContactModel) -> dict[str, float]:
     return parameters
 
 
-def judged(
+def verified(
     claim: Claim,
     job: Job,
     *,

@@ -69,7 +69,7 @@ class Fem(Solver):
     holds = frozenset({"offset"})
     sinks = True
     controls = frozenset({"offset", "max_iterations"})
-    told = ("method", "tolerance", "growth", "depth")
+    setting_keys = ("method", "tolerance", "growth", "depth")
     score_element = "Hex1"
     score_points = 16
     papers = (
@@ -206,12 +206,12 @@ def planned(job: Job) -> BlockMesh:
 def _press_arguments(job: Job) -> dict[str, Any]:
     """Return what a block is told: the whole system unless said otherwise, and the body of an effect."""
     model = job.model
-    said: dict[str, Any] = {"method": "full", **job.load, **job.settings, **_mesh(job.settings, model)}
+    options: dict[str, Any] = {"method": "full", **job.load, **job.settings, **_mesh(job.settings, model)}
     if model.body is not None and model.body.modulus is not None:
-        said["modulus"] = model.body.modulus
+        options["modulus"] = model.body.modulus
     if model.pressure_bound is not None:
-        said["pressure_bound"] = model.pressure_bound
-    return said
+        options["pressure_bound"] = model.pressure_bound
+    return options
 
 
 def block_response(job: Job) -> Response:

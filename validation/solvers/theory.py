@@ -62,10 +62,10 @@ class Theory(Method):
                 effect.theory(TheoryInputs(solid=problem.elastic))
             except UsageError as error:
                 raise UsageError(f"{effect_key(k, '')} {error}") from None
-        said = sorted(options.model_fields_set)
-        if said and TheoryInputs.by(problem.elastic, effects).work is None:
+        given = sorted(options.model_fields_set)
+        if given and TheoryInputs.by(problem.elastic, effects).work is None:
             raise UsageError(
-                f"methods.theory.{said[0]} = {getattr(options, said[0])!r}: belongs to the effect "
+                f"methods.theory.{given[0]} = {getattr(options, given[0])!r}: belongs to the effect "
                 "'adhesion', which is not listed"
             )
 
@@ -233,8 +233,8 @@ def stress_distribution(
         return elastic.pressure_distribution(stress, pressure=pressure, stress_variance=variance)
     try:
         if inputs.work is None:
-            found = solve_diffusion([variance], pressure=pressure, yield_stress=inputs.hardness)
-            return found.checked().distribution(0, stress)
+            diffusion = solve_diffusion([variance], pressure=pressure, yield_stress=inputs.hardness)
+            return diffusion.checked().distribution(0, stress)
         from persson.scale import Scale
 
         scale = Scale(problem.own_spectrum, contact_modulus=inputs.felt_modulus)
@@ -244,7 +244,7 @@ def stress_distribution(
         def wall(variance: Array) -> Array:
             return np.asarray(np.interp(variance, contact.variance, contact.tensile_limit))
 
-        found = solve_diffusion(
+        diffusion = solve_diffusion(
             contact.variance[-1:],
             pressure=pressure,
             tensile_limit=wall,
@@ -252,7 +252,7 @@ def stress_distribution(
             breaks=tuple(onset),
             tolerance=1e-3,
         )
-        return found.checked().distribution(0, stress)
+        return diffusion.checked().distribution(0, stress)
     except PerssonError:
         return None
 
@@ -304,15 +304,15 @@ def _answer(inputs: TheoryInputs, pressure: float, options: TheoryOptions, *, sc
     """Evaluate one load; where the theory has no answer, say why."""
     try:
         if inputs.work is not None:
-            found = _adhesive(inputs, pressure, options, scale=scale)
+            answer = _adhesive(inputs, pressure, options, scale=scale)
             return Answer(
                 pressure=pressure,
-                wavevectors=found.wavevectors,
-                area=found.area,
-                area_plastic=found.area_plastic,
-                work=found.work,
-                macroscopic_work=found.macroscopic_work,
-                error_estimate=found.error_estimate,
+                wavevectors=answer.wavevectors,
+                area=answer.area,
+                area_plastic=answer.area_plastic,
+                work=answer.work,
+                macroscopic_work=answer.macroscopic_work,
+                error_estimate=answer.error_estimate,
             )
         return _without_adhesion(inputs, pressure, scale=scale)
     except PerssonError as error:

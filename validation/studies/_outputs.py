@@ -45,7 +45,7 @@ def run_study(
             data,
             kind="study",
             name=study.name,
-            asked=options.record(),
+            settings=options.record(),
             store=bench.store.folder,
             words=list(options.words()),
         )
@@ -70,7 +70,7 @@ def report_study(folder: Path, *, numbers_only: bool = False) -> StudyOutputs:
         if result.kind != "study":
             raise UsageError(f"{folder}: holds a {result.kind}, not a study")
         study, data = find_study(result.name), result.data
-        page = study_page(study, data, result.asked, words=result.words, figures=not numbers_only)
+        page = study_page(study, data, result.settings, words=result.words, figures=not numbers_only)
         written = write_page(page, folder, numbers_only=numbers_only)
     return StudyOutputs(data=data, page=page, files=(*written, folder / DATA))
 

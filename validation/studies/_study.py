@@ -40,7 +40,7 @@ _MOST = 10_000
 class StudyOptions(Table):
     """Options of a study: a table like those of a scene, with units, ranges and meanings; all have defaults."""
 
-    own: typing.ClassVar[str] = ""  # Why it takes no scene, where it has no option of that name
+    why_no_scene: typing.ClassVar[str] = ""  # Why it takes no scene, where it has no option of that name
 
     @field_validator("*", mode="after")
     @classmethod
@@ -170,7 +170,7 @@ class Study:
             For what it does not allow, and for a scene that it does not take.
         """
         if scene is not None and not self.options.takes_scene():
-            why = f": {self.options.own}" if self.options.own else ""
+            why = f": {self.options.why_no_scene}" if self.options.why_no_scene else ""
             raise UsageError(f"study {self.name}: takes no scene{why}; leave {scene.name!r} out")
         try:
             return self.options.parse(arguments, scene=scene)

@@ -44,7 +44,7 @@ _LENGTH, _GRADIENT = 1e-5, 0.1
 class Options(StudyOptions):
     """Where the dials stand, and where each of them goes while the others stay."""
 
-    own = "it turns load, waves, work and hardness by itself"
+    why_no_scene = "it turns load, waves, work and hardness by itself"
 
     works: _Positives = Field(
         default=(0.01, 0.03, 0.1, 0.3, 1.0),

@@ -53,7 +53,7 @@ _COMPARED = ("area", "force_inside", "energy_ratio", "tension")
 class Options(StudyOptions):
     """Where the spectrum is cut, and how strong the adhesion is."""
 
-    own = "it cuts the spectra of surfaces it makes"
+    why_no_scene = "it cuts the spectra of surfaces it makes"
 
     magnifications: Rising = Field(
         default=(1.5, 2.0, 3.0, 4.0, 6.0, 8.0),

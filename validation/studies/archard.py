@@ -34,7 +34,7 @@ _LEAST = 4
 class Options(StudyOptions):
     """Which bumps on which, and how they are pressed."""
 
-    own = "its surface is a hierarchy of bumps, not one of a spectrum"
+    why_no_scene = "its surface is a hierarchy of bumps, not one of a spectrum"
 
     waves: RisingGrids = Field(
         default=(16, 128), description="waves of the second level on a period, of the third, ...; rising"

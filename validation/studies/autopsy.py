@@ -42,7 +42,7 @@ def _rough(magnifications: tuple[float, ...]) -> tuple[float, ...]:
 class Options(StudyOptions):
     """Spectra, loads, rings, and the grids over which every flow is extrapolated."""
 
-    own = "it builds its surfaces up ring by ring of waves"
+    why_no_scene = "it builds its surfaces up ring by ring of waves"
 
     hursts: Annotated[tuple[Hurst, ...], Field(min_length=1)] = Field(
         default=(0.3, 0.8), description="Hurst exponents H"

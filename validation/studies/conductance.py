@@ -33,7 +33,7 @@ _LIGHT = 0.05
 class Options(StudyOptions):
     """What is pressed, and how large the sample is."""
 
-    own = "it asks about spectra, and makes a surface for each"
+    why_no_scene = "it asks about spectra, and makes a surface for each"
 
     reduced_pressures: Rising = Field(
         default=(0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0),

@@ -31,7 +31,7 @@ class Options(StudyOptions):
     The surface has H = 0.8, L/lambda_long = 1, lambda_long/lambda_short = 4: its longest wave feels the bottom most.
     """
 
-    own = "its surface is the one whose longest wave feels the bottom most"
+    why_no_scene = "its surface is the one whose longest wave feels the bottom most"
 
     reduced_pressure: ReducedPressure = 0.05
     points_per_wave: float = Field(default=16.0, ge=1, description="grid, as lambda_short/dx")

@@ -31,7 +31,7 @@ from validation.units import Positive, wrong
 class Options(StudyOptions):
     """Which solids, and which waves."""
 
-    own = "it asks about single waves, and presses nothing"
+    why_no_scene = "it asks about single waves, and presses nothing"
 
     ratios: Annotated[tuple[Positive, ...], Field(min_length=1)] = Field(
         default=(0.1, 0.25, 0.5, 2.0, 4.0, 10.0),

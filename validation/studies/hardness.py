@@ -43,7 +43,7 @@ _SETTINGS = (("tolerance", 1e-8),)
 class Options(StudyOptions):
     """What is pressed, how hard it is, and how often."""
 
-    own = "it turns load and waves by itself; `area` takes a scene that yields"
+    why_no_scene = "it turns load and waves by itself; `area` takes a scene that yields"
 
     reduced_pressures: _Positives = Field(
         default=(0.01, 0.02, 0.05, 0.1, 0.2),

@@ -33,7 +33,7 @@ from validation.studies._study import StudyOptions
 class Options(StudyOptions):
     """Which surfaces, and how they are pressed."""
 
-    own = "it asks about spectra with a roll-off, and makes a surface for each"
+    why_no_scene = "it asks about spectra with a roll-off, and makes a surface for each"
 
     periods: Rising = Field(
         default=(1.0, 2.0, 4.0, 8.0), description="L / lambda_0: sizes of the sample, rising"

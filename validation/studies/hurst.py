@@ -43,7 +43,7 @@ _OF_METHODS = ("bandwidth", "reduced_pressure", "pairs", "points_per_wave")
 class Options(StudyOptions):
     """Spectra, surfaces, loads, and the ladders that say what a larger sample and a wider spectrum would change."""
 
-    own = "it asks about spectra, and makes a surface for each"
+    why_no_scene = "it asks about spectra, and makes a surface for each"
 
     methods: AnyMethods = Field(
         default=("bem", "fem"),

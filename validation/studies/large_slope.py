@@ -33,7 +33,7 @@ DIFFERENCES, STRAIGHT = (0.01, 0.05), 0.4
 class Options(StudyOptions):
     """Surfaces of few waves on fine grids: steep tips of less than some ten points cannot be followed."""
 
-    own = "it makes surfaces steeper at one reduced load"
+    why_no_scene = "it makes surfaces steeper at one reduced load"
 
     slopes: Rising = Field(
         default=(0.05, 0.1, 0.2, 0.4, 0.7), min_length=2, description="h'_rms of the surfaces, rising"

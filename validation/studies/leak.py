@@ -37,7 +37,7 @@ _DRAWN = 4
 class Options(StudyOptions):
     """What is pressed, and how far."""
 
-    own = "it asks about spectra of rising bandwidth, and makes a surface for each"
+    why_no_scene = "it asks about spectra of rising bandwidth, and makes a surface for each"
 
     areas: Annotated[Rising, Field(max_length=20)] = Field(
         default=(0.1, 0.2, 0.3, 0.4),

@@ -33,7 +33,7 @@ from validation.studies._study import StudyOptions
 class Options(StudyOptions):
     """What is pressed, with which of its waves."""
 
-    own = "it asks about spectra with a roll-off, and makes a surface for each"
+    why_no_scene = "it asks about spectra with a roll-off, and makes a surface for each"
 
     reduced_pressures: Rising = Field(
         default=(0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0),

@@ -47,7 +47,7 @@ _ALPHAS, _MIDDLING = (3.0, 4.0, 6.0, 10.0, 16.0), 0.3
 class Options(StudyOptions):
     """Spectra and loads of the table, and how many surfaces each is a mean over."""
 
-    own = "it makes the table that others are checked against, of surfaces it names"
+    why_no_scene = "it makes the table that others are checked against, of surfaces it names"
 
     hursts: Rising = Field(
         default=(0.1, 0.3, 0.5, 0.8, 1.0), description="Hurst exponents H, rising, at most 1"

@@ -38,7 +38,7 @@ _LARGE = 256
 class Options(StudyOptions):
     """Surfaces whose bandwidth grows with the grid. Times mean something only if nothing else runs: one worker."""
 
-    own = "its surfaces grow with the grid"
+    why_no_scene = "its surfaces grow with the grid"
 
     grids: Annotated[RisingGrids, Field(min_length=3, description="points along a side, rising")] = (
         128,

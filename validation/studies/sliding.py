@@ -47,7 +47,7 @@ _REMEMBERED = 2.0
 class Options(StudyOptions):
     """What slides, on what, and how fast."""
 
-    own = "its solid is viscoelastic, which no scene can say, and it makes its own surfaces"
+    why_no_scene = "its solid is viscoelastic, which no scene can say, and it makes its own surfaces"
 
     velocities: Annotated[tuple[Velocity, ...], Field(min_length=1), AfterValidator(in_rising_order)] = Field(
         default=(1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0),

@@ -40,7 +40,7 @@ _LEAST = 1e-9
 class Options(StudyOptions):
     """Which cases, by which methods."""
 
-    own = "it asks about hard cases with known answers"
+    why_no_scene = "it asks about hard cases with known answers"
 
     methods: AnyMethods = Field(
         default=(),

@@ -31,10 +31,10 @@ def find_theory(text: str) -> Theory:
     """
     if text in theories():
         return theories()[text]
-    own = OwnTheory.named(text)
-    if own is None:
+    theory = OwnTheory.named(text)
+    if theory is None:
         raise UsageError(
             f"theory {text!r}: neither a module here nor one of: {', '.join(theories())}; "
             "your own is named module:function, or module"
         )
-    return own
+    return theory

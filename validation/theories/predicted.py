@@ -111,8 +111,8 @@ def beside(data: xr.Dataset, theories: Sequence[Theory], pressed: Sequence[Conta
     energy is known. The area of the first theory is ``area_persson``, told C(q) alone ``area_ensemble``.
     """
     data = data.merge(predictions(theories, pressed, data.reduced_pressure.values)).assign(agreement=1.0)
-    for name, said in (("area_persson", "area_predicted"), ("area_ensemble", "area_spectral")):
-        data[name] = data[said].isel(theory=0, drop=True)
+    for name, predicted in (("area_persson", "area_predicted"), ("area_ensemble", "area_spectral")):
+        data[name] = data[predicted].isel(theory=0, drop=True)
     partly = data.gap_finest_each.max("surface") > _CLOSED
     data["partial_contact"] = partly.where(partly).astype(float).drop_attrs()
     open_only = {f"{name}_over": f"{name} / {name}_predicted * partial_contact" for name in COMPARED[1:]}

@@ -26,12 +26,12 @@ _OPTIONS = {"cache": True, "nogil": True, "fastmath": {"reassoc", "contract", "n
 
 
 @njit(**_OPTIONS)
-def _stack(c, e, own, x, y, xy, sx, sy, out):
+def _stack(c, e, here, x, y, xy, sx, sy, out):
     """Add the forces of one stack of cells on a column: the stack towards +x and +y, or a mirror image."""
     b0, b1, b2, b3, b4, b5, b6, b7, b8, b9, b10, b11 = (0.0,) * 12
-    for k in range(own.shape[0]):
+    for k in range(here.shape[0]):
         # Values above; mirrors turn the sign of a component.
-        t0, t1, t2 = sx * own[k, 0], sy * own[k, 1], own[k, 2]
+        t0, t1, t2 = sx * here[k, 0], sy * here[k, 1], here[k, 2]
         t3, t4, t5 = sx * x[k, 0], sy * x[k, 1], x[k, 2]
         t6, t7, t8 = sx * y[k, 0], sy * y[k, 1], y[k, 2]
         t9, t10, t11 = sx * xy[k, 0], sy * xy[k, 1], xy[k, 2]
@@ -74,11 +74,11 @@ def _column(c, e, u, i, j, out):
     nx, ny = u.shape[0], u.shape[1]
     before, after, left, right = (i - 1) % nx, (i + 1) % nx, (j - 1) % ny, (j + 1) % ny
     out[:] = 0.0
-    own = u[i, j]
-    _stack(c, e[i, j], own, u[after, j], u[i, right], u[after, right], 1.0, 1.0, out)
-    _stack(c, e[before, j], own, u[before, j], u[i, right], u[before, right], -1.0, 1.0, out)
-    _stack(c, e[i, left], own, u[after, j], u[i, left], u[after, left], 1.0, -1.0, out)
-    _stack(c, e[before, left], own, u[before, j], u[i, left], u[before, left], -1.0, -1.0, out)
+    here = u[i, j]
+    _stack(c, e[i, j], here, u[after, j], u[i, right], u[after, right], 1.0, 1.0, out)
+    _stack(c, e[before, j], here, u[before, j], u[i, right], u[before, right], -1.0, 1.0, out)
+    _stack(c, e[i, left], here, u[after, j], u[i, left], u[after, left], 1.0, -1.0, out)
+    _stack(c, e[before, left], here, u[before, j], u[i, left], u[before, left], -1.0, -1.0, out)
 
 
 @njit(**_OPTIONS)

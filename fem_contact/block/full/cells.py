@@ -80,16 +80,16 @@ class BlockFactors:
     @classmethod
     def of(cls, coefficients: Array, modulus: Array) -> BlockFactors:
         """Factorise; where a grid is one node wide, a column is its own neighbour."""
-        own, below = _self_coupling(coefficients, modulus)
-        low, inverse = np.zeros_like(own), np.empty_like(own)
-        inverse[:, :, 0] = np.linalg.inv(own[:, :, 0])
-        for k in range(1, own.shape[2]):
+        diagonal, below = _self_coupling(coefficients, modulus)
+        low, inverse = np.zeros_like(diagonal), np.empty_like(diagonal)
+        inverse[:, :, 0] = np.linalg.inv(diagonal[:, :, 0])
+        for k in range(1, diagonal.shape[2]):
             low[:, :, k] = below[:, :, k] @ inverse[:, :, k - 1]
-            inverse[:, :, k] = np.linalg.inv(own[:, :, k] - low[:, :, k] @ below[:, :, k].swapaxes(2, 3))
-        follow = np.empty(own.shape[:-1])
+            inverse[:, :, k] = np.linalg.inv(diagonal[:, :, k] - low[:, :, k] @ below[:, :, k].swapaxes(2, 3))
+        follow = np.empty(diagonal.shape[:-1])
         # The answer to a vertical force on the top, scaled.
         follow[:, :, -1] = inverse[:, :, -1, :, 2] / inverse[:, :, -1, 2:, 2]
-        for k in range(own.shape[2] - 2, -1, -1):
+        for k in range(diagonal.shape[2] - 2, -1, -1):
             follow[:, :, k] = -np.einsum("xyab,xya->xyb", low[:, :, k + 1], follow[:, :, k + 1])
         return cls(low=low, inverse=inverse, follow=follow)
 
@@ -102,12 +102,12 @@ def _self_coupling(coefficients: Array, modulus: Array) -> tuple[Array, Array]:
     # Back from sums and differences: the upper node's answer to the upper and to the lower one.
     flip = np.array([1.0, 1.0, -1.0])
     up, across = even + odd, (even - odd) * flip
-    own, below = np.zeros((nx, ny, nz, 3, 3)), np.zeros((nx, ny, nz, 3, 3))
+    diagonal, below = np.zeros((nx, ny, nz, 3, 3)), np.zeros((nx, ny, nz, 3, 3))
     for x, y in _QUADRANTS:
         stack = np.roll(modulus, (x < 0, y < 0), axis=(0, 1))[:, :, :, None, None]
         signs = np.outer((x, y, 1.0), (x, y, 1.0))
-        own += stack * (up * signs)
+        diagonal += stack * (up * signs)
         below += stack * (across * signs)
         # The lower node is the mirror image of the upper one.
-        own[:, :, :-1] += stack[:, :, 1:] * (up[1:] * signs * np.outer(flip, flip))
-    return own, below
+        diagonal[:, :, :-1] += stack[:, :, 1:] * (up[1:] * signs * np.outer(flip, flip))
+    return diagonal, below

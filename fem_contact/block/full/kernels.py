@@ -31,7 +31,7 @@ def _column(c, u, i, before, after, j, left, right, out):
     Mirrored neighbours share a coefficient, so that their sums and differences are formed first; each plane
     then acts on the plane below it, on itself and on the plane above it.
     """
-    own, back, ahead = u[i, j], u[i, left], u[i, right]
+    here, back, ahead = u[i, j], u[i, left], u[i, right]
     low, low_back, low_ahead = u[before, j], u[before, left], u[before, right]
     high, high_back, high_ahead = u[after, j], u[after, left], u[after, right]
     nz = u.shape[2]
@@ -39,17 +39,17 @@ def _column(c, u, i, before, after, j, left, right, out):
     next_x, next_y, next_z = 0.0, 0.0, 0.0
     for k in range(nz):
         p, q, r, s = high_ahead[k, 0], high_back[k, 0], low_ahead[k, 0], low_back[k, 0]
-        x0 = own[k, 0]
+        x0 = here[k, 0]
         x1, x5 = high[k, 0] + low[k, 0], high[k, 0] - low[k, 0]
         x2 = ahead[k, 0] + back[k, 0]
         x3, x4, x6 = (p + q) + (r + s), (p - q) - (r - s), (p + q) - (r + s)
         p, q, r, s = high_ahead[k, 1], high_back[k, 1], low_ahead[k, 1], low_back[k, 1]
-        y0 = own[k, 1]
+        y0 = here[k, 1]
         y1 = high[k, 1] + low[k, 1]
         y2, y5 = ahead[k, 1] + back[k, 1], ahead[k, 1] - back[k, 1]
         y3, y4, y6 = (p + q) + (r + s), (p - q) - (r - s), (p - q) + (r - s)
         p, q, r, s = high_ahead[k, 2], high_back[k, 2], low_ahead[k, 2], low_back[k, 2]
-        z0 = own[k, 2]
+        z0 = here[k, 2]
         z1, z4 = high[k, 2] + low[k, 2], high[k, 2] - low[k, 2]
         z2, z6 = ahead[k, 2] + back[k, 2], ahead[k, 2] - back[k, 2]
         z3, z5, z7 = (p + q) + (r + s), (p + q) - (r + s), (p - q) + (r - s)

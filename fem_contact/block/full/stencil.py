@@ -91,12 +91,12 @@ class LineFactors:
         share = np.array([1, x, y, x * y])
         low, reciprocal = np.zeros((len(coefficients), 3)), np.zeros((len(coefficients), 3))
         for component, terms in enumerate(_OWN):
-            below, own = (coefficients[:, plane][:, terms] @ share for plane in (0, 1))
-            pivot = own[0]
+            below, diagonal = (coefficients[:, plane][:, terms] @ share for plane in (0, 1))
+            pivot = diagonal[0]
             reciprocal[0, component] = 1 / pivot
-            for k in range(1, len(own)):
+            for k in range(1, len(diagonal)):
                 low[k, component] = below[k] / pivot
-                pivot = own[k] - low[k, component] * below[k]
+                pivot = diagonal[k] - low[k, component] * below[k]
                 reciprocal[k, component] = 1 / pivot
         return cls(low=low, reciprocal=reciprocal)
 

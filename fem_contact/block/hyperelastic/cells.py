@@ -122,9 +122,9 @@ class Cells:
         (nx, ny), nz = self.mesh.cells, self.mesh.nz
         i, j, k = np.ogrid[:nx, :ny, :nz]
         corners = self._tables[2]
-        found = [((i + a) % nx * ny + (j + b) % ny) * nz + k + c - 1 for a, b, c in corners]
+        nodes = [((i + a) % nx * ny + (j + b) % ny) * nz + k + c - 1 for a, b, c in corners]
         below = [np.broadcast_to(k + c == 0, (nx, ny, nz)) for _, _, c in corners]
-        return np.where(np.stack(below, axis=-1), -1, np.stack(found, axis=-1))
+        return np.where(np.stack(below, axis=-1), -1, np.stack(nodes, axis=-1))
 
     @cached_property
     def _pattern(self) -> Pattern:
@@ -183,12 +183,12 @@ class Cells:
         free = replace(pattern, rows=pattern.rows[:last], columns=pattern.columns[:last])
         matrix = free.matrix(data[:last].reshape(-1, 3, 3))
         if turning is not None:
-            own = np.flatnonzero(free.rows == free.columns)[nz - 1 :: nz]
+            diagonal = np.flatnonzero(free.rows == free.columns)[nz - 1 :: nz]
             xx, xy, yy = turning.reshape(-1, 3).T
-            matrix.data[own, 0, 0] += xx
-            matrix.data[own, 0, 1] += xy
-            matrix.data[own, 1, 0] += xy
-            matrix.data[own, 1, 1] += yy
+            matrix.data[diagonal, 0, 0] += xx
+            matrix.data[diagonal, 0, 1] += xy
+            matrix.data[diagonal, 1, 0] += xy
+            matrix.data[diagonal, 1, 1] += yy
         return matrix
 
     def _layer(self, state: Strained, k: int) -> Array:

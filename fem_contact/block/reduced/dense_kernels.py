@@ -42,9 +42,9 @@ def plan_folding(coefficients: Array) -> FoldingPlan:
     entries = [(r, c) for r in range(size) for c in range(r, size) if present[:, r, c].any()]
     terms, weights = np.zeros((len(entries), 4), dtype=np.int64), np.zeros((layers, len(entries), 4))
     for number, (r, c) in enumerate(entries):
-        found = np.flatnonzero(present[:, r, c])
-        terms[number, : found.size] = found
-        weights[:, number, : found.size] = flat[:, found, r, c]
+        places = np.flatnonzero(present[:, r, c])
+        terms[number, : places.size] = places
+        weights[:, number, : places.size] = flat[:, places, r, c]
     return np.array(entries), terms, weights
 
 

@@ -115,14 +115,14 @@ class BlockResponse:
 
         packed, parity = pack(self.folded.coefficients)
         response = np.empty((len(phases), 3))
-        kept = np.empty((0, 0, 6)) if states is None else states
+        retained = np.empty((0, 0, 6)) if states is None else states
         # Where cells lock, waves fall as slowly as those of pressure do under shear; of the modes that a mean
         # dilatation leaves to thick cells nothing is known.
         nu, longer = self.solid.poisson, max(self.mesh.aspect, 1.0)
         rate = 0.0 if self.mesh.element.pressures else math.sqrt((0.5 - nu) / (1 - nu)) / longer
         falls = rate * self.mesh.layers
         rows = Rows(-(-len(phases) // SIDE_BY_SIDE), threads=available_processors())
-        rows.run(sweep, packed, parity, falls, np.ascontiguousarray(phases), kept, response)
+        rows.run(sweep, packed, parity, falls, np.ascontiguousarray(phases), retained, response)
         return response
 
 
@@ -244,7 +244,7 @@ def solve_reduced(
     if direct is None and not surely_partial(problem.heights, coarse=coarse, mean_force=problem.pressure):
         direct = _touching_everywhere(problem, operator)
     if direct is not None:
-        solution, gap = direct.judged(problem), direct.gap
+        solution, gap = direct.verified(problem), direct.gap
     else:
         solution = solve_nested(
             operator,
@@ -315,7 +315,7 @@ class _Direct:
     solution: Solution
     gap: Array  # (nx, ny): Over the cell width
 
-    def judged(self, problem: Problem) -> Solution:
+    def verified(self, problem: Problem) -> Solution:
         """Let the residual say whether rounding left an answer; a NaN is not below the tolerance."""
         solution, mesh = self.solution, problem.mesh
         left = problem.violation(

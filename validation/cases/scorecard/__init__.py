@@ -51,14 +51,14 @@ class Scorecard:
     diagnosis: str = ""
 
     @property
-    def judged(self) -> tuple[Verdict, ...]:
+    def counted(self) -> tuple[Verdict, ...]:
         """Verdicts of rows that could be judged."""
         return tuple(verdict for verdict in self.verdicts if not verdict.left_out)
 
     @property
     def failed(self) -> tuple[Verdict, ...]:
         """Verdicts that did not pass."""
-        return tuple(verdict for verdict in self.judged if not verdict.passed)
+        return tuple(verdict for verdict in self.counted if not verdict.passed)
 
     @property
     def left_out(self) -> Mapping[str, str]:
@@ -70,7 +70,7 @@ class Scorecard:
         """What came out, in a line."""
         name, failed = self.subject.name, self.failed
         if not failed:
-            return f"{name}: all {len(self.judged)} rows hold"
+            return f"{name}: all {len(self.counted)} rows hold"
         count = "1 row fails" if len(failed) == 1 else f"{len(failed)} rows fail"
         why = f"; {self.diagnosis}" if self.diagnosis else ""
         return f"{name}: {count}: {', '.join(verdict.case for verdict in failed)}{why}"
@@ -87,7 +87,7 @@ class Scorecard:
             "tolerance": self.subject.tolerance,
             "passed": not self.failed,
             "diagnosis": self.diagnosis,
-            "rows": [verdict.summary() for verdict in self.judged],
+            "rows": [verdict.summary() for verdict in self.counted],
             "left_out": dict(self.left_out),
             "cost": [asdict(row) for row in self.cost],
         }
@@ -112,7 +112,7 @@ def own_cases() -> tuple[Case, ...]:
     """Return the rows of the scorecards of our own solvers, named ``row-solver``."""
     cases = []
     for name, (method, settings) in _OWN.items():
-        subject = Subject(name=name, solver=chosen_solver(method)[0], settings=settings, own=True)
+        subject = Subject(name=name, solver=chosen_solver(method)[0], settings=settings, built_in=True)
         renamed_rows = (row for row in rows(subject) if row.name != f"against-{name}")
         cases += [replace(row, name=f"{row.name}-{name}") for row in renamed_rows]
     return tuple(cases)

@@ -206,14 +206,14 @@ def _pressure(folder: Path, shape: tuple[int, int]) -> Array:
         raise NotJudged(f"{folder.name} has no answer")
     try:
         if file.suffix == ".npy":
-            found = np.asarray(np.load(file, allow_pickle=False), dtype=float)
+            pressure = np.asarray(np.load(file, allow_pickle=False), dtype=float)
         else:
-            found = np.loadtxt(file, ndmin=2)
+            pressure = np.loadtxt(file, ndmin=2)
     except (OSError, ValueError, TypeError, EOFError, MemoryError) as problem:
         raise UsageError(f"{file}: cannot be read: {problem}; write it again") from None
-    if found.shape != shape:
-        raise UsageError(f"{file}: shape {found.shape}: must be that of the heights, {shape}")
-    return np.array(found, dtype=np.float64)
+    if pressure.shape != shape:
+        raise UsageError(f"{file}: shape {pressure.shape}: must be that of the heights, {shape}")
+    return np.array(pressure, dtype=np.float64)
 
 
 def _effort(file: Path) -> tuple[float, int]:

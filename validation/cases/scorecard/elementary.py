@@ -139,32 +139,32 @@ def place(subject: Subject) -> Iterator[Check]:
 
 @case("factor", "The stiffness is that of E*.", source="full contact, exact", tolerance="grid")
 def factor(subject: Subject) -> Iterator[Check]:
-    found = full_contact_transfer(subject)
-    if found.factor is None:
+    transfer = full_contact_transfer(subject)
+    if transfer.factor is None:
         raise NotJudged("waves of the full contact have different factors: it is not solved")
-    yield relative("stiffness over that of E*", found.factor, 1.0, found.allowed[:2].max())
+    yield relative("stiffness over that of E*", transfer.factor, 1.0, transfer.allowed[:2].max())
 
 
 @case("full-contact", "Each wave is pressed flat by E* q h / 2.", source="exact", tolerance="grid")
 def full_contact(subject: Subject) -> Iterator[Check]:
-    found = full_contact_transfer(subject)
-    result = found.pressed.result
+    transfer = full_contact_transfer(subject)
+    result = transfer.pressed.result
     surface = HeightField(heights=result.heights, lengths=result.lengths)
     variance = float(elastic.stress_variance(surface.moments[1], contact_modulus=SOFT.contact_modulus))
-    exact = subject.own and subject.solver.score_element == "bem"
-    yield from wave_errors(found, exact=exact)
-    yield relative("A/A0", np.mean(found.pressed.claim.pressure > 0), 1.0, 0.0)
+    exact = subject.built_in and subject.solver.score_element == "bem"
+    yield from wave_errors(transfer, exact=exact)
+    yield relative("A/A0", np.mean(transfer.pressed.claim.pressure > 0), 1.0, 0.0)
     yield relative(
         "<(p - p0)^2> over E*^2 m2 / 4",
-        float(np.var(found.pressed.claim.pressure)) / variance,
+        float(np.var(transfer.pressed.claim.pressure)) / variance,
         1.0,
-        1e-9 if exact else 2 * float(found.allowed.max()),
+        1e-9 if exact else 2 * float(transfer.allowed.max()),
     )
 
 
-def wave_errors(found: Transfer, *, exact: bool = False) -> Iterator[Check]:
+def wave_errors(transfer: Transfer, *, exact: bool = False) -> Iterator[Check]:
     """Check the pressure of every wave: to the error of second order, or exactly."""
-    for (kx, ky, *_), ratio, allowed in zip(WAVES, found.ratio, found.allowed, strict=True):
+    for (kx, ky, *_), ratio, allowed in zip(WAVES, transfer.ratio, transfer.allowed, strict=True):
         yield below(
             f"error of the pressure of the wave ({kx}, {ky})", abs(ratio - 1), 1e-9 if exact else allowed
         )

@@ -57,14 +57,14 @@ def near_full(subject: Subject) -> Iterator[Check]:
 def one_cell(subject: Subject) -> Iterator[Check]:
     n = 2 * subject.points
     mean = 0.02 / n / n**2
-    found = subject.press(HertzInPeriod(radius=1e-3).surface(n, (0.0, 0.0)), mean)
+    pressed = subject.press(HertzInPeriod(radius=1e-3).surface(n, (0.0, 0.0)), mean)
     yield relative(
         "largest pressure over the load",
-        found.claim.pressure.max() / (mean * n**2),
+        pressed.claim.pressure.max() / (mean * n**2),
         1.0,
         10 * subject.tolerance,
     )
-    yield near("points that touch", np.count_nonzero(found.result.in_contact), 1.0, 0.0)
+    yield near("points that touch", np.count_nonzero(pressed.result.in_contact), 1.0, 0.0)
 
 
 @case("elongated", "Long periods and long cells change nothing.", source=_WESTERGAARD, tolerance="grid")
@@ -97,16 +97,16 @@ def _asked_back(subject: Subject, *, load: float) -> Sequence[Check]:
     subject.needs(control="offset")
     surface = rough(2 * subject.points)
     by_load = subject.press(surface, load).result
-    found = subject.press(surface, None, more={"offset": by_load.offset})
-    missed = abs(found.result.offset - by_load.offset) / surface.rms_height
+    by_offset = subject.press(surface, None, more={"offset": by_load.offset})
+    missed = abs(by_offset.result.offset - by_load.offset) / surface.rms_height
     area = float(by_load.in_contact.mean())
     # Both answers miss the offset by what the tolerance allows.
     allowed = 2 * 10 * subject.tolerance
     words = f"offset of the returned pressure beside that asked for, over h_rms, A/A0 = {area:.4f}"
     checks = [
         below(words, missed, allowed),
-        below("complementarity, recomputed", found.result.residuals.complementarity, subject.tolerance),
-        below("solves that say they did not converge, of 1", found.claim.converged is False, 0.5),
+        below("complementarity, recomputed", by_offset.result.residuals.complementarity, subject.tolerance),
+        below("solves that say they did not converge, of 1", by_offset.claim.converged is False, 0.5),
     ]
     return judge_residuals(subject, checks)
 
@@ -132,10 +132,10 @@ def cut_short(subject: Subject) -> Iterator[Check]:
     words = f"solves that end after {_FEW} iterations and do not say so, of 1"
     surface = rough(2 * subject.points)
     try:
-        found = subject.press(surface, _LIGHT, more={"max_iterations": _FEW})
+        pressed = subject.press(surface, _LIGHT, more={"max_iterations": _FEW})
     except NotConverged:
         yield below(words, 0.0, 0.5)
         return
-    met = found.result.residuals.within(subject.tolerance)
-    silent = not met and found.claim.converged is not False
+    met = pressed.result.residuals.within(subject.tolerance)
+    silent = not met and pressed.claim.converged is not False
     yield below(words, silent, 0.5)

@@ -65,19 +65,19 @@ def _hertz(subject: Subject) -> HertzInPeriod:
 def hertz(subject: Subject) -> Iterator[Check]:
     errors, worst, exact = [], 0.0, _hertz(subject)
     for n in subject.ladder:
-        found = subject.press(exact.surface(n, (0.0, 0.0)), exact.load)
+        pressed = subject.press(exact.surface(n, (0.0, 0.0)), exact.load)
         r = exact.distance(n, (0.0, 0.0))
         # The same points on every grid: what lies nearer to the edge than a coarse cell is another question.
         inside = r < exact.radius - 1.5 / subject.points
-        off = np.abs(found.claim.pressure - exact.pressure(r)) / exact.peak
+        off = np.abs(pressed.claim.pressure - exact.pressure(r)) / exact.peak
         errors.append(float(off[inside].mean()))
         worst = float(off[r < exact.radius - 1.5 / n].max())
     # Of a discretisation of second order, (dx/a)^2 / 2.
     allowed = 0.5 / (exact.radius * subject.ladder[-1]) ** 2
     # A clamped body is pressed together, besides.
-    approach = -(found.result.offset + float(found.result.displacement.mean()))
+    approach = -(pressed.result.offset + float(pressed.result.displacement.mean()))
     yield relative(
-        "peak pressure over Hertz's, finest grid", found.claim.pressure.max() / exact.peak, 1.0, allowed
+        "peak pressure over Hertz's, finest grid", pressed.claim.pressure.max() / exact.peak, 1.0, allowed
     )
     yield below("mean error of p(r) over the peak, finest grid", errors[-1], allowed)
     yield below("largest error of p(r) over the peak, finest grid", worst, 0.01)
@@ -91,8 +91,8 @@ def hertz(subject: Subject) -> Iterator[Check]:
 def hertz_radius(subject: Subject) -> Iterator[Check]:
     excess, exact, corrected = [], _hertz(subject), 0.0
     for n in subject.ladder:
-        found = [pressed.result for pressed in _shifted(subject, n)]
-        areas = [contact_areas(one, edge_constant=subject.solver.edge_constant(one)) for one in found]
+        results = [pressed.result for pressed in _shifted(subject, n)]
+        areas = [contact_areas(one, edge_constant=subject.solver.edge_constant(one)) for one in results]
         pixel, corrected = (
             float(np.sqrt(np.average([getattr(one, name) for one in areas], weights=_WEIGHTS) / np.pi))
             / exact.radius
@@ -124,7 +124,7 @@ def stress_near_zero(subject: Subject) -> Iterator[Check]:
     exact, starts, slope = _hertz(subject), [], 0.0
     for n in subject.ladder:
         eps = exact.peak * float(np.sqrt(0.5 / (exact.radius * n)))
-        parts = [((p := found.claim.pressure) > 0) & (p < eps) for found in _shifted(subject, n)]
+        parts = [((p := pressed.claim.pressure) > 0) & (p < eps) for pressed in _shifted(subject, n)]
         share = float(np.average([part.mean() for part in parts], weights=_WEIGHTS))
         starts.append(share / eps * exact.contact_modulus)
         slope = 2 * share / eps**2 / (np.pi**3 / 2)
@@ -143,10 +143,10 @@ def strip(
     if axis == 1:
         surface = HeightField(heights=np.ascontiguousarray(heights.T), lengths=(length, 1.0))
     mean = westergaard_mean_pressure(_AMPLITUDE, half_width=_HALF_WIDTH)
-    found = subject.press(surface, mean)
+    pressed = subject.press(surface, mean)
     exact = westergaard_pressure(x, half_width=_HALF_WIDTH, mean_pressure=mean)
-    pressure = (found.claim.pressure if axis == 0 else found.claim.pressure.T)[:, 1]
-    return pressure / exact.max(), np.abs(pressure - exact) / exact.max(), found
+    pressure = (pressed.claim.pressure if axis == 0 else pressed.claim.pressure.T)[:, 1]
+    return pressure / exact.max(), np.abs(pressure - exact) / exact.max(), pressed
 
 
 def mean_inside(off: Array) -> float:
@@ -168,12 +168,12 @@ def _second_order(n: int) -> float:
 def westergaard(subject: Subject) -> Iterator[Check]:
     strips = [strip(subject, n, across=(4, 4 / n)) for n in subject.ladder]
     errors = [mean_inside(off) for _, off, _ in strips]
-    (pressure, off, found), n = strips[-1], subject.ladder[-1]
+    (pressure, off, pressed), n = strips[-1], subject.ladder[-1]
     allowed = _second_order(n)
     yield relative("peak pressure over Westergaard's, finest grid", pressure.max(), 1.0, allowed)
     yield below("mean error of p(x) over the peak, finest grid", errors[-1], allowed)
     yield below("largest error of p(x) over the peak, finest grid", off[_within(n, 0.9)].max(), 0.01)
-    yield near("contact width", found.result.in_contact.mean(), 2 * _HALF_WIDTH, 2 / n)
+    yield near("contact width", pressed.result.in_contact.mean(), 2 * _HALF_WIDTH, 2 / n)
     yield from _observed(subject, "p(x)", errors, expected=2, tolerance=1)
 
 
@@ -200,16 +200,16 @@ def yielding(subject: Subject) -> Iterator[Check]:
     missing = westergaard_pressure(x, half_width=_HALF_WIDTH, mean_pressure=short)
     # Twice what the troughs lack: they stay pressed.
     peak, hardness = float(missing.max()), 2 * float(missing.max())
-    found = subject.press(
+    pressed = subject.press(
         surface, hardness - short, model=ContactModel.filled(SOFT, [Hardness(hardness=hardness)])
     )
-    pressure = found.claim.pressure
+    pressure = pressed.claim.pressure
     off = (np.abs(hardness - pressure[:, 1] - missing) / peak)[_within(n, 0.9)]
     above = max(float(pressure.max()) / hardness - 1, 0.0)
     yield relative("lowest pressure over H", pressure.min() / hardness, 0.5, _second_order(n))
     yield below("mean error of H - p(x) over its peak, inside", off.mean(), _second_order(n))
     yield below("largest error of H - p(x) over its peak, inside", off.max(), 0.01)
-    yield near("yielded width", found.result.at_bound.mean(), 1 - 2 * _HALF_WIDTH, 2 / n)
+    yield near("yielded width", pressed.result.at_bound.mean(), 1 - 2 * _HALF_WIDTH, 2 / n)
     yield below("open area", np.mean(~(pressure > 0)), 0.0)
     yield below("largest pressure above H, over H", above, 10 * subject.tolerance)
 
@@ -218,7 +218,7 @@ def yielding(subject: Subject) -> Iterator[Check]:
 def symmetry(subject: Subject) -> Iterator[Check]:
     surface = rough(2 * subject.points)
     # Our own are solved far enough that nothing but rounding is left between the two.
-    more, allowed = ({"tolerance": 1e-11}, 1e-8) if subject.own else (None, _twice(subject))
+    more, allowed = ({"tolerance": 1e-11}, 1e-8) if subject.built_in else (None, _twice(subject))
     plain = subject.press(surface, 0.05, more=more).claim.pressure
     for words, turn, back in (
         ("mirrored in x", np.flipud, np.flipud),
@@ -231,8 +231,8 @@ def symmetry(subject: Subject) -> Iterator[Check]:
         ),
     ):
         other = HeightField(heights=np.ascontiguousarray(turn(surface.heights)), lengths=surface.lengths)
-        found = back(subject.press(other, 0.05, more=more).claim.pressure)
-        yield below(f"change of the pressure, {words}", _apart(found, plain), allowed)
+        turned = back(subject.press(other, 0.05, more=more).claim.pressure)
+        yield below(f"change of the pressure, {words}", _apart(turned, plain), allowed)
 
 
 @case("units", "Units of length and pressure change nothing.", source="symmetry", tolerance="solver")
@@ -242,14 +242,14 @@ def units(subject: Subject) -> Iterator[Check]:
     for length, stress in ((1e-9, 2e11), (1e6, 1e-9), (2.0**20, 2.0**-30)):
         scaled = HeightField(heights=surface.heights * length, lengths=(length, length))
         model = ContactModel(solid=Solid(young=stress, poisson=SOFT.poisson))
-        found = subject.press(scaled, 0.05 * stress, model=model)
+        pressed = subject.press(scaled, 0.05 * stress, model=model)
         words = f"change of the pressure, L = {length:g} m, E* = {stress:g} Pa"
-        exact = subject.own and length == 2.0**20
-        apart = _apart(found.claim.pressure / stress, plain.claim.pressure)
+        exact = subject.built_in and length == 2.0**20
+        apart = _apart(pressed.claim.pressure / stress, plain.claim.pressure)
         yield below(words, apart, 0.0 if exact else _twice(subject))
         if exact:
-            gap = np.count_nonzero(found.result.gap / length != plain.result.gap)
-            other = found.result.residuals != plain.result.residuals
+            gap = np.count_nonzero(pressed.result.gap / length != plain.result.gap)
+            other = pressed.result.residuals != plain.result.residuals
             yield below("points whose gap differs", gap, 0)
             yield below("residuals that differ", other, 0)
 
@@ -282,10 +282,10 @@ def against_bem(subject: Subject) -> Iterator[Check]:
     differences, areas = [], []
     for n in subject.ladder:
         surface = rough(n, bandwidth=2)
-        found = subject.press(surface, 0.05)
+        pressed = subject.press(surface, 0.05)
         other = bem.solve(surface, HalfSpace(solid=SOFT), mean_pressure=0.05).checked()
-        differences.append(_apart(found.claim.pressure, other.pressure))
-        areas.append(float(found.result.in_contact.mean() / other.in_contact.mean() - 1))
+        differences.append(_apart(pressed.claim.pressure, other.pressure))
+        areas.append(float(pressed.result.in_contact.mean() / other.in_contact.mean() - 1))
     # Both err in first order at the edges of contact, with constants that partly cancel on coarse grids.
     edge, same = 4 / subject.ladder[-1], differences[0] < _twice(subject)
     orders = (
@@ -298,8 +298,8 @@ def against_bem(subject: Subject) -> Iterator[Check]:
     yield from orders
 
 
-def _apart(found: Array, reference: Array) -> float:
-    return float(np.linalg.norm(found - reference) / np.linalg.norm(reference))
+def _apart(pressure: Array, reference: Array) -> float:
+    return float(np.linalg.norm(pressure - reference) / np.linalg.norm(reference))
 
 
 def _twice(subject: Subject) -> float:

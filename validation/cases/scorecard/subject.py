@@ -20,7 +20,7 @@ from validation.cases import NotJudged
 from validation.effects.base import ContactModel, Effect
 from validation.solvers import Solver
 from validation.solvers.base import Claim, Job, Size
-from validation.solvers.external import judged
+from validation.solvers.external import verified
 
 __all__ = ["SOFT", "Pressed", "Subject", "rough"]
 
@@ -63,7 +63,7 @@ class Subject:
         Whether small grids do.
     seconds : float
         That all its solves together may take: processor time, or time on the clock where nothing came of one.
-    own : bool
+    built_in : bool
         Whether it is one of ours, of which more is asked: units change no bit, waves are exact.
     """
 
@@ -73,7 +73,7 @@ class Subject:
     tolerance: float = 1e-6
     quick: bool = True
     seconds: float = 300.0
-    own: bool = False
+    built_in: bool = False
     #: Pairs that its cost predicts and seconds of each solve, 0 where they are not known.
     _costs: list[tuple[float, float]] = field(default_factory=list, init=False, repr=False)
     _answers: dict[object, Pressed | NotConverged] = field(default_factory=dict, init=False, repr=False)
@@ -193,7 +193,7 @@ class Subject:
             raise NotConverged(
                 f"pressures of shape {claim.pressure.shape}: must have that of the heights, {field.shape}"
             )
-        result = judged(
+        result = verified(
             claim,
             job,
             method=self.solver.label,

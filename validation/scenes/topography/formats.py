@@ -43,8 +43,8 @@ def read_plain(path: str) -> dict[str, Any]:
     except OSError as error:
         raise UsageError(f"cannot be read: {one_line(error.strerror or error)}") from None
     except Exception as error:  # a reader of damaged bytes raises whatever they lead to
-        said = one_line(error) or type(error).__name__
-        raise UsageError(f"is no topography of its kind ({said})") from None
+        reason = one_line(error) or type(error).__name__
+        raise UsageError(f"is no topography of its kind ({reason})") from None
     return {
         "heights": np.ascontiguousarray(raw.heights, dtype=float),
         "lengths": lengths if scales else None,

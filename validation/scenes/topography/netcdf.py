@@ -20,9 +20,9 @@ def read_netcdf(data: bytes) -> Raw:
         with netCDF4.Dataset("heights.nc", memory=data) as file:
             return _read(file)
     except (OSError, RuntimeError) as error:
-        said = getattr(error, "strerror", None) or error
+        reason = getattr(error, "strerror", None) or error
         raise UsageError(
-            f"cannot be read: it is damaged, cut short or no netCDF (its library says {str(said)[:80]!r})"
+            f"cannot be read: it is damaged, cut short or no netCDF (its library says {str(reason)[:80]!r})"
         ) from None
 
 
@@ -82,7 +82,7 @@ def _axis(position: Any) -> tuple[float, str | None, bool, float]:
     length = abs(step) * x.size
     if "length" not in position.ncattrs():
         return length, _unit_of(position), False, step
-    said = _number(position.getncattr("length"), f"'length' of {name!r}")
-    if not abs(said - length) <= 0.02 * length:
-        raise ValueError(f"'length' of {name!r} is {said:.6g}, its positions say {length:.6g}")
-    return said, _unit_of(position), True, step
+    declared = _number(position.getncattr("length"), f"'length' of {name!r}")
+    if not abs(declared - length) <= 0.02 * length:
+        raise ValueError(f"'length' of {name!r} is {declared:.6g}, its positions say {length:.6g}")
+    return declared, _unit_of(position), True, step

@@ -57,8 +57,10 @@ def plain_attribute(value: Any, what: str) -> str | None:
     if value is None:
         return None
     if not isinstance(value, str) or len(value) > 64:
-        found = f"{len(value)} characters long" if isinstance(value, str) else f"a {type(value).__name__}"
-        raise ValueError(f"{what} is {found}, and must be a text such as 'um'")
+        description = (
+            f"{len(value)} characters long" if isinstance(value, str) else f"a {type(value).__name__}"
+        )
+        raise ValueError(f"{what} is {description}, and must be a text such as 'um'")
     return value.strip() or None
 
 

@@ -82,7 +82,7 @@ def _read(name: str, size: int = 0, content: tuple[int, ...] = ()) -> FileSays:
     """Read a file of a size; what tells its content tells whether it is read again."""
     del content
     try:
-        found = sandbox.call(
+        contents = sandbox.call(
             read_plain,
             name,
             seconds=_SECONDS + size / _BYTES_PER_SECOND,
@@ -91,7 +91,7 @@ def _read(name: str, size: int = 0, content: tuple[int, ...] = ()) -> FileSays:
         )
     except sandbox.OutOfBounds as error:
         raise UsageError(f"cannot be read: its reader {error}") from None
-    return FileSays(**{**found, "notes": (*found["notes"], *_spikes(found["heights"]))})
+    return FileSays(**{**contents, "notes": (*contents["notes"], *_spikes(contents["heights"]))})
 
 
 def _spikes(heights: Array) -> tuple[str, ...]:
