@@ -140,7 +140,11 @@ def read(result: Result, name: str, variable: xr.Variable) -> Array | None:
     tree = ast.parse(str(variable.attrs["expression"]), mode="eval")
 
     def read(solve: xr.Dataset) -> Any:
-        known = {n: one.values.astype(float) for n, one in solve.variables.items() if one.dtype.kind in "fib"}
+        known = {
+            n: values.values.astype(float)
+            for n, values in solve.variables.items()
+            if values.dtype.kind in "fib"
+        }
         known |= {
             n: np.asarray(v, dtype=float)
             for n, v in solve.attrs.items()

@@ -44,50 +44,50 @@ def audit(folder: Path) -> Ledger:
     ledger, runs = audit_run(result)
     judge_shown(result, ledger)
     for run in runs:
-        for key, one in run.solves.items():
-            judge_fields(key[3], one, run, ledger)
+        for key, solve in run.solves.items():
+            judge_fields(key[3], solve, run, ledger)
         judge_surfaces(run, ledger)
     return ledger
 
 
-def judge_fields(k: int, one: Stored, run: Run, ledger: Ledger) -> None:
+def judge_fields(k: int, solve: Stored, run: Run, ledger: Ledger) -> None:
     """Judge one solve: what was pressed is what was asked for, and the fields obey their definitions."""
-    place = f"{one.method} {one.grid[0]}x{one.grid[1]} {one.shift}, surface {k}"
-    height = float(np.ptp(one.h)) or float(np.ptp(one.u)) or 1.0
-    ledger.number(place, "E* [Pa]", one.modulus, run.surface_modulus)
+    place = f"{solve.method} {solve.grid[0]}x{solve.grid[1]} {solve.shift}, surface {k}"
+    height = float(np.ptp(solve.h)) or float(np.ptp(solve.u)) or 1.0
+    ledger.number(place, "E* [Pa]", solve.modulus, run.surface_modulus)
     pressure = run.pressure(k)
     if pressure is not None and not run.holds_distance:
-        ledger.number(place, "mean pressure [Pa]", one.mean_pressure, pressure, rtol=1e-6)
-    misfit = float(np.max(np.abs(one.gap - (one.u - one.h + float(one.attrs["offset"])))))
+        ledger.number(place, "mean pressure [Pa]", solve.mean_pressure, pressure, rtol=1e-6)
+    misfit = float(np.max(np.abs(solve.gap - (solve.u - solve.h + float(solve.attrs["offset"])))))
     ledger.number(place, "gap less u - h + offset, over the height", misfit / height, 0.0, atol=1e-9)
-    ledger.same(place, "status", one.attrs["status"], "CONVERGED")
-    residuals: dict[str, float] | None = one.residuals
+    ledger.same(place, "status", solve.attrs["status"], "CONVERGED")
+    residuals: dict[str, float] | None = solve.residuals
     if run.adhesive:
-        residuals = None if pressure is None else one.adhesive_residuals(pressure)
+        residuals = None if pressure is None else solve.adhesive_residuals(pressure)
     if residuals is None:
         ledger.unread.append("residuals under an attraction of another law than the exponential")
     for name, value in (residuals or {}).items():
-        stands = one.stored_residuals[name]
+        stands = solve.stored_residuals[name]
         ledger.number(place, f"residual, {name}", abs(stands), value, rtol=1e-6, atol=1e-13)
-    if one.method == "bem" and run.depth is None:
+    if solve.method == "bem" and run.depth is None:
         ledger.unread.append("displacement against pressure of a solid in layers")
-    elif one.method == "bem" and run.depth is not None:
-        misfit = _elastic_misfit(one, run.depth, poisson=float(run.scene["solid"]["poisson"]))
+    elif solve.method == "bem" and run.depth is not None:
+        misfit = _elastic_misfit(solve, run.depth, poisson=float(run.scene["solid"]["poisson"]))
         ledger.number(place, "u against 2 p / (E* q)", misfit, 0.0, atol=1e-6)
 
 
-def _elastic_misfit(one: Stored, depth: float, *, poisson: float) -> float:
+def _elastic_misfit(solve: Stored, depth: float, *, poisson: float) -> float:
     """Largest difference between u and the answer of the solid to p, over the largest u, without means."""
-    q = wavevectors(one.p.shape, one.lengths)
+    q = wavevectors(solve.p.shape, solve.lengths)
     q[0, 0] = np.inf
     share = np.ones_like(q)
     if math.isfinite(depth):
         # A layer bonded to a rigid base; beyond q d = 300 it is a half-space to the last bit.
         d, k = np.minimum(q * depth, 300.0), 3 - 4 * poisson
         share = (2 * k * np.sinh(2 * d) - 4 * d) / (2 * k * np.cosh(2 * d) + 4 * d**2 + 1 + k**2)
-    exact = np.fft.ifft2(2 * share * np.fft.fft2(one.p) / (one.modulus * q)).real
+    exact = np.fft.ifft2(2 * share * np.fft.fft2(solve.p) / (solve.modulus * q)).real
     size = float(np.max(np.abs(exact)))
-    u = one.u - one.u.mean()
+    u = solve.u - solve.u.mean()
     return float(np.max(np.abs(u - exact))) / size if size else float(np.max(np.abs(u)))
 
 
@@ -96,33 +96,33 @@ def judge_surfaces(run: Run, ledger: Ledger) -> None:
     if run.measured:
         ledger.unread.append("heights of a measured surface against its file")
         return
-    for (method, grid, shift, k), one in run.solves.items():
+    for (method, grid, shift, k), solve in run.solves.items():
         moments = run.moments(k)
-        if moments is None or not run.resolved(one):
+        if moments is None or not run.resolved(solve):
             continue
         place = f"{method} {grid[0]}x{grid[1]} {shift}, surface {k}"
         ledger.number(
             place,
             "h'_rms of the surface pressed",
-            math.sqrt(one.roughness[1]),
+            math.sqrt(solve.roughness[1]),
             math.sqrt(moments[1]),
             rtol=1e-8,
         )
         still = run.solves.get((method, grid, (0.0, 0.0), k))
         if shift != (0.0, 0.0) and still is not None:
-            size = float(np.ptp(one.h)) or 1.0
-            misfit = float(np.max(np.abs(one.h - _moved(still, shift)))) / size
+            size = float(np.ptp(solve.h)) or 1.0
+            misfit = float(np.max(np.abs(solve.h - _moved(still, shift)))) / size
             ledger.number(place, "heights against those moved by the shift", misfit, 0.0, atol=1e-8)
     alike: dict[tuple[str, tuple[int, int]], list[bytes]] = {}
-    for (method, grid, shift, _), one in run.solves.items():
+    for (method, grid, shift, _), solve in run.solves.items():
         if shift == (0.0, 0.0):
-            alike.setdefault((method, grid), []).append(one.h.tobytes())
+            alike.setdefault((method, grid), []).append(solve.h.tobytes())
     for (method, grid), heights in alike.items():
         place = f"{method} {grid[0]}x{grid[1]}"
         ledger.same(place, "surfaces that differ", len(set(heights)), len(heights))
 
 
-def _moved(one: Stored, shift: tuple[float, float]) -> Array:
+def _moved(solve: Stored, shift: tuple[float, float]) -> Array:
     """Heights at the points of a grid moved by parts of a cell."""
-    phase = [np.exp(2j * np.pi * np.fft.fftfreq(n) * s) for n, s in zip(one.grid, shift, strict=True)]
-    return np.asarray(np.fft.ifft2(np.fft.fft2(one.h) * phase[0][:, None] * phase[1][None, :]).real)
+    phase = [np.exp(2j * np.pi * np.fft.fftfreq(n) * s) for n, s in zip(solve.grid, shift, strict=True)]
+    return np.asarray(np.fft.ifft2(np.fft.fft2(solve.h) * phase[0][:, None] * phase[1][None, :]).real)

@@ -180,7 +180,7 @@ def _power(result: Result, variable: xr.Variable) -> tuple[Array, Array, Array]:
     dims = (*variable.dims, *str(attrs["along"]).split())
     y = ordered(of, dims).astype(float)
     at = np.broadcast_to(ordered(x, dims).astype(float), y.shape)
-    y, at = (one.reshape(*one.shape[: len(variable.dims)], -1) for one in (y, at))
+    y, at = (values.reshape(*values.shape[: len(variable.dims)], -1) for values in (y, at))
     found = np.full((3, *y.shape[:-1]), np.nan)
     for place in np.ndindex(y.shape[:-1]):
         valid = np.isfinite(y[place]) & (y[place] > 0) & np.isfinite(at[place])

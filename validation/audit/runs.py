@@ -134,10 +134,10 @@ class Run:
         # A store, which others may share, has the solves of this scene among others.
         for path in sorted(store.glob("*.nc")):
             if path.name.startswith(tuple(f"{name}-" for name in self.methods)):
-                one = Stored(memoryview(sealed_bytes(path)))
-                k = self._realisation(one.recipe)
+                stored = Stored(memoryview(sealed_bytes(path)))
+                k = self._realisation(stored.recipe)
                 if k is not None:
-                    self.solves.setdefault((one.method, one.grid, one.shift, k), one)
+                    self.solves.setdefault((stored.method, stored.grid, stored.shift, k), stored)
 
     def _realisation(self, recipe: dict[str, Any]) -> int | None:
         """Return which realisation of the scene a recipe asks for; None if it is of another scene."""
@@ -175,16 +175,16 @@ class Run:
             return float(layers["thickness"]["thickness"])
         return None if layers else math.inf
 
-    def resolved(self, one: Stored) -> bool:
+    def resolved(self, solve: Stored) -> bool:
         """Whether lambda_short > 2 dx."""
-        return self.shortest is None or self.shortest > 2 * max(one.spacing) * (1 + 1e-12)
+        return self.shortest is None or self.shortest > 2 * max(solve.spacing) * (1 + 1e-12)
 
     def moments(self, k: int = 0) -> tuple[float, float, float] | None:
         """(m0, m2, m4) of one realisation, from its finest grid that resolves it."""
-        own = [one for key, one in self.solves.items() if key[3] == k and self.resolved(one)]
-        if not own or self.measured:
+        solves = [solve for key, solve in self.solves.items() if key[3] == k and self.resolved(solve)]
+        if not solves or self.measured:
             return None
-        return max(own, key=lambda one: one.p.size).roughness
+        return max(solves, key=lambda solve: solve.p.size).roughness
 
     @cached_property
     def modulus(self) -> float:
@@ -213,8 +213,10 @@ class Run:
             lx, ly = self.surface["length"]
             return float(load["force"] / (lx * ly))
         if self.holds_distance:
-            own = [one for (name, _, _, m), one in self.solves.items() if name == self.methods[0] and m == 0]
-            return max(own, key=lambda one: one.p.size).mean_pressure
+            solves = [
+                solve for (name, _, _, m), solve in self.solves.items() if name == self.methods[0] and m == 0
+            ]
+            return max(solves, key=lambda solve: solve.p.size).mean_pressure
         moments = self.moments(k)
         return (
             None
@@ -236,16 +238,16 @@ class Run:
         keys = [(method, grid, shift, 0) for shift in itertools.product(steps, steps)]
         return [self.solves[key] for key in keys if key in self.solves]
 
-    def residual(self, one: Stored) -> float:
+    def residual(self, solve: Stored) -> float:
         """Return the largest of the four residuals; NaN under an attraction whose law is not read here."""
         pressure = self.pressure()
         if self.adhesive:
-            residuals = None if pressure is None else one.adhesive_residuals(pressure)
+            residuals = None if pressure is None else solve.adhesive_residuals(pressure)
             return math.nan if residuals is None else max(residuals.values())
         load = (
-            0.0 if pressure is None or self.holds_distance else abs(one.mean_pressure - pressure) / pressure
+            0.0 if pressure is None or self.holds_distance else abs(solve.mean_pressure - pressure) / pressure
         )
-        return max(*one.residuals.values(), load)
+        return max(*solve.residuals.values(), load)
 
     def limit(self, method: str, k: int = 0, grids: set[Grid] | None = None) -> tuple[float, float]:
         """Limit of one realisation over resolved grids of one method, and its standard error.
@@ -253,16 +255,16 @@ class Run:
         Over other grids than those of the comparison it is that of solves without a shift.
         """
         compared = {(int(g[0]), int(g[1])) for g in self.options[method]["grids"]}
-        own = [
-            one
-            for (name, grid, shift, realisation), one in self.solves.items()
+        solves = [
+            solve
+            for (name, grid, shift, realisation), solve in self.solves.items()
             if (name, realisation) == (method, k)
             and grid in (grids or compared)
-            and (grids or self.resolved(one))
-            and (shift == (0.0, 0.0) or (not grids and one in self.shown(name, grid)))
+            and (grids or self.resolved(solve))
+            and (shift == (0.0, 0.0) or (not grids and solve in self.shown(name, grid)))
         ]
-        square = all(abs(one.spacing[0] / one.spacing[1] - 1) <= 0.05 for one in own)
-        return limit_over(own, located=method == "bem" and self.bare and square)
+        square = all(abs(solve.spacing[0] / solve.spacing[1] - 1) <= 0.05 for solve in solves)
+        return limit_over(solves, located=method == "bem" and self.bare and square)
 
     def theory(self, m2: float | None, pressure: float | None) -> tuple[float, float]:
         """A/A0 and A_pl/A0 with V = E*^2 m2 / 4, elastic or with one hardness; NaN with other effects."""

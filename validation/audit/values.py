@@ -78,7 +78,7 @@ def _errors(result: Result, name: str, ledger: Ledger) -> None:
         errors = ordered(error.isel(source=k), result.data[name].dims)
         errors = np.broadcast_to(errors, value.shape)
         part = np.where(np.isnan(value), 0.0, errors)
-        expected = {s: np.where(np.isnan(value), 0.0, one) for s, one in expected.items()}
+        expected = {s: np.where(np.isnan(value), 0.0, share) for s, share in expected.items()}
         if source in error.attrs:
             none = np.where(np.isnan(part), np.nan, 0.0)
             _worst("data.nc", f"{name}_error, {source} does not enter", part, none, ledger)

@@ -70,7 +70,9 @@ def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard] = ())
 
     def placed(value: Callable[[Verdict], Any], empty: Any) -> tuple[tuple[str, str], list[list[Any]]]:
         rows = ([by_place.get((claim, solver)) for solver in solvers] for claim in claims)
-        return ("claim", "solver"), [[empty if one is None else value(one) for one in row] for row in rows]
+        return ("claim", "solver"), [
+            [empty if verdict is None else value(verdict) for verdict in row] for row in rows
+        ]
 
     def by_check(value: Callable[[Verdict, Check], str]) -> tuple[str, Array]:
         return "check", np.array([value(*pair) for pair in checks], str)
@@ -267,12 +269,12 @@ def _cards(data: xr.Dataset) -> list[Card]:
     if "diagnosis" in data and str(first.diagnosis.item()):
         cards.append(Card(question="What is wrong?", answer=finding("value", "{diagnosis}", first)))
     if "seconds_needed" in data and bool(first.seconds_needed.notnull().any()):
-        one = first.sel(area_accuracy=0.01)
-        words = "{seconds_needed:u}" if np.isfinite(one.seconds_needed) else "not reached"
+        cost = first.sel(area_accuracy=0.01)
+        words = "{seconds_needed:u}" if np.isfinite(cost.seconds_needed) else "not reached"
         cards.append(
             Card(
                 question="Processor time to 1 % of the area",
-                answer=finding("cost", words, one),
+                answer=finding("cost", words, cost),
                 basis=note("of one rough surface, lambda_long/lambda_short = 4"),
             )
         )

@@ -169,8 +169,10 @@ class Search:
         tried: set[tuple[Grid, ...]] = set()
         while True:
             chains = list(self._chains(single.finest))
-            usual = [one for one in chains if self.problem.points_per_wave(one.grids[-1]) >= _USUAL_LEVEL]
-            possible = any(self.bench.affordable(one.seconds, one.peak_bytes) for one in usual)
+            usual = [
+                chain for chain in chains if self.problem.points_per_wave(chain.grids[-1]) >= _USUAL_LEVEL
+            ]
+            possible = any(self.bench.affordable(chain.seconds, chain.peak_bytes) for chain in usual)
             ladder = self._cheapest(usual if possible else chains, tried, share=_GRID_SHARE)
             tried.add(ladder.grids)
             try:
@@ -185,7 +187,7 @@ class Search:
                 )
             except NoLimit:
                 # One of many contacts is too small for these grids; the next are finer.
-                tried |= {one.grids for one in chains if one.seconds <= ladder.seconds}
+                tried |= {chain.grids for chain in chains if chain.seconds <= ladder.seconds}
                 continue
             self.peak_bytes = max(self.peak_bytes, ensemble.peak_bytes)
             if ensemble.half_width <= self.target * ensemble.estimate.value:
@@ -241,7 +243,7 @@ class Search:
     def _watch(self, ensemble: MeanArea, solves: Sequence[Call]) -> None:
         seconds = self.bench.seconds(solves)
         surfaces = ensemble.surfaces + 2 * sum(
-            one["count"] for one in solves if one.measurement is area_pairs
+            call["count"] for call in solves if call.measurement is area_pairs
         )
         if self.bench.affordable(seconds) and surfaces <= _MOST_SURFACES:
             return
@@ -311,9 +313,9 @@ class Search:
         if affordable:
             return min(affordable, key=lambda ladder: ladder.seconds)
         reachable = [
-            one.error
-            for one in left
-            if self.bench.affordable(one.seconds, one.peak_bytes) and np.isfinite(one.error)
+            ladder.error
+            for ladder in left
+            if self.bench.affordable(ladder.seconds, ladder.peak_bytes) and np.isfinite(ladder.error)
         ]
         best = f"about {percent(min(reachable) / share)}" if reachable else "nothing"
         if good:

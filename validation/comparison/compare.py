@@ -294,8 +294,8 @@ def _table(data: xr.Dataset) -> ResultTable:
     for name in _compared(data):
         for place, here in _places(data, name):
             for k, label in enumerate(data.result.values):
-                one = here.isel(result=k)
-                value, apart = value_of(one, name), value_of(one, f"{name}_apart")
+                part = here.isel(result=k)
+                value, apart = value_of(part, name), value_of(part, f"{name}_apart")
                 rows.append(
                     {
                         "quantity": quantity_of(data, name).title,
@@ -312,9 +312,9 @@ def _table(data: xr.Dataset) -> ResultTable:
 
 def _cards(data: xr.Dataset, results: Mapping[str, Result]) -> Iterator[Card]:
     keys = list(differing(results))
-    words = ", ".join(keys[:3]) + (", ..." if len(keys) > 3 else "")
+    shown_keys = ", ".join(keys[:3]) + (", ..." if len(keys) > 3 else "")
     count = f"{len(keys)} setting{'' if len(keys) == 1 else 's'}"
-    yield Card("What differs in what was asked?", words or "nothing", count)
+    yield Card("What differs in what was asked?", shown_keys or "nothing", count)
     if "area" not in data or data.area.dims != ("result",):
         return
     for k, label in enumerate(results):
@@ -353,8 +353,8 @@ def _findings(data: xr.Dataset, results: Mapping[str, Result]) -> Iterator[Findi
 def _farthest(data: xr.Dataset, name: str, k: int) -> Finding:
     """Say how far a result is from the first in one quantity, where that is most for its interval."""
 
-    def weight(one: tuple[str, xr.Dataset]) -> float:
-        apart = value_of(one[1].isel(result=k), f"{name}_apart")
+    def weight(item: tuple[str, xr.Dataset]) -> float:
+        apart = value_of(item[1].isel(result=k), f"{name}_apart")
         if apart.value == 0 or not apart.error or not np.isfinite(apart.error):
             return 0.0 if apart.value == 0 else 1e300 if apart.error == 0 else -1.0
         return abs(float(apart.value)) / apart.error

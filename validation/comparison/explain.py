@@ -152,18 +152,18 @@ def _explained(scene: Scene, problem: ContactProblem, planned: Iterable[Press]) 
             )
         )
     effects, left_out = judgements(scene, problem)
-    words = ""
+    cost_words = ""
     if scene.effects and scene.methods.solvers:
         costs = effect_costs()
         factors = ", ".join(f"{effect.kind} {costs.factors[effect.kind]:.2g}" for effect in scene.effects)
-        words = f"{factors} times ({costs.source})"
+        cost_words = f"{factors} times ({costs.source})"
     return Explanation(
         name=scene.name,
         facts=_facts(scene, problem),
         grids=tuple(sorted(grids, key=lambda g: (g.method, g.grid))),
         effects=effects,
         left_out=left_out,
-        costs=words,
+        costs=cost_words,
     )
 
 
@@ -217,7 +217,7 @@ class SweepExplanation:
     def summary(self) -> dict[str, Any]:
         """Return everything as JSON-ready data."""
         summary = {f.name: getattr(self, f.name) for f in fields(self)}
-        cases = [{"case": words, **one.summary()} for words, one in self.cases]
+        cases = [{"case": place, **case.summary()} for place, case in self.cases]
         return {**summary, "keys": [asdict(key) for key in self.keys], "cases": cases}
 
     def parts(self) -> Iterator[Any]:
@@ -231,9 +231,9 @@ class SweepExplanation:
             "to be right within a factor of 2); start and page take seconds more."
         )
         ends = self.cases[:1] if len(self.cases) == 1 else (self.cases[0], self.cases[-1])
-        for words, one in ends:
-            yield f"\nCase {words}:"
-            yield from one.parts()
+        for place, case in ends:
+            yield f"\nCase {place}:"
+            yield from case.parts()
 
 
 def explain_sweep(sweep: Sweep) -> SweepExplanation:
@@ -268,8 +268,10 @@ def judgements(scene: Scene, problem: ContactProblem) -> tuple[tuple[Judgement, 
     for k, judgement in enumerate(listed):
         if judgement.negligible and scene.methods.solvers:
             costs = effect_costs()
-            words = f"it costs {costs.factors[judgement.effect]:.2g} times the plain solve ({costs.source})"
-            listed[k] = replace(judgement, verdict=f"{judgement.verdict}; {words}")
+            cost_words = (
+                f"it costs {costs.factors[judgement.effect]:.2g} times the plain solve ({costs.source})"
+            )
+            listed[k] = replace(judgement, verdict=f"{judgement.verdict}; {cost_words}")
     return tuple(listed), _left_out(scene, problem, rough)
 
 

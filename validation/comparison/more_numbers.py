@@ -29,21 +29,21 @@ def beside_each_other(data: xr.Dataset, readings: Sequence[Reading]) -> xr.Datas
     methods, grids = data.solver.values.tolist(), data.grid.values.tolist()
     if len(methods) < 2:
         return data
-    still = {(one.solve.method, one.solve.grid): one for one in readings if one.pressure is not None}
+    still = {(r.solve.method, r.solve.grid): r for r in readings if r.pressure is not None}
     names = [f"{name}_difference" for name in ("pressure", "area_pixel", "area_perimeter")]
     # The first method is not beside itself; where all others failed, nothing else says what is asked.
     cases = {(methods[0], grids[0]): xr.Dataset(dict.fromkeys(names, math.nan))}
-    for (method, grid), one in still.items():
+    for (method, grid), reading in still.items():
         first = still.get((methods[0], grid))
         if first is None or method == methods[0]:
             continue
-        assert one.pressure is not None
+        assert reading.pressure is not None
         assert first.pressure is not None
         norm = float(np.linalg.norm(first.pressure))
         values = (
-            float(np.linalg.norm(one.pressure - first.pressure)) / norm if norm else math.nan,
-            one.areas.pixel / first.areas.pixel - 1,
-            one.areas.perimeter / first.areas.perimeter - 1,
+            float(np.linalg.norm(reading.pressure - first.pressure)) / norm if norm else math.nan,
+            reading.areas.pixel / first.areas.pixel - 1,
+            reading.areas.perimeter / first.areas.perimeter - 1,
         )
         cases[method, grid_name(grid)] = xr.Dataset(dict(zip(names, values, strict=True)))
     data = data.assign(gather(cases, solver=methods, grid=grids).data_vars)

@@ -99,7 +99,7 @@ class _Case:
     @cached_property
     def own(self) -> list[Reading]:
         """What was read of the scene's own surface, on the grids that its methods list."""
-        read = {one.solve: one for one in self.readings}
+        read = {reading.solve: reading for reading in self.readings}
         return [read[solve] for solve in own_solves(self.scene, read)]
 
     @property
@@ -123,8 +123,8 @@ class _Case:
 
 def _carried(readings: Sequence[Reading]) -> float:
     """Load [Pa] at the distance that is held, on the finest grid of the first method."""
-    first = [one for one in readings if one.solve.method == readings[0].solve.method]
-    finest = max(first, key=lambda one: one.solve.problem.points_per_wave(one.solve.grid))
+    first = [reading for reading in readings if reading.solve.method == readings[0].solve.method]
+    finest = max(first, key=lambda reading: reading.solve.problem.points_per_wave(reading.solve.grid))
     load = finest.solve.problem.load
     if not finest.mean_pressure > 0:
         raise RunFailed(
@@ -137,9 +137,9 @@ def _on_grids(case: _Case) -> xr.Dataset:
     """Lay the solves of the scene's own surface out over method, grid and shift; means over the shifts."""
     scene, problem, grids = case.scene, case.problem, case.grids
     parts: dict[tuple[str, str, int], xr.Dataset] = {}
-    for one in case.own:
-        place = one.solve.method, grid_name(one.solve.grid)
-        parts[(*place, sum(there[:2] == place for there in parts))] = one.numbers
+    for reading in case.own:
+        place = reading.solve.method, grid_name(reading.solve.grid)
+        parts[(*place, sum(there[:2] == place for there in parts))] = reading.numbers
     shifts = range(1 + max(shift for *_, shift in parts))
     each = gather(parts, solver=case.methods, grid=[grid_name(grid) for grid in grids], shift=shifts)
     each = each.drop_vars("shift")
@@ -162,7 +162,9 @@ def _on_grids(case: _Case) -> xr.Dataset:
             data[f"{name}_error"] = error_of(data[name], grid=half, **_ABSENT)
     if not bool(data.area_located.notnull().any()):
         data = data.drop_vars(["area_located", "area_located_error", "area_located_shift"])
-    failed = {(one.method, one.grid): why for one, why in case.failures.items() if one.realisation == 0}
+    failed = {
+        (solve.method, solve.grid): why for solve, why in case.failures.items() if solve.realisation == 0
+    }
     if failed:
         words = [[failed.get((method, grid), "") for grid in grids] for method in case.methods]
         data["failure"] = (("solver", "grid"), words)
@@ -246,11 +248,11 @@ def _value_of(areas: Sequence[ContactAreas], tolerance: float) -> xr.Dataset:
 def _own_area(data: xr.Dataset, case: _Case) -> xr.Dataset:
     limits_by_method = {}
     for method in case.methods:
-        readings = [one for one in case.own if one.solve.method == method]
-        good = [one.areas for one in readings if case.problem.resolved_by(one.solve.grid)]
+        readings = [reading for reading in case.own if reading.solve.method == method]
+        good = [reading.areas for reading in readings if case.problem.resolved_by(reading.solve.grid)]
         tolerance = float(case.scene.methods.options(method).tolerance)
-        limits_by_method[method] = _value_of(good or [one.areas for one in readings], tolerance)
-    succeeded = [name for name in case.methods if any(one.solve.method == name for one in case.own)]
+        limits_by_method[method] = _value_of(good or [reading.areas for reading in readings], tolerance)
+    succeeded = [name for name in case.methods if any(reading.solve.method == name for reading in case.own)]
     method = next((name for name in succeeded if not limits_by_method[name].why.item()), succeeded[0])
     every, first = gather(limits_by_method, solver=case.methods), limits_by_method[method]
     absent = _ABSENT if case.scene.methods.solvers[method].sinks else {**_ABSENT, **_HALF_SPACE}
@@ -350,11 +352,11 @@ def _surfaces(case: _Case) -> xr.Dataset | None:
     if ensemble is None or solver is None:
         return None
     by_surface: dict[int, dict[Grid, Reading]] = {k: {} for k in range(ensemble.realisations)}
-    for one in case.readings:
-        solve = one.solve
+    for reading in case.readings:
+        solve = reading.solve
         if solve.method == solver.name and solve.realisation in by_surface and solve.shift == (0.0, 0.0):
-            by_surface[solve.realisation][solve.grid] = one
-    failed = {one.realisation: why for one, why in case.failures.items() if one.grid in ensemble.grids}
+            by_surface[solve.realisation][solve.grid] = reading
+    failed = {solve.realisation: why for solve, why in case.failures.items() if solve.grid in ensemble.grids}
     parts = {k: _surface(case, k, by_surface[k], sorted(ensemble.grids)) for k in by_surface}
     if failed:
         parts = {k: part.assign(failure_each=failed.get(k, "")) for k, part in parts.items()}
@@ -364,7 +366,7 @@ def _surfaces(case: _Case) -> xr.Dataset | None:
 def _surface(case: _Case, k: int, on: Mapping[Grid, Reading], grids: Sequence[Grid]) -> xr.Dataset:
     readings = [on[grid] for grid in grids if grid in on]
     here = readings[0].solve.problem if readings else case.problem.further(k)
-    limit = limit_of([one.areas for one in readings])
+    limit = limit_of([reading.areas for reading in readings])
     if limit is None or not limit.determinable:
         limit = _NO_LIMIT
     area, half = xr.DataArray(limit.value), NORMAL * limit.uncertainty

@@ -223,8 +223,8 @@ def _findings(data: xr.Dataset) -> list[Finding]:
     findings += [*_area(data), *treatment_findings(data), *_theory(data)]
     if warnings := list(_warnings(data)):
         # One of several sentences, so that none is lost.
-        form = " ".join(one.form for one in warnings)
-        findings.append(note(form, **{k: v for one in warnings for k, v in one.values.items()}))
+        form = " ".join(warning.form for warning in warnings)
+        findings.append(note(form, **{k: v for warning in warnings for k, v in warning.values.items()}))
     if "area_plastic_pixel" in data:
         beside = "; {area_plastic_persson:.4} by the theory" if "area_plastic_persson" in data else ""
         text = "Yielded, A_pl/A0 = {area_plastic_pixel:.4} by {solver} on {grid} (points counted)"

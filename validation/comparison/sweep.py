@@ -96,6 +96,6 @@ def _alike(parts: Sequence[xr.Dataset]) -> list[xr.Dataset]:
     ]
     how: Any = {"data_vars": "all", "coords": "minimal", "compat": "override", "join": "outer"}
     data = xr.concat(aligned, "case", combine_attrs="drop_conflicts", **how)
-    words = [name for name, values in data.data_vars.items() if values.dtype.kind in "OU"]
-    data = data.assign({name: data[name].where(data[name].notnull(), "").astype(str) for name in words})
+    texts = [name for name, values in data.data_vars.items() if values.dtype.kind in "OU"]
+    data = data.assign({name: data[name].where(data[name].notnull(), "").astype(str) for name in texts})
     return [data.isel(case=k) for k in range(len(parts))]

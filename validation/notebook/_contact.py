@@ -155,7 +155,7 @@ class Contact:
         """What a run would say of it."""
         from validation.comparison.run_views import run_views
 
-        return tuple(one.text for one in run_views(self.data).findings)
+        return tuple(finding.text for finding in run_views(self.data).findings)
 
     @cached_property
     def theory(self) -> Prediction | None:

@@ -65,8 +65,8 @@ class Surface:
             name: (name, np.arange(n) * step, {"units": "m"})
             for name, n, step in zip("xy", field.shape, field.spacing, strict=True)
         }
-        words = {"units": "m", "long_name": "height, positive towards the elastic body"}
-        return xr.DataArray(field.heights, dims=("x", "y"), coords=axes, name="heights", attrs=words)
+        attrs = {"units": "m", "long_name": "height, positive towards the elastic body"}
+        return xr.DataArray(field.heights, dims=("x", "y"), coords=axes, name="heights", attrs=attrs)
 
     @cached_property
     def field(self) -> HeightField:

@@ -132,39 +132,39 @@ def judge(application: Application, *, tell: Callable[[str], None] | None = None
     a tie.
     """
     conventions, claims, values = application.conventions, application.claims, []
-    for one in claims:
+    for claim in claims:
         if tell is not None:
-            tell(one.text)
-        if one.fixed:
-            values.append([float(one.value())] * len(conventions))
+            tell(claim.text)
+        if claim.fixed:
+            values.append([float(claim.value())] * len(conventions))
         else:
-            values.append([float(one.value(convention.value)) for convention in conventions])
-    agree = [[one.agrees(value) for value in known] for one, known in zip(claims, values, strict=True)]
+            values.append([float(claim.value(convention.value)) for convention in conventions])
+    agree = [[claim.agrees(value) for value in known] for claim, known in zip(claims, values, strict=True)]
     scores = [sum(column) for column in zip(*agree, strict=True)]
     best = scores.index(max(scores))
-    return tuple(_row(one, application, known, best) for one, known in zip(claims, values, strict=True))
+    return tuple(_row(claim, application, known, best) for claim, known in zip(claims, values, strict=True))
 
 
-def _row(one: Claim, application: Application, known: list[float], best: int) -> ClaimRow:
-    inferred = best > 0 and not one.fixed
-    verdict, reason = "reproduced", one.choice
-    if not one.agrees(known[best]):
-        verdict, reason = "not reproduced", one.failure
+def _row(claim: Claim, application: Application, known: list[float], best: int) -> ClaimRow:
+    inferred = best > 0 and not claim.fixed
+    verdict, reason = "reproduced", claim.choice
+    if not claim.agrees(known[best]):
+        verdict, reason = "not reproduced", claim.failure
     elif inferred:
         verdict = "reproduced under the joint convention"
-    elif one.choice:
+    elif claim.choice:
         verdict = "reproduced with a choice"
-    agreement = ", which agrees, too" if one.agrees(known[0]) else ""
+    agreement = ", which agrees, too" if claim.agrees(known[0]) else ""
     literally = f"literally {known[0]:.4g}{agreement}" if inferred else ""
-    note = one.note() if callable(one.note) else one.note
+    note = claim.note() if callable(claim.note) else claim.note
     return ClaimRow(
-        claim=one.text,
+        claim=claim.text,
         application=application.name,
-        section=one.section,
-        stated=one.stated,
+        section=claim.section,
+        stated=claim.stated,
         computed=known[best],
         literal=known[0],
-        convention=("" if one.fixed else application.conventions[best].name) or "as stated",
+        convention=("" if claim.fixed else application.conventions[best].name) or "as stated",
         verdict=verdict,
         reason=reason,
         note="; ".join(filter(None, (literally, note))),

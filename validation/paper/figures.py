@@ -40,7 +40,7 @@ class PaperFigure:
         """Return its quantities over curve and point; NaN where a curve has no more."""
         curves = self.curves()
         names = dict.fromkeys(name for values in curves.values() for name in values)
-        longest = max(np.size(one) for values in curves.values() for one in values.values())
+        longest = max(np.size(curve) for values in curves.values() for curve in values.values())
         dims, made = (f"curve_{self.name}", f"point_{self.name}"), {}
         for name in names:
             table = np.full((len(curves), longest), np.nan)

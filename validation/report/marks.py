@@ -147,11 +147,11 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawi
         _legend(canvas, list(places))
     elif axes.get_legend_handles_labels()[0]:
         axes.legend(fontsize=7)
-    if axes is None and any(isinstance(one.mark, Image) for one in drawn):
+    if axes is None and any(isinstance(line.mark, Image) for line in drawn):
         # Squares of equal scale leave their labels too little place.
         canvas.set_layout_engine("constrained", w_pad=0.15)
     names = list(
-        dict.fromkeys(n for one in drawn for n in (one.mark.y, one.x, getattr(one.mark, "high", "")) if n)
+        dict.fromkeys(n for line in drawn for n in (line.mark.y, line.x, getattr(line.mark, "high", "")) if n)
     )
     names += [f"{n}_error" for n in names if f"{n}_error" in data]
     # What was asked, without attributes of the machine and of the place in the whole.
@@ -190,7 +190,7 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
             look["most"] = float(np.nanmax(abs(data[mark.y]))) * scale_y[0]
         if isinstance(mark, Line):
             # Bars of one colour lie over each other: later ones are thinner, and their ends longer.
-            before = sum(one.mark is not mark and one.look["color"] == look["color"] for one in drawn)
+            before = sum(other.mark is not mark and other.look["color"] == look["color"] for other in drawn)
             look = {"capsize": 2 + 2 * before, "elinewidth": 1.5 / (1 + before), **look}
         x, factors = mark.x or panel.x, (scale_x[0], scale_y[0])
         artist = _put(mark, axes, here, x, factors, {**look, "label": mathtext(label)})
@@ -207,7 +207,7 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
     bottom = panel.bottom
     if "y" in panel.log and bottom is None and not isinstance(panel.marks[0], Image):
         # Bars that reach beyond zero have no lower end on a logarithmic axis.
-        shown = [np.ravel(one.data[one.mark.y].values) * one.factors[1] for one in drawn]
+        shown = [np.ravel(other.data[other.mark.y].values) * other.factors[1] for other in drawn]
         positive = [values[np.isfinite(values) & (values > 0)] for values in shown]
         bottom = min((values.min() / 1.5 for values in positive if values.size), default=None)
     axes.set_ylim(bottom=bottom, top=panel.top)
@@ -306,7 +306,12 @@ def _look(mark: _Mark, here: xr.Dataset, k: int, *, several: bool) -> dict[str, 
         fixed.pop("color", None)
     qualifiers = registry()["qualifiers"].values()
     named = [c.item() for c in here.coords.values() if c.ndim == 0 and c.dtype.kind in "OU"]
-    place = {k: v for one in qualifiers if one["words"] in named for k, v in one.get("look", {}).items()}
+    place = {
+        k: v
+        for qualifier in qualifiers
+        if qualifier["words"] in named
+        for k, v in qualifier.get("look", {}).items()
+    }
     return {"color": COLOURS[k % 8], "marker": SYMBOLS[k % 8], **place, **options, **fixed}
 
 
@@ -364,13 +369,13 @@ def _legend(canvas: Any, axes: Sequence[Axes]) -> None:
 def _caption(text: str, drawn: Sequence[Drawn]) -> str:
     """Return what the author says, then which measured sources the bars stand for."""
     labels: dict[str, list[str]] = {}
-    for one in drawn:
-        errors = optional(one.data, f"{one.mark.y}_error")
-        if errors is not None and not isinstance(one.mark, Image):
+    for line in drawn:
+        errors = optional(line.data, f"{line.mark.y}_error")
+        if errors is not None and not isinstance(line.mark, Image):
             shown = errors.sel(source=list(shown_sources(errors)))
             there = (shown > 0).any([d for d in shown.dims if d != "source"])
             names = ", ".join(there.source.values[there.values].tolist())
-            labels.setdefault(names, []).append(one.label)
+            labels.setdefault(names, []).append(line.label)
     labels.pop("", None)
     if len(labels) < 2:
         return "".join([text, *(f" Bars: 95 % ({names})." for names in labels)])

@@ -116,7 +116,7 @@ def page_of(data: xr.Dataset, views: Views, /, *, figures: bool = True, **rest: 
     summary = {**views.as_json(data), "numbers": numbers}
     context: dict[str, Any] = {
         "answers": tuple(Card(card.question, str(card.answer), str(card.basis)) for card in views.cards),
-        "findings": tuple(one.text for one in views.findings),
+        "findings": tuple(finding.text for finding in views.findings),
         "tables": tuple(shown(rows, title=table.title, note=table.note) for table, rows in made),
         "budget": budget_table(data, views.budget) if views.budget else None,
         "figures": drawn,

@@ -86,9 +86,9 @@ def quantity(name: str) -> Quantity:
         qualified = _qualifiers("_".join(parts[cut:]), qualifiers)
         if qualified is not None:
             look: dict[str, Any] = {}
-            for one in qualified:
-                look |= qualifiers[one].get("look", {})
-            words = [qualifiers[one]["words"] for one in qualified]
+            for qualifier in qualified:
+                look |= qualifiers[qualifier].get("look", {})
+            words = [qualifiers[qualifier]["words"] for qualifier in qualified]
             return Quantity(name=start, which=", ".join(words), look=look, **known[start])
     raise UsageError(
         f"{name!r}: no such quantity in docs/glossary.md; add it to validation/report/quantities.toml"
@@ -209,10 +209,10 @@ def glossary() -> str:
     """Return the page of the documentation that says what every name means."""
     tables = registry()
     rows = [
-        f"| `{name}` | {one['symbol']} | {one['words']} | {one.get('unit', '1')} |"
-        for name, one in sorted(tables["quantities"].items())
+        f"| `{name}` | {entry['symbol']} | {entry['words']} | {entry.get('unit', '1')} |"
+        for name, entry in sorted(tables["quantities"].items())
     ]
-    ends = [f"| `_{name}` | {one['words']} |" for name, one in sorted(tables["qualifiers"].items())]
+    ends = [f"| `_{name}` | {entry['words']} |" for name, entry in sorted(tables["qualifiers"].items())]
     return "\n".join(
         [
             "# Glossary",

@@ -159,7 +159,7 @@ def budget_table(data: xr.Dataset, names: Sequence[str]) -> ResultTable:
         dims = [str(d) for d in errors.dims if d != "source"]
         for here in each(data, *dims):
             value, error = float(here[name]), here[f"{name}_error"]
-            places = [words for dim in dims for words in _all_words(here, dim, data)]
+            places = [place for dim in dims for place in _all_words(here, dim, data)]
             row: dict[str, float | str] = {"number": ", ".join([quantity(name).title, *filter(None, places)])}
             row["value"] = value
             shares = {str(s): _per_cent(float(e), value) for s, e in zip(SOURCES, error, strict=True)}

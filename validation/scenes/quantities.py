@@ -78,7 +78,7 @@ class Quantities(Table):
     @property
     def passing(self) -> bool:
         """Whether something shall pass through contact or gap."""
-        return any(one is not None for one in (self.electrical, self.thermal, self.leak))
+        return any(table is not None for table in (self.electrical, self.thermal, self.leak))
 
     @model_validator(mode="after")
     def _something(self) -> Self:

@@ -92,9 +92,11 @@ def hertz_radius(subject: Subject) -> Iterator[Check]:
     excess, exact, corrected = [], _hertz(subject), 0.0
     for n in subject.ladder:
         results = [pressed.result for pressed in _shifted(subject, n)]
-        areas = [contact_areas(one, edge_constant=subject.solver.edge_constant(one)) for one in results]
+        areas = [
+            contact_areas(result, edge_constant=subject.solver.edge_constant(result)) for result in results
+        ]
         pixel, corrected = (
-            float(np.sqrt(np.average([getattr(one, name) for one in areas], weights=_WEIGHTS) / np.pi))
+            float(np.sqrt(np.average([getattr(area, name) for area in areas], weights=_WEIGHTS) / np.pi))
             / exact.radius
             - 1
             for name in ("pixel", "perimeter")
@@ -260,7 +262,7 @@ def units(subject: Subject) -> Iterator[Check]:
 def nested(subject: Subject) -> Iterator[Check]:
     _needs_order(subject)
     coarse, middle, fine = (subject.press(rough(n, bandwidth=2), 0.05) for n in subject.ladder)
-    p = [one.claim.pressure for one in (coarse, middle, fine)]
+    p = [pressed.claim.pressure for pressed in (coarse, middle, fine)]
     steps = _apart(p[0], p[1][::2, ::2]), _apart(p[1], p[2][::2, ::2])
     gaps = fine.result.gap.mean() / middle.result.gap.mean() - 1
     # At an edge p grows like the square root of the distance: the cells there leave an error of order 1.
