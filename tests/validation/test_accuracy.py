@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -187,6 +189,18 @@ def test_finite_elements_are_put_beside_on_their_own_grids(write_scene, bench):
     assert set(grids) <= set(reached.grids)
     assert set(reached.chosen(scene).methods.solvers) == {"bem", "fem"}
     assert any(text.startswith("Beside it FEM") for text in reached.sentences())
+
+
+def test_what_is_chosen_is_foretold_with_its_time(ensemble, bench):
+    notes = []
+    progress = SimpleNamespace(
+        **{name: lambda *_: None for name in ("start", "begin", "done")}, note=notes.append
+    )
+    reached = reach(ensemble, replace(bench, progress=progress), target=0.03)
+    grids = [note for note in notes if accuracy_search.grid_words(reached.grids) in note]
+    surfaces = [note for note in notes if "surfaces for the mean" in note]
+    for note in (grids[-1], surfaces[-1]):
+        assert re.search(r"--accuracy = 3 %: .*, about \S+ s of solving", note)
 
 
 def test_finite_elements_that_do_not_fit_are_refused_before_anything_is_solved(write_scene, tmp_path):

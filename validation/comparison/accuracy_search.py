@@ -152,6 +152,7 @@ class Search:
         while True:
             ladder = self._cheapest(self._ladders(known), tried, share=_SPARE)
             tried.add(ladder.grids)
+            self._foretell(f"this surface on {grid_words(ladder.grids)}", ladder.seconds)
             areas = self._solved(ladder)
             limit = limit_over(areas)
             error = 2 * limit.uncertainty / limit.value + self.left if limit.determinable else np.inf
@@ -246,11 +247,16 @@ class Search:
             call["count"] for call in solves if call.measurement is area_pairs
         )
         if self.bench.affordable(seconds) and surfaces <= _MOST_SURFACES:
+            self._foretell(f"{surfaces} surfaces for the mean", seconds)
             return
         raise RunFailed(
             f"{self._known(ensemble)}; it needs about {seconds:.2g} s more, or more than {_MOST_SURFACES} "
             f"surfaces, and {self.bench.means()}; all solves are stored"
         )
+
+    def _foretell(self, what: str, seconds: float) -> None:
+        workers = self.bench.execution.workers
+        self.bench.progress.note(f"{self.bench.wanted}: {what}, about {seconds / workers:.2g} s of solving")
 
     def _known(self, ensemble: MeanArea) -> str:
         error = percent(ensemble.half_width / ensemble.estimate.value)
