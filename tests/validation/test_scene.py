@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import tomllib
 from fractions import Fraction
@@ -12,10 +13,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import TypeAdapter
+from small_scene import small_scene
 
 from validation import units
 from validation.comparison.explain import explain
+from validation.comparison.run import run_scene
 from validation.errors import SceneError, UsageError
+from validation.execution.attempt import Progress
 from validation.scenes.checks import check_scene
 from validation.scenes.grids import usual_grids
 from validation.scenes.keys import scene_keys
@@ -210,3 +214,18 @@ def test_units_that_are_read_without_the_registry_are_those_of_the_registry(unit
     assert len(units._PLAIN[unit]) == 7
     for symbol, factor in units._PLAIN[unit].items():
         assert factor == units._converted(Fraction(1), symbol, unit), symbol
+
+
+@pytest.mark.parametrize(
+    ("sides", "square"), [(("10 um", "5 um"), "[24, 12]"), (("5 um", "10 um"), "[12, 24]")]
+)
+def test_a_grid_of_oblong_cells_is_said_before_it_is_pressed(sides, square, tmp_path):
+    path, notes = tmp_path / "scene.toml", []
+    path.write_text(small_scene(length=json.dumps(sides), grids=f"[24, {square}]"))
+    scene = load_scene(str(path))
+    ((_, words),) = [fact for fact in explain(scene).facts if fact[0] == "grids of bem"]
+    assert words == f"24 x 24 has oblong cells, in which no edge is located; {square} has square ones"
+    progress = Progress()
+    progress.note = notes.append
+    run_scene(scene, tmp_path / "results", progress=progress, report=False)
+    assert notes == [f"grids of bem: {words}"]

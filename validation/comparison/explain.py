@@ -18,6 +18,7 @@ from validation.errors import UsageError
 from validation.execution.calibration import effect_costs
 from validation.execution.cost import transform_seconds
 from validation.execution.press import Press, run_solves, solves_of
+from validation.measurements.measurement import has_square_cells
 from validation.report.quantities import in_prefixed_unit
 from validation.scenes.checks import check_scene
 from validation.scenes.grids import affordable, usual_grids
@@ -307,6 +308,7 @@ def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]
         facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} ({source})"))
         facts.append(("load", _load_words(problem)))
     facts += _usual_grids(scene, problem)
+    facts += oblong_grids(scene, problem)
     for name, method in scene.methods.chosen.items():
         facts += method.facts(scene.methods.options(name), problem)
     if scene.methods.options("theory") is not None:
@@ -329,6 +331,23 @@ def _usual_grids(scene: Scene, problem: ContactProblem) -> Iterator[tuple[str, s
         if usually and not affordable(solver, left[0], lengths=problem.lengths, options=options):
             words = "{} x {} would take more than 2 GiB or ten minutes".format(*left[0])
             yield f"grids of {name}", f"{words}; list it in methods.{name}.grids to have it all the same"
+
+
+def oblong_grids(scene: Scene, problem: ContactProblem) -> Iterator[tuple[str, str]]:
+    """Say which grids have oblong cells, and which would have square ones."""
+    for name in scene.methods.solvers:
+        for nx, ny in scene.methods.options(name).grids:
+            if not has_square_cells(problem, (nx, ny)):
+                lx, ly = problem.lengths
+                square = (
+                    f"[{nx}, {max(2, round(nx * ly / lx))}]"
+                    if lx >= ly
+                    else f"[{max(2, round(ny * lx / ly))}, {ny}]"
+                )
+                yield (
+                    f"grids of {name}",
+                    f"{nx} x {ny} has oblong cells, in which no edge is located; {square} has square ones",
+                )
 
 
 def _load_words(problem: ContactProblem) -> str:

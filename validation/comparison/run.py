@@ -11,6 +11,7 @@ from typing import Any
 
 import xarray as xr
 
+from validation.comparison.explain import oblong_grids
 from validation.comparison.fields import with_fields
 from validation.comparison.numbers import scene_data
 from validation.comparison.pages import effects_words, write_result_page
@@ -89,6 +90,8 @@ def run_scene(
     if accurate is not None:
         settings["accuracy"] = dict(accurate)
     listed = run_solves if accurate is None else solves_of
+    for grids, words in oblong_grids(scene, problem):
+        (how.get("progress") or Progress()).note(f"{grids}: {words}")
 
     def measured(results: Solves) -> tuple[xr.Dataset, Sequence[Path]]:
         written: Sequence[Path] = ()
