@@ -1,9 +1,11 @@
 """Studies on a scene: what it says is what is pressed, or it is refused by name."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 from small_scene import small_scene
 
 from fem_contact import bem
@@ -19,7 +21,16 @@ from validation.measurements.measurement import truncated_heights
 from validation.scenes.problem import realise
 from validation.scenes.scene import load_scene
 from validation.solvers.theory import predict
-from validation.studies import area, cross, find_study, magnification, pressure, refinement, theory_verdict
+from validation.studies import (
+    area,
+    cross,
+    find_study,
+    magnification,
+    pressure,
+    refinement,
+    studies,
+    theory_verdict,
+)
 from validation.studies._outputs import report_study, run_study
 
 LENGTHS = (12e-6, 9e-6)
@@ -158,35 +169,23 @@ def test_a_scene_is_refined_on_other_grids_than_its_own_and_on_one_surface(scene
     assert oblong.ladder == ((64, 48), (96, 72))
 
 
-@pytest.mark.parametrize(
-    ("study", "option", "words"),
-    [
-        (
-            "pressure",
-            {"hurst": 0.4},
-            "--hurst: the scene 'mine' says it; set it there, by --set surface.hurst=",
-        ),
-        (
-            "stress-near-zero",
-            {"reduced_pressure": 0.1},
-            "--reduced-pressure: the scene 'mine' says it; set it",
-        ),
-        ("cross", {"methods": ("bem", "fem")}, "--methods: the scene 'mine' says it; leave --methods out"),
-    ],
-)
-def test_what_a_scene_and_an_option_both_say_is_refused(scene, study, option, words):
-    found = find_study(study)
-    arguments = [
-        part
-        for name, value in option.items()
-        for part in (
-            "--" + name.replace("_", "-"),
-            ",".join(map(str, value)) if isinstance(value, tuple) else str(value),
+@pytest.mark.parametrize("name", [name for name, study in studies().items() if study.options.takes_scene()])
+def test_help_names_the_options_that_are_refused_with_a_scene(scene, name):
+    options, mine = find_study(name).options, scene(small_scene("[methods.fem]\ngrids = [24, 36, 48]"))
+    for option, field in options.model_fields.items():
+        if option == "scene":
+            continue
+        try:
+            options.model_validate({option: field.default, "scene": mine})
+            refusal = ""
+        except ValidationError as error:
+            refusal = str(error)
+        clash = (
+            rf"--{option.replace('_', '-')}: (the scene 'mine' says it|is of a part with surfaces of its own)"
         )
-    ]
-    with pytest.raises(UsageError) as caught:
-        found.parse(arguments, scene=scene(MAP))
-    assert words in str(caught.value)
+        reason = options.fixed_by_scene().get(option, "")
+        assert bool(re.search(clash, refusal)) == bool(reason), option
+        assert f"        {field.description}{reason}" in options.help_lines()
 
 
 @pytest.mark.parametrize(

@@ -133,6 +133,13 @@ class PressedOptions(StudyOptions):
             options["surfaces"] = scene.ensemble.realisations
         return options
 
+    @classmethod
+    def fixed_by_scene(cls) -> Mapping[str, str]:
+        """Return the options that are refused with a scene, each with the reason."""
+        named = (*_SPECTRUM, "poisson", "reduced_pressure", "methods")
+        by_scene = dict.fromkeys(named, "; a SCENE says it instead")
+        return by_scene | dict.fromkeys(cls.off, "; left out with a SCENE")
+
     @cached_property
     def first(self) -> ContactProblem:
         """The first surface with its solid and load."""
