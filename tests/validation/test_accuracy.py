@@ -194,7 +194,7 @@ def test_finite_elements_are_put_beside_on_their_own_grids(write_scene, bench):
 def test_what_is_chosen_is_foretold_with_its_time(ensemble, bench):
     notes = []
     progress = SimpleNamespace(
-        **{name: lambda *_: None for name in ("start", "begin", "done")}, note=notes.append
+        **{name: lambda *_: None for name in ("start", "begin", "done", "note")}, plan=notes.append
     )
     reached = reach(ensemble, replace(bench, progress=progress), target=0.03)
     grids = [note for note in notes if accuracy_search.grid_words(reached.grids) in note]

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
 from reading_back import misdrawn
 
 from validation.report.estimates import claim
-from validation.report.marks import Figure, Image, Line, Panel, draw
+from validation.report.marks import Figure, Image, Line, Panel, draw, panels_along
 
 
 @pytest.fixture
@@ -129,3 +131,15 @@ def test_a_mistake_in_a_map_is_noticed(map_drawing, mistake):
     else:
         object.__setattr__(one, "label", one.label.replace("MPa", "GPa"))
     assert list(misdrawn(drawing, data))
+
+
+def test_panels_of_the_same_quantities_have_the_same_limits_and_say_them_once(data):
+    panel = Panel(marks=[Line(y="kappa")], x="reduced_pressure")
+    panels = panels_along(data, "spectrum", panel)
+    drawing = draw(Figure(name="f", caption="c", panels=panels), data)
+    first, second = drawing.figure.axes
+    assert (first.get_xlim(), first.get_ylim()) == (second.get_xlim(), second.get_ylim())
+    assert [axes.yaxis.label.get_visible() for axes in (first, second)] == [True, False]
+    other = replace(panels[1], marks=[Line(y="mean_gap")])
+    apart = draw(Figure(name="f", caption="c", panels=[panels[0], other]), data).figure.axes
+    assert all(axes.yaxis.label.get_visible() for axes in apart)

@@ -34,6 +34,7 @@ class Bar(Progress):
         from rich.progress import Progress as RichProgress
 
         self._console = Console(stderr=True, highlight=False)
+        self._quiet = quiet
         self._logs = not quiet and not self._console.is_terminal
         self._progress = RichProgress(
             TextColumn("{task.fields[count]} {task.description}", markup=False),
@@ -91,6 +92,11 @@ class Bar(Progress):
         if self._logs and (self._done in (1, count) or time.monotonic() - self._told > _BETWEEN_LINES):
             self._told = time.monotonic()
             self.note(f"{words}: {solve.describe()} is solved")
+
+    def plan(self, text: str) -> None:
+        """Print a line above the bar, unless it is quiet."""
+        if not self._quiet:
+            self.note(text)
 
     def note(self, text: str) -> None:
         """Print a line above the bar."""

@@ -256,7 +256,7 @@ class Search:
 
     def _foretell(self, what: str, seconds: float) -> None:
         workers = self.bench.execution.workers
-        self.bench.progress.note(f"{self.bench.wanted}: {what}, about {seconds / workers:.2g} s of solving")
+        self.bench.progress.plan(f"{self.bench.wanted}: {what}, about {seconds / workers:.2g} s of solving")
 
     def _known(self, ensemble: MeanArea) -> str:
         error = percent(ensemble.half_width / ensemble.estimate.value)

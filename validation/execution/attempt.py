@@ -29,6 +29,9 @@ class Progress:
     def done(self, solve: Solve) -> None:
         """Tell that a solve is solved and stored."""
 
+    def plan(self, text: str) -> None:
+        """Tell what will be done, and how long that takes."""
+
     def note(self, text: str) -> None:
         """Tell something the user should know, such as a damaged file that was set aside."""
 

@@ -138,11 +138,7 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawi
         raise UsageError(f"ax = {axes!r}: one axes of matplotlib, for a figure of one panel; leave it out")
     for panel, on in zip(figure.panels, places, strict=True):
         drawn += _draw_panel(panel, on, data)
-    bottoms = [on.get_ylim() for on in places]
-    if len(places) > 1 and len({panel.y or panel.marks[0].y for panel in figure.panels}) == 1:
-        for on, panel in zip(places, figure.panels, strict=True):
-            low = min(b[0] for b in bottoms) if panel.bottom is None else panel.bottom
-            on.set_ylim(low, max(b[1] for b in bottoms) if panel.top is None else panel.top)
+    _align(figure.panels, list(places))
     if axes is None:
         _legend(canvas, list(places))
     elif axes.get_legend_handles_labels()[0]:
@@ -163,6 +159,22 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawi
         caption=_caption(figure.caption, drawn),
         drawn=tuple(drawn),
     )
+
+
+def _align(panels: Sequence[Panel], places: Sequence[Axes]) -> None:
+    """Give panels of the same quantities the same limits; the first alone says what their y is."""
+    if len({panel.x for panel in panels}) == 1 and len({on.get_xlabel() for on in places}) == 1:
+        low, high = np.array([on.get_xlim() for on in places]).T
+        for on in places:
+            on.set_xlim(low.min(), high.max())
+    if len({panel.y or panel.marks[0].y for panel in panels}) == 1 == len({on.get_ylabel() for on in places}):
+        low, high = np.array([on.get_ylim() for on in places]).T
+        for on, panel in zip(places, panels, strict=True):
+            on.set_ylim(
+                low.min() if panel.bottom is None else panel.bottom,
+                high.max() if panel.top is None else panel.top,
+            )
+            on.yaxis.label.set_visible(on is places[0])
 
 
 def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:

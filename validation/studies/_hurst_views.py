@@ -68,7 +68,8 @@ def _of_solvers_against_hurst(data: xr.Dataset) -> Iterator[Figure]:
     solver_limits = Line(y="kappa_by_solver", by="solver")
     caption = f"kappa against the Hurst exponent at p* = {reduced_pressure:g}, limits over the grids of each solver on the same "
     caption += (
-        f"surfaces of bandwidth {float(data.bandwidth_by_solver):g}; Persson's theory; published values."
+        f"surfaces of bandwidth {float(data.bandwidth_by_solver):g}; Persson's theory"
+        f"{'; published values' * ('kappa_published' in data)}."
     )
     panel = Panel(
         marks=[solver_limits, *wide, Level(y="kappa_persson_by_solver", label="Persson"), _LITERATURE],
@@ -90,7 +91,7 @@ def _against_hurst(data: xr.Dataset) -> Figure:
     return Figure(
         name="kappa-against-hurst",
         caption="kappa against the Hurst exponent at each load: the limit over grids, points counted on the coarsest "
-        "grid, and Persson's theory; black, published values (light load).",
+        f"grid, and Persson's theory{'; black, published values (light load)' * ('kappa_published' in data)}.",
         panels=[
             replace(panel, marks=(*marks, _LITERATURE)) if float(mean_area) < _LIGHT else panel
             for panel, mean_area in zip(panels, area, strict=True)

@@ -86,7 +86,7 @@ class StudyOptions(Table):
             text = text if several else _with_unit(text, unit)
             listed = "" if several and text.strip().lower() == "none" else text
             parts = [_with_unit(part.strip(), unit) for part in listed.split(",") if part.strip()]
-            values[_name(flag)] = parts if several else text
+            values[flag[2:].replace("-", "_")] = parts if several else text
         try:
             # Strings are numbers here, and quantities may carry units as in a scene.
             parsed = cls.model_validate_strings(values, context={"on_scene": scene is not None})
@@ -117,7 +117,7 @@ class StudyOptions(Table):
                 about = "may be left out" if default is None else f"default: {default}"
                 kind = _kind_words(field) + ("" if unit == "1" else f" in {unit}, or with a unit")
                 yield f"    {flag} {kind} ({about})"
-            yield f"        {field.description}{cls.fixed_by_scene().get(_name(flag), '')}"
+            yield f"        {field.description}{cls.fixed_by_scene().get(flag[2:].replace('-', '_'), '')}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -237,10 +237,6 @@ def _misnamed(module: ModuleType) -> Iterator[str]:
                 quantity(name)
             except UsageError as error:
                 yield f"line {call.lineno}: {error}"
-
-
-def _name(flag: str) -> str:
-    return flag.removeprefix("--").replace("-", "_")
 
 
 def _pairs(arguments: Sequence[str], flags: Mapping[str, FieldInfo]) -> Iterator[tuple[str, str]]:

@@ -99,6 +99,7 @@ class Options(StudyOptions):
     )
     ladder_reduced_pressure: ReducedPressure = 0.05
     seed: Seed = 2006
+    literature: bool = Field(default=True, description="draw published values of kappa, too")
 
     @property
     def spectra(self) -> dict[tuple[str, float], float]:
@@ -175,10 +176,12 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         data = data.merge(ladders_beside_published(climbed), combine_attrs="override")
         spectral = spectral_errors(data, hurst=data.hurst, bandwidth=data.bandwidth, periods=options.periods)
         data = claim(data, "kappa", **{source: part * data.kappa for source, part in spectral.items()})
-    data = data.merge(published("kappa")).assign(kappa_bgt=KAPPA_BGT, kappa_persson_light=KAPPA_PERSSON)
+    data = data.assign(kappa_bgt=KAPPA_BGT, kappa_persson_light=KAPPA_PERSSON)
+    data = data.merge(published("kappa")) if options.literature else data
     seconds = sum(float(result.seconds.sum()) for result in measured.values())
     cited = dict.fromkeys(chosen_solver(name)[0].name for name in options.others)
-    methods = " ".join([RANKED, *cited, papers_of("kappa", "kappa_ratio")])
+    papers = papers_of(*(["kappa"] if options.literature else []), "kappa_ratio")
+    methods = " ".join([RANKED, *cited, papers])
     return data.assign_attrs(study="hurst", methods=methods, periods=options.periods, seconds=seconds)
 
 
