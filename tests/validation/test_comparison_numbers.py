@@ -26,9 +26,11 @@ from validation.effects.coating import Coating
 from validation.effects.graded import Graded
 from validation.effects.hardness import Hardness
 from validation.effects.thickness import Thickness
+from validation.execution.attempt import Progress
 from validation.execution.fields import decode_result, encode_result
 from validation.execution.netcdf import reading
 from validation.execution.press import Press
+from validation.execution.running import Execution
 from validation.measurements import ensemble
 from validation.measurements.pairs import Areas
 from validation.report.estimates import claim, derive
@@ -162,7 +164,8 @@ def _areas(value, spacing):
 
 def _search(monkeypatch, target=0.4):
     """A search that plans nothing."""
-    search = Search(scene=scene(), problem=realise(scene()), target=target, bench=SimpleNamespace())
+    bench = SimpleNamespace(wanted="", execution=Execution(), progress=Progress())
+    search = Search(scene=scene(), problem=realise(scene()), target=target, bench=bench)
     ladder = Ladder(grids=((64, 64),), shifts=1, error=0.1, seconds=0.0, peak_bytes=0)
     monkeypatch.setattr(Search, "_cheapest", lambda self, ladders, tried, *, share: ladder)
     monkeypatch.setattr(Search, "_grid", lambda self, level: (64, 64))

@@ -60,6 +60,9 @@ class Store:
         NotWritten
             When the system refuses it: a full disk, a folder that is gone.
         """
+        path = self.path(solve)
+        if path.is_file():  # another run was faster, and may have told its time
+            return
         solve.written_beside(result, self.folder)
         try:
             content = solve.encode(result)
@@ -69,7 +72,7 @@ class Store:
                 "--workers, or a smaller --memory"
             ) from error
         # The folder is synced by who collects the outcomes: a name lost with the power is a solve to repeat.
-        write_whole(self.path(solve), (content, seal(content, recipe=solve.recipe_text, made=asdict(made))))
+        write_whole(path, (content, seal(content, recipe=solve.recipe_text, made=asdict(made))))
 
     def read(self, solve: Solve, *, on_damage: Callable[[str], None] | None = None) -> Stored | None:
         """Read a finished solve and how it was made; None if there is none.
