@@ -216,6 +216,7 @@ def test_runs_at_once_in_one_folder_each_end_well(tmp_path, at_once, rounds):
     for k in range(3):
         (tmp_path / f"{k}.toml").write_text(small_scene(grids="[12, 24]").replace("seed = 77", f"seed = {k}"))
     for _ in range(rounds):
+        shutil.rmtree(tmp_path / "out", ignore_errors=True)  # so that they solve, and the same ones at once
         runs = [
             subprocess.Popen(
                 [sys.executable, "-m", "validation.cli", "run", f"{k % 3}.toml", "-o", "out", "-q"],

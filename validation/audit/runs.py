@@ -148,6 +148,7 @@ class Run:
             surface["path"] = asked["path"]
         if self.measured:  # it names no usual treatment of later versions
             surface = {"spikes": "keep", **surface}
+            surface.pop("heights", None)
             asked = {"tilt": "keep", "spikes": "keep", **asked}
             asked.pop("treatment", None)
         else:

@@ -224,6 +224,8 @@ class ContactProblem:
         surface = self.surface.model_dump(mode="json")
         if self.measured is not None:
             surface |= {"path": self.measured.digest, "tilt": surface["tilt"] or "keep"}
+            if surface["edges"] != "free":  # solves of before counted from the zero of the file
+                surface["heights"] = "over the mean plane"
             usual = {"treatment": surface["treatment"], "spikes": "keep", "lambda_short": None}
             surface = {k: v for k, v in surface.items() if k not in usual or v != usual[k]}
         else:

@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from validation.errors import UsageError
 from validation.scenes.topography.patch import MOST_HOLES, REMOVABLE, Topography
 from validation.scenes.topography.reading import read_topography
@@ -57,9 +59,15 @@ class Measured:
 
     @cached_property
     def period(self) -> Topography:
-        """The patch made periodic: what is pressed. A UsageError of all that keeps it from being pressed."""
+        """The patch made periodic: what is pressed. A UsageError of all that keeps it from being pressed.
+
+        Its heights are those over their mean plane, from which distances are counted; of a patch with edges
+        they are as the file has them.
+        """
         self.check()
         period = self.patch.made_periodic(self.surface.edges, margin=self.surface.margin)
+        if self.surface.edges != "free":
+            period = replace(period, heights=period.heights - np.mean(period.heights))
         return _frozen(period.smoothed(self.surface.lambda_short))
 
     @property

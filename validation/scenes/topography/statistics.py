@@ -40,8 +40,10 @@ class HeightStatistics:
 def height_statistics(heights: Array, spacing: tuple[float, float]) -> HeightStatistics:
     """Return the statistics of heights [m] on a grid of a spacing [m]; NaN where they are flat or too few."""
     (dx, dy), level = spacing, heights - np.mean(heights)
-    slope_x, slope_y = np.diff(level, axis=0)[:, :-1] / dx, np.diff(level, axis=1)[:-1] / dy
-    square = np.sort((slope_x**2 + slope_y**2).ravel())
+    slope_x, slope_y = np.diff(level, axis=0) / dx, np.diff(level, axis=1) / dy
+    # At all four corners of a cell: no direction is preferred.
+    ends = slice(None, -1), slice(1, None)
+    square = np.sort([slope_x[:, j] ** 2 + slope_y[i] ** 2 for i in ends for j in ends], axis=None)
     steepest = square[-max(1, round(_STEEPEST * square.size)) :]
     middle = level[1:-1, 1:-1]
     around = [
