@@ -19,10 +19,10 @@ from typing import Any
 
 from PIL import Image
 
-from validation import reference
 from validation.execution.bench import Bench
 from validation.execution.running import Execution
 from validation.files import prepare_folder
+from validation.reference import table
 from validation.report.figure import save_figure
 from validation.studies import find_study
 from validation.studies._outputs import StudyOutputs, report_study, run_study
@@ -78,7 +78,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             _scorecard(said.output)
             continue
         if name == "reference":  # of the table that is shipped: to make it takes hours
-            drawings = find_study(name).figures(reference.table())
+            drawings = find_study(name).figures(table())
         else:
             drawings = _outputs(name, redraw=said.redraw, workers=said.workers).page.figures
         figures = {drawing.name: drawing.figure for drawing in drawings}

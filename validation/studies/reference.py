@@ -226,11 +226,12 @@ def views(data: xr.Dataset) -> Views:
     made = data.area.sel(amplitudes="exact").notnull().all(["hurst", "reduced_pressure"])
     widest = {"amplitudes": 0, "bandwidth": int(np.flatnonzero(made)[-1]) if made.any() else 0}
     load: dict[str, Any] = {"x": "reduced_pressure", "log": "x", "at": widest}
+    plain: dict[str, Any] = {"by": "hurst", "label": "H = {hurst}", "look": {"ls": "-"}}
     variants = [
-        Panel(marks=[Line(y=f"theory_excess_{name}", by="hurst")], y="theory_excess", title=words, **load)
+        Panel(marks=[Line(y=f"theory_excess_{name}", **plain)], y="theory_excess", title=words, **load)
         for name, words in VARIANTS.items()
     ]
-    alpha = Panel(marks=[Line(y="kappa_equal", by="hurst")], x="nayak_equal", log="x")
+    alpha = Panel(marks=[Line(y="kappa_equal", **plain)], x="nayak_equal", log="x")
     few = _some_loads(data)
     return Views(
         table=Table(
