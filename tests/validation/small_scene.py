@@ -1,6 +1,6 @@
 """A small scene as text: one rough surface on one solid, to which a test adds what it is about."""
 
-__all__ = ["OBLONG", "small_scene"]
+__all__ = ["OBLONG", "UNEQUAL", "small_scene"]
 
 
 def small_scene(
@@ -34,3 +34,8 @@ grids = {grids}
 OBLONG = small_scene(
     length='["10 um", "5 um"]', load='pressure = "10 kPa"', grids="[[24, 12], [32, 16], [48, 24]]"
 )
+
+#: Twice as long as wide, of cells that are not square, between two bodies of which neither is the other.
+UNEQUAL = small_scene(
+    "[methods.theory]\n", length='["10 um", "5 um"]', grids="[[24, 16], [36, 24], [48, 32]]"
+).replace("poisson = 0.3", 'poisson = 0.3\nsecond_young = "5 MPa"\nsecond_poisson = 0.45')

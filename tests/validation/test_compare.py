@@ -92,15 +92,6 @@ def test_whether_results_differ_is_decided_by_the_intervals_of_both(error, outco
     assert [one.outcomes for one in found] == [(outcome,)]
 
 
-def test_a_result_beside_its_copy_differs_in_nothing(results, tmp_path):
-    shutil.copytree(results / "first", tmp_path / "copy")
-    page, _ = compare_folders([results / "first", tmp_path / "copy"], tmp_path / "out", report=False)
-    assert page.findings[0].startswith("No setting differs")
-    assert any("agree to the last digit" in text for text in page.findings)
-    data = read_results(tmp_path / "out").data
-    assert all((data[name].fillna(0) == 0).all() for name in data if str(name).endswith("_apart"))
-
-
 def test_studies_are_compared_at_the_places_that_they_share(results, tmp_path):
     compare_folders([results / "area-3", results / "area-4"], tmp_path, report=False)
     data = read_results(tmp_path).data

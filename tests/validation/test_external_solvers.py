@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import psutil
 import pytest
-from typer.testing import CliRunner
 
 sys.path.insert(0, str(Path(__file__).parent))
 from solving import still_running
@@ -17,7 +16,6 @@ from fem_contact.area import contact_areas
 from fem_contact.contact import Status
 from fem_contact.errors import NotConverged
 from fem_contact.solid import Solid
-from validation.cli import app
 from validation.effects import Effect, effect_kinds
 from validation.effects.base import ContactModel
 from validation.effects.hardness import Hardness
@@ -85,16 +83,6 @@ def test_the_solver_of_the_docs_agrees_with_boundary_elements(own_module: Path) 
     # An energy error of the tolerance leaves its square root in the pressure.
     assert np.linalg.norm(found.pressure - reference.pressure) < 1e-3 * np.linalg.norm(reference.pressure)
     assert np.array_equal(found.in_contact, reference.in_contact)
-
-
-@pytest.mark.slow
-def test_a_scene_with_an_own_solver_runs_beside_boundary_elements(own_module: Path) -> None:
-    scene = SCENE + '[methods.own]\nsolver = "my_module:solve"\ngrids = [16, 32]\n'
-    Path("mine.toml").write_text(scene, encoding="utf-8")
-    outcome = CliRunner().invoke(app, ["run", "mine.toml", "--quiet"])
-    assert outcome.exit_code == 0, outcome.output
-    page = (own_module / "results" / "mine" / "report.html").read_text(encoding="utf-8")
-    assert "Own solver" in page
 
 
 def test_another_text_of_the_module_is_another_recipe(own_module: Path) -> None:

@@ -14,10 +14,7 @@ import validation
 from fem_contact import HalfSpace, HeightField, Solid
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from validation import measured, press, self_affine, table, theory
-from validation.comparison.run import run_scene
 from validation.errors import NoLimit, UsageError
-from validation.report.estimates import total_error
-from validation.scenes.scene import Scene
 from validation.studies import GROUPS
 
 WAVES = {
@@ -31,36 +28,6 @@ SOLID = {"young": "2 GPa", "poisson": 0.25}
 SURFACE = self_affine(**WAVES, seed=7)
 CONTACT = press(SURFACE, **SOLID, reduced_pressure=0.08, grid=32)
 NODE = {"hurst": 0.8, "bandwidth": 8, "reduced_pressure": 0.05}
-
-
-def test_its_numbers_are_those_of_a_run(tmp_path):
-    grids = [32, 48, 64]
-    scene = Scene.model_validate(
-        {
-            "name": "same",
-            "surface": {"kind": "self-affine", **WAVES, "seed": 7},
-            "solid": SOLID,
-            "load": {"reduced_pressure": 0.08},
-            "methods": {"bem": {"grids": grids}, "theory": {}},
-        }
-    )
-    run = run_scene(scene, tmp_path, report=False).data
-    contact = press(SURFACE, **SOLID, reduced_pressure=0.08, grid=32)
-    np.testing.assert_array_equal(contact.to_xarray().pressure, contact.result.pressure)
-    first = run.sel(solver="bem", grid="32 x 32")
-    assert contact.areas().perimeter == float(first.area_perimeter)
-    assert contact.theory.area == float(run.area_persson_own)
-    assert contact.limit(grids).value == float(run.area_own)
-    assert contact.limit(grids).error == pytest.approx(float(total_error(run, "area_own")), rel=1e-12)
-    assert float(contact.plot("grids").data.area_own) == pytest.approx(float(run.area_own), rel=0.02)
-    assert float(contact.data.area_own) == pytest.approx(float(first.area_located), rel=1e-12)
-    assert any("A/A0 = " in text for text in contact.findings)
-
-
-def test_the_theory_alone_has_the_area_of_a_run_and_a_number_shows_its_unit():
-    alone = theory(SURFACE, **SOLID, pressure=CONTACT.problem.pressure).area.item()
-    assert alone == pytest.approx(float(CONTACT.data.area_ensemble), rel=1e-12)
-    assert repr(CONTACT.mean_gap) == "mean gap = 358 nm"
 
 
 def test_a_load_may_be_a_force_or_a_distance_and_the_rough_body_elastic():
@@ -201,6 +168,7 @@ def test_what_is_shown_is_short():
     contact = press(SURFACE, **SOLID, reduced_pressure=0.05, grid=32)
     for shown in (repr(SURFACE), repr(contact)):
         assert len(shown) < 250
+    assert repr(CONTACT.mean_gap) == "mean gap = 358 nm"
     assert "<table>" in contact._repr_html_()
     assert "A/A0" in contact._repr_html_()
     picture = contact.plot("distribution")._repr_html_()

@@ -1,4 +1,4 @@
-"""One number, whatever door it comes through, whatever units and axes: every key of every record."""
+"""One number, whatever units and axes: every key of every record."""
 
 from __future__ import annotations
 
@@ -6,21 +6,10 @@ import json
 
 import numpy as np
 import pytest
-import xarray as xr
-from typer.testing import CliRunner
 
-import fem_contact as fc
 from fem_contact.surface import random_surface
-from validation.audit.reading import audit
-from validation.cli import app
-from validation.comparison.compare import side_by_side
 from validation.comparison.run import run_scene
-from validation.comparison.sweep import run_sweep
-from validation.execution.results import read_results
-from validation.reference import table
-from validation.report.quantities import quantity
 from validation.scenes.scene import load_scene
-from validation.scenes.sweep import load_asked
 from validation.units import unit_registry
 
 #: Rectangular cells on an oblong period, two unequal elastic bodies.
@@ -74,101 +63,6 @@ def run_of(parts, folder, name="scene"):
     path = folder / f"{name}.toml"
     path.write_text(toml(parts))
     return run_scene(load_scene(str(path)), folder / name, report=False)
-
-
-@pytest.fixture(scope="module", params=MORE)
-def case(request, tmp_path_factory):
-    folder = tmp_path_factory.mktemp(request.param)
-    return request.param, folder, run_of(tables(request.param), folder)
-
-
-def assert_same(one, other, *, without=frozenset(), lacking=frozenset()):
-    """Compare every variable with its attributes: value, error by source, unit, reason, words."""
-    assert set(other.variables) - set(one.variables) == set()
-    assert set(one.data_vars) - set(other.data_vars) <= lacking
-    for name in set(other.data_vars) - TIMES - without:
-        xr.testing.assert_identical(
-            one[name].drop_vars(lacking, errors="ignore").reset_coords(drop=True),
-            other[name].reset_coords(drop=True),
-        )
-
-
-def test_the_command_line_has_the_numbers_of_python(case):
-    _, folder, run = case
-    done = CliRunner().invoke(
-        app, ["run", str(folder / "scene.toml"), "-o", str(folder / "again"), "-q", "--no-report"]
-    )
-    assert done.exit_code == 0, done.output
-    assert_same(run.data, read_results(folder / "again").data)
-
-
-def test_a_sweep_of_one_has_the_numbers_of_the_run(case):
-    name, folder, run = case
-    (folder / "sweep.toml").write_text(toml(tables(name), "[sweep]\nload.reduced_pressure = [0.1]\n"))
-    sweep = run_sweep(load_asked(str(folder / "sweep.toml")), folder / "sweep", report=False).data
-    one = sweep.isel(reduced_pressure=0).reset_coords("reduced_pressure")
-    assert_same(run.data, one, without={"reduced_pressure"}, lacking=FIELDS)
-
-
-def test_beside_itself_a_run_is_apart_by_nothing(case):
-    _, _, run = case
-    beside = side_by_side({"a": run.result, "b": run.result})
-    for name in beside.data_vars:
-        if "result" in beside[name].dims and name in run.data:
-            np.testing.assert_array_equal(*(beside[name].isel(result=k).values for k in (0, 1)))
-            np.testing.assert_array_equal(beside[name].isel(result=0).values, run.data[name].values)
-        if str(name).endswith("_apart"):
-            assert not beside[name].fillna(0.0).values.any(), name
-
-
-def test_the_audit_finds_each_number_again(case):
-    _, _, run = case
-    ledger = audit(run.folder)
-    assert ledger.entries
-    assert not ledger.wrong
-
-
-def test_the_facade_has_the_numbers_of_a_run_on_one_grid(tmp_path):
-    one = tables(methods={"bem": {"grids": GRIDS[:1]}, "theory": {}})
-    contact = fc.press(fc.self_affine(**SURFACE), **SOLID, reduced_pressure=0.1, grid=(32, 14))
-    assert_same(run_of(one, tmp_path).data, contact.data, lacking=FIELDS)
-    for name, variable in (
-        ("max_pressure", "largest_pressure"),
-        *((n, n) for n in ("area", "kappa", "approach")),
-    ):
-        value = getattr(contact, name)
-        assert value.value == contact.data[variable].item()
-        assert value.unit == contact.data[variable].attrs["units"]
-
-
-def test_our_solver_entered_as_the_users_own_has_the_same_numbers(tmp_path, monkeypatch):
-    (tmp_path / "mine.py").write_text(
-        "from fem_contact import bem, Solid, HalfSpace\nfrom fem_contact.surface import HeightField\n"
-        "def solve(heights, lengths, *, contact_modulus, mean_pressure, tolerance):\n"
-        "    body = HalfSpace(solid=Solid(young=contact_modulus, poisson=0.0))\n"
-        "    field = HeightField(heights=heights, lengths=lengths)\n"
-        "    return bem.solve(field, body, mean_pressure=mean_pressure, tolerance=tolerance).pressure\n"
-    )
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.syspath_prepend(tmp_path)
-    table = {"grids": GRIDS, "tolerance": 1e-9}
-    both = run_of(tables(methods={"bem": table, "own": {"solver": "mine:solve", **table}}), tmp_path).data
-    ours, theirs = (both.isel(solver=k) for k in (0, 1))
-    for name in set(both.data_vars) - TIMES - {"unknowns", "residual", "residual_finest"}:
-        if "solver" in both[name].dims and both[name].dtype.kind == "f" and not name.endswith("_difference"):
-            np.testing.assert_allclose(ours[name], theirs[name], rtol=1e-6, atol=1e-9, err_msg=name)
-
-
-@pytest.mark.parametrize("name", ["area", "kappa", "mean_gap", "compliance", "elastic_energy"])
-def test_the_reference_has_the_numbers_of_its_own_cells(name):
-    cells = table().sel(amplitudes="exact", hurst=0.8, bandwidth=8.0, reduced_pressure=0.05)
-    answer = fc.reference(hurst=0.8, bandwidth=8, reduced_pressure=0.05)
-    if name in answer and name in cells:
-        assert answer[name].value == pytest.approx(cells[name].item(), rel=1e-12)
-        assert quantity(name).name
-
-
-# ---- symmetries ------------------------------------------------------------------------------------
 
 
 def scaled_by(unit, length, pressure):

@@ -123,6 +123,8 @@ def theory(
     *,
     young: Quantity | None = None,
     poisson: float | None = None,
+    second_young: Quantity | None = None,
+    second_poisson: float | None = None,
     pressure: Any = None,
     reduced_pressure: Any = None,
     **effects: Any,
@@ -132,7 +134,8 @@ def theory(
     Parameters are those of `press`; a load may be a list. The dataset, over `load`, has A/A0, the yielded
     part of it, and the error that the theory estimates of itself; NaN where it has no answer.
     """
-    tables, listed = _tables(surface, solid, young=young, poisson=poisson), _effects(effects)
+    second = {"second_young": second_young, "second_poisson": second_poisson}
+    tables, listed = _tables(surface, solid, young=young, poisson=poisson, **second), _effects(effects)
     load = _without_none(pressure=pressure, reduced_pressure=reduced_pressure)
     scene = checked(Scene, "theory", {**tables, "load": load, "methods": {"theory": {}}, "effects": listed})
     problem = ContactProblem(
