@@ -1,0 +1,79 @@
+"""Intervals hold what was planted as often as they say, and findings turn where their intervals end."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from validation.report.estimates import NORMAL, claim, derive, mean, total_error
+from validation.report.findings import KINDS, finding, ranking
+from validation.report.values import Value
+
+PLANTS, TRUTH = 10_000, 0.3
+
+
+def normal(seed, *shape):
+    return np.random.default_rng(seed).standard_normal(shape)
+
+
+def assert_hold(data, name, truth):
+    """95 % of the intervals hold the truth, within three standard errors of that share."""
+    held = np.mean(abs(data[name] - truth) <= total_error(data, name))
+    assert abs(float(held) - 0.95) < 3 * (0.95 * 0.05 / PLANTS) ** 0.5, name
+
+
+@pytest.mark.parametrize(("surfaces", "pairs"), [(3, False), (8, False), (8, True)])
+def test_the_interval_over_surfaces_holds_the_planted_mean(surfaces, pairs):
+    noise = normal(surfaces, surfaces, PLANTS)
+    if pairs:  # +h and -h err to opposite sides, for the most part
+        noise[1::2] = 0.2 * noise[1::2] - 0.9 * noise[::2]
+    data = xr.Dataset({"area_each": (("surface", "load"), TRUTH + 0.02 * noise)})
+    assert_hold(mean(data, "area", pairs=pairs), "area", TRUTH)
+
+
+def test_errors_of_several_sources_and_variables_combine_to_intervals_that_hold():
+    grid, solver, other = normal(1, 3, PLANTS)
+    data = xr.Dataset(
+        {
+            "area": ("load", TRUTH + 0.003 * grid + 0.002 * solver),
+            "area_persson": ("load", 0.2 + 0.001 * other),
+        }
+    )
+    data = claim(data, "area", grid=NORMAL * 0.003, solver=NORMAL * 0.002)
+    data = claim(data, "area_persson", grid=NORMAL * 0.001, solver="it is exact")
+    data = derive(data, area_ratio="area / area_persson", area_excess="log(area / area_persson)")
+    for name, truth in {"area": TRUTH, "area_ratio": TRUTH / 0.2, "area_excess": np.log(1.5)}.items():
+        assert_hold(data, name, truth)
+
+
+#: By kind that decides: outcomes on either side of each threshold, by value and half width.
+TURNS = {
+    "comparison": {(0.9, 1.0): "0", (1.1, 1.0): "+", (-0.9, 1.0): "0", (-1.1, 1.0): "-", (1.0, np.nan): "?"},
+    "trend": {(0.9, 1.0): "0", (1.1, 1.0): "+", (-0.9, 1.0): "0", (-1.1, 1.0): "-", (1.0, np.nan): "?"},
+    "agreement": {(0.9, 1.0): "agree", (1.1, 1.0): "differ", (-0.9, 1.0): "agree", (-1.1, 1.0): "differ"},
+    "equivalence": {
+        (0.6, 0.3): "within",
+        (0.8, 0.3): "undecided",
+        (1.2, 0.3): "undecided",
+        (1.4, 0.3): "beyond",
+        (-0.6, 0.3): "within",
+        (-1.4, 0.3): "beyond",
+        (0.0, np.nan): "?",
+    },
+}
+
+
+def test_each_kind_of_finding_turns_at_its_threshold_from_both_sides():
+    assert set(TURNS) == {kind for kind, (rule, _) in KINDS.items() if rule is not None}
+    for kind, turns in TURNS.items():
+        for (value, error), outcome in turns.items():
+            found = finding(kind, "{verdict}", by="x", x=Value(value=value, error=error))
+            assert (found.outcomes, found.text) == ((outcome,), KINDS[kind][1][outcome]), (kind, value)
+
+
+@pytest.mark.parametrize(("apart", "sign"), [(0.9, "="), (1.1, "<")])
+def test_what_is_ranked_lies_apart_by_more_than_the_joint_interval(apart, sign):
+    ranked = {"b": Value(value=1 + 0.05 * apart, error=0.04), "a": Value(value=1.0, error=0.03)}
+    words = ranking("{order}", ranked).text.split()
+    assert (words[0], sign in words, "b" in words) == ("a", True, True)
