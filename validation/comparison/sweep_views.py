@@ -231,10 +231,10 @@ def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
 
 
 def _power(known: xr.Dataset, name: str, key: str, dim: str) -> Iterator[Finding]:
-    """Say with which power of a scale the area goes, where more than two values tell its interval."""
+    """Say with which power of a scale the area goes, where four values or more tell its interval."""
     if not _numeric(known, key) or quantity_of(known, key).linear or _is_seed(known, key):
         return
-    if known.sizes[dim] > 2 and bool((known[key] > 0).all()):
+    if known.sizes[dim] > 3 and bool((known[key] > 0).all()):
         law = power_law(known, "exponent", of=name, x=key, along=[dim])
         yield finding(
             "trend",
