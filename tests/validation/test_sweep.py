@@ -145,6 +145,9 @@ def test_along_a_scale_the_power_is_that_of_the_numbers_with_its_interval(swept)
     assert found.values["exponent"].error == pytest.approx(student * line.stderr, rel=1e-9)
     assert found.outcomes == ("+",)
     assert found.text.startswith("A/A0 rises as a power of p, with the exponent 0.9")
+    single = [one.text for one in sweep_views(data.isel(pressure=[0])).findings if "Persson" in one.text]
+    assert single
+    assert not any(" to " in text for text in single)
     for fewer in (data, few.isel(pressure=slice(3))):
         assert not any(one.by == "exponent" for one in sweep_views(fewer).findings)
 

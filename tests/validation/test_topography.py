@@ -314,7 +314,7 @@ def test_one_length_for_a_map_that_is_not_square_is_refused_and_oblong_cells_are
         load_scene(str(tmp_path / "scene.toml"))
     (tmp_path / "scene.toml").write_text(text.replace('"10 um"', '["10 um", "10 um"]'))
     surface = load_scene(str(tmp_path / "scene.toml")).surface
-    assert "oblong cells of 4.167e-07 m x 5.556e-07 m" in measured_surface(surface).period.history[0]
+    assert "oblong cells of 416.7 nm x 555.6 nm" in measured_surface(surface).period.history[0]
     assert "oblong" not in read_topography(tmp_path / "scan.npy", lengths=(4.0, 3.0), unit=1.0).history[0]
 
 

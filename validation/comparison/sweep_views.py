@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -91,7 +92,9 @@ def _varying(data: xr.Dataset) -> list[str]:
 
 
 def _ends(form: str, values: xr.DataArray, **more: Any) -> Finding:
-    return finding("value", form, low=float(values.min()), high=float(values.max()), **more)
+    low, high = float(values.min()), float(values.max())
+    form = re.sub(r" to \{high[^}]*\}", "", form) if low == high else form
+    return finding("value", form, low=low, high=high, **more)
 
 
 def _cards(data: xr.Dataset) -> Iterator[Card]:
@@ -133,8 +136,8 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         excess, error = data.area_excess, data.area_excess_error
         half = (error.sel(source=["surfaces", "grid", "solver"]) ** 2).sum("source") ** 0.5
         yield _ends(
-            "The area lies between {low:+.2%} and {high:+.2%} of Persson's theory; in {agree} of {count} "
-            "cases the two agree within the 95 % interval.",
+            "The area is {low:+.2%} to {high:+.2%} from Persson's theory; in {agree} of {count} cases the "
+            "two agree within the 95 % interval.",
             excess,
             agree=float((abs(excess) <= half).sum()),
             count=float(excess.notnull().sum()),

@@ -14,6 +14,7 @@ import numpy as np
 from validation import sandbox
 from validation.arrays import Array
 from validation.errors import UsageError
+from validation.report.quantities import in_prefixed_unit
 from validation.scenes.topography.formats import one_line, read_plain
 from validation.scenes.topography.patch import Topography, rms
 from validation.scenes.topography.raw import MOST_POINTS
@@ -139,14 +140,18 @@ def read_topography(path: Path, *, lengths: Lengths | None = None, unit: float |
     heights *= scale
     heights.setflags(write=False)
     nx, ny = heights.shape
-    words = f"{one_line(path.name)}: {nx} x {ny} points, {size[0]:.4g} m x {size[1]:.4g} m"
+    words = f"{one_line(path.name)}: {nx} x {ny} points, {_sides(size)}"
     if any(abs(a / b - 1) > _RATIO for a, b in zip(size, says.lengths or size, strict=True)):
-        words += " (its own: {:.4g} m x {:.4g} m)".format(*(says.lengths or size))
+        words += f" (its own: {_sides(says.lengths or size)})"
     cells = size[0] / nx, size[1] / ny
     if abs(cells[0] / cells[1] - 1) > _RATIO:
-        words += f", oblong cells of {cells[0]:.4g} m x {cells[1]:.4g} m"
+        words += f", oblong cells of {_sides(cells)}"
     notes = (words, *_impossible(heights, size), *says.notes)
     return Topography(heights=heights, lengths=size, history=notes, unit=scale, digest=says.digest)
+
+
+def _sides(sides: Lengths) -> str:
+    return " x ".join(in_prefixed_unit(side, "m") for side in sides)
 
 
 def _impossible(heights: Array, size: Lengths) -> Iterator[str]:
