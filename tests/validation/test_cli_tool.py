@@ -247,7 +247,7 @@ def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(
     assert not (tmp_path / "there" / "solves").exists()
     code, out, err = tool("run", path, "--output", "here", "--no-report")
     assert code == 0, err
-    assert "0 solves done, 12 found finished" in out
+    assert "Solves done: 0, found finished: 12" in out
     for column in ("method", "grid", "A/A0, counted", "kappa"):
         assert column in out
     assert (tmp_path / "here" / "table.csv").exists()
@@ -430,7 +430,7 @@ def test_an_accuracy_is_reached_told_and_stored_and_not_solved_again(tool, write
     kept = read_results(tmp_path / "results" / "small-accuracy")
     told = kept.settings["accuracy"]
     assert told["error"] <= told["target"] == 0.05
-    assert f"\n{told['solves']} solves done, 0 found finished." in out
+    assert f"\nSolves done: {told['solves']}, found finished: 0." in out
     assert not (tmp_path / "results" / "small" / "report.html").exists()
     assert kept.data.grid.values.tolist() == [f"{nx} x {ny}" for nx, ny in told["grids"]]
     assert float(kept.data.area_own) == pytest.approx(told["area"], rel=1e-14)

@@ -22,6 +22,7 @@ from validation.cli.progress import Bar
 from validation.cli.results import page_table, print_page, sentence_lines
 from validation.comparison.pages import result_page
 from validation.comparison.run import report_scene, run_scene
+from validation.comparison.run_views import run_views
 from validation.execution.bench import Bench
 from validation.execution.results import record_of
 from validation.report.figure import new_figure, save_figure
@@ -317,3 +318,6 @@ def test_the_card_says_what_is_known_of_the_interval(small_run):
     assert "the scatter between surfaces is unknown" in card.basis
     share = float((small_run.data.area_error**2).sum() ** 0.5 / small_run.data.area)
     assert card.answer == f"+- {100 * share:.2g} %"
+    unmeasured = small_run.data.assign(area_error=small_run.data.area_error * np.nan)
+    (card,) = [card for card in run_views(unmeasured).cards if card.question == "How sure?"]
+    assert (card.answer.text, "95 %" in card.basis.text) == ("not measured", False)

@@ -74,7 +74,7 @@ def run(
         return
     with Bar(quiet=quiet or how.quiet or as_json) as bar:
         outputs = solve(progress=bar, execution=execution, store_folder=store_folder, report=with_report)
-    line = f"{outputs.solved} solves done, {outputs.reused} found finished. Written:"
+    line = f"Solves done: {outputs.solved}, found finished: {outputs.reused}. Written:"
     print_page(outputs.page, outputs.files, as_json=as_json, more=outputs.more, done=line)
     outputs.check()
 

@@ -175,16 +175,17 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
     )
     yield Card("How large is the contact? A/A0", told("{area}"), told(basis + "; kappa = {kappa}"))
     area, answer = value_of(data, "area"), note("not measured")
+    half = area.error if area.error is not None and np.isfinite(area.error) else None
     if "accuracy_asked" in data:
         answer = told("asked {accuracy_asked:%}, reached {accuracy_reached:%~}")
-    elif area.error is not None and np.isfinite(area.error) and float(area.value):
-        answer = note("+- {share:.2%}", share=area.error / float(area.value))
+    elif half is not None and float(area.value):
+        answer = note("+- {share:.2%}", share=half / float(area.value))
     scatter = (
         "single surfaces scatter by {scatter:.2%}" if several else "the scatter between surfaces is unknown"
     )
     if "treatment_spread" in data:
         scatter += "; the treatment of the map: {treatment_spread:.2%}"
-    held = f"95 %: {sources_of(data.area_error) or 'all sources'}; "
+    held = f"95 %: {sources_of(data.area_error) or 'all sources'}; " if half is not None else ""
     yield Card("How sure?", answer, told(held + scatter))
     if "area_excess" in data and np.isfinite(data.area_persson_own):
         basis = (
@@ -204,7 +205,7 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
         predicted = "; theory: {area_plastic_persson:.4}" if "area_plastic_persson" in data else ""
         at, basis = _finest(data), "{solver} on {grid}, points counted" + predicted
         yield Card("How much has yielded? A_pl/A0", told("{area_plastic_pixel:.4}", at), told(basis, at))
-    basis = "{solves} solves of this surface, largest {unknowns_largest} unknowns"
+    basis = "solves of this surface: {solves}, largest {unknowns_largest} unknowns"
     basis += "; without those of the mean" if several else ""
     shown = told(basis, solves=float(data.shifts.sum()))
     yield Card("What did it cost?", told("{seconds_total:u}"), shown)

@@ -167,7 +167,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         more = "; {shared} more were asked for by several cases and done once" if shared else ""
         yield finding(
             "cost",
-            f"{{cases}} cases took {{solves}} solves{more}.",
+            f"Cases: {{cases}}; solves: {{solves}}{more}.",
             cases=float(data.attrs["cases"]),
             solves=float(data.attrs["solves"]),
             shared=shared,
