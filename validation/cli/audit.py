@@ -11,8 +11,6 @@ from typing import Annotated
 from validation.cli.options import FolderArgument, JsonOption, option, print_json, show
 from validation.errors import RunFailed, UsageError
 
-__all__ = ["audit"]
-
 
 def audit(
     folder: FolderArgument,

@@ -9,8 +9,6 @@ import typer
 
 from validation.cli.options import JsonOption, examples, say
 
-__all__ = ["challenge_app"]
-
 challenge_app = typer.Typer(no_args_is_help=True)
 
 

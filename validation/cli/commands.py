@@ -24,8 +24,6 @@ from validation.cli.surface import surface_app
 from validation.cli.validate import reproduce, validate
 from validation.errors import RunFailed, UsageError
 
-__all__ = ["app", "main"]
-
 
 class _Commands(TyperGroup):
     """All commands: Ctrl-C ends each in a sentence and exit code 130."""

@@ -10,8 +10,6 @@ import typer
 
 from validation.cli.options import JsonOption, OutputOption, ReportOption
 
-__all__ = ["compare"]
-
 
 def compare(
     folders: Annotated[

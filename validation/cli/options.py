@@ -19,38 +19,6 @@ if TYPE_CHECKING:
     from validation.execution.store import Store
     from validation.scenes.scene import RunOptions
 
-__all__ = [
-    "WIDE",
-    "AccuracyOption",
-    "DryRunOption",
-    "FolderArgument",
-    "JsonOption",
-    "MemoryOption",
-    "MpiOption",
-    "OutputOption",
-    "PicturesOption",
-    "QuietOption",
-    "ReportOption",
-    "SceneArgument",
-    "SchedulerOption",
-    "SetOption",
-    "StoreOption",
-    "TimeLimitOption",
-    "WorkersOption",
-    "chosen_accuracy",
-    "chosen_execution",
-    "examples",
-    "key_names",
-    "naming",
-    "option",
-    "print_json",
-    "print_plan",
-    "say",
-    "scene_names",
-    "show",
-    "terminal_width",
-]
-
 
 def scene_names(incomplete: str) -> list[str]:
     """Complete the name of a scene: built-in ones, and TOML files of the folder."""
@@ -253,7 +221,6 @@ def print_plan(solves: Sequence[Solve], store: Store, *, as_json: bool) -> None:
 
 
 def _briefly(number: float) -> str:
-    """Write a number with two digits, or without a fraction."""
     return f"{number:.2g}" if number < 100 else f"{number:.0f}"
 
 

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from validation.scenes.scene import Scene
     from validation.scenes.sweep import Sweep
 
-__all__ = ["run_parallel"]
-
 #: Where Open MPI, MPICH and Slurm say which process this is, should MPI itself be missing.
 _RANKS = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "SLURM_PROCID")
 
@@ -74,7 +72,6 @@ def _together(comm: Any) -> Iterator[None]:
 
 
 def _solves(scene: Scene) -> list[Press]:
-    """Return the solves of the scene's own surface by boundary elements, coarse grids first."""
     from validation.effects.base import Effect
     from validation.execution.press import solves_of
     from validation.scenes.checks import check_scene
@@ -96,7 +93,6 @@ def _solves(scene: Scene) -> list[Press]:
 
 
 def _solved(solve: Press, folder: Path, comm: Any) -> dict[str, Any]:
-    """Solve, or find finished, one grid; what is told of it."""
     from fem_contact import bem
     from validation.effects.base import ContactModel
     from validation.scenes.surfaces import waves_drawn
@@ -148,7 +144,6 @@ def _solved(solve: Press, folder: Path, comm: Any) -> dict[str, Any]:
 
 
 def _finished(solve: Press, path: Path) -> dict[str, Any] | None:
-    """Return what the record beside a finished grid tells; None without one, or for one that is damaged."""
     from validation.cli.options import say
 
     record = path.with_suffix(".json")

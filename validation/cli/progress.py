@@ -13,8 +13,6 @@ from validation.execution.attempt import Progress
 if TYPE_CHECKING:
     from validation.execution.solve import Solve
 
-__all__ = ["Bar", "under_way"]
-
 #: Seconds between two lines of a log.
 _BETWEEN_LINES = 10.0
 #: What is under way when nothing is left to be solved.

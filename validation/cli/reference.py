@@ -11,8 +11,6 @@ import typer
 from validation.cli.options import JsonOption, OutputOption, print_json
 from validation.errors import UsageError
 
-__all__ = ["reference"]
-
 
 def _of(*choices: str) -> Any:
     return lambda incomplete: [word for word in choices if word.startswith(incomplete)]

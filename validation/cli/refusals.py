@@ -11,8 +11,6 @@ from collections.abc import Iterator
 from validation.cli.options import say
 from validation.files import system_words
 
-__all__ = ["refusals_in_words"]
-
 _STORED = "every finished solve is stored, and the same command continues after it"
 #: Address space that numba, OpenBLAS and the interpreter take before a surface is made [bytes].
 _LEAST = 2**30

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from validation.report.table import WordTable
     from validation.studies._outputs import StudyOutputs
 
-__all__ = ["page_table", "print_page", "print_study", "print_table", "sentence_lines"]
-
 #: Rows from which on a table is left to the files.
 _MANY_ROWS = 40
 

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from validation.scenes.scene import Scene
     from validation.scenes.sweep import Sweep
 
-__all__ = ["calibrate", "explain", "report", "run"]
-
 
 def run(
     scene: options.SceneArgument = "quickstart",
@@ -82,7 +80,6 @@ def run(
 def _prepared(
     loaded: Scene | Sweep, folder: Path, *, chosen: dict[str, Any] | None, pictures: bool
 ) -> tuple[Callable[[], Sequence[Solve]], Callable[..., Any]]:
-    """Check what is asked, and return what lists its solves and what does them."""
     from validation.comparison.accuracy import run_accurate
     from validation.comparison.explain import problems_of, solves_of_sweep
     from validation.comparison.run import run_scene

@@ -11,8 +11,6 @@ import typer
 from validation.cli.options import JsonOption, SceneArgument, examples, print_json, show
 from validation.errors import UsageError, did_you_mean
 
-__all__ = ["scenes_app"]
-
 scenes_app = typer.Typer(no_args_is_help=True)
 
 

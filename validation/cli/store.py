@@ -15,8 +15,6 @@ from validation.errors import RunFailed, UsageError
 if TYPE_CHECKING:
     from validation.execution.store import Checked
 
-__all__ = ["store_app"]
-
 store_app = typer.Typer(no_args_is_help=True)
 
 

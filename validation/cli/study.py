@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from validation.scenes.scene import Scene
     from validation.studies import Study
 
-__all__ = ["study"]
-
 
 def _study_names(incomplete: str) -> list[str]:
     from validation.studies import studies
@@ -106,7 +104,6 @@ def study(
 
 
 def _scene_of_study(scene: str | None, settings: Sequence[str]) -> Scene | None:
-    """Read the one scene that a study is asked about."""
     from validation.scenes.sweep import Sweep, load_asked
 
     if scene is None:
@@ -120,7 +117,6 @@ def _scene_of_study(scene: str | None, settings: Sequence[str]) -> Scene | None:
 
 
 def _list_studies(known: Mapping[str, Study], *, as_json: bool) -> None:
-    """Print one line for each study, in groups; those of other packages last."""
     if as_json:
         options.print_json({name: list(study.options.flags()) for name, study in known.items()})
         return

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from validation.scenes.scene import FileSurface
     from validation.scenes.tables import Surface
 
-__all__ = ["surface_app"]
-
 surface_app = typer.Typer(no_args_is_help=True, help="Surfaces: generate, inspect, convert.")
 
 TargetArgument = Annotated[

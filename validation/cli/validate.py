@@ -24,8 +24,6 @@ from validation.report.words import json_ready
 if TYPE_CHECKING:
     from validation.cases.scorecard import Scorecard
 
-__all__ = ["reproduce", "show_scorecards", "validate"]
-
 
 def validate(
     names: Annotated[

@@ -134,7 +134,6 @@ def _read(folders: Sequence[Path]) -> tuple[dict[str, Result], tuple[str, ...]]:
 
 
 def _question(result: Result) -> str:
-    """Name what results must have in common."""
     words = {"theory": "run of the theory alone", "study": f"study {result.name}"}
     return words.get(result.kind, result.kind)
 
@@ -246,7 +245,6 @@ def _word(value: Any) -> str:
 
 
 def _flat_settings(result: Result) -> dict[str, str]:
-    """Return everything that was asked for by dotted key, as a scene names it."""
     settings = dict(result.settings)
     scene = {k: v for k, v in settings.pop("scene", {}).items() if k not in ("name", "title", "run")}
     options = dict(_flat({**scene, **settings}))
@@ -387,7 +385,6 @@ def _farthest(data: xr.Dataset, name: str, k: int) -> Finding:
 
 
 def _figures(data: xr.Dataset) -> Iterator[Figure]:
-    """Draw quantities with an interval: of every result along what it depends on, or beside each other."""
     made = 0
     for name in _compared(data):
         dims = [str(dim) for dim in data[name].dims if dim != "result"]

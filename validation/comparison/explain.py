@@ -374,7 +374,6 @@ def _surface_facts(problem: ContactProblem) -> list[tuple[str, str]]:
 
 
 def _left_out(scene: Scene, problem: ContactProblem, rough: Roughness) -> tuple[Judgement, ...]:
-    """Return the effects that are not listed, each with the number that decides whether it may be."""
     slots = {effect.slot for effect in scene.effects}
     # Where one effect fills a slot, its rivals are not missing.
     rivals = (kind for kind in effect_kinds().values() if kind.slot not in slots)

@@ -134,7 +134,6 @@ def _carried(readings: Sequence[Reading]) -> float:
 
 
 def _on_grids(case: _Case) -> xr.Dataset:
-    """Lay the solves of the scene's own surface out over method, grid and shift; means over the shifts."""
     scene, problem, grids = case.scene, case.problem, case.grids
     parts: dict[tuple[str, str, int], xr.Dataset] = {}
     for reading in case.own:
@@ -286,7 +285,6 @@ def _beside_theory(data: xr.Dataset, case: _Case) -> xr.Dataset:
 
 
 def _over_surfaces(data: xr.Dataset, case: _Case, accurate: Mapping[str, Any] | None) -> xr.Dataset:
-    """Add area, kappa and distance from the theory: means over the surfaces where there are several."""
     has_theory = "area_persson_own" in data
     if accurate is not None:
         data = _as_claimed(data, accurate)
@@ -347,7 +345,6 @@ def _as_claimed(data: xr.Dataset, accurate: Mapping[str, Any]) -> xr.Dataset:
 
 
 def _surfaces(case: _Case) -> xr.Dataset | None:
-    """Return area, load and theory of each surface of the ensemble; None without one."""
     ensemble, solver = case.scene.ensemble, case.scene.ensemble_solver
     if ensemble is None or solver is None:
         return None

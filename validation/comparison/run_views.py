@@ -316,7 +316,6 @@ def _methods(data: xr.Dataset) -> Iterator[Finding]:
 
 
 def _edges(data: xr.Dataset) -> Iterator[Finding]:
-    """Say what counting points leaves on the first and the last grid of each method."""
     rows = []
     for k, here in enumerate(each(data, "solver")):
         good = np.flatnonzero((here.resolved.values > 0) & here.area_pixel_off.notnull().values)
@@ -364,7 +363,6 @@ def _warnings(data: xr.Dataset) -> Iterator[Finding]:
 
 
 def _figures(data: xr.Dataset) -> Iterator[Figure]:
-    """Yield the figures: the answer, then the surface before the contact."""
     yield area_figure()
     if "heights" in data:
         spectra = [

@@ -72,7 +72,6 @@ def sweep_data(sweep: Sweep, cases: Sequence[ContactProblem], results: Solves) -
 
 
 def _case(scene: Scene, problem: ContactProblem, results: Solves) -> xr.Dataset:
-    """Return the numbers of one case, as its own run has them, or why it has none."""
     if scene.methods.solvers:
         solves = solves_of(scene, problem)
         failed = {solve: results.failures[solve] for solve in solves if solve in results.failures}

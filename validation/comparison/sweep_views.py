@@ -266,7 +266,6 @@ def _figures(data: xr.Dataset) -> Iterator[Figure]:
 
 
 def _figure(data: xr.Dataset, key: str, name: str, variables: tuple[str, ...]) -> Figure:
-    """Declare one figure: a line for each of a few values of another key, the others in the middle."""
     others = [other for other in _over(data) if other not in (key, "case") and data.sizes[other] > 1]
     at: dict[str, int] = {other: data.sizes[other] // 2 for other in others[1:]}
     marks: list[Any] = []

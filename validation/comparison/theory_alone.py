@@ -193,7 +193,6 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
 
 
 def _between(values: xr.DataArray) -> str:
-    """Write one number, or the range of several, with its unit."""
     unit = quantity(str(values.name)).unit
     low, high = (in_prefixed_unit(float(end), unit) for end in (values.min(), values.max()))
     return low if low == high else f"{low} to {high}"

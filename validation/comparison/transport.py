@@ -81,7 +81,6 @@ def _ladder(
 def _asked(
     quantities: Quantities, problem: ContactProblem, *, bare: bool
 ) -> Iterator[tuple[str, _Read, str]]:
-    """Yield name, how it is read off a result, and whose theory stands beside."""
     if quantities.electrical is not None:
         read = _conductance(quantities.electrical.resistivity, problem, bare=bare)
         yield "electrical_conductance", read, "persson"

@@ -14,8 +14,6 @@ from validation.execution.solve import Solve
 from validation.execution.store import Store
 from validation.files import system_words
 
-__all__ = ["Outcome", "Progress", "attempt", "attempt_in_worker", "one_blas_thread", "warm_up"]
-
 
 class Progress:
     """What a run tells the person who watches it; here, nobody."""

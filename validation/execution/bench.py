@@ -12,8 +12,6 @@ from validation.execution.running import Execution, Solves, solve_all
 from validation.execution.solve import Solve
 from validation.execution.store import Store
 
-__all__ = ["DEFAULT_STORE", "Bench", "PlannedOnly"]
-
 #: Where studies keep their solves unless told otherwise: one folder for all of them, so that they share
 #: cases.
 DEFAULT_STORE = Path("results") / "solves"

@@ -19,8 +19,6 @@ from validation.effects import Effect, effect_kinds
 from validation.files import prepare_folder, read_record, write_record
 from validation.solvers import Solver, find_solver, methods
 
-__all__ = ["EffectCosts", "cache_file", "calibrate", "effect_costs", "reference"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class EffectCosts:

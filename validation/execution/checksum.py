@@ -14,8 +14,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["Damaged", "Sealed", "seal", "unseal"]
-
 _WORD = b"sha256 "
 _FOOT = len(_WORD) + 64 + 1
 

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from validation.execution.solve import Solve
     from validation.execution.store import Store
 
-__all__ = ["solve_on_cluster"]
-
 #: Solves handed to the scheduler at a time, per worker: one under way and one that waits.
 _AHEAD = 2
 #: How often the cluster is looked at while nothing is finished, and after how long its silence is told [s].
@@ -112,7 +110,6 @@ class _Cluster:
         return outcome
 
     def awaited_workers(self) -> dict[str, float]:
-        """Return the memory limit of every worker [bytes]; wait for a silent scheduler and for a worker."""
         began, noted = time.monotonic(), False
         while True:
             try:
@@ -169,7 +166,6 @@ def solve_on_cluster(
 
 @contextlib.contextmanager
 def _connected(address: str) -> Iterator[Any]:
-    """Connect to a scheduler, within bounds of time whatever answers there."""
     try:
         from distributed import Client, Security
     except ImportError:
@@ -213,7 +209,6 @@ def _connected(address: str) -> Iterator[Any]:
 
 
 def _unanswered(address: str, error: Exception) -> str:
-    """Say in one line why no scheduler could be reached, and what to do."""
     reason = str(error).splitlines()[0] if str(error) else type(error).__name__
     if not address.startswith("tls://"):
         return f"no scheduler answers there ({reason}); start one with: dask scheduler"
@@ -246,7 +241,6 @@ def _memory_limits(client: Any, address: str) -> dict[str, float]:
 
 
 def _remote(solve: Solve, store: Store) -> Outcome:
-    """Do a solve in a worker."""
     if not store.folder.is_dir():
         return Outcome(error=f"{socket.gethostname()}: {_unshared(store.folder)}", fatal=True)
     warm_up([solve])

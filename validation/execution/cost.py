@@ -14,8 +14,6 @@ from validation.execution.solve import Solve
 if TYPE_CHECKING:
     from validation.effects.base import Effect
 
-__all__ = ["available_memory", "dearer_by", "memory_words", "too_large", "transform_seconds"]
-
 
 def transform_seconds(n: int = 256) -> float:
     """Median time of a pair of real n x n transforms on this machine, on one thread [s]."""

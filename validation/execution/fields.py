@@ -11,8 +11,6 @@ import numpy as np
 from fem_contact.contact import ContactResult, Cost, Residuals, Status
 from validation.execution.netcdf import InMemory, reading
 
-__all__ = ["decode_result", "encode_result"]
-
 _FIELDS = {
     "pressure": ("Pa", "contact pressure, compression positive"),
     "gap": ("m", "gap u - h + offset"),

@@ -26,8 +26,6 @@ from validation.scenes.problem import ContactProblem
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Call", "Measurement", "measurement"]
-
 P = ParamSpec("P")
 
 
@@ -67,7 +65,6 @@ class Measurement(Generic[P]):
         return Call(measurement=self, arguments=tuple(bound.arguments.items()))
 
     def __reduce__(self) -> str:
-        """Travel by name."""
         return str(self.__qualname__)  # type: ignore[attr-defined]
 
 
@@ -160,7 +157,6 @@ class Call(Solve):
         return (("bem", {}, ()),) if compiled is None else cast("Compiled", self._evaluated(compiled))
 
     def _evaluated(self, of: Callable[..., Any], **more: Any) -> Any:
-        """Call with those of the arguments that are named."""
         known = {**dict(self.arguments), **more}
         return of(**{name: known[name] for name in inspect.signature(of).parameters})
 
@@ -173,7 +169,6 @@ class Call(Solve):
 
 
 def _plain(value: Any) -> Any:
-    """Return a value as JSON has it."""
     if isinstance(value, tuple):
         return [_plain(item) for item in value]
     if isinstance(value, BaseModel):

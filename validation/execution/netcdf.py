@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["InMemory", "dataset_bytes", "read_dataset", "reading"]
-
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 #: Bytes that HDF5 takes at most to open a file; where they are missing it crashes.

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from validation.execution.solve import Solve
     from validation.execution.store import Store
 
-__all__ = ["Again", "Died", "Workers", "scheduled", "solve_in_processes"]
-
 #: A solve whose worker died this often waits until the others are done, and is then tried once alone.
 _ATTEMPTS = 3
 #: Deaths one after another, for each worker, before a solve is begun: something is wrong with this machine.

@@ -25,8 +25,6 @@ from validation.solvers.base import Job, Settings, Shift, Size, Solved, Solver
 if TYPE_CHECKING:
     from fem_contact.surface import HeightField
 
-__all__ = ["Press", "run_solves", "solves_of"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Press(Solve):

@@ -12,8 +12,6 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib import metadata
 
-__all__ = ["SOLVES_MADE", "Made", "made_words"]
-
 #: Attribute of a dataset of many solves: how they were made, the lines of `made_words`.
 SOLVES_MADE = "solves_made"
 

@@ -15,8 +15,6 @@ from validation.execution.solve import Solve
 from validation.execution.store import Store, Stored
 from validation.files import prepare_folder, sync_folder
 
-__all__ = ["Execution", "Solves", "solve_all"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Execution:
@@ -73,7 +71,6 @@ class Solves(Mapping[Any, Any]):
         return stored
 
     def __getitem__(self, solve: Solve) -> Any:
-        """Read a result from the store."""
         stored = self.read(solve)
         if stored is None:
             raise RunFailed(f"{solve.describe()}: no intact result in {self.store.folder}; run it again")
@@ -87,11 +84,9 @@ class Solves(Mapping[Any, Any]):
         return tuple(self.how[solve.key] for solve in self.solves)
 
     def __iter__(self) -> Iterator[Solve]:
-        """Solves in the order they were asked for."""
         return iter(self.solves)
 
     def __len__(self) -> int:
-        """Count the solves."""
         return len(self.solves)
 
 
@@ -158,7 +153,6 @@ def solve_all(
 def _outcomes(
     solves: tuple[Solve, ...], store: Store, execution: Execution, progress: Progress, memory: int
 ) -> Iterator[tuple[Solve, Outcome]]:
-    """Do solves where they are to run; yield each with its outcome."""
     if solves and execution.scheduler is not None:
         from validation.execution.cluster import solve_on_cluster
 

@@ -14,8 +14,6 @@ from typing import Any
 from validation.execution.netcdf import dataset_bytes, read_dataset
 from validation.solvers import find_solver
 
-__all__ = ["LOCATED_EDGES", "RESULTS_VERSION", "Compiled", "Prediction", "Solve"]
-
 #: A method, its settings and the effects that it is to be warmed up with.
 Compiled = tuple[tuple[str, Mapping[str, Any], tuple[Any, ...]], ...]
 

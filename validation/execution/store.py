@@ -24,8 +24,6 @@ from validation.files import read_whole, reason, write_whole
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Checked", "Store", "Stored", "check_store", "read_numbers", "read_result", "write_numbers"]
-
 _SUFFIX = ".nc"
 _ASIDE = ".nc.corrupt"
 
@@ -128,7 +126,6 @@ def read_numbers(path: Path) -> xr.Dataset:
 
 
 def _content_of(path: Path, decode: Callable[[memoryview], Any]) -> Any:
-    """Verify a file that must be there, and decode its content."""
     try:
         data = _bytes_of(path)
         if data is None:
@@ -194,7 +191,6 @@ _UNREADABLE = {
 
 
 def _bytes_of(path: Path) -> bytes | None:
-    """Return the bytes of a file; None if there is none."""
     try:
         return read_whole(path, most=max(_SURELY_FITS, available_memory()))
     except (FileNotFoundError, NotADirectoryError):

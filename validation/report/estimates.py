@@ -120,7 +120,6 @@ def _without(values: Mapping[Any, xr.DataArray], axis: int) -> dict[Any, xr.Data
 
 
 def _stacked(values: Mapping[Any, xr.DataArray], sizes: Mapping[str, int]) -> tuple[Any, Any, Any]:
-    """Dimensions, values and attributes of what stands at some places along dimensions in front."""
     like = next(iter(values.values()))
     text = like.dtype.kind in "OU"
     if not sizes:
@@ -184,7 +183,6 @@ def error_of(value: xr.DataArray, **sources: xr.DataArray | float | str) -> xr.D
 
 
 def _of(data: xr.Dataset, name: str, who: str, along: str = "") -> xr.DataArray:
-    """Return a variable that someone needs along a dimension, or say that there is none."""
     if name in data.variables:
         if along and along not in data[name].dims:
             raise UsageError(
@@ -451,7 +449,6 @@ def evaluated(expression: str, values: Mapping[str, Any]) -> Any:
 
 
 def _at(expression: str, values: Mapping[str, xr.DataArray]) -> xr.DataArray:
-    """Evaluate an expression of variables; a number becomes an array, too."""
     value = evaluated(expression, values)
     return value if isinstance(value, xr.DataArray) else xr.DataArray(value)
 

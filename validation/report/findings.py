@@ -176,7 +176,6 @@ class Finding:
 
 
 def _with_errors(form: str, values: Mapping[str, Value]) -> Iterator[Value]:
-    """Yield the values that a form prints with their intervals."""
     for _, name, spec, _ in Formatter().parse(form):
         value = values.get(name or "", Value(value=0.0))
         if value.error and math.isfinite(value.error) and not set(spec or "") & set(".u~"):

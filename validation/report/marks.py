@@ -246,7 +246,6 @@ def _put(
     factors: tuple[float, float],
     look: dict[str, Any],
 ) -> Any:
-    """Hand the numbers of one mark, in the units of the axes, to matplotlib."""
     values, error = here[mark.y], total_error(here, mark.y)
     along: Any = here[x].values if x in here.variables else None
     if along is not None and along.dtype.kind not in "OU":
@@ -360,7 +359,6 @@ def _axis_label(what: Quantity, unit: str, *, width: int = 36) -> str:
 
 
 def _legend(canvas: Any, axes: Sequence[Axes]) -> None:
-    """One legend below all, in as many columns as find place: what has one name looks alike on all panels."""
     options: dict[str, Any] = {}
     for on in axes:
         options |= {name: handle for handle, name in zip(*on.get_legend_handles_labels(), strict=True)}
@@ -379,7 +377,6 @@ def _legend(canvas: Any, axes: Sequence[Axes]) -> None:
 
 
 def _caption(text: str, drawn: Sequence[Drawn]) -> str:
-    """Return what the author says, then which measured sources the bars stand for."""
     labels: dict[str, list[str]] = {}
     for line in drawn:
         errors = optional(line.data, f"{line.mark.y}_error")
