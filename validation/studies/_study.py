@@ -11,7 +11,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from pydantic import ValidationError, ValidationInfo, field_validator
+from pydantic import ConfigDict, ValidationError, ValidationInfo, field_validator
 from pydantic.fields import FieldInfo
 
 from fem_contact import errors as fem_errors
@@ -40,6 +40,7 @@ _MOST = 10_000
 class StudyOptions(Table):
     """Options of a study: a table like those of a scene, with units, ranges and meanings; all have defaults."""
 
+    model_config = ConfigDict(use_attribute_docstrings=True)
     why_no_scene: typing.ClassVar[str] = ""  # Why it takes no scene, where it has no option of that name
 
     @field_validator("*", mode="after")
@@ -117,7 +118,8 @@ class StudyOptions(Table):
                 about = "may be left out" if default is None else f"default: {default}"
                 kind = _kind_words(field) + ("" if unit == "1" else f" in {unit}, or with a unit")
                 yield f"    {flag} {kind} ({about})"
-            yield f"        {field.description}{cls.fixed_by_scene().get(flag[2:].replace('-', '_'), '')}"
+            meaning = " ".join((field.description or "").split())
+            yield f"        {meaning}{cls.fixed_by_scene().get(flag[2:].replace('-', '_'), '')}"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -50,25 +50,17 @@ class Options(PressedOptions):
         ),
     ] = 12
     seed: Seed = 5006
-    points_per_wave: Ladder = Field(
-        default=(3.0, 4.0, 6.0, 8.0, 12.0, 16.0),
-        description="grids of the boundary elements, as lambda_short/dx, rising",
-    )
-    held_out_points_per_wave: Ladder = Field(
-        default=(16.0, 24.0, 32.0), description="finer grids whose limit is the reference"
-    )
-    fem_points_per_wave: RisingOrNone = Field(
-        default=(4.0, 8.0, 16.0), description="grids of the finite elements (exact reduction)"
-    )
-    peer_points_per_wave: RisingOrNone = Field(
-        default=(4.0, 8.0, 16.0),
-        description="grids of other codes, where they are installed and no other methods are asked for, "
-        "at equal error; none: they are left out",
-    )
-    method_points_per_wave: RisingOrNone = Field(
-        default=(4.0, 8.0, 16.0),
-        description="grids of any other of the methods, which are asked for the same tolerance of their residuals",
-    )
+    points_per_wave: Ladder = (3.0, 4.0, 6.0, 8.0, 12.0, 16.0)
+    """grids of the boundary elements, as lambda_short/dx, rising"""
+    held_out_points_per_wave: Ladder = (16.0, 24.0, 32.0)
+    """finer grids whose limit is the reference"""
+    fem_points_per_wave: RisingOrNone = (4.0, 8.0, 16.0)
+    """grids of the finite elements (exact reduction)"""
+    peer_points_per_wave: RisingOrNone = (4.0, 8.0, 16.0)
+    """grids of other codes, where they are installed and no other methods are asked for, at equal error;
+    none: they are left out"""
+    method_points_per_wave: RisingOrNone = (4.0, 8.0, 16.0)
+    """grids of any other of the methods, which are asked for the same tolerance of their residuals"""
 
     @property
     def peers(self) -> tuple[str, ...]:

@@ -46,25 +46,24 @@ class Options(StudyOptions):
 
     why_no_scene = "it turns load, waves, work and hardness by itself"
 
-    works: _Positives = Field(
-        default=(0.01, 0.03, 0.1, 0.3, 1.0),
-        description="works of adhesion w over the elastic energy U_full of full contact, per area, rising",
-    )
-    reduced_pressure: Positive = Field(
-        default=0.05, description="p* = p0 / (E* h'_rms) on every dial but its own"
-    )
-    work: Positive = Field(default=0.1, description="w / U_full on every dial but its own")
-    reduced_pressures: _Positives = Field(default=(0.01, 0.05, 0.2), description="p* on its own dial")
-    magnifications: _Positives = Field(
-        default=(1.5, 2.0, 4.0, 8.0), description="q/q_long of the last wave, above 1, at most the bandwidth"
-    )
-    hardnesses: _Positives = Field(default=(0.3, 0.6, 1.2), description="H / (E* h'_rms)")
-    seed: int = Field(default=11, ge=0, description="whole number that names the first surface")
-    surfaces: int = Field(default=3, ge=1, le=10_000, description="how many")
-    grids: tuple[int, int] = Field(
-        default=(256, 384),
-        description="points along a side, two, rising; the range of the attraction is the shortest that the first resolves",
-    )
+    works: _Positives = (0.01, 0.03, 0.1, 0.3, 1.0)
+    """works of adhesion w over the elastic energy U_full of full contact, per area, rising"""
+    reduced_pressure: Positive = 0.05
+    """p* = p0 / (E* h'_rms) on every dial but its own"""
+    work: Positive = 0.1
+    """w / U_full on every dial but its own"""
+    reduced_pressures: _Positives = (0.01, 0.05, 0.2)
+    """p* on its own dial"""
+    magnifications: _Positives = (1.5, 2.0, 4.0, 8.0)
+    """q/q_long of the last wave, above 1, at most the bandwidth"""
+    hardnesses: _Positives = (0.3, 0.6, 1.2)
+    """H / (E* h'_rms)"""
+    seed: int = Field(default=11, ge=0)
+    """whole number that names the first surface"""
+    surfaces: int = Field(default=3, ge=1, le=10_000)
+    """how many"""
+    grids: tuple[int, int] = (256, 384)
+    """points along a side, two, rising; the range of the attraction is the shortest that the first resolves"""
     hurst: Hurst = 0.8
     periods: Periods = 2.0
     bandwidth: Bandwidth = 8.0

@@ -55,19 +55,14 @@ class Options(StudyOptions):
 
     why_no_scene = "it cuts the spectra of surfaces it makes"
 
-    magnifications: Rising = Field(
-        default=(1.5, 2.0, 3.0, 4.0, 6.0, 8.0),
-        min_length=2,
-        description="zeta = q/q_long of the last wave, rising, above 1; the last is the whole surface",
-    )
-    reduced_pressure: Positive = Field(default=0.05, description="p* with the gradient of all waves")
-    work: Positive = Field(
-        default=0.3, description="w over the elastic energy of full contact of all waves, per area"
-    )
-    points_per_wave: tuple[float, float] = Field(
-        default=(16.0, 24.0),
-        description="two grids, as the last wave over dx, rising; below 14.2 the range of the attraction is not resolved",
-    )
+    magnifications: Rising = Field(default=(1.5, 2.0, 3.0, 4.0, 6.0, 8.0), min_length=2)
+    """zeta = q/q_long of the last wave, rising, above 1; the last is the whole surface"""
+    reduced_pressure: Positive = 0.05
+    """p* with the gradient of all waves"""
+    work: Positive = 0.3
+    """w over the elastic energy of full contact of all waves, per area"""
+    points_per_wave: tuple[float, float] = (16.0, 24.0)
+    """two grids, as the last wave over dx, rising; below 14.2 the range of the attraction is not resolved"""
     hurst: Hurst = 0.8
     periods: Periods = 2.0
     surfaces: Surfaces = 6

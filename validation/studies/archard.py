@@ -36,22 +36,15 @@ class Options(StudyOptions):
 
     why_no_scene = "its surface is a hierarchy of bumps, not one of a spectrum"
 
-    waves: RisingGrids = Field(
-        default=(16, 128), description="waves of the second level on a period, of the third, ...; rising"
-    )
-    heights: Annotated[tuple[Positive, ...], Field(min_length=1)] = Field(
-        default=(0.2, 0.08), description="their heights over that of the first level, one for each"
-    )
-    loads: Rising = Field(
-        default=(0.002, 0.004, 0.008, 0.016, 0.032, 0.064),
-        min_length=2,
-        description="p0 / (E* height of the first level / period), rising",
-    )
+    waves: RisingGrids = (16, 128)
+    """waves of the second level on a period, of the third, ...; rising"""
+    heights: Annotated[tuple[Positive, ...], Field(min_length=1)] = (0.2, 0.08)
+    """their heights over that of the first level, one for each"""
+    loads: Rising = Field(default=(0.002, 0.004, 0.008, 0.016, 0.032, 0.064), min_length=2)
+    """p0 / (E* height of the first level / period), rising"""
     surfaces: Surfaces = 4
-    grids: Annotated[RisingGrids, Field(min_length=2)] = Field(
-        default=(512, 1024),
-        description="points along a side, rising; the change from the last but one is the uncertainty of the grid",
-    )
+    grids: Annotated[RisingGrids, Field(min_length=2)] = (512, 1024)
+    """points along a side, rising; the change from the last but one is the uncertainty of the grid"""
     seed: Seed = 2006
 
     @model_validator(mode="after")

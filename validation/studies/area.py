@@ -11,7 +11,6 @@ from typing import ClassVar
 
 import numpy as np
 import xarray as xr
-from pydantic import Field
 
 from validation.arrays import Grid
 from validation.effects.base import SlotName
@@ -34,16 +33,12 @@ class Options(PressedOptions):
     grids_of: ClassVar[dict[str, str]] = {}
     slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound", "gap law"})
 
-    reduced_pressures: Rising = Field(
-        default=(0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0),
-        description="p* = p0 / (E* h'_rms) with the realised gradient",
-    )
+    reduced_pressures: Rising = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
+    """p* = p0 / (E* h'_rms) with the realised gradient"""
     seed: Seed = 11
     surfaces: Surfaces = 4
-    grids: tuple[int, ...] = Field(
-        default=(64, 96, 128),
-        description="points along a side, two or more of them with at least 3 points per shortest wave",
-    )
+    grids: tuple[int, ...] = (64, 96, 128)
+    """points along a side, two or more of them with at least 3 points per shortest wave"""
     periods: Periods = 2.0
     bandwidth: Bandwidth = 4.0
 

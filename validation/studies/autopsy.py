@@ -44,39 +44,29 @@ class Options(StudyOptions):
 
     why_no_scene = "it builds its surfaces up ring by ring of waves"
 
-    hursts: Annotated[tuple[Hurst, ...], Field(min_length=1)] = Field(
-        default=(0.3, 0.8), description="Hurst exponents H"
-    )
-    reduced_pressures: Rising = Field(
-        default=(0.02, 0.05, 0.3, 1.0),
-        description="p* = p0 / (E* h'_rms) with the realised gradient of all waves, rising",
-    )
-    periods: int = Field(
-        default=2, ge=1, le=64, description="L / lambda_long, whole: rings are of such waves"
-    )
-    bandwidth: float = Field(default=32.0, ge=2, le=1024, description="lambda_long / lambda_short")
-    steps_per_octave: int = Field(
-        default=2, ge=2, le=64, multiple_of=2, description="rings of waves in each octave, even"
-    )
+    hursts: Annotated[tuple[Hurst, ...], Field(min_length=1)] = (0.3, 0.8)
+    """Hurst exponents H"""
+    reduced_pressures: Rising = (0.02, 0.05, 0.3, 1.0)
+    """p* = p0 / (E* h'_rms) with the realised gradient of all waves, rising"""
+    periods: int = Field(default=2, ge=1, le=64)
+    """L / lambda_long, whole: rings are of such waves"""
+    bandwidth: float = Field(default=32.0, ge=2, le=1024)
+    """lambda_long / lambda_short"""
+    steps_per_octave: int = Field(default=2, ge=2, le=64, multiple_of=2)
+    """rings of waves in each octave, even"""
     surfaces: Surfaces = 4
-    points_per_wave: Annotated[Rising, Field(min_length=2)] = Field(
-        default=(8.0, 12.0), description="grids of the rings, as lambda_short/dx, rising"
-    )
-    probes: Annotated[Rising, AfterValidator(_rough)] = Field(
-        default=(2.0, 4.0, 8.0),
-        description="magnifications at which the surface is cut, pressed with these p* of its own gradient, and given one "
-        "more ring as high as the steps below ask for, rising",
-    )
+    points_per_wave: Annotated[Rising, Field(min_length=2)] = (8.0, 12.0)
+    """grids of the rings, as lambda_short/dx, rising"""
+    probes: Annotated[Rising, AfterValidator(_rough)] = (2.0, 4.0, 8.0)
+    """magnifications at which the surface is cut, pressed with these p* of its own gradient, and given one
+    more ring as high as the steps below ask for, rising"""
     probe_surfaces: Surfaces = 8
-    variance_steps: Annotated[Rising, Field(min_length=2)] = Field(
-        default=(0.0025, 0.01, 0.04, 0.16), description="Delta V / V of that ring, rising"
-    )
-    probe_points_per_wave: Annotated[Rising, Field(min_length=2)] = Field(
-        default=(12.0, 24.0), description="grids there, as the shortest wave there is over dx, rising"
-    )
-    slope_points_per_wave: Annotated[Rising, Field(min_length=3)] = Field(
-        default=(16.0, 32.0, 64.0), description="grids of the slope of P(p) at zero there, rising"
-    )
+    variance_steps: Annotated[Rising, Field(min_length=2)] = (0.0025, 0.01, 0.04, 0.16)
+    """Delta V / V of that ring, rising"""
+    probe_points_per_wave: Annotated[Rising, Field(min_length=2)] = (12.0, 24.0)
+    """grids there, as the shortest wave there is over dx, rising"""
+    slope_points_per_wave: Annotated[Rising, Field(min_length=3)] = (16.0, 32.0, 64.0)
+    """grids of the slope of P(p) at zero there, rising"""
     seed: Seed = 2006
 
     @property

@@ -36,22 +36,17 @@ class Options(StudyOptions):
     why_no_scene = "it asks about spectra, and makes a surface for each"
 
     reduced_pressures: Rising = Field(
-        default=(0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0),
-        min_length=2,
-        description="p* = p0 / (E* h'_rms) with the realised gradient of each surface, rising",
+        default=(0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0), min_length=2
     )
-    periods: Rising = Field(
-        default=(1.0, 2.0, 4.0), description="L / lambda_long: sizes of the sample, rising"
-    )
+    """p* = p0 / (E* h'_rms) with the realised gradient of each surface, rising"""
+    periods: Rising = (1.0, 2.0, 4.0)
+    """L / lambda_long: sizes of the sample, rising"""
     hurst: Hurst = 0.8
     bandwidth: Bandwidth = 8.0
     surfaces: Surfaces = 8
     shifts: Shifts = SHIFTS
-    points_per_wave: Rising = Field(
-        default=(4.0, 8.0),
-        min_length=2,
-        description="grids, as lambda_short/dx; the finest gives the value, its distance to the one before the uncertainty",
-    )
+    points_per_wave: Rising = Field(default=(4.0, 8.0), min_length=2)
+    """grids, as lambda_short/dx; the finest gives the value, its distance to the one before the uncertainty"""
     seed: Seed = 2006
 
     def surface(self, periods: float) -> SelfAffineSurface:

@@ -43,21 +43,15 @@ class Options(PressedOptions):
     bandwidth: Bandwidth = 4.0
     poisson: Annotated[float, Field(gt=-1, le=0.49, description="Poisson ratio of the solid")] = 0.3
     surfaces: Annotated[int, Field(ge=1, description="how many realisations")] = 4
-    full_points_per_wave: RisingOrNone = Field(
-        default=(3.0, 4.0, 6.0, 12.0, 24.0),
-        description="grids of the full Hex1 system, as lambda_short/dx: the independent leg, which shares no contact "
-        "algorithm with the boundary elements",
-    )
-    reduced_points_per_wave: Rising = Field(
-        default=(3.0, 4.0, 6.0, 8.0, 16.0, 32.0),
-        description="grids of the exact reduction, which shares it: agreement there checks the discretisation only",
-    )
-    elements: tuple[Element, ...] = Field(
-        default=("Hex1", "Hex2"), description="elements of the reduction; none to leave it out"
-    )
-    method_points_per_wave: Rising = Field(
-        default=(3.0, 4.0, 6.0, 8.0), description="grids of any other of the methods, as lambda_short/dx"
-    )
+    full_points_per_wave: RisingOrNone = (3.0, 4.0, 6.0, 12.0, 24.0)
+    """grids of the full Hex1 system, as lambda_short/dx: the independent leg, which shares no contact
+    algorithm with the boundary elements"""
+    reduced_points_per_wave: Rising = (3.0, 4.0, 6.0, 8.0, 16.0, 32.0)
+    """grids of the exact reduction, which shares it: agreement there checks the discretisation only"""
+    elements: tuple[Element, ...] = ("Hex1", "Hex2")
+    """elements of the reduction; none to leave it out"""
+    method_points_per_wave: Rising = (3.0, 4.0, 6.0, 8.0)
+    """grids of any other of the methods, as lambda_short/dx"""
 
     @model_validator(mode="after")
     def _two_methods(self) -> Self:

@@ -34,19 +34,16 @@ class Options(StudyOptions):
     why_no_scene = "its surface is the one whose longest wave feels the bottom most"
 
     reduced_pressure: ReducedPressure = 0.05
-    points_per_wave: float = Field(default=16.0, ge=1, description="grid, as lambda_short/dx")
-    depths: Rising = Field(
-        default=(0.125, 0.25, 0.5, 0.75, 1.0, 1.5), description="depths of the block, in periods"
-    )
-    growths: Rising = Field(
-        default=(1.05, 1.1, 1.2, 1.5), description="ratios of the thicknesses of successive layers"
-    )
-    elements: tuple[Element, ...] = Field(
-        default=("Hex1", "Hex2"), min_length=1, description="trilinear and triquadratic"
-    )
-    poissons: tuple[Annotated[float, Field(gt=-1, le=0.5)], ...] = Field(
-        default=(0.0, 0.3, 0.45), description="Poisson ratios"
-    )
+    points_per_wave: float = Field(default=16.0, ge=1)
+    """grid, as lambda_short/dx"""
+    depths: Rising = (0.125, 0.25, 0.5, 0.75, 1.0, 1.5)
+    """depths of the block, in periods"""
+    growths: Rising = (1.05, 1.1, 1.2, 1.5)
+    """ratios of the thicknesses of successive layers"""
+    elements: tuple[Element, ...] = Field(default=("Hex1", "Hex2"), min_length=1)
+    """trilinear and triquadratic"""
+    poissons: tuple[Annotated[float, Field(gt=-1, le=0.5)], ...] = (0.0, 0.3, 0.45)
+    """Poisson ratios"""
     seed: Seed = 2006
 
 

@@ -45,14 +45,13 @@ class Options(pressure.Options):
     plain = "energy, gap and stiffness are compared with theories of the elastic half-space"
 
     reduced_pressures: Rising = Field(
-        default=(0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.2, 1.5, 4.0),
-        min_length=2,
-        description="p* = p0 / (E* h'_rms) with the realised gradient of each surface, rising; full contact at the last is a check",
+        (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.2, 1.5, 4.0), min_length=2
     )
+    """p* = p0 / (E* h'_rms) with the realised gradient of each surface, rising; full contact at the last is
+    a check"""
     surfaces: Surfaces = 16
-    points_per_wave: Rising = Field(
-        default=(4.0, 8.0, 16.0), min_length=2, description="grids, as lambda_short/dx, rising"
-    )
+    points_per_wave: Rising = Field(default=(4.0, 8.0, 16.0), min_length=2)
+    """grids, as lambda_short/dx, rising"""
     shifts: Shifts = 1
 
 

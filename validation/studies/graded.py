@@ -33,14 +33,16 @@ class Options(StudyOptions):
 
     why_no_scene = "it asks about single waves, and presses nothing"
 
-    ratios: Annotated[tuple[Positive, ...], Field(min_length=1)] = Field(
-        default=(0.1, 0.25, 0.5, 2.0, 4.0, 10.0),
-        description="modulus far below over that of the surface, and of the solid over that of the coating; not 1",
-    )
-    poisson: float = Field(default=0.3, gt=-1, le=0.5, description="nu, the same at all depths")
-    shortest: float = Field(default=100.0, gt=1, description="largest q d; the smallest is its inverse")
-    waves: int = Field(default=49, ge=2, description="wavevectors, equally spaced in log q")
-    sublayers: int = Field(default=256, ge=1, description="layers that stand for the exponential profile")
+    ratios: Annotated[tuple[Positive, ...], Field(min_length=1)] = (0.1, 0.25, 0.5, 2.0, 4.0, 10.0)
+    """modulus far below over that of the surface, and of the solid over that of the coating; not 1"""
+    poisson: float = Field(default=0.3, gt=-1, le=0.5)
+    """nu, the same at all depths"""
+    shortest: float = Field(default=100.0, gt=1)
+    """largest q d; the smallest is its inverse"""
+    waves: int = Field(default=49, ge=2)
+    """wavevectors, equally spaced in log q"""
+    sublayers: int = Field(default=256, ge=1)
+    """layers that stand for the exponential profile"""
 
     @model_validator(mode="after")
     def _graded(self) -> Self:

@@ -45,24 +45,19 @@ class Options(StudyOptions):
 
     why_no_scene = "it turns load and waves by itself; `area` takes a scene that yields"
 
-    reduced_pressures: _Positives = Field(
-        default=(0.01, 0.02, 0.05, 0.1, 0.2),
-        description="p* = p0 / (E* h'_rms) with the realised gradient of all waves",
-    )
-    magnifications: _Positives = Field(
-        default=(1.25, 1.5, 2.0, 3.0, 4.0),
-        description="zeta = q/q_long of the last wave there is, above 1, at most the bandwidth",
-    )
-    hardness: Positive = Field(default=0.6, description="H / (E* h'_rms) with the gradient asked for")
-    smoothing_reduced_pressure: Positive = Field(
-        default=0.1, description="p* at which magnifications are walked through and surfaces are smoothed"
-    )
+    reduced_pressures: _Positives = (0.01, 0.02, 0.05, 0.1, 0.2)
+    """p* = p0 / (E* h'_rms) with the realised gradient of all waves"""
+    magnifications: _Positives = (1.25, 1.5, 2.0, 3.0, 4.0)
+    """zeta = q/q_long of the last wave there is, above 1, at most the bandwidth"""
+    hardness: Positive = 0.6
+    """H / (E* h'_rms) with the gradient asked for"""
+    smoothing_reduced_pressure: Positive = 0.1
+    """p* at which magnifications are walked through and surfaces are smoothed"""
     seed: Seed = 11
-    surfaces: int = Field(default=2, ge=1, le=10_000, description="how many")
-    grids: Annotated[tuple[Annotated[int, Field(ge=2)], ...], Field(min_length=1)] = Field(
-        default=(64, 128, 256),
-        description="points along a side; the limit is that of the two finest, the one before says how sure it is",
-    )
+    surfaces: int = Field(default=2, ge=1, le=10_000)
+    """how many"""
+    grids: Annotated[tuple[Annotated[int, Field(ge=2)], ...], Field(min_length=1)] = (64, 128, 256)
+    """points along a side; the limit is that of the two finest, the one before says how sure it is"""
     hurst: Hurst = 0.8
     periods: Periods = 4.0
     bandwidth: Bandwidth = 4.0

@@ -35,19 +35,17 @@ class Options(StudyOptions):
 
     why_no_scene = "it asks about spectra with a roll-off, and makes a surface for each"
 
-    periods: Rising = Field(
-        default=(1.0, 2.0, 4.0, 8.0), description="L / lambda_0: sizes of the sample, rising"
-    )
-    longer: float = Field(
-        default=2.0, gt=1, description="roll-off wavelength of the second spectrum over that of the first"
-    )
-    reduced_pressures: Rising = Field(
-        default=(0.02, 0.05, 0.1, 0.2), description="p* on the first spectrum, rising"
-    )
+    periods: Rising = (1.0, 2.0, 4.0, 8.0)
+    """L / lambda_0: sizes of the sample, rising"""
+    longer: float = Field(default=2.0, gt=1)
+    """roll-off wavelength of the second spectrum over that of the first"""
+    reduced_pressures: Rising = (0.02, 0.05, 0.1, 0.2)
+    """p* on the first spectrum, rising"""
     hurst: Hurst = 0.8
     bandwidth: Bandwidth = 8.0
     surfaces: Surfaces = 16
-    points_per_wave: float = Field(default=4.0, ge=2, description="grid, as lambda_short/dx")
+    points_per_wave: float = Field(default=4.0, ge=2)
+    """grid, as lambda_short/dx"""
     seed: Seed = 2006
 
     def first(self, periods: float) -> ContactProblem:

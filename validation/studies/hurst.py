@@ -45,61 +45,47 @@ class Options(StudyOptions):
 
     why_no_scene = "it asks about spectra, and makes a surface for each"
 
-    methods: AnyMethods = Field(
-        default=("bem", "fem"),
-        description="solvers with commas: boundary elements press everything; fem, the full block, and any other press surfaces of their own beside them",
-    )
-    hursts: tuple[Hurst, ...] = Field(
-        default=(0.1, 0.3, 0.5, 0.8, 0.95), min_length=1, description="Hurst exponents H"
-    )
-    bandwidths: Annotated[tuple[Bandwidth, ...], Field(min_length=1)] = Field(
-        default=(16.0,), description="lambda_long / lambda_short, each with every H"
-    )
-    equal_nayak: float | None = Field(
-        default=None,
-        description="also choose the bandwidth of each H so that the Nayak parameter alpha of C(q) has this value",
-    )
-    reduced_pressures: Rising = Field(
-        default=(0.02, 0.05, 0.1, 0.2),
-        description="p* = p0 / (E* h'_rms) with the realised gradient of each surface, rising",
-    )
+    methods: AnyMethods = ("bem", "fem")
+    """solvers with commas: boundary elements press everything; fem, the full block, and any other press
+    surfaces of their own beside them"""
+    hursts: tuple[Hurst, ...] = Field(default=(0.1, 0.3, 0.5, 0.8, 0.95), min_length=1)
+    """Hurst exponents H"""
+    bandwidths: Annotated[tuple[Bandwidth, ...], Field(min_length=1)] = (16.0,)
+    """lambda_long / lambda_short, each with every H"""
+    equal_nayak: float | None = None
+    """also choose the bandwidth of each H so that the Nayak parameter alpha of C(q) has this value"""
+    reduced_pressures: Rising = (0.02, 0.05, 0.1, 0.2)
+    """p* = p0 / (E* h'_rms) with the realised gradient of each surface, rising"""
     periods: Periods = 4.0
     pairs: Pairs = 8
     shifts: Shifts = SHIFTS
-    points_per_wave: Ladder = Field(default=(4.0, 6.0, 8.0), description="grids, as lambda_short/dx, rising")
+    points_per_wave: Ladder = (4.0, 6.0, 8.0)
+    """grids, as lambda_short/dx, rising"""
     method_bandwidth: Bandwidth = Field(
         default=4.0, description="lambda_long / lambda_short of the surfaces that the other methods press"
     )
     method_reduced_pressure: ReducedPressure = 0.05
     method_pairs: Pairs = 4
-    method_points_per_wave: Rising = Field(
-        default=(4.0, 8.0, 12.0),
-        description="grids of the other methods, as lambda_short/dx, rising; a limit takes three",
-    )
-    ladders: bool = Field(
-        default=True, description="also measure how kappa moves with bandwidth and sample: most of the solves"
-    )
-    ladder_hursts: tuple[Hurst, ...] | None = Field(
-        default=None, description="Hurst exponents with ladders; those of `hursts` if not given"
-    )
-    ladder_bandwidths: Rising = Field(
-        default=(4.0, 8.0, 16.0, 32.0),
-        description="rungs of the bandwidth ladder, lambda_long / lambda_short, rising",
-    )
-    ladder_periods: Rising = Field(
-        default=(2.0, 4.0, 8.0),
-        description="rungs of the ladder of samples, L / lambda_long, rising, on the first of these bandwidths",
-    )
+    method_points_per_wave: Rising = (4.0, 8.0, 12.0)
+    """grids of the other methods, as lambda_short/dx, rising; a limit takes three"""
+    ladders: bool = True
+    """also measure how kappa moves with bandwidth and sample: most of the solves"""
+    ladder_hursts: tuple[Hurst, ...] | None = None
+    """Hurst exponents with ladders; those of `hursts` if not given"""
+    ladder_bandwidths: Rising = (4.0, 8.0, 16.0, 32.0)
+    """rungs of the bandwidth ladder, lambda_long / lambda_short, rising"""
+    ladder_periods: Rising = (2.0, 4.0, 8.0)
+    """rungs of the ladder of samples, L / lambda_long, rising, on the first of these bandwidths"""
     ladder_pairs: Pairs = Field(
         default=4,
         description="pairs on each bandwidth and on the largest sample; smaller samples get more, for the same area in all",
     )
-    ladder_points_per_wave: Ladder = Field(
-        default=(4.0, 6.0), description="grids of the ladders, as lambda_short/dx, rising"
-    )
+    ladder_points_per_wave: Ladder = (4.0, 6.0)
+    """grids of the ladders, as lambda_short/dx, rising"""
     ladder_reduced_pressure: ReducedPressure = 0.05
     seed: Seed = 2006
-    literature: bool = Field(default=True, description="draw published values of kappa, too")
+    literature: bool = True
+    """draw published values of kappa, too"""
 
     @property
     def spectra(self) -> dict[tuple[str, float], float]:

@@ -35,24 +35,18 @@ class Options(StudyOptions):
 
     why_no_scene = "it makes surfaces steeper at one reduced load"
 
-    slopes: Rising = Field(
-        default=(0.05, 0.1, 0.2, 0.4, 0.7), min_length=2, description="h'_rms of the surfaces, rising"
-    )
-    reduced_pressures: Rising = Field(
-        default=(0.05, 0.2), description="p* = p0 / (E* h'_rms) with the realised gradient of each surface"
-    )
-    poissons: tuple[Annotated[float, Field(ge=0, lt=0.5)], ...] = Field(
-        default=(0.3, 0.49), min_length=1, description="Poisson ratios at small strain"
-    )
+    slopes: Rising = Field(default=(0.05, 0.1, 0.2, 0.4, 0.7), min_length=2)
+    """h'_rms of the surfaces, rising"""
+    reduced_pressures: Rising = (0.05, 0.2)
+    """p* = p0 / (E* h'_rms) with the realised gradient of each surface"""
+    poissons: tuple[Annotated[float, Field(ge=0, lt=0.5)], ...] = Field(default=(0.3, 0.49), min_length=1)
+    """Poisson ratios at small strain"""
     hurst: Hurst = 0.8
     periods: Periods = 1.0
     bandwidth: Bandwidth = 2.0
     surfaces: Surfaces = 4
-    points_per_wave: Rising = Field(
-        default=(12.0, 16.0),
-        min_length=2,
-        description="grids, as lambda_short/dx; the finest gives the value, its distance to the one before the uncertainty",
-    )
+    points_per_wave: Rising = Field(default=(12.0, 16.0), min_length=2)
+    """grids, as lambda_short/dx; the finest gives the value, its distance to the one before the uncertainty"""
     seed: Seed = 2006
 
 

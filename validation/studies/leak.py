@@ -39,15 +39,15 @@ class Options(StudyOptions):
 
     why_no_scene = "it asks about spectra of rising bandwidth, and makes a surface for each"
 
-    areas: Annotated[Rising, Field(max_length=20)] = Field(
-        default=(0.1, 0.2, 0.3, 0.4),
-        description="contact areas A/A0 at which the flow is computed, rising, below 0.9",
-    )
+    areas: Annotated[Rising, Field(max_length=20)] = (0.1, 0.2, 0.3, 0.4)
+    """contact areas A/A0 at which the flow is computed, rising, below 0.9"""
     hurst: Hurst = 0.8
     periods: Periods = 2.0
-    bandwidths: Rising = Field(default=(4.0, 8.0, 16.0), description="lambda_long / lambda_short, rising")
+    bandwidths: Rising = (4.0, 8.0, 16.0)
+    """lambda_long / lambda_short, rising"""
     surfaces: Surfaces = 16
-    points_per_wave: float = Field(default=6.0, ge=2, description="grid, as lambda_short/dx")
+    points_per_wave: float = Field(default=6.0, ge=2)
+    """grid, as lambda_short/dx"""
     seed: Seed = 2006
 
     def surface(self, bandwidth: float) -> SelfAffineSurface:

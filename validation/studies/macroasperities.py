@@ -36,22 +36,19 @@ class Options(StudyOptions):
     why_no_scene = "it asks about spectra with a roll-off, and makes a surface for each"
 
     reduced_pressures: Rising = Field(
-        default=(0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0),
-        min_length=2,
-        description="p* = p0 / (E* h'_rms) with the gradient of all waves, rising",
+        default=(0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0), min_length=2
     )
-    magnifications: Annotated[Rising, Field(min_length=3)] = Field(
-        default=(0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.7, 8.0),
-        description="zeta = q/q_0 of the last wave there is, rising; the last is at most the bandwidth",
-    )
-    percolating: RisingOrNone = Field(
-        default=(0.05, 0.1, 0.15), description="p* at which contact and gap are followed to their thresholds"
-    )
+    """p* = p0 / (E* h'_rms) with the gradient of all waves, rising"""
+    magnifications: Annotated[Rising, Field(min_length=3)] = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.7, 8.0)
+    """zeta = q/q_0 of the last wave there is, rising; the last is at most the bandwidth"""
+    percolating: RisingOrNone = (0.05, 0.1, 0.15)
+    """p* at which contact and gap are followed to their thresholds"""
     hurst: Hurst = 0.8
     periods: Periods = 8.0
     bandwidth: Bandwidth = 8.0
     surfaces: Surfaces = 16
-    points_per_wave: float = Field(default=4.0, ge=2, description="grid, as lambda_short/dx")
+    points_per_wave: float = Field(default=4.0, ge=2)
+    """grid, as lambda_short/dx"""
     seed: Seed = 2006
 
     @property

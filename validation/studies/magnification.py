@@ -6,7 +6,6 @@ import itertools
 
 import numpy as np
 import xarray as xr
-from pydantic import Field
 
 from persson import elastic
 from validation.execution.bench import Bench
@@ -29,19 +28,15 @@ class Options(PressedOptions):
 
     plain = "it follows the area of the elastic half-space wave by wave (Eq. 20)"
 
-    reduced_pressures: Rising = Field(
-        default=(0.05, 0.2), description="p* = p0 / (E* h'_rms) with the gradient of all waves, rising"
-    )
-    magnifications: Rising = Field(
-        default=(1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0),
-        description="zeta = q/q_long of the last wave there is, rising",
-    )
+    reduced_pressures: Rising = (0.05, 0.2)
+    """p* = p0 / (E* h'_rms) with the gradient of all waves, rising"""
+    magnifications: Rising = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0)
+    """zeta = q/q_long of the last wave there is, rising"""
     bandwidth: Bandwidth = 16.0
     surfaces: Surfaces = 4
     shifts: Shifts = SHIFTS
-    points_per_wave: Ladder = Field(
-        default=(3.0, 6.0), description="grids, as the shortest wave of all over dx, rising"
-    )
+    points_per_wave: Ladder = (3.0, 6.0)
+    """grids, as the shortest wave of all over dx, rising"""
 
 
 def design(options: Options) -> dict[tuple[int, float], Call]:

@@ -9,7 +9,6 @@ from collections.abc import Iterator
 
 import numpy as np
 import xarray as xr
-from pydantic import Field
 
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
@@ -45,12 +44,11 @@ class Options(PressedOptions):
 
     plain = "gap, stiffness and energy are compared with the theory of the elastic half-space; `area` takes all effects"
 
-    reduced_pressures: Rising = Field(
-        default=LOADS,
-        description="p* = p0 / (E* h'_rms) with the realised gradient of each surface, rising: one warm path of loads",
-    )
+    reduced_pressures: Rising = LOADS
+    """p* = p0 / (E* h'_rms) with the realised gradient of each surface, rising: one warm path of loads"""
     shifts: Shifts = SHIFTS
-    points_per_wave: Ladder = Field(default=(4.0, 8.0, 16.0), description="grids, as lambda_short/dx, rising")
+    points_per_wave: Ladder = (4.0, 8.0, 16.0)
+    """grids, as lambda_short/dx, rising"""
 
 
 def design(options: Options) -> dict[int, Call]:

@@ -49,47 +49,34 @@ class Options(StudyOptions):
 
     why_no_scene = "it makes the table that others are checked against, of surfaces it names"
 
-    hursts: Rising = Field(
-        default=(0.1, 0.3, 0.5, 0.8, 1.0), description="Hurst exponents H, rising, at most 1"
-    )
-    bandwidths: Rising = Field(
-        default=(4.0, 8.0, 16.0, 32.0), description="lambda_long / lambda_short, rising"
-    )
-    reduced_pressures: Rising = Field(
-        default=(0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.5),
-        description="p* = p0 / (E* h'_rms) with the realised gradient of each surface, rising",
-    )
+    hursts: Rising = (0.1, 0.3, 0.5, 0.8, 1.0)
+    """Hurst exponents H, rising, at most 1"""
+    bandwidths: Rising = (4.0, 8.0, 16.0, 32.0)
+    """lambda_long / lambda_short, rising"""
+    reduced_pressures: Rising = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.5)
+    """p* = p0 / (E* h'_rms) with the realised gradient of each surface, rising"""
     periods: Periods = 4.0
-    points_per_wave: Ladder = Field(
-        default=(3.0, 6.0, 12.0, 24.0), description="grids, as lambda_short/dx, rising"
-    )
-    largest: int = Field(
-        default=500, ge=2, description="points along a side beyond which a fourth or later grid is left out"
-    )
-    pairs: Annotated[tuple[Annotated[int, Field(ge=2)], ...], Field(min_length=2)] = Field(
-        default=(80, 18, 6, 2),
-        description="pairs +h, -h at bandwidth 16 that end with each of the grids, coarsest first; elsewhere in "
-        "proportion to 1/bandwidth, at least 4",
-    )
-    wide_pairs: tuple[Annotated[int, Field(ge=2)], ...] = Field(
-        default=(40, 4, 4, 2), description="the same beyond bandwidth 16, as they stand, at least 4"
-    )
-    unsolved: int = Field(
-        default=10,
-        ge=1,
-        description="pairs that are not solved, only looked at, for each that ends with the coarsest grid",
-    )
-    gaussian: RisingOrNone = Field(
-        default=(0.3, 0.8),
-        description="those Hurst exponents at which surfaces with Gaussian amplitudes are solved as well",
-    )
-    gaussian_bandwidths: RisingOrNone = Field(default=(4.0, 8.0), description="and the bandwidths of these")
-    larger: RisingOrNone = Field(
-        default=(0.3, 0.8),
-        description="those at which samples of twice the periods are solved as well, a quarter as many",
-    )
-    larger_bandwidths: RisingOrNone = Field(default=(4.0, 8.0), description="and the bandwidths of these")
-    shifts: int = Field(default=1, ge=1, le=8, description="sub-grid shifts along each axis")
+    points_per_wave: Ladder = (3.0, 6.0, 12.0, 24.0)
+    """grids, as lambda_short/dx, rising"""
+    largest: int = Field(default=500, ge=2)
+    """points along a side beyond which a fourth or later grid is left out"""
+    pairs: Annotated[tuple[Annotated[int, Field(ge=2)], ...], Field(min_length=2)] = (80, 18, 6, 2)
+    """pairs +h, -h at bandwidth 16 that end with each of the grids, coarsest first; elsewhere in proportion
+    to 1/bandwidth, at least 4"""
+    wide_pairs: tuple[Annotated[int, Field(ge=2)], ...] = (40, 4, 4, 2)
+    """the same beyond bandwidth 16, as they stand, at least 4"""
+    unsolved: int = Field(default=10, ge=1)
+    """pairs that are not solved, only looked at, for each that ends with the coarsest grid"""
+    gaussian: RisingOrNone = (0.3, 0.8)
+    """those Hurst exponents at which surfaces with Gaussian amplitudes are solved as well"""
+    gaussian_bandwidths: RisingOrNone = (4.0, 8.0)
+    """and the bandwidths of these"""
+    larger: RisingOrNone = (0.3, 0.8)
+    """those at which samples of twice the periods are solved as well, a quarter as many"""
+    larger_bandwidths: RisingOrNone = (4.0, 8.0)
+    """and the bandwidths of these"""
+    shifts: int = Field(default=1, ge=1, le=8)
+    """sub-grid shifts along each axis"""
     seed: Seed = 2006
 
     @model_validator(mode="after")

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from pydantic import Field
 
 from persson.spectrum import Moments, SelfAffine
 from validation import reference
@@ -37,14 +36,11 @@ _CELL = ("hurst", "bandwidth", "reduced_pressure")
 class Options(StudyOptions):
     """What is scored."""
 
-    theory: tuple[str, ...] = Field(
-        default=("persson", "yang-persson", "wang-mueser", "xu"),
-        description="theories by name, or your own, my_module:area; none to score numbers alone",
-    )
-    csv: Path | None = Field(
-        default=None,
-        description="areas of your own, a table with the columns hurst, bandwidth, reduced_pressure, area, and area_error (95 %) if you have it; cells without a row are left out",
-    )
+    theory: tuple[str, ...] = ("persson", "yang-persson", "wang-mueser", "xu")
+    """theories by name, or your own, my_module:area; none to score numbers alone"""
+    csv: Path | None = None
+    """areas of your own, a table with the columns hurst, bandwidth, reduced_pressure, area, and area_error
+    (95 %) if you have it; cells without a row are left out"""
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:

@@ -68,34 +68,23 @@ class Options(PressedOptions):
     methods: Methods = ("bem", "fem")
     reduced_pressure: ReducedPressure = 0.05
     surfaces: Surfaces = 4
-    shifts: int = Field(default=SHIFTS, ge=1, description="sub-grid shifts along each axis")
-    points_per_wave: Ladder = Field(
-        default=(2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0),
-        description="grids, as lambda_short/dx, rising; below 3 they are run, labelled and left out of the limit",
-    )
-    grid_scale_grids: tuple[Annotated[int, Field(ge=8)], ...] = Field(
-        default=(64, 128, 256),
-        description="points along a side of the same surfaces with roughness down to the grid scale",
-    )
-    grid_scale_hursts: tuple[Hurst, ...] = Field(
-        default=(0.3, 0.5, 0.8),
-        description="Hurst exponents at which full finite elements press them, too, on the finest of these grids of at most 128 points, beside the converged kappa of the same surfaces; none to leave that out",
-    )
-    elements: tuple[Element, ...] = Field(
-        default=("Hex1", "Hex2"),
-        description="finite elements of a block one period deep, reduced to its surface; none to leave them out",
-    )
-    fem_points_per_wave: RisingOrNone = Field(
-        default=(4.0, 8.0, 16.0),
-        description="grids of the finite elements, as lambda_short/dx, rising, at least three",
-    )
-    method_points_per_wave: RisingOrNone = Field(
-        default=(4.0, 8.0, 16.0),
-        description="grids of any other of the methods, as lambda_short/dx, rising",
-    )
-    ladders: bool = Field(
-        default=True, description="also measure how kappa moves with bandwidth and sample, for the budget"
-    )
+    shifts: int = Field(default=SHIFTS, ge=1)
+    """sub-grid shifts along each axis"""
+    points_per_wave: Ladder = (2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0)
+    """grids, as lambda_short/dx, rising; below 3 they are run, labelled and left out of the limit"""
+    grid_scale_grids: tuple[Annotated[int, Field(ge=8)], ...] = (64, 128, 256)
+    """points along a side of the same surfaces with roughness down to the grid scale"""
+    grid_scale_hursts: tuple[Hurst, ...] = (0.3, 0.5, 0.8)
+    """Hurst exponents at which full finite elements press them, too, on the finest of these grids of at
+    most 128 points, beside the converged kappa of the same surfaces; none to leave that out"""
+    elements: tuple[Element, ...] = ("Hex1", "Hex2")
+    """finite elements of a block one period deep, reduced to its surface; none to leave them out"""
+    fem_points_per_wave: RisingOrNone = (4.0, 8.0, 16.0)
+    """grids of the finite elements, as lambda_short/dx, rising, at least three"""
+    method_points_per_wave: RisingOrNone = (4.0, 8.0, 16.0)
+    """grids of any other of the methods, as lambda_short/dx, rising"""
+    ladders: bool = True
+    """also measure how kappa moves with bandwidth and sample, for the budget"""
 
     @model_validator(mode="after")
     def _limit_of_elements(self) -> Self:

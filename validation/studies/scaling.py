@@ -47,7 +47,8 @@ class Options(StudyOptions):
         1024,
         2048,
     )
-    points_per_wave: float = Field(default=8.0, ge=1, description="lambda_short/dx, the same on every grid")
+    points_per_wave: float = Field(default=8.0, ge=1)
+    """lambda_short/dx, the same on every grid"""
     periods: Periods = 4.0
     hurst: Hurst = 0.8
     reduced_pressure: ReducedPressure = 0.05

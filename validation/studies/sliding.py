@@ -49,35 +49,41 @@ class Options(StudyOptions):
 
     why_no_scene = "its solid is viscoelastic, which no scene can say, and it makes its own surfaces"
 
-    velocities: Annotated[tuple[Velocity, ...], Field(min_length=1), AfterValidator(in_rising_order)] = Field(
-        default=(1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0),
-        description='velocities v along x, rising, e.g. "1 mm/s,10 mm/s"',
+    velocities: Annotated[tuple[Velocity, ...], Field(min_length=1), AfterValidator(in_rising_order)] = (
+        1e-3,
+        3e-3,
+        0.01,
+        0.03,
+        0.1,
+        0.3,
+        1.0,
+        3.0,
     )
-    relaxed: Pressure = Field(default=1e6, description="E_0, Young's modulus at low frequency")
-    unrelaxed: Pressure = Field(default=1e7, description="E_inf of a standard solid, at high frequency")
-    time: Duration = Field(default=1e-3, description="retardation time tau of a standard solid")
-    moduli: tuple[Pressure, ...] = Field(
-        default=(), description="moduli E_k of a Prony series, in place of the standard solid"
-    )
-    times: tuple[Duration, ...] = Field(default=(), description="relaxation times of the series, as many")
-    modulus_table: str | None = Field(
-        default=None,
-        description="file of a measured modulus, in place of both: lines of omega [1/s], E' [Pa], E'' [Pa]",
-    )
-    poisson: float = Field(default=0.5, gt=-1, le=0.5, description="Poisson ratio")
-    reduced_pressure: Positive = Field(
-        default=0.1, description="p* = p0 / (E_0* h'_rms), with the relaxed modulus and the realised gradient"
-    )
-    length: Length = Field(default=1e-3, description="period of the surface")
+    """velocities v along x, rising, e.g. "1 mm/s,10 mm/s" """
+    relaxed: Pressure = 1e6
+    """E_0, Young's modulus at low frequency"""
+    unrelaxed: Pressure = 1e7
+    """E_inf of a standard solid, at high frequency"""
+    time: Duration = 1e-3
+    """retardation time tau of a standard solid"""
+    moduli: tuple[Pressure, ...] = ()
+    """moduli E_k of a Prony series, in place of the standard solid"""
+    times: tuple[Duration, ...] = ()
+    """relaxation times of the series, as many"""
+    modulus_table: str | None = None
+    """file of a measured modulus, in place of both: lines of omega [1/s], E' [Pa], E'' [Pa]"""
+    poisson: float = Field(default=0.5, gt=-1, le=0.5)
+    """Poisson ratio"""
+    reduced_pressure: Positive = 0.1
+    """p* = p0 / (E_0* h'_rms), with the relaxed modulus and the realised gradient"""
+    length: Length = 1e-3
+    """period of the surface"""
     hurst: Hurst = 0.8
     periods: Periods = 2.0
     bandwidth: Bandwidth = 8.0
     surfaces: Surfaces = 6
-    points_per_wave: Rising = Field(
-        default=(4.0, 8.0, 16.0),
-        min_length=2,
-        description="grids, as lambda_short/dx; the finest gives the value",
-    )
+    points_per_wave: Rising = Field(default=(4.0, 8.0, 16.0), min_length=2)
+    """grids, as lambda_short/dx; the finest gives the value"""
     seed: Seed = 2006
 
     @model_validator(mode="after")

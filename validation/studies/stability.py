@@ -42,15 +42,13 @@ class Options(StudyOptions):
 
     why_no_scene = "it asks about hard cases with known answers"
 
-    methods: AnyMethods = Field(
-        default=(),
-        description="solvers with commas; those of other packages and module:function of your own go through the "
-        "elastic cases; bem, fem and theory on all if empty",
-    )
-    cases: tuple[str, ...] = Field(default=(), description="names of cases; all if empty")
-    slowest: float = Field(
-        default=60.0, ge=0, description="seconds that one value may take; beyond it counts as a hang"
-    )
+    methods: AnyMethods = ()
+    """solvers with commas; those of other packages and module:function of your own go through the elastic
+    cases; bem, fem and theory on all if empty"""
+    cases: tuple[str, ...] = ()
+    """names of cases; all if empty"""
+    slowest: float = Field(default=60.0, ge=0)
+    """seconds that one value may take; beyond it counts as a hang"""
 
     @field_validator("cases")
     @classmethod

@@ -34,21 +34,13 @@ class Options(PressedOptions):
     reduced_pressure: ReducedPressure = 0.05
     bandwidth: Bandwidth = 4.0
     surfaces: Surfaces = 6
-    points_per_wave: Rising = Field(
-        default=(16.0, 24.0, 32.0, 48.0, 64.0, 96.0, 128.0), description="grids, as lambda_short/dx, rising"
-    )
-    window: float = Field(
-        default=0.4,
-        gt=0,
-        description="eps of the density P(sigma < eps)/eps, in units of E* h'_rms sqrt(dx/lambda_short): it closes with "
-        "the grid, since a window of fixed width would tend to its slope times half its width and not to P(0+)",
-    )
-    slope_window: float = Field(
-        default=1.2,
-        gt=0,
-        description="the same for the slope; it must end beyond the first cell inside the edge, where the continuum "
-        "begins",
-    )
+    points_per_wave: Rising = (16.0, 24.0, 32.0, 48.0, 64.0, 96.0, 128.0)
+    """grids, as lambda_short/dx, rising"""
+    window: float = Field(default=0.4, gt=0)
+    """eps of the density P(sigma < eps)/eps, in units of E* h'_rms sqrt(dx/lambda_short): it closes with
+    the grid, since a window of fixed width would tend to its slope times half its width and not to P(0+)"""
+    slope_window: float = Field(default=1.2, gt=0)
+    """the same for the slope; it must end beyond the first cell inside the edge, where the continuum begins"""
 
 
 def design(options: Options, solvers: tuple[SolverRequest, ...]) -> dict[tuple[str, int, int], Call]:

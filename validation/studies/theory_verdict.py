@@ -8,7 +8,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 import xarray as xr
-from pydantic import Field
 
 from persson import elastic
 from validation.execution.bench import Bench
@@ -44,18 +43,14 @@ class Options(pressure.Options):
 
     off: ClassVar[Mapping[str, Any]] = {"ladder_reduced_pressures": (), "edge": False}
 
-    ladder_reduced_pressures: tuple[Positive, ...] = Field(
-        default=(0.05, 0.4),
-        description="p* at which it is measured how the area moves with bandwidth and sample, for the budget; none to leave it out",
-    )
-    theory: tuple[str, ...] = Field(
-        default=(),
-        description="further theories: bush-gibson-thomas, carbone-bottiglione, greenwood-williamson, or your own, my_module:area",
-    )
-    edge: bool = Field(
-        default=True,
-        description="also score P(sigma) at vanishing pressure, on the cases of `stress-near-zero`",
-    )
+    ladder_reduced_pressures: tuple[Positive, ...] = (0.05, 0.4)
+    """p* at which it is measured how the area moves with bandwidth and sample, for the budget; none to
+    leave it out"""
+    theory: tuple[str, ...] = ()
+    """further theories: bush-gibson-thomas, carbone-bottiglione, greenwood-williamson, or your own,
+    my_module:area"""
+    edge: bool = True
+    """also score P(sigma) at vanishing pressure, on the cases of `stress-near-zero`"""
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
