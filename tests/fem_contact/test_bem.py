@@ -9,7 +9,7 @@ from surfaces import rough_surface
 from fem_contact.bem import solve, solve_displacement, solve_path
 from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput, NotConverged
-from fem_contact.response import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace, Response
+from fem_contact.response import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 
@@ -38,17 +38,6 @@ def test_flat_surface_gives_uniform_pressure() -> None:
         assert result.residuals.worst < 1e-12
 
 
-@pytest.mark.parametrize("shape", [(64, 64), (45, 63), (37, 64), (96, 41)])
-@pytest.mark.parametrize("pressure", [1e-4, 0.05, 0.6])
-def test_contact_conditions_and_load_hold(shape: tuple[int, int], pressure: float) -> None:
-    result = solve(rough(shape), SOFT, mean_pressure=pressure).checked()
-    assert result.residuals.complementarity <= 1e-8
-    assert result.residuals.penetration <= 1e-7
-    assert result.residuals.tension == 0
-    assert result.residuals.load < 1e-14
-    assert 0 < result.in_contact.mean() < 1
-
-
 def test_offset_of_the_heights_only_moves_the_offset() -> None:
     surface = rough((48, 48))
     lifted = HeightField(heights=surface.heights + 0.75, lengths=surface.lengths)
@@ -64,35 +53,6 @@ def test_iteration_limit_is_a_status_with_a_remedy() -> None:
         result.checked()
 
 
-LAYERS = [
-    BondedLayer(solid=Solid(young=1.0, poisson=0.3), thickness=0.06),
-    BondedLayer(solid=Solid(young=1.0, poisson=0.5), thickness=0.1),
-    FrictionlessLayer(solid=Solid(young=1.0, poisson=0.3), thickness=0.06),
-    GivenResponse(contact_modulus=1.0, function=lambda qx, qy: 1 / (1.0 + np.hypot(qx, 3 * qy))),
-]
-
-
-@pytest.mark.parametrize("response", LAYERS)
-def test_contact_conditions_hold_on_layers(response: Response) -> None:
-    surface = rough((48, 40))
-    result = solve(surface, response, mean_pressure=0.1, tolerance=1e-10).checked()
-    assert result.residuals.worst < 1e-8
-    plain = solve(
-        surface, response, mean_pressure=0.1, tolerance=1e-10, method="polonsky-keer", max_iterations=20000
-    ).checked()
-    assert np.linalg.norm(result.pressure - plain.pressure) < 1e-6 * np.linalg.norm(plain.pressure)
-    assert np.array_equal(result.in_contact, plain.in_contact)
-
-
-@pytest.mark.parametrize("load", [0.02, 0.3, 0.55, 0.599])
-def test_pressure_bound_is_kept_and_balanced(load: float) -> None:
-    result = solve(rough((64, 56)), SOFT, mean_pressure=load, pressure_bound=0.6).checked()
-    assert result.pressure.max() == 0.6
-    assert result.residuals.worst < 1e-6
-    assert np.all(result.gap[result.at_bound] < 1e-7 * rough().rms_height)
-    assert np.all(result.pressure[~result.in_contact] == 0)
-
-
 def test_bound_equal_to_the_load_leaves_no_choice_and_below_it_is_refused() -> None:
     surface = rough()
     result = solve(surface, SOFT, mean_pressure=0.3, pressure_bound=0.3).checked()
@@ -103,23 +63,9 @@ def test_bound_equal_to_the_load_leaves_no_choice_and_below_it_is_refused() -> N
         solve(surface, SOFT, mean_pressure=0.3, pressure_bound=0.29)
 
 
-@pytest.mark.parametrize("gap", [2.0, 1.0, 0.1, 1e-2, 1e-4])
-def test_mean_gap_control_finds_the_load_up_to_nearly_full_contact(gap: float) -> None:
-    surface = rough((48, 48))
-    target = gap * surface.rms_height
-    result = solve_displacement(surface, SOFT, mean_gap=target).checked()
-    # To ten times the tolerance, as documented.
-    assert np.mean(result.gap) == pytest.approx(target, abs=1.001e-7 * surface.rms_height)
-    assert result.residuals.worst < 1e-6
-    by_load = solve(surface, SOFT, mean_pressure=result.mean_pressure).checked()
-    assert np.linalg.norm(by_load.pressure - result.pressure) < 1e-5 * np.linalg.norm(result.pressure)
-    by_offset = solve_displacement(surface, SOFT, offset=result.offset).checked()
-    assert by_offset.mean_pressure == pytest.approx(result.mean_pressure, rel=1e-5)
-
-
 def test_offset_control_of_a_layer_goes_through_full_contact() -> None:
     surface = rough((32, 32))
-    layer = LAYERS[0]
+    layer = BondedLayer(solid=Solid(young=1.0, poisson=0.3), thickness=0.06)
     loads = [
         solve_displacement(surface, layer, offset=level * surface.rms_height).checked().mean_pressure
         for level in (2.0, 0.0, -2.0, -40.0, -80.0)
@@ -148,14 +94,6 @@ def test_zero_mean_gap_is_full_contact_at_the_least_load_and_less_is_refused() -
         solve_displacement(surface, SOFT)
 
 
-def test_yielding_surface_may_sink_below_its_mean_plane() -> None:
-    surface = rough((32, 32))
-    target = -0.5 * surface.rms_height
-    result = solve_displacement(surface, SOFT, mean_gap=target, pressure_bound=0.6).checked()
-    assert np.mean(result.gap) == pytest.approx(target, rel=1e-6)
-    assert result.at_bound.mean() > 0.3
-
-
 def test_path_up_and_down_does_not_remember() -> None:
     surface = rough((48, 48))
     loads = [0.01, 0.05, 0.2, 1.0, 0.2, 0.05, 0.01]
@@ -167,23 +105,16 @@ def test_path_up_and_down_does_not_remember() -> None:
     assert sum(result.cost.fft_pairs for result in path) < 1.2 * sum(cold)
 
 
+#: What tests/fem_contact/test_random_contacts.py does not draw.
 HARD = {
-    "spike": lambda: np.where(np.arange(400).reshape(20, 20) == 210, 1.0, 0.0),
-    "pit": lambda: np.where(np.arange(400).reshape(20, 20) == 210, -1.0, 0.0),
-    "two values": lambda: (np.arange(400).reshape(20, 20) % 7 < 3) * 1.0,
-    "one row": lambda: np.cos(np.arange(64) * 0.3)[None, :] * np.ones((1, 1)),
     "one column": lambda: np.cos(np.arange(64) * 0.3)[:, None],
     "one point": lambda: np.ones((1, 1)),
-    "two by two": lambda: np.array([[0.0, 1.0], [0.3, 0.1]]),
     "prime": lambda: np.cos(np.add.outer(np.arange(31) ** 1.5, np.arange(37) * 0.9)),
-    "noise": lambda: np.random.default_rng(19).standard_normal((41, 32)),
-    "atomic": lambda: 1e-12 * np.random.default_rng(19).standard_normal((16, 16)),
-    "mountains": lambda: 1e6 * np.random.default_rng(19).standard_normal((16, 16)),
 }
 
 
 @pytest.mark.parametrize("name", HARD)
-@pytest.mark.parametrize("reduced", [1e-6, 1e-3, 0.1, 1.0, 10.0])
+@pytest.mark.parametrize("reduced", [1e-6, 0.1, 10.0])
 def test_hard_surfaces_end_in_a_right_answer(name: str, reduced: float) -> None:
     surface = HeightField(heights=HARD[name](), lengths=(1.0, 1.5))
     scale = max(surface.rms_gradient, 1e-12)
@@ -260,22 +191,6 @@ def test_a_load_that_steps_round_away_is_carried_all_the_same(seed: int, n: int,
     surface = rough_surface((n, n), seed=seed, waves=6.0)  # a division by a load of 0 on each of them once
     result = solve(surface, SOFT, mean_pressure=reduced * surface.rms_gradient).checked()
     assert result.mean_pressure == pytest.approx(reduced * surface.rms_gradient, rel=1e-12)
-
-
-@pytest.mark.parametrize("far", [1e3, 1e9, -1e9])
-def test_a_distant_reference_plane_only_moves_the_offset(far: float) -> None:
-    surface = rough()
-    moved = HeightField(heights=surface.heights + far * surface.rms_height, lengths=surface.lengths)
-    here = solve(surface, SOFT, mean_pressure=0.05 * surface.rms_gradient).checked()
-    there = solve(moved, SOFT, mean_pressure=0.05 * surface.rms_gradient).checked()
-    # The heights themselves lose the digits that their mean takes.
-    slack = 1e-14 * abs(far)
-    np.testing.assert_allclose(there.pressure, here.pressure, atol=(slack + 1e-7) * here.pressure.max())
-    assert there.offset - far * surface.rms_height == pytest.approx(
-        here.offset, abs=(10 * slack + 1e-7) * surface.rms_height
-    )
-    at = solve_displacement(moved, SOFT, offset=there.offset).checked()
-    assert at.mean_pressure == pytest.approx(there.mean_pressure, rel=1e-4)
 
 
 @pytest.mark.parametrize(

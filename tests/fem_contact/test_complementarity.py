@@ -260,33 +260,6 @@ def test_preconditioned_and_plain_solver_agree(load: float) -> None:
     assert np.array_equal(fast.in_contact, slow.in_contact)
 
 
-@pytest.mark.parametrize("share", [0.01, 0.3, 0.8, 0.97, 0.999])
-def test_bounded_forces_meet_all_conditions(share: float) -> None:
-    heights = wavy((40, 50))
-    generator = np.random.default_rng(9)
-    for bound in (np.full(heights.shape, 4.0), 3 + 2 * generator.random(heights.shape)):
-        load = share * float(bound.mean())
-        solution = run(heights, load=load, bound=bound)
-        assert solution.status is Status.CONVERGED
-        gap = solution.displacement - heights + solution.offset
-        small = 1e-8 * heights.std()
-        assert solution.force.min() >= 0
-        assert np.all(solution.force <= bound)
-        assert solution.force.mean() == pytest.approx(load, rel=1e-12)
-        assert np.all(gap[~solution.at_bound] > -small)
-        assert np.all(gap[solution.at_bound] < small)
-        inside = (solution.force > 0) & ~solution.at_bound
-        assert np.all(np.abs(gap[inside]) < 1e-3 * heights.std())
-
-
-def test_bound_that_is_never_reached_changes_nothing() -> None:
-    heights = wavy((32, 32))
-    free = run(heights, load=0.3)
-    bounded = run(heights, load=0.3, bound=np.full(heights.shape, 1e3 * free.force.max()))
-    assert not bounded.at_bound.any()
-    np.testing.assert_allclose(bounded.force, free.force, atol=1e-6 * free.force.max())
-
-
 def test_coarse_start_changes_the_cost_and_not_the_answer() -> None:
     heights = wavy((128, 96))
     nested = run_nested(heights)
@@ -337,25 +310,6 @@ def test_coarsening_keeps_low_waves_and_refinement_keeps_values() -> None:
         coarsened(np.cos(2 * np.pi * 9 * x)[:, None] * np.ones(20), (12, 10)), 0, atol=1e-14
     )
     assert np.array_equal(refined(coarse, (24, 20))[::2, ::2], coarse)
-
-
-@pytest.mark.parametrize("bounded", [False, True])
-def test_projected_gradient_keeps_load_and_bounds_and_points_down(bounded: bool) -> None:
-    generator = np.random.default_rng(31)
-    shape = (12, 9)
-    heights = generator.standard_normal(shape)
-    bound = 1 + generator.random(shape) if bounded else None
-    arrays = IterationArrays(Recorder(heights), heights, bound=bound, caution=0.5 / 3, threads=1)
-    arrays.force[:] = generator.random(shape)
-    arrays.gap[:] = generator.standard_normal(shape)
-    load = float(arrays.force.mean())
-    arrays.project(arrays.force.sum())
-    after = arrays.force + arrays.step
-    assert after.min() >= 0
-    assert bound is None or np.all(after <= bound)
-    assert after.mean() == pytest.approx(load, rel=1e-12)
-    assert arrays.slope == pytest.approx(np.sum(arrays.gap * arrays.step))
-    assert arrays.slope < 0
 
 
 @pytest.mark.parametrize("bounded", [False, True])

@@ -56,45 +56,6 @@ def test_the_limit_finds_what_a_law_of_several_orders_hides(terms):
     assert (limit.definition, limit.grids) == ("subcell", 6)
 
 
-def test_each_further_grid_narrows_the_limit():
-    areas = [areas_on(n, terms={1.0: 4e-4}) for n in GRIDS]
-    errors = [located_limit(areas[:k]).uncertainty for k in range(1, 7)]
-    assert all(np.diff(errors) < 0)
-
-
-def test_a_single_grid_is_known_to_its_law_of_error():
-    area = areas_on(128, terms={})
-    limit = located_limit([area])
-    # Its mean error is known but for that of the width, which the area itself tells.
-    assert abs(limit.value - 0.1) < 1e-3 * abs(area.subcell - 0.1)
-    width = area.edge_fraction / (0.1 * 0.9**1.25)
-    leading = 3e-4 * area.edge_fraction * width
-    assert leading < limit.uncertainty < 5 * leading
-
-
-def test_more_patches_of_contact_are_known_better_but_not_beyond_the_edge_map():
-    few, many, most = (located_limit([areas_on(256, terms={}, repeats=10**k)]) for k in (0, 2, 10))
-    assert few.uncertainty > 1.5 * many.uncertainty
-    # Ever so many share four fifths of what 80 of them are off by, and the map itself.
-    map_alone = 1.1e-4 * areas_on(256, terms={}).edge_fraction
-    assert map_alone < most.uncertainty < many.uncertainty
-    eighty = located_limit([areas_on(256, terms={}, repeats=4)])
-    assert most.uncertainty > 0.7 * eighty.uncertainty
-
-
-def test_shifts_of_a_grid_are_averaged_and_count_as_one_grid():
-    pair = [areas_on(64, terms={}), dataclasses.replace(areas_on(64, terms={}), subcell=0.1004)]
-    mean = dataclasses.replace(pair[0], subcell=0.1002)
-    fine = areas_on(96, terms={})
-    assert located_limit([*pair, fine]).value == pytest.approx(located_limit([mean, fine]).value, rel=1e-4)
-
-
-def test_grids_that_disagree_widen_the_limit():
-    good = [areas_on(n, terms={1.0: 4e-4}) for n in GRIDS]
-    bad = [*good[:-1], dataclasses.replace(good[-1], subcell=good[-1].subcell + 1e-3)]
-    assert located_limit(bad).uncertainty > 5 * located_limit(good).uncertainty
-
-
 def test_what_is_predicted_from_a_coarse_grid_is_what_fine_ones_claim():
     areas = [areas_on(n, terms={}) for n in GRIDS]
     plan = [PlannedGrid(spacing=area.spacing, cells=area.cells) for area in areas]
@@ -189,17 +150,6 @@ def test_what_is_predicted_knows_of_edges_that_run_alike():
     assert predicted > 2 * predicted_uncertainty(dataclasses.replace(areas[0], alignment=0.0), plan)
 
 
-def test_anisotropy_beyond_what_chance_leaves_widens_the_limit():
-    plain, chance, lay = (
-        located_limit(
-            [dataclasses.replace(areas_on(n, terms={}), anisotropy=a) for n in GRIDS[:3]]
-        ).uncertainty
-        for a in (0.0, 0.12, 0.8)
-    )
-    assert plain == chance
-    assert lay > 3 * plain
-
-
 def kinked_on(n: int, *, off: float) -> ContactAreas:
     """Area of a surface with kinks, which converges in first order only."""
     area = areas_on(n, terms={}, repeats=10**4)
@@ -244,12 +194,6 @@ def test_steps_are_refused_by_name_even_where_grids_agree():
     terraces = HeightField(heights=0.01 * heights, lengths=(1.0, 1.0))
     pressed = solve(terraces, SOFT, mean_pressure=0.01, threads=1).checked()
     assert contact_areas(pressed).unresolved > 0.7
-
-
-def test_units_do_not_change_the_limit():
-    areas = [areas_on(n, terms={1.0: 4e-4}) for n in GRIDS]
-    scaled = [dataclasses.replace(a, spacing=(2.0**20 * a.spacing[0],) * 2) for a in areas]
-    assert located_limit(scaled) == located_limit(areas)
 
 
 def test_areas_without_located_edge_have_no_such_limit():

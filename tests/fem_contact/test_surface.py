@@ -81,18 +81,6 @@ def test_measured_radial_spectrum_is_that_of_the_surface():
     np.testing.assert_allclose(measured.power[measured.q > 2 * np.pi * 12.6], 0, atol=1e-10 * flat_spectrum)
 
 
-def test_radial_spectrum_of_one_wave_sits_in_one_ring():
-    x = np.arange(20) / 20
-    surface = HeightField(heights=np.cos(2 * np.pi * 3 * x)[:, None] * np.ones(20), lengths=(2.0, 2.0))
-    measured = radial_spectrum(surface)
-    ring = int(np.argmax(measured.power))
-    # |h_q|^2 = 1/4 for each of the two waves, in the convention C = |h_q|^2 Lx Ly / (2 pi)^2
-    assert measured.power[ring] * measured.count[ring] == pytest.approx(
-        2 * 0.25 * 4 / (2 * np.pi) ** 2, rel=1e-12
-    )
-    assert np.count_nonzero(measured.power > 1e-20) == 1
-
-
 def test_rings_are_one_fundamental_wavevector_wide_and_hold_every_wave_once():
     measured = radial_spectrum(HeightField(heights=np.zeros((9, 9)), lengths=(2.0, 2.0)))
     m, n = np.meshgrid(np.arange(-4, 5), np.arange(-4, 5))
@@ -130,28 +118,7 @@ def test_every_wave_has_a_phase_of_its_own():
     assert np.diff(phases).min() > 1e-9
 
 
-@pytest.mark.parametrize("amplitudes", ["exact", "gaussian"])
-def test_grid_mean_square_is_the_sum_over_waves(amplitudes):
-    surface = surface_on((18, 25), amplitudes=amplitudes)
-    m0 = surface.moments[0]
-    assert np.mean(surface.heights**2) == pytest.approx(m0, rel=1e-13)
-    assert surface.rms_height == pytest.approx(np.sqrt(m0), rel=1e-13)
-    assert abs(surface.heights.mean()) < 1e-14 * surface.rms_height
-
-
 # --- one seed, one surface ----------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("coarse", "fine"), [((16, 16), (32, 64)), ((17, 19), (51, 57)), ((16, 17), (48, 34))]
-)
-@pytest.mark.parametrize("lengths", [(1.0, 1.0), (0.9, 1.0)])
-@pytest.mark.parametrize("amplitudes", ["exact", "gaussian"])
-def test_nested_grids_agree_at_their_common_points(coarse, fine, lengths, amplitudes):
-    step = tuple(b // a for a, b in zip(coarse, fine, strict=True))
-    small = surface_on(coarse, lengths=lengths, amplitudes=amplitudes)
-    large = surface_on(fine, lengths=lengths, amplitudes=amplitudes)
-    assert_same_heights(small.heights, large.heights[:: step[0], :: step[1]])
 
 
 @pytest.mark.parametrize("amplitudes", ["exact", "gaussian"])
@@ -161,13 +128,6 @@ def test_cutting_the_spectrum_keeps_the_remaining_waves(amplitudes):
     m, n, coefficients = fourier(whole)
     kept = np.where(2 * np.pi * np.hypot(m[:, None], n) <= cut, coefficients, 0.0)
     assert_same_heights(fourier(truncated)[2], kept)
-
-
-def test_the_seed_alone_decides():
-    first, again, other = (surface_on((16, 16), seed=seed).heights for seed in (23, 23, 24))
-    np.testing.assert_array_equal(first, again)
-    assert np.abs(np.corrcoef(first.ravel(), other.ravel())[0, 1]) < 0.6
-    assert not np.array_equal(first, other)
 
 
 @pytest.mark.parametrize(
@@ -221,15 +181,7 @@ def test_resampling_there_and_back_loses_nothing_even_at_the_nyquist_limit():
         assert back.lengths == surface.lengths
 
 
-@pytest.mark.parametrize("shape", [(16, 16), (17, 20), (24, 19)])
-def test_shifts_by_whole_cells_are_rolls(shape):
-    surface = surface_on(shape)
-    for cells in [(1, 0), (0, -2), (3, 5)]:
-        expected = np.roll(surface.heights, (-cells[0], -cells[1]), axis=(0, 1))
-        assert_same_heights(surface.shifted(cells).heights, expected)
-
-
-@pytest.mark.parametrize("fraction", [(0.5, 0.5), (0.25, -0.7), (1 / 3, 0.0)])
+@pytest.mark.parametrize("fraction", [(0.5, 0.5), (0.25, -0.7), (1 / 3, 0.0), (3, -5)])
 @pytest.mark.parametrize("shape", [(16, 16), (17, 20)])
 def test_shifts_by_fractions_sample_the_sum_of_waves_elsewhere(shape, fraction):
     surface = surface_on(shape)
@@ -312,13 +264,12 @@ def test_moments_are_quadratic_and_blind_to_the_mean_plane(surface, factor, offs
         assert abs(a - factor**2 * b) <= rounding * (1 + factor**2) * q ** (2 * order)
 
 
-@given(st.integers(2, 2**40), shapes, st.sampled_from(["exact", "gaussian"]))
-def test_any_seed_gives_the_same_surface_on_any_grid(seed, extra, amplitudes):
+@given(st.integers(2, 2**40), shapes, st.sampled_from(["exact", "gaussian"]), st.sampled_from([1.0, 0.9]))
+def test_any_seed_gives_the_same_surface_on_any_grid(seed, extra, amplitudes, width):
     shape = (2 * 7 + 2 + extra[0], 2 * 7 + 2 + extra[1])
-    one = surface_on(shape, seed=seed, amplitudes=amplitudes)
-    assert_same_heights(
-        surface_on((32, 27), seed=seed, amplitudes=amplitudes).resampled(shape).heights, one.heights
-    )
+    options = {"seed": seed, "amplitudes": amplitudes, "lengths": (width, 1.0)}
+    fine = surface_on((32, 27), **options).resampled(shape)
+    assert_same_heights(fine.heights, surface_on(shape, **options).heights)
 
 
 @pytest.mark.parametrize("amplitudes", ["exact", "gaussian"])
