@@ -147,12 +147,8 @@ def sticky_contact(
 ) -> xr.Dataset:
     """Press one surface without attraction, then with it (exponential law) from there and from full contact.
 
-    Parameters
-    ----------
-    work, reach : float
-        w [J/m^2] and range [m] of the attraction.
-    shells : tuple of float
-        Wavevectors [1/m], rising, between which the elastic energy is summed.
+    The attraction has `work` w [J/m^2] and range `reach` [m]; the elastic energy is summed between the
+    rising wavevectors `shells` [1/m].
     """
     field, law = problem.heights(grid), adhesion.Exponential(work=work, reach=reach)
     half_space = HalfSpace(solid=problem.elastic)
@@ -208,16 +204,10 @@ class Cut:
     theory: Solutions
 
     def solve(self, points: float, *, shells: tuple[float, ...], finer: int = 1, reach: float = 1.0) -> Call:
-        """Return the solve on a grid: w / range is the theory's detachment stress at the last wave.
+        """Return the solve on a grid of `finer` times so many points along a side, rounded up to an even number.
 
-        Parameters
-        ----------
-        points : float
-            Along a side, rounded up to an even number.
-        finer : int
-            By how much the grid is finer than that.
-        reach : float
-            Over the range that gives this strength.
+        w / range is the theory's detachment stress at the last wave, where `reach` is 1: it multiplies the
+        range.
         """
         n = finer * 2 * math.ceil(points / 2 - 1e-9)
         arguments: dict[str, Any] = {"contact_modulus": self.problem.contact_modulus}
@@ -275,10 +265,7 @@ def shares_by_shell(
 
 
 def _seen(contact: AdhesiveContact, problem: ContactProblem) -> dict[str, Any]:
-    """Read the theory at the last wave: area, force over load, energy over that of full contact, tension, stress.
-
-    Stresses are those at the nearest node, over E* h'_rms of the cut surface, as shares over `STRESS_EDGES`.
-    """
+    """Read the theory at the last wave; stresses at the nearest node, over E* h'_rms, as shares over the bins."""
     q, at = 2 * np.pi / problem.shortest, np.log(contact.wavevectors)
     node = int(np.argmin(np.abs(at - np.log(q))))
     force, stored = (

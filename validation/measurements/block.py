@@ -47,16 +47,9 @@ def block_beside_bem(
 ) -> xr.Dataset:
     """Press a block of finite elements, the half-space, and the bonded layer as deep as the block.
 
-    Areas, gaps and pressure differences of the three solves (`compared`).
-
-    Parameters
-    ----------
-    method : {"full", "reduced"}
-        The whole system, which shares no contact algorithm with the boundary elements, or its exact reduction.
-    depth : float
-        In periods.
-    tolerance : float, optional
-        Of the finite-element solve, if not its own.
+    Areas, gaps and pressure differences of the three solves (`compared`). The method "full" is the whole
+    system, which shares no contact algorithm with the boundary elements, "reduced" its exact reduction;
+    `depth` is in periods.
     """
     from fem_contact import bem, block
     from fem_contact.response import BondedLayer, HalfSpace

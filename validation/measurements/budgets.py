@@ -38,14 +38,9 @@ class Pressed:
 
 
 def flows(before: Pressed, after: Pressed, *, unit: float) -> dict[str, float]:
-    """Return the sums of one step per nominal area, pressures in units of `unit`, by their names in the registry.
+    """Return the sums of one step per nominal area, by their names in the registry.
 
-    Parameters
-    ----------
-    before, after : Pressed
-        The same points without and with the ring.
-    unit : float
-        Unit of pressure [Pa], sqrt(V) before the step.
+    Pressures in `unit` [Pa], sqrt(V) before the step; the points are the same without and with the ring.
     """
     lost, entered = before.in_contact & ~after.in_contact, after.in_contact & ~before.in_contact
     p, delta = _changes(before, after, unit=unit)
@@ -101,17 +96,12 @@ def mean_of(readings: Sequence[Mapping[str, Array | float]]) -> dict[str, Array]
 
 
 def diffused_area(state: Pressed, added: Array) -> Array:
-    r"""Contact area that absorbing diffusion makes of given pressures, over the nominal area.
+    r"""Contact area that absorbing diffusion makes of given pressures, over A_0, by Delta V [Pa^2] (n,).
 
     .. math:: \frac{A}{A_0} = \frac{1}{N} \sum_\text{contact} \operatorname{erf}\frac{p}{\sqrt{2 \Delta V}}
 
-    The equation is linear: a point with pressure p before is a surface under the nominal pressure p, whose waves so far are none
-    (Persson 2006, Eqs. 17, 19 and 20).
-
-    Parameters
-    ----------
-    added : (n,) array
-        Delta V [Pa^2], positive.
+    The equation is linear: a point with pressure p before is a surface under the nominal pressure p, whose
+    waves so far are none (Persson 2006, Eqs. 17, 19 and 20).
     """
     pressure = state.pressure[state.in_contact]
     pressure = pressure[pressure > 0]
@@ -122,13 +112,10 @@ def diffused_area(state: Pressed, added: Array) -> Array:
 class Memory:
     """What became of every point along a chain of steps, told one state after the other.
 
-    Attributes
-    ----------
-    out, returned : (steps,) arrays
-        Points that were out of contact when a step began, and those of them that it brought back, by the number of steps since
-        they had left; index 0 is those that were never in contact.
-    two_step, composed : lists of float
-        Share of the nominal area that was out before two steps and in contact after, and the same by the laws of single steps.
+    ``out`` and ``returned`` (steps,) count points that were out of contact when a step began, and those of
+    them that it brought back, by the steps since they had left; index 0 is those that were never in
+    contact. ``two_step`` and ``composed``: share of the nominal area out before two steps and in contact
+    after, and by the laws of single steps.
     """
 
     def __init__(self, first: Pressed, *, steps: int) -> None:
@@ -176,17 +163,11 @@ def _share(flags: NDArray[np.bool_], among: NDArray[np.bool_]) -> float:
 
 
 def composed_inflow(was_out: NDArray[np.bool_], before: Pressed, after: Pressed, *, unit: float) -> float:
-    """Share of the nominal area that comes in over two steps, if the second step knows no more than the state before it.
+    """Share of the nominal area that comes in over two steps, if the second knows the state before it alone.
 
-    Parameters
-    ----------
-    was_out : array of bool
-        Points that were out of contact before the first step.
-    before, after : Pressed
-        States before and after the second step. Its law is the chance of a point in contact to stay, by its pressure, and that of a
-        point out of contact to enter.
-    unit : float
-        Unit of pressure [Pa] of the bins.
+    `was_out` are the points out of contact before the first step. The law of the second is the chance of a
+    point in contact to stay, by the bin of its pressure over `unit` [Pa], and that of a point out of
+    contact to enter.
     """
     touching = before.in_contact
     where = bins_of(before.pressure[touching] / unit)

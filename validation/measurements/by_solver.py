@@ -56,12 +56,8 @@ def beside_bem(
 ) -> xr.Dataset:
     """Press one surface at one load on one grid by a method, beside boundary elements.
 
-    Areas, gap, pressure differences and cost; ``converged`` is 1 where its residuals allow it.
-
-    Raises
-    ------
-    NotConverged
-        Where nothing comes of the method, or boundary elements themselves fail.
+    Areas, gap, pressure differences and cost; ``converged`` is 1 where its residuals allow it. NotConverged
+    where nothing comes of the method, or boundary elements themselves fail.
     """
     field, solver = problem.heights(grid), find_solver(method)
 
@@ -88,15 +84,7 @@ def beside_bem(
 def compared(
     contact: ContactResult, half: ContactResult, *, edge_constant: float, rms_height: float
 ) -> dict[str, float]:
-    """Return areas, differences and cost of a solve beside boundary elements on the same points.
-
-    Parameters
-    ----------
-    contact, half : ContactResult
-        Of the method, and of boundary elements.
-    rms_height : float
-        h_rms [m], the unit of the gap.
-    """
+    """Return areas, differences and cost of a solve beside boundary elements on the same points; h_rms is in m."""
     areas, ours = contact_areas(contact, edge_constant=edge_constant), contact_areas(half)
     return {
         "pixel": areas.pixel,

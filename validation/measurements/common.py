@@ -42,10 +42,7 @@ def base_surface(
 ) -> SelfAffineSurface:
     """Return the surface of a study: L = periods lambda_long = periods bandwidth lambda_short [m], h'_rms of C(q).
 
-    Notes
-    -----
-    The gradient scales out of everything the studies report, and so does the period but where something else
-    has a length.
+    The gradient scales out of everything the studies report, the period where nothing else has a length.
     """
     return SelfAffineSurface(
         kind="self-affine",
@@ -67,13 +64,8 @@ def base_case(
 ) -> ContactProblem:
     """Return a surface that is pressed with p* = `reduced_pressure` or p0 = `pressure` [Pa].
 
-    ``.further(k)`` is the k-th surface of its spectrum. p* is by the realised gradient, so that of one p0 it differs from
-    surface to surface.
-
-    Raises
-    ------
-    UsageError
-        For more waves side by side than a plan can draw.
+    ``.further(k)`` is the k-th surface of its spectrum. p* is by the realised gradient, so that of one p0
+    it differs from surface to surface. UsageError for more waves side by side than a plan can draw.
     """
     waves = max(surface.length) / surface.lambda_short
     if waves > _MOST_WAVES * (1 + 1e-9):
@@ -149,16 +141,9 @@ def persson_area(reduced_pressure: ArrayLike) -> NDArray[np.float64]:
 def truncated_surface(
     until: float, *, gradient: float, bandwidth: float, **geometry: Any
 ) -> SelfAffineSurface:
-    """Return a surface with its waves up to q/q_long = until, unchanged by those that are left out.
+    """Return a surface with its waves up to q/q_long = until <= bandwidth, unchanged by those that are left out.
 
-    Parameters
-    ----------
-    until : float
-        At most `bandwidth`.
-    gradient, bandwidth : float
-        h'_rms and lambda_long / lambda_short of the whole surface.
-    told
-        What else `base_surface` is told.
+    h'_rms and bandwidth are of the whole surface, `geometry` as for `base_surface`.
     """
     full = base_surface(bandwidth=bandwidth, gradient=gradient, **geometry)
     if until == bandwidth:

@@ -23,16 +23,10 @@ _LOADS = (0.1, 0.2, 0.4, 0.8, 1.5)
 def unsolved_statistics(field: HeightField) -> dict[str, float]:
     """Return statistics that the contact area of a surface follows, each the mean of h and -h.
 
-    Returns
-    -------
-    dict of str to float
-        Of the highest heights, of shares of the nominal area: mean height, slope^2 and full-contact pressure on them; the
-        same of the highest full-contact pressures; share and mean of the tension of full contact at some loads; fourth
-        moments. Heights, slopes and pressures are divided by their rms.
-
-    Notes
-    -----
-    The contact area of a surface with few waves is larger than the mean where its summits are less steep than the rest.
+    Of the highest heights, of shares of the nominal area: mean height, slope^2 and full-contact pressure on
+    them; the same of the highest full-contact pressures; share and mean of the tension of full contact at
+    some loads; fourth moments. Heights, slopes and pressures are divided by their rms. The contact area of
+    a surface with few waves is larger than the mean where its summits are less steep than the rest.
     """
     height, slope, pressure = _unit_fields(field)
     statistics: dict[str, float] = {}

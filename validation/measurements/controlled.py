@@ -63,18 +63,16 @@ def controlled_mean(
 
     .. math:: \hat Y = \frac1n \sum_i \bigl[ Y_i - \beta_{-i} \cdot (X_i - \hat\mu_X) \bigr]
 
-    The coefficients that are applied to a sample are fitted on the others alone, so that the mean is unbiased.
+    The coefficients of a sample are fitted on the others alone, so that the mean is unbiased; those of
+    several controls by ridge regression. Not `fitted` they are 1, as suits few samples and their like on a
+    coarser grid.
 
     Parameters
     ----------
     values : (n,) array
         Y, at least four, or two without a fit: of surfaces, or of means of pairs +h, -h.
     controls : (n,) or (n, k) array
-        X of the same samples. More than one are fitted by ridge regression.
-    known : Known
-        Means of the controls from other, independent samples.
-    fitted : bool
-        False: the coefficients are 1, as suits few samples of a quantity and of its like on a coarser grid.
+        X of the same samples; their means are `known` from other, independent ones.
 
     Raises
     ------
@@ -84,15 +82,14 @@ def controlled_mean(
     Notes
     -----
     Variance: that of the n residuals, and that of the known means times the coefficients; Student's factor with
-    the degrees of freedom of Welch and Satterthwaite. The residuals share the fitted coefficients, which adds about
-    1/(n - 2) of the first part.
+    the degrees of freedom of Welch and Satterthwaite. The shared coefficients add about 1/(n - 2) of the first part.
 
     Examples
     --------
     >>> rng = np.random.default_rng(3)
     >>> x, more = rng.normal(size=8), rng.normal(size=1000)
-    >>> found = controlled_mean(5 + 2 * x, x, Known.of_samples(more))
-    >>> bool(abs(found.value - 5) < 0.2), round(float(found.coefficients[0]), 9)
+    >>> mean = controlled_mean(5 + 2 * x, x, Known.of_samples(more))
+    >>> bool(abs(mean.value - 5) < 0.2), round(float(mean.coefficients[0]), 9)
     (True, 2.0)
     """
     y, x = _finite(values, least=4 if fitted else 2)[:, 0], _finite(controls, least=2)
@@ -147,11 +144,8 @@ def _left_out(y: Array, x: Array) -> Array:
 def chained_mean(levels: Iterable[tuple[Array, Array]], known: Known) -> tuple[Controlled, ...]:
     """Means on all grids, coarsest first, each controlled by the one before, the coarsest by what is known.
 
-    Parameters
-    ----------
-    levels : iterable of ((n,) array, (n,) or (n, k) array)
-        The quantity on a grid, of surfaces that end there, and its controls: on the coarsest what is told without a
-        solve, on others the quantity on the grid before.
+    A level is a quantity (n,) of the surfaces that end on a grid, and its controls (n,) or (n, k): on the
+    coarsest what is known without a solve, on others the quantity on the grid before.
     """
     means: list[Controlled] = []
     for values, controls in levels:
@@ -166,17 +160,9 @@ def allocation(parts: Sequence[tuple[float, float]], error: float) -> tuple[int,
 
     .. math:: N_l = \varepsilon^{-2} \sqrt{V_l / C_l} \sum_k \sqrt{V_k C_k}
 
-    Parameters
-    ----------
-    parts : sequence of (float, float)
-        Variance V and cost C of one sample of each part.
+    V and C are variance and cost of one sample (M. B. Giles, Operations Research 56 (2008) 607); at least
+    two.
 
-    Notes
-    -----
-    M. B. Giles, Operations Research 56 (2008) 607; at least two, so that the variance can be told.
-
-    Examples
-    --------
     >>> allocation([(1.0, 1.0), (0.01, 4.0)], 0.1)
     (120, 6)
     """

@@ -48,11 +48,9 @@ LADDERS = {"by_bandwidth": ("bandwidth_rung", "bandwidth"), "by_size": ("periods
 def bandwidth_order(hurst: float) -> float:
     """Order in lambda_short/lambda_long: 2 (1 - H).
 
-    The long waves matter by their share in the mean square gradient, and an octave at lambda_long carries a share that
-    falls like (lambda_short/lambda_long)^(2 (1 - H)) as shorter waves are added.
+    The long waves matter by their share in the mean square gradient, which falls so as shorter waves are
+    added.
 
-    Examples
-    --------
     >>> round(bandwidth_order(0.8), 12)
     0.4
     """
@@ -84,24 +82,13 @@ class Line:
 
 
 def fitted_line(samples: Sequence[ArrayLike], x: ArrayLike, *, common: bool = False) -> Line:
-    """Fit a straight line to the means of groups of independent samples.
+    """Fit a straight line to the means of groups of independent samples, at places `x` towards 0.
 
-    Parameters
-    ----------
-    x : (n,) array
-        Where the groups are, towards 0.
-    common : bool
-        Whether sample k is the same surface in every group, whose scatter then cancels in differences.
+    `common`: sample k is the same surface in every group, whose scatter then cancels in differences. All of
+    it is NaN where one sample is.
 
-    Returns
-    -------
-    Line
-        All NaN where one sample is.
-
-    Examples
-    --------
-    >>> found = fitted_line([[2.4, 2.6], [2.2, 2.4], [2.1, 2.3]], (0.4, 0.2, 0.1), common=True)
-    >>> round(found.limit, 12), round(found.slope, 12)
+    >>> line = fitted_line([[2.4, 2.6], [2.2, 2.4], [2.1, 2.3]], (0.4, 0.2, 0.1), common=True)
+    >>> round(line.limit, 12), round(line.slope, 12)
     (2.1, 1.0)
     """
     groups = [np.asarray(group, dtype=float) for group in samples]
@@ -156,21 +143,16 @@ def line(
 ) -> xr.Dataset:
     """Add the line through means, ``x_each`` against a variable that goes to zero: its limit and slope with intervals.
 
-    ``<name>_limit`` with its error, NaN where it is further off than two spans of the groups; ``<name>_slope`` with
-    its error; ``<name>_reach``; the ends of the line, ``<name>_line`` over ``<x>_line`` (end).
+    ``<name>_limit`` with its error, NaN where it is further off than two spans of the groups;
+    ``<name>_slope`` with its error; ``<name>_reach``; the ends of the line, ``<name>_line`` over
+    ``<x>_line`` (end). ``<name>_error`` of the means is taken over where there is one.
 
     Parameters
     ----------
-    data : xarray.Dataset
-        With ``<name>_each``, and ``<name>_error`` of its means where the grids leave one.
-    x : str
-        Variable along the axis, over `along` at least.
     along, over : str
         Dimensions of the groups and of the samples.
-    common : bool
-        Whether sample k is the same surface in every group.
-    pairs : bool
-        Whether surfaces 2k and 2k + 1 are +h and -h.
+    common, pairs : bool
+        Whether sample k is the same surface in every group; whether surfaces 2k and 2k + 1 are +h and -h.
     drift : str
         Source of error to which it belongs how the line moves without its first group.
     """
@@ -228,10 +210,9 @@ def _known(at: Mapping[str, int], values: xr.DataArray) -> dict[str, int]:
 
 
 def at_equal(data: xr.Dataset, name: str, *, x: str, along: str) -> xr.Dataset:
-    """Add ``<name>_equal_each``: values interpolated along a dimension to the largest ``x`` that all rows share.
+    """Add ``<name>_equal_each``: interpolated in ln x along a dimension to the largest ``x`` that all rows share.
 
-    Linear in ln x; rows are the places along the other dimension of x. ``<x>_equal`` is that value; where the rows share
-    none, values are NaN.
+    ``<x>_equal`` is that value; where the rows, along the other dimension of x, share none, values are NaN.
     """
     values, at = data[f"{name}_each"], data[x].transpose(..., along)
     common = float(at.isel({along: -1}).min())
@@ -339,10 +320,7 @@ class Ladders:
     def reduced(self, measured: Mapping[_Case, xr.Dataset]) -> xr.Dataset:
         """Reduce the results of `cases`: kappa and Nayak's parameter on every rung, and the lines through the rungs.
 
-        Raises
-        ------
-        RunFailed
-            For contacts too small for a limit of their area.
+        RunFailed for contacts too small for a limit of their area.
         """
         ladders = [self._ladder(kind, measured) for kind in LADDERS]
         data = xr.merge(ladders, compat="no_conflicts", combine_attrs="override")
@@ -393,8 +371,8 @@ def spectral_errors(
 ) -> dict[str, xr.DataArray]:
     """Return how far kappa may be from that of endless bandwidth and sample, relative, by source, for `claim`.
 
-    It is the shift along the ladder and its 95 % interval, over the limit; NaN where there is no ladder of this H, and
-    where its limit is not determinable.
+    It is the shift along the ladder and its interval, over the limit; NaN without a ladder of this H, or a
+    limit.
     """
     shares: dict[str, Any] = {}
     for kind, (_, source) in LADDERS.items():

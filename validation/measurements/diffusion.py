@@ -177,11 +177,10 @@ def _added(data: xr.Dataset, **values: xr.DataArray) -> xr.Dataset:
 
 
 def _with_square_budget(data: xr.Dataset) -> xr.Dataset:
-    r"""Add the budget of the mean square pressure by octave, over A dV, where the theory has 1.
+    """Add the budget of the mean square pressure by octave, over A dV, where the theory has 1.
 
-    ``square_growth_each`` is its change, the sum of ``square_diffusion_each`` (D), ``square_drift_each``
-    (2 <mu p>) and ``square_reentry_each``; ``square_told_each`` is what D and mu make of it when they are functions
-    of the pressure alone, ``square_growth_path_each`` the change without the negative rings.
+    ``square_told_each`` is what D and mu make of it when they are functions of the pressure alone,
+    ``square_growth_path_each`` the change without the negative rings.
     """
     before, after = (part.isel(grid=-1) for part in _ends(data, "variance_share_each"))
     area = _ends(data, "area_each")[0]

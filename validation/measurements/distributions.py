@@ -22,11 +22,8 @@ PATCH_EDGES = np.geomspace(1e-4, 1e4, 161)
 def histograms_of(result: ContactResult, problem: ContactProblem) -> dict[str, Array]:
     """Return P(sigma) and patch sizes of one solve, as histograms over the edges above.
 
-    Returns
-    -------
-    dict of str to array
-        ``stress``, share of the nominal area by pressure, and ``load``, share of p0; ``patch_number`` and ``patch_area``,
-        number of patches and share of the nominal area, by patch size.
+    ``stress``, share of the nominal area by pressure, and ``load``, share of p0; ``patch_number`` and
+    ``patch_area``, number of patches and share of the nominal area, by patch size.
     """
     unit = problem.pressure_scale
     contact = np.asarray(result.in_contact)
@@ -73,20 +70,13 @@ def largest_difference(first: Array, second: Array) -> Array:
 
 
 def distance_to_reference(histograms: Array, reference: int, *, seed: int = 20062) -> dict[str, Array]:
-    """Measure how far distributions are from that at one load.
+    """Measure how far distributions (surfaces, loads, bins) are from that at one load, (loads,).
 
-    Parameters
-    ----------
-    histograms : (surfaces, loads, bins) array
-        Counts or shares; those of the surfaces are pooled, never their distances.
-
-    Returns
-    -------
-    dict of str to (loads,) array
-        The distance itself ("") of the pooled surfaces; ``_lower``, ``_upper``, its 95 % interval by resampling the surfaces,
-        each with all its loads; ``_noise``, the distance that two sets of as many surfaces have from each other, 95th
-        percentile, root mean square of that load and the reference, NaN for a single surface. Less is not told from zero: the
-        two loads are of the same surfaces, so that this is on the safe side.
+    The distance itself ("") is of the pooled surfaces; ``_lower``, ``_upper`` are its 95 % interval by
+    resampling the surfaces, each with all its loads; ``_noise`` is the distance that two sets of as many
+    surfaces have from each other, 95th percentile, root mean square of that load and the reference, NaN for
+    a single surface. Less is not told from zero: the two loads are of the same surfaces, so that this is on
+    the safe side.
     """
     surfaces = histograms.shape[0]
     pooled = histograms.sum(axis=0)

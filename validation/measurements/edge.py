@@ -85,21 +85,13 @@ def edge_of_contact(
 
 
 def window_slope(below: float, *, excess: float, window: float) -> float:
-    r"""Mean initial slope of P(sigma) from the area below a small pressure, 2 (A_\epsilon - A_excess) / epsilon^2.
+    r"""Mean initial slope of P(sigma) from the area `below` a small pressure, 2 (A_\epsilon - A_excess) / epsilon^2.
 
-    Counting adds area at the edge, at pressures below that of the first cell inside, B dx^(1/2); its size is known. A window
-    that ends beyond them sees the continuum and the excess: on a Hertzian contact, whose slope is pi^3 R^2 / (2 E*^2 A_0), it is
-    right within 1 % from epsilon = 1.2 B dx^(1/2) on, at any spacing. One that ends within the first cell is not, at any
-    spacing: 29 % too much at .4.
-
-    Parameters
-    ----------
-    below : float
-        Share of the nominal area at pressures below the window's end.
-    excess : float
-        Counted less true area, over the nominal area.
-    window : float
-        epsilon, in the unit of pressure of the slope.
+    Counting adds the area `excess` at the edge, at pressures below that of the first cell inside, B
+    dx^(1/2). A `window` epsilon that ends beyond them sees the continuum and the excess: on a Hertzian
+    contact, whose slope is pi^3 R^2 / (2 E*^2 A_0), it is right within 1 % from epsilon = 1.2 B dx^(1/2)
+    on, at any spacing. One that ends within the first cell is not, at any spacing: 29 % too much at .4.
+    Areas are over the nominal area.
     """
     return 2 * (below - excess) / window**2
 
@@ -113,16 +105,9 @@ def slopes_of(
 ) -> dict[Place, xr.Dataset]:
     """P'(0) of each surface at dx -> 0, and how far it moves without the coarsest of its grids.
 
-    ``pressure_slope_each`` in units of (E* h'_rms)^-2, by a polynomial of at most second degree in dx^(1/2), and
-    its drift.
-
-    Parameters
-    ----------
-    points_per_wave : sequence of float
-        Grids, as lambda_short/dx, rising.
-    window : float
-        End of the window in which the mean slope of P is taken (`window_slope`), in units of E* h'_rms
-        sqrt(dx/lambda_short): it closes with the grid.
+    ``pressure_slope_each`` in units of (E* h'_rms)^-2, by a polynomial of at most second degree in
+    dx^(1/2), and its drift. Grids are rising lambda_short/dx; `window_slope` ends at `window` E* h'_rms
+    sqrt(dx/lambda_short).
     """
     cases = {
         (place, n): edge_of_contact(problem=surface, grid=grid_for(surface, n))
@@ -170,12 +155,8 @@ def start_of_pressure(
 ) -> xr.Dataset:
     """Reduce what `edge_of_contact` left to how P(sigma) starts: in windows that close, and by the contour.
 
-    Parameters
-    ----------
-    spacing : float
-        dx / lambda_short.
-    window, slope_window : float
-        Ends of the windows of the density and of its mean slope, in units of E* h'_rms sqrt(dx/lambda_short).
+    The windows of the density and of its mean slope end at so many E* h'_rms sqrt(dx/lambda_short);
+    `spacing` is dx / lambda_short.
     """
     upper = np.concatenate([[0], measured.upper.values])
     share = np.concatenate([[0], np.cumsum(measured.density.values) * float(np.diff(measured.upper[:2])[0])])
@@ -205,11 +186,10 @@ _LIMITS = {
 
 
 def edge_limits(data: xr.Dataset) -> xr.Dataset:
-    """Add P(0+) and P'(0) at dx -> 0 of each surface, with what they move by without the coarsest grid.
+    """Add P(0+) and P'(0) of `_LIMITS` at dx -> 0 of each surface, with what they move by without the coarsest grid.
 
-    ``initial_density_each`` (and ``_straight``, which takes the bend of P for an intercept),
-    ``initial_slope_window_each`` from the mean slope in a window that closes, and
-    ``initial_slope_contour_each`` = 2 S <B^-2>.
+    ``initial_density_straight_each`` takes the bend of P for an intercept; the slope from the contour is 2
+    S <B^-2>.
     """
     for name, (of, power, degree) in _LIMITS.items():
         values, x = data[f"{of}_each"], data.spacing**power

@@ -52,12 +52,9 @@ class Chained:
     ]  # (surface, load): That of the solves, by the last grid of a surface, coarsest first
 
     def chains(self, values: Callable[[int, int], Array]) -> list[tuple[Controlled, ...]]:
-        """Return the controlled means of a quantity on all grids, for each load; the last is the one that is asked for.
+        """Return the controlled means of a quantity on all grids, for each load; the last is the one that counts.
 
-        Parameters
-        ----------
-        values : callable
-            The quantity, (load, surface), of the surfaces that end with one grid, on another.
+        `values` gives (load, surface) of the surfaces that end with one grid, on another.
         """
         numbers = [pair_means(values(0, 0))]
         for last in range(1, len(self.seconds)):
@@ -140,31 +137,21 @@ def mean_area(
     Parameters
     ----------
     base : ContactProblem
-        Surface, solid and one load; each surface meets it as it is said, p* of its own gradient or one pressure for all.
+        Surface, solid and one load; each surface meets it as it is said, p* of its own gradient or one pressure.
     half_width : float
-        Half of the 95 % interval that is asked for, relative to the mean: surfaces, grids and solver.
+        Half of the 95 % interval, relative to the mean: surfaces, grids and solver. It stays wider where the grids
+        leave nine tenths of that or more, or eight rounds did not suffice.
     grids : sequence of (int, int)
         Two or three, ascending; of 3, 6 and 12 points per shortest wave if not given.
     effects : sequence
-        Of a scene: of those whose corrected area has a law of error (`fem_contact.extrapolation.perimeter_limit`).
-    tolerance : float
-        Of the solver; seven times that is counted as left.
+        Of those whose corrected area has a law of error (`fem_contact.extrapolation.perimeter_limit`).
     watch : callable, optional
-        Called before each round but the first with what was found and the solves that come next; raises to stop.
-
-    Returns
-    -------
-    MeanArea
-        Wider than asked where the grids leave nine tenths of that or more, or eight rounds did not suffice.
+        Called before each round but the first with the mean so far and the solves that come next; raises to stop.
 
     Raises
     ------
     NoLimit
         For a surface without a limit, as a contact of too few points has none.
-
-    Notes
-    -----
-    After a first look the numbers of pairs are those of least cost (`allocation`), from the variances and times found.
     """
     grids = tuple(grids) or tuple(grid_for(base, points) for points in (3.0, 6.0, 12.0))
     drawn = _Drawn(base=base, grids=grids, tolerance=tolerance, effects=tuple(effects))

@@ -36,10 +36,10 @@ _STEP = 0.01
 
 
 def stiffness_of(measured: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
-    """Reduce a path with its stiffness to numbers over (load) on its finest grid, means over the shifts, and the theory's.
+    """Reduce a path with its stiffness to (load) on its finest grid, means over the shifts, and the theory's.
 
-    ``stiffness_each`` K h_rms / p0 with its step from the grid before; ``gap_each``, ``area_perimeter_each``; by
-    every variant of the theory that stores an energy, told the surface, -h_rms / (d gap / d ln p0).
+    ``stiffness_each`` K h_rms / p0 with its step from the grid before; by every variant of the theory that
+    stores an energy, of the same surface, -h_rms / (d gap / d ln p0).
     """
     shifted = measured.drop_vars(["points", "cells", "points_per_wave"], errors="ignore").mean("shift")
     fine, before = (shifted.isel(grid=k) for k in (-1, -2))
@@ -70,14 +70,9 @@ def stiffness_of(measured: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
     bytes=2000,
 )
 def leaks(*, problem: ContactProblem, grid: Grid, areas: tuple[float, ...]) -> xr.Dataset:
-    """Seek the loads that make given areas, and where contact and gap percolate along x and along y.
+    """Seek the loads that make given areas A/A0, located inside the cells, and where contact and gap percolate.
 
     What leaks there and how wide the gaps are, over (area, axis) and (area, gap_bin); thresholds (axis).
-
-    Parameters
-    ----------
-    areas : tuple of float
-        A/A0, located inside the cells.
     """
     field, half_space = problem.heights(grid), HalfSpace(solid=problem.elastic)
 

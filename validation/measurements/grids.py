@@ -60,12 +60,8 @@ def on_grids(measured: xr.Dataset) -> xr.Dataset:
 def with_distances(data: xr.Dataset, *, theory: bool) -> xr.Dataset:
     """Add kappa, distances from the limit with their orders, and what P(sigma) has too much of on a coarse grid.
 
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Of `on_grids` by surface, with ``area_persson``, ``area_ensemble_each`` and ``reduced_pressure``.
-    theory : bool
-        Whether P(sigma) of the theory is that of the bare half-space.
+    To `on_grids` by surface, with ``area_persson``, ``area_ensemble_each`` and ``reduced_pressure``;
+    `theory` is whether its P(sigma) is that of the bare half-space.
     """
     resolved, areas = data.points_per_wave.values > _RESOLVED, ("pixel", "perimeter", "located")
     data = data.assign_coords(resolution=("grid", np.where(resolved, "resolved", "under-resolved")))
@@ -164,16 +160,9 @@ def with_blocks(
 ) -> xr.Dataset:
     """Add finite elements beside the areas of boundary elements: kappa, distances from the limit, all errors.
 
-    Parameters
-    ----------
-    data : xarray.Dataset
-        With ``area_each`` over (surface) and ``reduced_pressure``.
-    blocks : mapping
-        By element, number of the surface, and points per wave, rising.
-    strict : mapping
-        The first of each element with a smaller residual.
-    cells : int
-        Of the coarsest grid: less than one node cannot be seen, and counts as one.
+    `blocks` by element, number of the surface, and rising points per wave; `strict` the first of each
+    element with a smaller residual. Less than one node of the coarsest grid of `cells` cannot be seen, and
+    counts as one.
     """
     elements, surfaces, points = (list(dict.fromkeys(names)) for names in zip(*blocks, strict=True))
     parts = {
@@ -213,12 +202,9 @@ def with_methods(
     grids: Mapping[str, Sequence[Grid]],
     first: ContactProblem,
 ) -> xr.Dataset:
-    """Add other methods beside the areas of boundary elements: on every grid, and their limits where grids allow one.
+    """Add other methods beside boundary elements: areas on every grid, and limits where grids allow one.
 
-    Parameters
-    ----------
-    answers : mapping
-        By name of the method, number of the surface, and number of the grid.
+    `answers` by name of the method, number of the surface, and number of the grid.
     """
     surfaces, cases = range(data.sizes["surface"]), [(m, g) for m in grids for g in range(len(grids[m]))]
     names = {

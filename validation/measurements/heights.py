@@ -32,10 +32,7 @@ def height_statistics(
 ) -> xr.Dataset:
     """Return how the heights of one surface are distributed, over the realised rms height, and its contact area.
 
-    Parameters
-    ----------
-    pressures : tuple of float
-        p0 [Pa], rising; none for the heights alone.
+    `pressures` are rising p0 [Pa]; none for the heights alone.
     """
     field, start, areas = problem.heights(grid), None, []
     half_space = HalfSpace(solid=problem.elastic)

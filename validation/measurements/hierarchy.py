@@ -41,16 +41,8 @@ def press_bumps(
 ) -> xr.Dataset:
     """Press along the path of loads, each from the one before; located A/A0, NaN where too few points touch.
 
-    Parameters
-    ----------
-    waves : tuple of int
-        Waves of each level on a period, from 1.
-    heights : tuple of float
-        Of each level, over that of the first.
-    places : tuple of (float, float)
-        By how much of a period each level is moved.
-    loads : tuple of float
-        p0 / (E* H_0 / L), rising.
+    Each level has so many `waves` on a period, from 1, of `heights` over that of the first, moved by
+    `places` of a period; `loads` are rising p0 / (E* H_0 / L).
     """
     field, start, areas = bumps(waves, heights, places, points=points), None, []
     half_space = HalfSpace(solid=BASE_SOLID.elastic)

@@ -48,15 +48,11 @@ def kept_of(result: xr.Dataset) -> xr.Dataset:
 
 
 def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
-    """Reduce what one of `press_on_grids` left to A/A0 over (load): its limit with the 95 % interval of the grids, and counts.
+    """Reduce what one of `press_on_grids` left to A/A0 over (load): its limit with the interval of the grids, and counts.
 
-    ``area_each`` with its error and drift, ``area_pixel_each`` (grid, load) and ``area_perimeter_each`` on the
-    finest grid, means over the shifts; p* is a coordinate.
-
-    Parameters
-    ----------
-    drift : bool
-        Whether the limit without the coarsest grid is taken, too: the order of a fit is a systematic error.
+    ``area_each`` with its error, and its drift unless that is not wanted: the order of a fit is a
+    systematic error; ``area_pixel_each`` (grid, load) and ``area_perimeter_each`` on the finest grid, means
+    over the shifts.
     """
     value, error = area_limits(measured)
     plain = measured.drop_vars(["points", "cells"], errors="ignore")
@@ -82,8 +78,7 @@ def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
 def grid_drift(dataset: xr.Dataset) -> NDArray[np.float64]:
     """By how much the limit of one measurement moves without its coarsest resolved grid, for each load; signed.
 
-    The order of a fit is a systematic error: it does not average out over surfaces, and its sign is kept so
-    that what does may. It is 0 where too few grids are resolved to leave one out.
+    It does not average out over surfaces; it is 0 where too few grids are resolved to leave one out.
     """
     resolved = np.flatnonzero(dataset.points_per_wave.values >= LEAST_POINTS_PER_WAVE * (1 - 1e-9))
     if resolved.size < 3 or (resolved.size - 1) * dataset.sizes["shift"] < 3:
@@ -126,10 +121,8 @@ def limit_of(solved: Mapping[Press, ContactResult]) -> xr.Dataset:
 def resolved_grids(first: ContactProblem, grids: Sequence[Grid], *, located: bool) -> tuple[Grid, ...]:
     """Return the grids of at least 3 points per shortest wave.
 
-    Raises
-    ------
-    UsageError
-        Where they give no limit: two are needed where edges are `located` on square cells, else three.
+    UsageError where they give no limit: two are needed where edges are `located` on square cells, else
+    three.
     """
     least = LEAST_POINTS_PER_WAVE * (1 - 1e-9)
     fine = tuple(dict.fromkeys(grid for grid in grids if first.points_per_wave(grid) >= least))
@@ -147,17 +140,11 @@ def resolved_grids(first: ContactProblem, grids: Sequence[Grid], *, located: boo
 def straight_limit(
     data: xr.Dataset, *names: str, of: str = "pixel", x: str = "points", most: float | None = None
 ) -> xr.Dataset:
-    """Add limits of what is linear in the spacing, as counted areas are: ``<name>_each`` from ``<name>_<of>_each``.
+    """Add limits of what is linear in the spacing 1/x, as counted areas are: ``<name>_each`` from ``<name>_<of>_each``.
 
-    They are those of the two finest grids; ``<name>_each_drift`` is how far each is from that of the two before, or from
-    the finer grid where there are but two.
-
-    Parameters
-    ----------
-    x : str
-        Coordinate over (grid) that goes as one over the spacing.
-    most : float, optional
-        What a share cannot exceed; nor can it be negative then.
+    They are those of the two finest grids; ``<name>_each_drift`` is how far each is from that of the two
+    before, or from the finer grid where there are but two. A share cannot exceed `most`, nor be negative
+    then.
     """
     for name in names:
         values = data[f"{name}_{of}_each"]

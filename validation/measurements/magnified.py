@@ -47,20 +47,10 @@ def magnified(
     magnifications: tuple[float, ...],
     percolating: tuple[float, ...] = (),
 ) -> xr.Dataset:
-    """Press one surface at given loads, with its waves up to each magnification.
+    """Press one surface at loads p* with the gradient of all waves, with its waves up to each magnification.
 
-    Over (load, magnification); thresholds over (percolating, axis, phase).
-
-    Parameters
-    ----------
-    problem : ContactProblem
-        Surface and solid; its longest wave is that of zeta = 1.
-    reduced_pressures : tuple of float
-        p* with the gradient of all waves.
-    magnifications : tuple of float
-        zeta = q/q_long of the last wave there is, rising.
-    percolating : tuple of float
-        p* at which the magnifications are sought where contact and gap join up.
+    Over (load, magnification); thresholds over (percolating, axis, phase). zeta = q/q_long of the last wave
+    there is, rising; `percolating` are the p* at which those are sought where contact and gap join up.
     """
     heights, half_space = problem.heights(grid), HalfSpace(solid=problem.elastic)
     q_long = 2 * np.pi / problem.longest
@@ -118,8 +108,6 @@ def _read_off(state: ContactResult, last: ContactResult, *, unit: float) -> dict
 def sharpest_bend(zeta: Array, area: Array) -> float:
     """Magnification where ln A over ln zeta bends up most, by the parabola through three steps; NaN at an end.
 
-    Examples
-    --------
     >>> x = np.linspace(-1, 3, 9)
     >>> round(float(np.log(sharpest_bend(np.exp(x), np.cosh(x - 1.1)))), 1)
     1.1
@@ -149,14 +137,9 @@ def at_magnification(zeta: Array, area: Array, at: float) -> float:
 def with_macroasperities(data: xr.Dataset, *, theory: Sequence[float], same: float) -> xr.Dataset:
     """Add where ln A bends most, in simulation and theory (``_persson``), and area and pressure there.
 
-    Parameters
-    ----------
-    data : xarray.Dataset
-        ``area_each`` and ``area_persson_each`` (surface, load, magnification), ``area``, p* as a coordinate.
-    theory : sequence of float
-        zeta_m of the theory at each load.
-    same : float
-        Relative change of the pressure, against the lightest load that has one, that counts as none.
+    To ``area_each`` and ``area_persson_each`` (surface, load, magnification), ``area``, p* as a coordinate.
+    `theory` is zeta_m at each load; `same` the relative change of the pressure, against the lightest load
+    with one, that is none.
     """
     along = [["magnification"], ["magnification"]]
     # That of the simulation is of the mean over the surfaces: the bend of a single one is noise.

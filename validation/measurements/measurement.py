@@ -145,20 +145,19 @@ def press_on_grids(
 ) -> xr.Dataset:
     """Press one surface, at ascending loads, on nested grids, each on `shifts`^2 sub-grid shifts.
 
-    What `quantities_of` lists over (grid, shift, load); histograms (grid, load, bin), means over the shifts.
+    What `quantities_of` lists over (grid, shift, load); histograms (grid, load, bin), means over the
+    shifts.
 
     Parameters
     ----------
     reduced_pressures : tuple of float
-        A path of ascending loads instead of the one of `realised`: p* = p0 / (E* h'_rms), with the realised gradient
-        of the whole, untruncated surface.
+        A path of loads instead of the one of `problem`: p* with the realised gradient of the untruncated surface.
     effects : tuple
         Of a scene; then each load is pressed by itself.
     truncation : float or None
         Drop waves beyond this wavevector [1/m]: roughness up to a magnification.
     keep : tuple of str
-        What else is read off: ``distributions``, histograms of P(sigma) and patch sizes; ``stiffness`` of the frozen
-        contact; ``slope`` of P(sigma) at zero.
+        What else is read off: ``distributions`` of P(sigma) and patch sizes; see `quantities_of`.
     """
     loads = reduced_pressures or (reduced_load(problem),)
     offsets = subgrid_shifts(shifts)
@@ -329,14 +328,10 @@ def stored_areas(
     lengths: tuple[float, float] = (1.0, 1.0),
     edge_constant: float = EDGE_CONSTANTS["bem"],
 ) -> ContactAreas:
-    """Return the areas of one solve from stored numbers, as limits take them.
+    """Return the areas of one solve from stored numbers, as limits take them; periods [m], or in any unit.
 
-    Parameters
-    ----------
-    numbers : mapping
-        ``pixel``, ``perimeter``, ``edge_fraction``; ``subcell`` and `fem_contact.area.TRAITS` where they were measured.
-    lengths : (float, float)
-        Periods [m], or in any unit.
+    ``pixel``, ``perimeter``, ``edge_fraction``; ``subcell`` and `fem_contact.area.TRAITS` where they were
+    measured.
     """
     known = {name: float(numbers[name]) for name in (*_AREAS, *TRAITS) if name in numbers}
     subcell = known.pop("subcell", math.nan)
@@ -353,10 +348,8 @@ def stored_areas(
 def area_limits(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """Return the limit of A/A0 over the grids of one measurement and its standard error, for each load.
 
-    It is that of the areas located inside the cells (`fem_contact.extrapolation`), or where they cannot be located of
-    those corrected at their edge; grids of less than
-    `LEAST_POINTS_PER_WAVE` are left out. Both are NaN where the contact is too small to carry the law; the report
-    of a study says so.
+    It is that of the located areas (`fem_contact.extrapolation`), else of those corrected at their edge, on
+    grids of `LEAST_POINTS_PER_WAVE` or more. Both are NaN where the contact is too small to carry the law.
     """
     limits = [
         limit_over(areas_of(dataset, k, least_points_per_wave=LEAST_POINTS_PER_WAVE))

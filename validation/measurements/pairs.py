@@ -70,16 +70,11 @@ def area_pairs(
     tolerance: float = 1e-6,
     effects: tuple[EffectSpec, ...] = (),
 ) -> xr.Dataset:
-    """Press `count` pairs +h, -h on ascending grids.
+    """Press `count` pairs +h, -h from the first realisation on, on ascending grids.
 
-    What is read off (quantity, pair, sign, grid), and on a single grid the statistics of each pair.
-
-    Parameters
-    ----------
-    first, count : int
-        Realisations. Each meets the load as a scene says it: p* of its own gradient, or one pressure for all.
-    effects : tuple
-        Of a scene. With any, edges are not located, and the corrected area stands for the area.
+    What is read off (quantity, pair, sign, grid), and on a single grid the statistics of each pair. Each
+    meets the load as a scene says it. With effects, edges are not located, and the corrected area stands
+    for the area.
     """
 
     def read_off(grid: Grid, surface: ContactProblem) -> tuple[float, ...]:

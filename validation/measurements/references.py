@@ -51,8 +51,6 @@ def published(quantity: str) -> xr.Dataset:
 
     ``<quantity>_published`` is the lowest value, ``_published_high`` the highest.
 
-    Examples
-    --------
     >>> published("kappa").kappa_published_high.values.tolist()
     [[2.2, 2.2], [1.8, 1.8], [2.116, 2.116]]
     """

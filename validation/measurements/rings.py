@@ -69,8 +69,6 @@ def even_points(points: float) -> int:
 def ring_ends(*, periods: float, bandwidth: float, steps_per_octave: int) -> Array:
     """Magnifications at which the rings of a square period end, those without a wave left out.
 
-    Examples
-    --------
     >>> ring_ends(periods=1, bandwidth=2.0, steps_per_octave=4).round(3)
     array([1.   , 1.414, 2.   ])
     """
@@ -160,16 +158,9 @@ def chain(
 ) -> xr.Dataset:
     """Press a surface with its waves up to rising magnifications, each ring with both signs, and keep the sums.
 
-    Over (sign, level), (step), (step, bin), (octave, level).
-
-    Parameters
-    ----------
-    ends : tuple of float
-        Magnifications q/q_long at which the rings end, rising.
-    restarts : tuple of float
-        Those among them at which absorbing diffusion is started from the truth.
-    tolerance : float
-        Of every solve; the area is off by less than that, relative, and every flow is much larger.
+    Over (sign, level), (step), (step, bin), (octave, level). Rings end at q/q_long = `ends`; at those among
+    them in `restarts` absorbing diffusion is started from the truth. The area is off by less than the
+    relative `tolerance`, and every flow is much larger.
     """
     variance: list[float] = []
     areas: list[list[tuple[float, ...]]] = []
@@ -235,16 +226,8 @@ def probe(
 ) -> xr.Dataset:
     """Press a surface with its waves up to one magnification, and the next ring with both signs at several heights.
 
-    The load p* counts in the gradient of the waves up to that magnification.
-
-    Over (), (step), (step, bin).
-
-    Parameters
-    ----------
-    magnification : float
-        q/q_long of the last wave there is.
-    steps : tuple of float
-        Delta V / V of the ring.
+    Over (), (step), (step, bin); `steps` are Delta V / V of the ring. The load p* counts in the gradient of
+    the waves up to q/q_long = `magnification`.
     """
     rings = Rings(problem, points, tolerance)
     heights = rings.heights(0.0, magnification)

@@ -41,14 +41,7 @@ def slides(
 ) -> xr.Dataset:
     """Let one surface slide under its load at rising velocities, each started from the one before, on nested grids.
 
-    `QUANTITIES` over (grid, velocity).
-
-    Parameters
-    ----------
-    problem : ContactProblem
-        Surface and load; its solid is the relaxed one.
-    velocities : tuple of float
-        v [m/s] along x.
+    `QUANTITIES` over (grid, velocity), v [m/s] along x; the solid of `problem` is the relaxed one.
     """
     values = {name: np.empty((len(grids), len(velocities))) for name in QUANTITIES}
     for i, grid in enumerate(grids):
@@ -77,11 +70,10 @@ def _read_off(sliding: SlidingContact, *, gradient: float) -> dict[str, float]:
 
 
 def slid_of(measured: xr.Dataset, solve: Call) -> xr.Dataset:
-    """Reduce what one of `slides` left to numbers over (velocity) on its finest grid, with what each grid gave, and the theory's.
+    """Reduce what one of `slides` left to (velocity) on its finest grid, with what each grid gave, and the theory's.
 
-    ``friction_each``, whose drift is its distance to ``friction_dissipated_each``, and ``area_each``, whose drift
-    is its step from the grid before; ``_grid_each`` over (grid, velocity); friction by the shares of the full
-    energy and area by the variants of the theory, told the realised waves.
+    The drift of ``friction_each`` is its distance to ``friction_dissipated_each``, that of ``area_each``
+    its step from the grid before; ``_grid_each`` is over (grid, velocity).
     """
     on_grids = {"friction": "friction", "friction_dissipated": "dissipation", "area": "area"}
     fine, before = (measured.isel(grid=k) for k in (-1, -2))

@@ -30,19 +30,13 @@ def _predicted(points: int, slopes: tuple[float, ...]) -> Prediction:
 def steepened(
     *, problem: ContactProblem, grid: Grid, slopes: tuple[float, ...], depth: float = 1.0, growth: float = 1.3
 ) -> xr.Dataset:
-    """Press a surface at one p0 / (E* h'_rms) with rising slopes, where the solid is neo-Hookean.
+    """Press a surface at one p0 / (E* h'_rms) scaled to rising slopes h'_rms, where the solid is neo-Hookean.
 
-    By slope: A/A0 projected on the plane where the nodes are now, the share of the undeformed surface in contact
-    (material), and the area along the rigid surface (true), nodes counted; int p^2 dA / (p0^2 A0), p over the
-    projected area; forces that nothing balances over those of the contact, and the mean force along the plane over
-    the load. NaN, with the reason, where Newton's method ends.
-
-    Parameters
-    ----------
-    slopes : tuple of float
-        h'_rms to which the heights are scaled, rising.
-    depth : float
-        Of the block, in periods.
+    By slope: A/A0 projected on the plane where the nodes are now, the share of the undeformed surface in
+    contact (material), and the area along the rigid surface (true), nodes counted; int p^2 dA / (p0^2 A0),
+    p over the projected area; forces that nothing balances over those of the contact, and the mean force
+    along the plane over the load. NaN, with the reason, where Newton's method ends. The block is `depth`
+    periods deep.
     """
     from threadpoolctl import threadpool_limits
 
@@ -105,13 +99,9 @@ def changes_of(measured: xr.Dataset) -> xr.Dataset:
 def with_differences(data: xr.Dataset, *, differences: Sequence[float], straight: float) -> xr.Dataset:
     """Add changes on the finest grid, what they are per slope, and from which slope on they exceed differences.
 
-    Parameters
-    ----------
-    data : xarray.Dataset
-        ``x_grid_each`` of `CHANGES` over (..., surface, grid, slope), with the coordinate ``rms_gradient`` (slope). The
-        step from the grid before is the error of the grid.
-    straight : float
-        Slope up to which changes go with it: ``x_rate`` is that of a line through 0.
+    To ``x_grid_each`` of `CHANGES` over (..., surface, grid, slope), with ``rms_gradient`` (slope); the
+    step from the grid before is the error of the grid. Up to the slope `straight`, ``x_rate`` is that of a
+    line through 0.
     """
     slopes = data.rms_gradient
     small = {"slope": np.flatnonzero(slopes.values <= straight)}

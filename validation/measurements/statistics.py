@@ -7,17 +7,10 @@ from numpy.typing import ArrayLike, NDArray
 
 
 def pair_means(values: ArrayLike) -> NDArray[np.float64]:
-    """Means of the pairs (+h, -h) along the last axis, of shape (..., n/2).
+    """Means of the pairs (+h, -h) along the last axis, of shape (..., n/2); ValueError for an odd number.
 
     The two surfaces of a pair are anti-correlated, so that their mean is one sample, not two.
 
-    Raises
-    ------
-    ValueError
-        For an odd number of values.
-
-    Examples
-    --------
     >>> pair_means([1.0, 3.0, 2.0, 6.0])
     array([2., 4.])
     """
@@ -30,8 +23,6 @@ def pair_means(values: ArrayLike) -> NDArray[np.float64]:
 def order_of_convergence(spacing: ArrayLike, error: ArrayLike) -> float:
     """Slope of log |error| against log spacing, by least squares over all grids.
 
-    Examples
-    --------
     >>> round(order_of_convergence([0.4, 0.2, 0.1], [0.16, 0.04, 0.01]), 12)
     2.0
     """

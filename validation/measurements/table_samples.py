@@ -42,14 +42,9 @@ BY_SPECTRUM = "area_by_spectrum"
 def at_loads(
     areas: Array, *, loads: ArrayLike, targets: Array, interpolator: Callable[..., Any] = CubicSpline
 ) -> Array:
-    """Read A/A0 of a surface off between its loads: A over Persson's is interpolated in ln p*.
+    """Read A/A0 (n,) of a surface off between its rising loads p*, at `targets` p* (m,).
 
-    Parameters
-    ----------
-    areas, loads : (n,) arrays
-        A/A0 at p*, rising.
-    targets : (m,) array
-        p*; a little beyond the first and the last it is extrapolated.
+    A over Persson's is interpolated in ln p*; a little beyond the first and the last it is extrapolated.
     """
     ratio = areas / persson_area(loads)
     return np.asarray(persson_area(targets) * interpolator(np.log(loads), ratio)(np.log(targets)))
@@ -133,9 +128,9 @@ class SampledSpectrum:
     def reduced(self, measured: Mapping[tuple[Any, ...], xr.Dataset]) -> xr.Dataset:
         """Reduce the results of `cases`: the controlled mean of each quantity over (reduced_pressure), with its errors.
 
-        ``saving`` is the time of plain means of the same interval over the time spent; ``area_by_spectrum_reading``
-        what the interpolation to these loads leaves, a part of the grids' error; ``pairs`` how many end with which
-        points per wave.
+        ``saving`` is the time of plain means of the same interval over the time spent;
+        ``area_by_spectrum_reading`` what the interpolation to these loads leaves, a part of the grids'
+        error.
         """
         coarsest, further = measured["coarsest",], measured["further",]
         ending = [
@@ -192,15 +187,7 @@ _SURE = 1e-12
 def joined(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     """Return one table of parts with some of its Hurst exponents and bandwidths; NaN where nobody made a cell.
 
-    Parameters
-    ----------
-    parts : sequence of xarray.Dataset
-        Of `fem-contact study reference`, each with the same loads and `periods`.
-
-    Raises
-    ------
-    UsageError
-        For parts that were not made alike.
+    The parts are of `fem-contact study reference`; UsageError where they were not made alike.
     """
     for name in ("study", "periods", "tolerance"):
         values = sorted({str(part.attrs.get(name)) for part in parts})

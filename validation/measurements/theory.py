@@ -79,16 +79,11 @@ class Waves:
         return float(self.energy.sum())
 
     def elastic_energy(self, pressure: ArrayLike, variant: Variant | EnergyReading) -> Array:
-        r"""Elastic energy per nominal area over E* [m].
+        r"""Elastic energy per nominal area over E* [m], at nominal pressures over E* (loads,).
 
         .. math:: U_\mathrm{el} = \int \frac{dV}{E^* q}\, \tilde P
 
-        Parameters
-        ----------
-        pressure : (loads,) array
-            Nominal pressure over E*.
-        variant : str
-            Whose P~ (`persson.variants.energy_share`); "persson" is Eq. 43.
+        P~ is `persson.variants.energy_share` of the variant; "persson" is Eq. 43.
         """
         load = np.asarray(pressure, dtype=float)[..., None]
         reading: EnergyReading = "old" if variant == "persson" else variant
@@ -109,17 +104,12 @@ class Waves:
 
 
 def ensemble_stress_variance(spectrum: Spectrum | None, rms_gradients: ArrayLike) -> NDArray[np.float64]:
-    r"""Variances of the full-contact stress that C(q) alone lets one expect, over E*^2, one for each surface.
-
-    Their mean is that of C(q); their scatter is that of the realised gradients, which C(q) does not know. NaN where
-    there is no C(q): a measured period has none but its own.
+    r"""Variances of the full-contact stress that C(q) alone lets one expect, over E*^2, by realised h'_rms (n,).
 
     .. math:: V_k = \frac{m_2[C]}{4} \frac{h'^2_k}{\langle h'^2 \rangle}
 
-    Parameters
-    ----------
-    rms_gradients : (n,) array
-        Realised h'_rms of the surfaces.
+    Their scatter is that of the realised gradients. NaN where there is no C(q) but that of a measured
+    period.
     """
     squares = np.square(np.asarray(rms_gradients, dtype=float))
     if spectrum is None:
@@ -136,15 +126,8 @@ def ensemble_area(
     .. math:: A_k/A_0 = \bigl\langle \operatorname{erf}(p_k / \sqrt{2 V_j}) \bigr\rangle_j,
               \qquad p_k = p^* E^* h'_k
 
-    The surfaces are pressed with p* times their own gradient, so that their nominal pressures p_k differ; a generator
-    whose surfaces are rougher than C(q) says shows here, while the theory that is told their gradient hides it.
-
-    Parameters
-    ----------
-    reduced_pressures : (loads,) array
-        p* with the realised gradient of each surface.
-    rms_gradients : (n,) array
-        Realised h'_rms of the surfaces.
+    The surfaces are pressed with p* times their own realised gradient (n,), so that p_k differ; a generator
+    whose surfaces are rougher than C(q) says shows here, while the theory with their gradient hides it.
     """
     gradients = np.asarray(rms_gradients, dtype=float)
     pressure = np.multiply.outer(gradients, np.asarray(reduced_pressures, dtype=float))

@@ -86,7 +86,7 @@ def covered(data: xr.Dataset) -> xr.Dataset:
 def pareto_front(data: xr.Dataset, cost: str) -> list[int]:
     """Return the ways that no other beats in both deviation and a cost, cheapest first.
 
-    Only ways whose memory is measured alike are compared by memory: by process where other codes are there.
+    Only memory that is measured alike is compared: by process where other codes are there.
     """
     deviation, price = data.area_deviation_rms.values, data[cost].values
     process = data.process.values.astype(bool)

@@ -25,14 +25,8 @@ def yielded_by_theory(problem: ContactProblem, hardness: float) -> tuple[float, 
 def kept_waves(contact: ContactResult, problem: ContactProblem) -> tuple[Array, Array, float]:
     """Return what yielding and unloading leave of a surface.
 
-    Returns
-    -------
-    wavevectors : (n,) array
-        [1/m], those of the spectrum that was asked for.
-    kept : (n,) array
-        C(q) after, over that before.
-    gradient : float
-        <|grad h|^2> after, over that before, where the surface yielded.
+    Wavevectors [1/m] (n,) of the spectrum; C(q) after, over that before (n,); <|grad h|^2> after, over that
+    before, where the surface yielded.
     """
     before = HeightField(heights=np.array(contact.heights), lengths=contact.lengths)
     after = yielded(contact).surface
