@@ -29,7 +29,7 @@ LengthOption = Annotated[
     str | None,
     typer.Option("--length", help='Size, e.g. "100 um" or "100 um, 50 um", if the file does not say.'),
 ]
-UnitOption = Annotated[str | None, typer.Option("--unit", help='Unit of the heights, e.g. "1 nm".')]
+UnitOption = Annotated[str | None, typer.Option("--unit", help='Unit of the heights, e.g. "nm".')]
 TiltOption = Annotated[str | None, typer.Option("--tilt", help="keep, plane or quadratic: what to take out.")]
 MissingOption = Annotated[
     str, typer.Option("--missing", help="refuse, nearest or harmonic: how to fill holes.")

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar
 
-from pydantic import AfterValidator, Discriminator, Field, StrictInt, Tag, model_validator
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, StrictInt, Tag, model_validator
 
 from fem_contact.solid import Solid, composite_modulus
 from validation.errors import UsageError, harmless
@@ -174,6 +174,11 @@ class SpectrumSurface(RandomSurface):
     lambda_short: Length = Field(description='shortest wave, e.g. "5 um"; default: that of the table')
 
 
+def _one_of_unit(value: object) -> object:
+    """Return "1 nm" for "nm": a unit that stands alone is one of it."""
+    return f"1 {value.strip()}" if isinstance(value, str) and value.strip()[:1].isalpha() else value
+
+
 class FileSurface(Table):
     """Heights read from a file: .npy, text, .nc, or what SurfaceTopography reads; shape (nx, ny).
 
@@ -183,8 +188,8 @@ class FileSurface(Table):
     kind: Literal["file"] = Field(description=_KIND)
     path: Path = Field(description='file of heights, relative to the scene file, e.g. "afm.txt"')
     length: Lengths = Field(description='size L, or [Lx, Ly], e.g. "100 um"; default: what the file says')
-    unit: Length | None = Field(
-        default=None, description='unit of the heights, e.g. "1 nm"; default: what the file says'
+    unit: Annotated[Length | None, BeforeValidator(_one_of_unit)] = Field(
+        default=None, description='unit of the heights, e.g. "nm"; default: what the file says'
     )
     tilt: Literal["keep", "plane", "quadratic"] | None = Field(
         default=None, description="what to take out before anything else; default: nothing"
