@@ -1,0 +1,94 @@
+"""What adds up does: seconds, counts and dates of solves, shares of area, load and error."""
+
+import json
+import re
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+import xarray as xr
+from gold.asked import STUDIES
+from small_scene import small_scene
+
+from validation.comparison.run import run_scene
+from validation.execution.store import check_store
+from validation.report.estimates import shown_sources, total_error
+from validation.scenes.scene import load_scene
+from validation.studies import find_study
+
+
+@pytest.fixture(scope="module")
+def fresh(tmp_path_factory):
+    """A run from nothing, what lies in its store, and when it began and ended (whole seconds)."""
+    folder = tmp_path_factory.mktemp("balance")
+    began = datetime.now(UTC).replace(microsecond=0)
+    path = folder / "balance.toml"
+    path.write_text(small_scene("shifts = 2\n[methods.fem]\ngrids = [12, 24]\n"))
+    outputs = run_scene(load_scene(str(path)), folder / "results", store_folder=folder / "solves")
+    made = {checked.path: checked.made for checked in check_store(folder / "solves")}
+    solves = {}
+    for path in made:
+        with xr.open_dataset(path) as stored:
+            cost = json.loads(stored.attrs["cost"])
+        solves[path.stem] = {"wall": cost["wall_seconds"], "made": made[path]}
+    return outputs, solves, (began, datetime.now(UTC))
+
+
+def test_each_solve_is_counted_once(fresh):
+    outputs, solves, _ = fresh
+    named = set(np.ravel(outputs.data.solve.values)) - {""}
+    assert named == set(solves)
+    assert (outputs.solved, outputs.reused) == (len(solves), 0)
+    assert int(outputs.data.shifts.sum()) == len(solves)
+    count, seconds = re.match(
+        r"(\d+) solves, done .* in (\S+) s\.", outputs.data.attrs["solves_made"]
+    ).groups()
+    assert int(count) == len(solves)
+    assert float(seconds) == pytest.approx(sum(s["made"].seconds for s in solves.values()), rel=5e-3)
+
+
+def test_the_seconds_of_the_rows_are_those_of_the_solves(fresh):
+    outputs, solves, _ = fresh
+    spent = sum(solve["wall"] for solve in solves.values())
+    assert float(outputs.data.seconds.sum()) == pytest.approx(spent, rel=1e-9)
+    assert float(outputs.data.seconds_total) == pytest.approx(spent, rel=1e-9)
+    # A solve is within what was done about it.
+    assert all(solve["wall"] <= solve["made"].seconds for solve in solves.values())
+
+
+def test_solves_end_between_the_beginning_and_the_end_of_the_run(fresh):
+    _, solves, (began, ended) = fresh
+    times = [datetime.fromisoformat(solve["made"].finished) for solve in solves.values()]
+    assert all(began <= time <= ended for time in times)
+
+
+def test_contact_and_gap_share_the_nominal_area_and_the_load(fresh):
+    data = fresh[0].data
+    width = float(data.stress_wide.diff("wide").isel(wide=0))
+    counted = data.density_wide.sum("wide", min_count=1) * width
+    assert counted.notnull().sum() == data.sizes["solver"]  # of the finest grid of each
+    np.testing.assert_allclose(counted, data.area_pixel.where(counted.notnull()), rtol=1e-9)
+    carried = (data.density_wide * data.stress_wide).sum("wide", min_count=1) * width
+    np.testing.assert_allclose(
+        carried.stack(all=carried.dims).dropna("all"), data.reduced_pressure, rtol=0.02
+    )
+    assert float(data.contact_area) == pytest.approx(float(data.area * data.nominal_area), rel=1e-12)
+    load = float(data.pressure_map.fillna(0.0).mean())
+    assert load == pytest.approx(float(data.pressure), rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["run", "magnification", "hurst"])
+def test_shares_of_an_error_make_the_whole(name, fresh, bench):
+    if name == "run":
+        data = fresh[0].data
+    else:
+        study = find_study(name)
+        data = study.compute(study.options(**STUDIES[name]), bench=bench)
+    judged = 0
+    for error in (variable for variable in map(str, data.data_vars) if variable.endswith("_error")):
+        parts, whole = data[error], total_error(data, error.removesuffix("_error"))
+        square = sum(parts.sel(source=source, drop=True).fillna(0.0) ** 2 for source in shown_sources(parts))
+        known = whole.notnull()
+        np.testing.assert_allclose((whole**2).where(known), square.where(known), rtol=1e-12, err_msg=error)
+        judged += int((whole > 0).sum())
+    assert judged > 0
