@@ -91,10 +91,10 @@ def test_a_measured_patch_keeps_its_edges(tmp_path):
         ({"methods": {"bem": {"grids": [64]}, "fem": {"grids": [64]}}}, r"'free-boundary': method 'fem'"),
         ({"methods": {"bem": {"grids": [64], "shifts": 2}}}, r"methods.bem.shifts = 2: .*has no period"),
         ({"load": {"offset": "-50 nm"}}, r"load.offset: a patch .* is pressed by a load"),
-        ({"load": {"force": "1 N"}}, r"1 radius = 0.001 m: the ball would touch over .* \(Hertz\)"),
+        ({"load": {"force": "1 N"}}, r"1 radius = 1 mm: the ball would touch over .* \(Hertz\)"),
         (
             {"effects": [{"kind": "free-boundary", "radius": "1 nm"}], "load": {"force": "1 mN"}},
-            r"1 radius = 1e-09 m: the ball would touch over .* where no paraboloid is a ball",
+            r"1 radius = 1 nm: the ball would touch over .* where no paraboloid is a ball",
         ),
         ({"ensemble": {"realisations": 2, "grids": [32, 64]}}, r"ensemble: averages over periods"),
         ({"quantities": {"subsurface": {}}}, r"quantities: are read off a period"),

@@ -65,8 +65,8 @@ WRONG = [
         ("reduced_pressure = 0.1", ""),
         ("load: give exactly one of 'pressure', 'reduced_pressure', 'force', 'mean_gap' and",),
     ),
-    (('lambda_short = "2.5 um"', 'lambda_short = "6 um"'), ("lambda_short = 6e-06 m", "must be below")),
-    (('lambda_long = "5 um"', 'lambda_long = "11 um"'), ("lambda_long = 1.1e-05 m", "must not exceed")),
+    (('lambda_short = "2.5 um"', 'lambda_short = "6 um"'), ("lambda_short = 6 um", "must be below")),
+    (('lambda_long = "5 um"', 'lambda_long = "11 um"'), ("lambda_long = 11 um", "must not exceed")),
     (
         ("grids = [12, 24, 48]", "grids = [8, 24]"),
         ("methods.bem.grids = [8, 8]", "at least [9, 9]", "under_resolved"),

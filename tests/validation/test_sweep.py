@@ -225,7 +225,7 @@ def test_a_key_is_set_with_units_by_its_name_or_its_last_word(small_scene):
         ("sweep.hurts=[1]", "--set hurts: is no key of a scene"),
         ("sweep.name=['a']", "[sweep] name: says how a scene is called or run"),
         ("sweep.mode=outer", "[sweep] mode = 'outer': must be 'product' or 'zip'"),
-        ("sweep.lambda_short=['2 um', '4 um', '6 um']", "lambda_short = 6e-06 m: must be below"),
+        ("sweep.lambda_short=['2 um', '4 um', '6 um']", "lambda_short = 6 um: must be below"),
     ],
 )
 def test_a_setting_that_does_not_fit_is_one_line_that_names_the_key(small_scene, setting, words):

@@ -88,7 +88,7 @@ def test_fewer_waves_than_those_of_the_table(scene):
     spectrum = realise(surface).spectrum
     assert (spectrum.q_min, spectrum.q_short) == pytest.approx((2 * np.pi / 4e-5, 2 * np.pi / 8e-6))
     assert spectrum.m2() == pytest.approx(SPECTRUM.m2(2 * np.pi / 8e-6) - SPECTRUM.m2(2 * np.pi / 4e-5))
-    with pytest.raises(UsageError, match="the table has those of 5e-06 m to 5e-05 m"):
+    with pytest.raises(UsageError, match="the table has those of 5 um to 50 um"):
         _ = realise(scene(TABULATED + 'lambda_long = "60 um"\n')).spectrum
 
 
@@ -108,7 +108,7 @@ def _with(row, column, value):
         (_with(3, 1, 0.0), "", "without a gap"),
         (rows(20)[:, :1], "", "must have two columns, q and C; it has 1"),
         (rows(20)[:1], "", "C must be above 0 in two rows or more"),
-        (rows(20) / [4, 1], "", "lambda_long = 0.0002 m: must not exceed the period 0.0001 m"),
+        (rows(20) / [4, 1], "", "lambda_long = 200 um: must not exceed the period 100 um"),
         (rows(20), 'units = ["um", "um^4"]\n', 'must be a unit such as "1/um"'),
         (np.zeros((0, 2)), "", "is no table of q and C"),
     ],

@@ -295,7 +295,7 @@ def test_mistakes_in_effects_are_named(scene, effect, named):
             WAVES,
             (),
             'kind = "hardness"\nhardness = "1 GPa"\nsize_wavelength = "1 um"\nsize_exponent = 0.1',
-            r"\[\[effects\]\] 1 size_wavelength = 1e-06 m: method 'bem' knows one hardness",
+            r"\[\[effects\]\] 1 size_wavelength = 1 um: method 'bem' knows one hardness",
         ),
     ],
 )

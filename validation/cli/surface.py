@@ -12,6 +12,7 @@ import typer
 
 from validation.cli.options import JsonOption, SceneArgument, print_json, say, show
 from validation.errors import SceneError, UsageError
+from validation.report.quantities import as_length
 
 if TYPE_CHECKING:
     from fem_contact.surface import HeightField
@@ -242,7 +243,7 @@ def _write(field: HeightField, target: Path, *, force: bool) -> None:
         write_topography(target, field)
     except OSError as error:
         raise UsageError(f"{target}: not written: {error.strerror or error}") from None
-    words = f"{target}: {field.shape[0]} x {field.shape[1]} heights, h_rms = {field.rms_height:.6g} m"
+    words = f"{target}: {field.shape[0]} x {field.shape[1]} heights, h_rms = {as_length(field.rms_height)}"
     if target.suffix.lower() in (".npy", ".txt"):
         lx, ly = field.lengths
         words += f'; it does not say length = [{lx:.6g}, {ly:.6g}] (m) and unit = "1 m"'

@@ -19,7 +19,7 @@ from validation.execution.calibration import effect_costs
 from validation.execution.cost import transform_seconds
 from validation.execution.press import Press, run_solves, solves_of
 from validation.measurements.measurement import has_square_cells
-from validation.report.quantities import in_prefixed_unit
+from validation.report.quantities import as_length, in_prefixed_unit
 from validation.scenes.checks import check_scene
 from validation.scenes.grids import affordable, usual_grids
 from validation.scenes.problem import ContactProblem, realise
@@ -296,7 +296,7 @@ def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]
 
     field: HeightField | Expected = problem.field
     how = "by differences" if isinstance(field, Patch) else "spectral"
-    words = f"h_rms = {in_prefixed_unit(field.rms_height, 'm')}, h'_rms = {field.rms_gradient:.4g} ({how})"
+    words = f"h_rms = {as_length(field.rms_height, 4)}, h'_rms = {field.rms_gradient:.4g} ({how})"
     if isinstance(field, Expected):
         points = f"not made here, for it takes {field.shape[0]} x {field.shape[1]} points"
         why = points if scene.methods.solvers else "none is drawn, for no solver runs"
@@ -352,7 +352,7 @@ def oblong_grids(scene: Scene, problem: ContactProblem) -> Iterator[tuple[str, s
 
 def _load_words(problem: ContactProblem) -> str:
     for key, value in problem.load.held.items():
-        distance = in_prefixed_unit(value, "m")
+        distance = as_length(value, 4)
         return f"{key.replace('_', ' ')} = {distance} is held; the load that takes follows from the solve"
     each = ", ".join(in_prefixed_unit(pressure, "Pa") for pressure in problem.pressures)
     reduced = ", ".join(f"{pressure / problem.pressure_scale:.4g}" for pressure in problem.pressures)
@@ -368,7 +368,7 @@ def _surface_facts(problem: ContactProblem) -> list[tuple[str, str]]:
         f"L/lambda_long = {min(problem.lengths) / problem.longest:.3g}, "
         f"lambda_long/lambda_short = {problem.longest / problem.shortest:.3g}"
     )
-    height = in_prefixed_unit(moments.rms_height, "m")
+    height = as_length(moments.rms_height, 4)
     integrals = f"h_rms = {height}, h'_rms = {moments.rms_gradient:.4g}"
     return [("integrals over C(q)", integrals), ("bandwidth", sizes)]
 

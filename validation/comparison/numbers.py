@@ -27,7 +27,7 @@ from validation.errors import RunFailed
 from validation.execution.press import Press
 from validation.measurements.measurement import TOLERANCES_LEFT, limit_over
 from validation.report.estimates import NORMAL, derive, error_of, gather, mean
-from validation.report.quantities import labelled
+from validation.report.quantities import as_length, labelled
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Load, Scene
 from validation.solvers import find_method
@@ -128,7 +128,7 @@ def _carried(readings: Sequence[Reading]) -> float:
     load = finest.solve.problem.load
     if not finest.mean_pressure > 0:
         raise RunFailed(
-            f"load.{load.key} = {load.values[0]:.6g} m: nothing touches so far apart; come closer"
+            f"load.{load.key} = {as_length(load.values[0])}: nothing touches so far apart; come closer"
         )
     return finest.mean_pressure
 

@@ -17,7 +17,7 @@ from validation.errors import UsageError
 from validation.execution.results import DATA, Result
 from validation.report.page import Note, Page, Picture, page_of, write_page
 from validation.report.papers import PAPERS
-from validation.report.quantities import in_prefixed_unit
+from validation.report.quantities import as_length, in_prefixed_unit
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
 
@@ -97,8 +97,7 @@ def _lead(kind: str, data: xr.Dataset, scene: Scene) -> str:
     effects = "effects: " + ", ".join(kinds) if kinds else "elastic, no adhesion"
     bodies = "Rigid rough" if scene.solid.second_young is None else "Elastic rough"
     held = "".join(
-        f"{key.replace('_', ' ')} {in_prefixed_unit(value, 'm')} held, "
-        for key, value in scene.load.held.items()
+        f"{key.replace('_', ' ')} {as_length(value, 4)} held, " for key, value in scene.load.held.items()
     )
     layered = not np.isclose(data.contact_modulus, data.contact_modulus_below, rtol=1e-9)
     layer = " of the layer at the surface" if layered else ""

@@ -11,6 +11,7 @@ from pydantic import Field
 from validation.arrays import Grid
 from validation.effects.base import ContactModel, Effect, Judgement, Roughness, SlotName, TheoryInputs
 from validation.errors import UsageError
+from validation.report.quantities import as_length
 from validation.units import Length, Work
 
 if TYPE_CHECKING:
@@ -86,8 +87,9 @@ class Adhesion(Effect):
             if cells < CELLS_NEEDED:
                 needed = [int(np.ceil(n * CELLS_NEEDED / cells)) for n in grid]
                 raise UsageError(
-                    f"{key} reach = {self._range:.6g} m: grid {list(grid)} has {cells:.3g} cells in the zone "
-                    f"where adhesion acts and needs {CELLS_NEEDED:.0f}: at least {needed}, or a longer reach"
+                    f"{key} reach = {as_length(self._range)}: grid {list(grid)} has {cells:.3g} cells in the "
+                    f"zone where adhesion acts and needs {CELLS_NEEDED:.0f}: at least {needed}, or a "
+                    "longer reach"
                 )
 
     def judge(self, rough: Roughness) -> Judgement:

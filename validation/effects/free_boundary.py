@@ -12,6 +12,7 @@ from pydantic import Field
 from validation.arrays import Grid
 from validation.effects.base import ContactModel, Effect, Judgement, Roughness, SlotName
 from validation.errors import UsageError
+from validation.report.quantities import as_length
 from validation.units import Length
 
 if TYPE_CHECKING:
@@ -73,14 +74,16 @@ class FreeBoundary(Effect):
         contact = (3 * force * self.radius / (4 * problem.contact_modulus)) ** (1 / 3)
         if contact > self.radius:
             raise UsageError(
-                f"{key} radius = {self.radius:.6g} m: the ball would touch over {contact:.3g} m (Hertz), "
-                "where no paraboloid is a ball; take a larger radius or a smaller load"
+                f"{key} radius = {as_length(self.radius)}: the ball would touch over "
+                f"{as_length(contact, 3)} (Hertz), where no paraboloid is a ball; take a larger "
+                "radius or a smaller load"
             )
         if contact > 0.5 * min(problem.lengths):
             raise UsageError(
-                f"{key} radius = {self.radius:.6g} m: the ball would touch over {contact:.3g} m (Hertz), "
-                f"beyond the edge of the patch, {0.5 * min(problem.lengths):.3g} m from its middle; take a "
-                "larger patch or a smaller load"
+                f"{key} radius = {as_length(self.radius)}: the ball would touch over "
+                f"{as_length(contact, 3)} (Hertz), beyond the edge of the patch, "
+                f"{as_length(0.5 * min(problem.lengths), 3)} from its middle; take a larger "
+                "patch or a smaller load"
             )
 
     def judge(self, rough: Roughness) -> Judgement:

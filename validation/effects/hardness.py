@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from validation.arrays import Array, Grid
 from validation.effects.base import ContactModel, Effect, Judgement, Roughness, SlotName, TheoryInputs
 from validation.errors import UsageError
+from validation.report.quantities import as_length
 from validation.units import Length, Number, Pressure, wrong
 
 if TYPE_CHECKING:
@@ -66,7 +67,7 @@ class Hardness(Effect):
         """Refuse a hardness that depends on the size of what is pressed in."""
         if self.size_wavelength is not None:
             raise UsageError(
-                f"{key} size_wavelength = {self.size_wavelength:.6g} m: method {name!r} knows one "
+                f"{key} size_wavelength = {as_length(self.size_wavelength)}: method {name!r} knows one "
                 "hardness for all sizes; handled by: theory"
             )
 

@@ -8,7 +8,7 @@ from typing import ClassVar, Literal, Self
 from pydantic import Field
 
 from validation.effects.base import Body, ContactModel, Effect, Judgement, Roughness, SlotName
-from validation.report.quantities import in_prefixed_unit
+from validation.report.quantities import as_length
 from validation.units import Length
 
 #: q_long d beyond which a rigid base changes the compliance by less than a tenth of a percent.
@@ -47,8 +47,8 @@ class Thickness(Effect):
         """Name the thickness above which the base is not felt."""
         deep = _DEEP * rough.longest / (2 * math.pi)
         return cls.unknown(
-            f"longest wave {in_prefixed_unit(rough.longest, 'm')}",
-            f"a thickness; negligible above {in_prefixed_unit(deep, 'm', 3)}",
+            f"longest wave {as_length(rough.longest, 4)}",
+            f"a thickness; negligible above {as_length(deep, 3)}",
         )
 
     @classmethod

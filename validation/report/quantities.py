@@ -177,6 +177,11 @@ def in_prefixed_unit(value: float, unit: str, digits: int = 4) -> str:
     return f"{value * factor:.{digits}g}" + ("" if unit == "1" else f" {named}")
 
 
+def as_length(metres: float, digits: int = 6) -> str:
+    """Return a length in metres as one reads it: ``12.5 um``."""
+    return in_prefixed_unit(metres, "m", digits)
+
+
 def named_at(here: xr.Dataset, name: str) -> Mapping[str, Any]:
     """Return words and look of the solver or theory that a coordinate names; nothing of other coordinates."""
     named = str(here[name].item()) if name in _NAMING else ""

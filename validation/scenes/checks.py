@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from validation.effects.base import ContactModel, effect_key
 from validation.errors import UsageError
+from validation.report.quantities import as_length
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
 from validation.scenes.tables import Load
@@ -88,6 +89,6 @@ def _check_below(scene: Scene, problem: ContactProblem) -> None:
     base, depths = getattr(response, "thickness", None), scene.subsurface.depths
     if base is not None and depths is not None and depths[-1] > base:
         raise UsageError(
-            f"quantities.subsurface.depths: the deepest, {depths[-1]:.6g} m, lies below the base of the "
-            f"layer, at {base:.6g} m"
+            f"quantities.subsurface.depths: the deepest, {as_length(depths[-1])}, lies below the base of the "
+            f"layer, at {as_length(base)}"
         )

@@ -11,6 +11,7 @@ from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, RandomWaves, resolves
 from validation.arrays import Grid
 from validation.errors import UsageError
+from validation.report.quantities import as_length
 from validation.scenes import surfaces
 from validation.scenes.tables import FileSurface, Load, SolidSpec, SpectrumSurface, Surface
 from validation.scenes.tabulated import read_spectrum
@@ -158,8 +159,8 @@ class ContactProblem:
         if self.load.held:
             (value,) = self.load.values
             raise UsageError(
-                f"load.{self.load.key} = {value:.6g} m: what load that takes is known after a solve; give "
-                "pressure, reduced_pressure or force here"
+                f"load.{self.load.key} = {as_length(value)}: what load that takes is known after a solve; "
+                "give pressure, reduced_pressure or force here"
             )
         if self.load.pressure is not None:
             return self.load.values

@@ -7,6 +7,7 @@ from typing import Annotated, Self
 
 from pydantic import BeforeValidator, Field, StrictBool, model_validator
 
+from validation.report.quantities import as_length
 from validation.units import MOST_ITEMS, Pressure, Table, pair_of, quantity, wrong
 
 Resistivity = Annotated[float, quantity("ohm m", "resistivity", "1.7e-8 ohm m"), Field(gt=0)]
@@ -54,7 +55,7 @@ class Subsurface(Table):
     def _rising(self) -> Self:
         depths = self.depths or ()
         if any(lower <= upper for upper, lower in itertools.pairwise(depths)):
-            raise wrong(f"depths = {[f'{depth:.6g} m' for depth in depths]}: must rise")
+            raise wrong(f"depths = {', '.join(map(as_length, depths))}: must rise")
         return self
 
 

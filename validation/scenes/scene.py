@@ -18,6 +18,7 @@ from pydantic import Field, TypeAdapter, ValidationError, ValidationInfo, create
 from validation.effects import effect_kinds
 from validation.effects.base import Effect, clash
 from validation.errors import SceneError, UsageError, did_you_mean
+from validation.report.quantities import as_length
 from validation.scenes.grids import with_usual_grids
 from validation.scenes.mistakes import problems
 from validation.scenes.quantities import Quantities, Subsurface
@@ -181,7 +182,7 @@ class Scene(Title):
                     if any(n < least for n, least in zip(grid, needed, strict=True)):
                         yield (
                             f"{name}.grids = {list(grid)}: too coarse for lambda_short = "
-                            f"{surface.lambda_short:.6g} m; at least {list(needed)} points, or say "
+                            f"{as_length(surface.lambda_short)}; at least {list(needed)} points, or say "
                             f"under_resolved = true in the method's table{hint}"
                         )
         if ensemble is not None and self.ensemble_solver is None:

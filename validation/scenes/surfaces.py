@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 from fem_contact.surface import HeightField, Patch, RandomWaves, random_waves
 from validation.errors import UsageError
+from validation.report.quantities import as_length
 from validation.scenes.tables import (
     CapillarySurface,
     FileSurface,
@@ -149,8 +150,8 @@ def check_memory(surface: RandomSurface) -> None:
     least = surface.lambda_short * math.sqrt(_share(grid))
     check_fits(
         grid,
-        f"surface.lambda_short = {surface.lambda_short:.6g} m: resolving it",
-        remedy=f"take a lambda_short above {least:.3g} m, or a smaller length",
+        f"surface.lambda_short = {as_length(surface.lambda_short)}: resolving it",
+        remedy=f"take a lambda_short above {as_length(least, 3)}, or a smaller length",
     )
 
 

@@ -11,6 +11,7 @@ from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Stri
 
 from fem_contact.solid import Solid, composite_modulus
 from validation.errors import UsageError, harmless
+from validation.report.quantities import as_length
 from validation.units import (
     MOST_ITEMS,
     Force,
@@ -80,12 +81,13 @@ class RandomSurface(Table):
     def _ordered(self) -> Self:
         if self.lambda_short >= self.lambda_long:
             raise wrong(
-                f"lambda_short = {self.lambda_short:.6g} m: must be below "
-                f"lambda_long = {self.lambda_long:.6g} m"
+                f"lambda_short = {as_length(self.lambda_short)}: must be below "
+                f"lambda_long = {as_length(self.lambda_long)}"
             )
         if self.lambda_long > min(self.length) * (1 + 1e-12):
             raise wrong(
-                f"lambda_long = {self.lambda_long:.6g} m: must not exceed the period {min(self.length):.6g} m"
+                f"lambda_long = {as_length(self.lambda_long)}: must not exceed the "
+                f"period {as_length(min(self.length))}"
             )
         return self
 
@@ -131,8 +133,8 @@ class SelfAffineSurface(RandomSurface):
         exactly_one(self, ("rms_gradient", "rms_height"))
         if self.stretch is not None and self.stretch * self.lambda_long > self.length[0] * (1 + 1e-12):
             raise wrong(
-                f"stretch = {self.stretch:g}: makes waves of {self.stretch * self.lambda_long:.6g} m along x,"
-                f" longer than the period {self.length[0]:.6g} m"
+                f"stretch = {self.stretch:g}: makes waves of {as_length(self.stretch * self.lambda_long)} "
+                f"along x, longer than the period {as_length(self.length[0])}"
             )
         return self
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from validation.errors import UsageError
+from validation.report.quantities import as_length
 from validation.scenes.tables import SpectrumSurface
 from validation.scenes.topography.formats import bytes_of, one_line
 from validation.scenes.topography.text import read_columns
@@ -64,8 +65,8 @@ def spectrum_between(surface: SpectrumSurface) -> Tabulated:
     low, high = 2 * math.pi / surface.lambda_long, 2 * math.pi / surface.lambda_short
     if low < q[0] * (1 - edge) or high > q[-1] * (1 + edge):
         raise UsageError(
-            f"surface: waves of {surface.lambda_short:.6g} m to {surface.lambda_long:.6g} m; "
-            f"the table has those of {2 * math.pi / q[-1]:.6g} m to {2 * math.pi / q[0]:.6g} m"
+            f"surface: waves of {as_length(surface.lambda_short)} to {as_length(surface.lambda_long)}; "
+            f"the table has those of {as_length(2 * math.pi / q[-1])} to {as_length(2 * math.pi / q[0])}"
         )
     inside = (q > low * (1 + edge)) & (q < high * (1 - edge))
     q = np.concatenate([[low], q[inside], [high]])

@@ -13,6 +13,7 @@ from fem_contact.response import Response
 from validation.arrays import Grid
 from validation.effects.base import ContactModel, Effect, SlotName, effect_key
 from validation.errors import UsageError
+from validation.report.quantities import as_length
 from validation.solvers.base import (
     Cost,
     Gridded,
@@ -231,5 +232,5 @@ def _check_layers(options: FemOptions, grid: Grid, lengths: tuple[float, float])
     if layers > _MOST_LAYERS:
         raise UsageError(
             f"methods.fem.growth = {options.growth:.6g}: makes {layers:.3g} layers over a depth of "
-            f"{depth:.3g} m; at most {_MOST_LAYERS} are solved: raise the growth or lower the depth"
+            f"{as_length(depth, 3)}; at most {_MOST_LAYERS} are solved: raise the growth or lower the depth"
         )

@@ -12,7 +12,7 @@ from fem_contact.surface import HeightField
 from fem_contact.surface.spectra import window_weights
 from validation.arrays import Array
 from validation.errors import UsageError
-from validation.report.quantities import in_prefixed_unit
+from validation.report.quantities import as_length
 
 Tilt = Literal["keep", "plane", "quadratic"]
 Missing = Literal["refuse", "nearest", "harmonic"]
@@ -144,7 +144,7 @@ class Topography:
         q = [np.fft.fftfreq(n, side / n) for n, side in zip(self.heights.shape, self.lengths, strict=True)]
         waves = np.fft.fft2(self.heights)
         waves[np.hypot(q[0][:, None], q[1]) * shortest > 1 + 1e-9] = 0
-        words = f"waves shorter than {in_prefixed_unit(shortest, 'm')} taken out"
+        words = f"waves shorter than {as_length(shortest, 4)} taken out"
         return replace(self, heights=np.fft.ifft2(waves).real, history=(*self.history, words))
 
     def made_periodic(self, edges: Edges | None, *, margin: float = 0.1) -> Topography:
@@ -162,7 +162,7 @@ class Topography:
         before = rms(self.heights - mean)
         tapered = weights * (self.heights - mean)
         share = f" over {100 * margin:.3g} % of each side" if edges == "tukey" else ""
-        after = f"h_rms {in_prefixed_unit(before, 'm')} before, {in_prefixed_unit(rms(tapered), 'm')} after"
+        after = f"h_rms {as_length(before, 4)} before, {as_length(rms(tapered), 4)} after"
         words = f"made periodic: {edges} taper{share} ({after})"
         return replace(self, heights=tapered, history=(*self.history, words))
 

@@ -14,7 +14,7 @@ import numpy as np
 from validation import sandbox
 from validation.arrays import Array
 from validation.errors import UsageError
-from validation.report.quantities import in_prefixed_unit
+from validation.report.quantities import as_length
 from validation.scenes.topography.formats import one_line, read_plain
 from validation.scenes.topography.patch import Topography, rms
 from validation.scenes.topography.raw import MOST_POINTS
@@ -151,7 +151,7 @@ def read_topography(path: Path, *, lengths: Lengths | None = None, unit: float |
 
 
 def _sides(sides: Lengths) -> str:
-    return " x ".join(in_prefixed_unit(side, "m") for side in sides)
+    return " x ".join(as_length(side, 4) for side in sides)
 
 
 def _impossible(heights: Array, size: Lengths) -> Iterator[str]:
@@ -159,8 +159,8 @@ def _impossible(heights: Array, size: Lengths) -> Iterator[str]:
     cells = [side / n for side, n in zip(size, heights.shape, strict=True)]
     if max(size) > _LARGEST_PATCH or min(cells) < _SMALLEST_CELL:
         yield (
-            f"no instrument measures {size[0]:.3g} m x {size[1]:.3g} m in cells of {min(cells):.3g} m: check "
-            "the unit of length"
+            f"no instrument measures {as_length(size[0], 3)} x {as_length(size[1], 3)} in cells of "
+            f"{as_length(min(cells), 3)}: check the unit of length"
         )
     with np.errstate(over="ignore", invalid="ignore"):
         slope = max(rms(np.diff(heights, axis=axis)) / cells[axis] for axis in (0, 1))
