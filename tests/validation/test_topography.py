@@ -273,9 +273,7 @@ depth = "5 um"
 def test_a_measured_topography_goes_through_theory_and_solvers(tmp_path):
     heights, _ = measured_patch()
     np.save(tmp_path / "afm.npy", heights * 1e9)
-    (tmp_path / "scene.toml").write_text(
-        SCENE.format(path="afm.npy", length='length = "10 um"\nunit = "nm"')
-    )
+    (tmp_path / "scene.toml").write_text(SCENE.format(path="afm.npy", length='length = "10 um"\nunit = "nm"'))
     scene = load_scene(str(tmp_path / "scene.toml"))
     outputs = run_scene(scene, tmp_path / "results")
     c = outputs.data
