@@ -6,12 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from validation.report.findings import Finding
-from validation.report.marks import Figure
-from validation.report.table import Listing, Table
+from validation.report.findings import Finding, finding, note, of_one_surface, ranking
+from validation.report.marks import Band, Figure, Image, Level, Line, Panel, against, panels_along
+from validation.report.table import Column, Listing, Table
 
 if TYPE_CHECKING:
     import xarray as xr
+
+#: With `Views` all that a study declares by.
+__all__ = ["Band", "Card", "Column", "Figure", "Finding", "Image", "Level", "Line", "Listing", "Panel"]
+__all__ += ["Table", "Views", "against", "finding", "note", "of_one_surface", "panels_along", "ranking"]
 
 
 @dataclass(frozen=True)

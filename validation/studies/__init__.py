@@ -26,7 +26,8 @@ from pydantic import ValidationError
 from validation.errors import UsageError, did_you_mean
 from validation.registry import entries
 from validation.scenes.mistakes import problems
-from validation.studies._study import Study, StudyOptions
+from validation.studies._options import StudyOptions
+from validation.studies._study import Study
 
 if TYPE_CHECKING:
     import xarray as xr

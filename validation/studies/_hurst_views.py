@@ -9,10 +9,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from validation.report.findings import Finding, finding
 from validation.report.marks import Band, Figure, Level, Line, Panel, panels_along
-from validation.report.table import Column, Table
-from validation.report.views import Views
+from validation.report.views import Column, Finding, Table, Views, finding
 
 #: A/A0 below which kappa is published, a little more than the authors' 0.1; H of the published alpha(zeta).
 _LIGHT, _PUBLISHED = 0.12, 0.8

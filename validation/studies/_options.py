@@ -1,13 +1,21 @@
-"""Options that many studies have, with their ranges and meanings: like things have like names."""
+"""What all options of studies have: a table that the command line fills, and options that many studies share."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+import types
+import typing
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, ValidationInfo
+from pydantic import AfterValidator, ConfigDict, Field, ValidationError, ValidationInfo, field_validator
+from pydantic.fields import FieldInfo
 
+from validation.errors import UsageError, did_you_mean
+from validation.measurements.common import base_surface
+from validation.scenes.mistakes import problems
+from validation.scenes.scene import Scene, SelfAffineSurface
 from validation.solvers import chosen_solver
-from validation.units import wrong
+from validation.units import Table, unit_of, wrong
 
 Hurst = Annotated[float, Field(ge=0, le=1, description="Hurst exponent H")]
 Periods = Annotated[float, Field(ge=1, description="L / lambda_long")]
@@ -53,3 +61,157 @@ Methods = Annotated[
 ]
 #: Finite elements of the block, by the names of `fem_contact.block`.
 Element = Literal["Hex1", "Hex1/P0", "Hex2", "Hex2/P1disc"]
+
+#: Surfaces, pairs or shifts that a study is given at most: what they scatter by is long known.
+_MOST = 10_000
+
+
+class StudyOptions(Table):
+    """Options of a study: a table like those of a scene, with units, ranges and meanings; all have defaults."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
+    why_no_scene: typing.ClassVar[str] = ""  # Why it takes no scene, where it has no option of that name
+
+    @field_validator("*", mode="after")
+    @classmethod
+    def _few_enough(cls, value: Any, info: ValidationInfo) -> Any:
+        """Refuse numbers of surfaces and the like that no study needs and none would end with."""
+        if type(value) is int and info.field_name != "seed" and value > _MOST:
+            raise wrong(f"must be at most {_MOST}")
+        return value
+
+    @classmethod
+    def flags(cls) -> dict[str, FieldInfo]:
+        """Fields that the command line sets, by flag; a scene is an argument, not a flag."""
+        return {
+            "--" + name.replace("_", "-"): field
+            for name, field in cls.model_fields.items()
+            if name != "scene"
+        }
+
+    @classmethod
+    def takes_scene(cls) -> bool:
+        """Whether the study accepts a scene."""
+        return "scene" in cls.model_fields
+
+    @classmethod
+    def fixed_by_scene(cls) -> Mapping[str, str]:
+        """Return the options that are refused with a scene, each with the reason."""
+        return {}
+
+    @classmethod
+    def parse(cls, arguments: Sequence[str], *, scene: Scene | None = None) -> typing.Self:
+        """Read ``--option value`` and ``--option=value`` pairs.
+
+        Raises
+        ------
+        UsageError
+            For an unknown option, or a value it does not allow, naming both and what is allowed.
+        """
+        values: dict[str, Any] = {}
+        flags = cls.flags()
+        for flag, text in _pairs(arguments, flags):
+            several = typing.get_origin(_bare(flags[flag].annotation)) is tuple
+            parts = text.split(",") if text.strip().lower() != "none" else []
+            values[flag[2:].replace("-", "_")] = (
+                [_with_unit(part.strip(), flags[flag]) for part in parts if part.strip()]
+                if several
+                else _with_unit(text, flags[flag])
+            )
+        try:
+            # Strings are numbers here, and quantities may carry units as in a scene.
+            parsed = cls.model_validate_strings(values, context={"on_scene": scene is not None})
+            if scene is None:
+                return parsed
+            given = {name: getattr(parsed, name) for name in parsed.model_fields_set}
+            return cls.model_validate({**given, "scene": scene})
+        except ValidationError as error:
+            raise UsageError("\n".join(problems(error, flags=True))) from None
+
+    def self_affine(self, **changes: Any) -> SelfAffineSurface:
+        """Return the first surface of these options, or of others in their place; see `base_surface`."""
+        names = ("hurst", "periods", "bandwidth", "seed")
+        spectrum = {name: getattr(self, name) for name in names if name in type(self).model_fields}
+        return base_surface(**{**spectrum, **changes})
+
+    def record(self) -> dict[str, Any]:
+        """Return what was asked, as JSON-ready data."""
+        return self.model_dump(mode="json", exclude_none=True)
+
+    def words(self) -> Iterator[str]:
+        """Yield what a reader should know of what was asked."""
+        yield from ()
+
+    @classmethod
+    def help_lines(cls) -> Iterator[str]:
+        """Yield two lines for each option: flag, kind and default; what it means."""
+        for flag, field in cls.flags().items():
+            if field.annotation is bool:
+                off = flag.replace("--", "--no-", 1)
+                yield f"    {flag}, {off} (default: {flag if field.default else off})"
+            else:
+                default, unit = _default_words(field.default), _unit_of(field)
+                about = "may be left out" if default is None else f"default: {default}"
+                kind = _kind_words(field) + ("" if unit == "1" else f" in {unit}, or with a unit")
+                yield f"    {flag} {kind} ({about})"
+            meaning = " ".join((field.description or "").split())
+            yield f"        {meaning}{cls.fixed_by_scene().get(flag[2:].replace('-', '_'), '')}"
+
+
+def _pairs(arguments: Sequence[str], flags: Mapping[str, FieldInfo]) -> Iterator[tuple[str, str]]:
+    waiting = list(arguments)
+    while waiting:
+        flag, equals, text = waiting.pop(0).partition("=")
+        plain = flag if flag in flags else flag.replace("--no-", "--", 1)
+        if not equals and plain in flags and flags[plain].annotation is bool:
+            named = plain == flag and waiting and waiting[0] in ("true", "false")
+            yield plain, waiting.pop(0) if named else str(plain == flag)
+            continue
+        if flag not in flags:
+            hint = did_you_mean(flag, flags)
+            raise UsageError(f"unknown option {flag!r}{hint}; it has: {', '.join(flags) or 'none'}")
+        if not equals:
+            if not waiting:
+                raise UsageError(f"{flag}: needs a value, {_kind_words(flags[flag])}")
+            text = waiting.pop(0)
+        yield flag, text
+
+
+def _bare(kind: Any) -> Any:
+    kinds = [part for part in typing.get_args(kind) if part is not type(None)]
+    return kinds[0] if typing.get_origin(kind) in (typing.Union, types.UnionType) else kind
+
+
+def _kind_words(field: FieldInfo) -> str:
+    kind = _bare(field.annotation)
+    words = {int: "a whole number", float: "a number", str: "a text"}
+    if typing.get_origin(kind) is typing.Literal:
+        return "one of " + ", ".join(map(str, typing.get_args(kind)))
+    if typing.get_origin(kind) is not tuple:
+        return words.get(kind, "a text")
+    item = typing.get_args(kind)[0]
+    while hasattr(item, "__metadata__"):
+        item = item.__origin__
+    if typing.get_origin(item) is typing.Literal:
+        return "some of " + ", ".join(map(str, typing.get_args(item))) + ", with commas"
+    return words.get(item, "a text").removeprefix("a ") + "s with commas"
+
+
+def _unit_of(field: FieldInfo) -> str:
+    unit = unit_of(field)
+    return unit_of(field.annotation) if unit == "1" else unit
+
+
+def _with_unit(text: str, field: FieldInfo) -> str:
+    unit = _unit_of(field)
+    try:
+        float(text)
+    except ValueError:
+        return text
+    return text if unit == "1" else f"{text} {unit}"
+
+
+def _default_words(value: Any) -> str | None:
+    if value is None or value == ():
+        return None
+    return ",".join(map(str, value)) if isinstance(value, tuple) else str(value)

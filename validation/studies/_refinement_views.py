@@ -12,11 +12,9 @@ from validation.measurements.grids import (
     SMALL,
 )
 from validation.report.estimates import total_error
-from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Level, Line, Panel, against, panels_along
-from validation.report.table import Column, Table
 from validation.report.values import value_of
-from validation.report.views import Views
+from validation.report.views import Column, Finding, Table, Views, finding
 
 
 def views(data: xr.Dataset) -> Views:

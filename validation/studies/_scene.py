@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 from validation.arrays import Grid
 from validation.effects.base import SlotName, effect_key
 from validation.execution.press import Press
-from validation.measurements.common import base_case, base_surface
+from validation.measurements.common import base_case
 from validation.measurements.measurement import grid_for
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import ContactProblem, realise
@@ -20,8 +20,7 @@ from validation.scenes.scene import EffectSpec, Load, Scene, load_scene
 from validation.scenes.tables import FileSurface
 from validation.solvers import chosen_solver, find_solver
 from validation.solvers.base import Settings
-from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
-from validation.studies._study import StudyOptions
+from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions, Surfaces
 from validation.units import wrong
 
 #: Loads closer than this, relative, are one.
@@ -145,10 +144,7 @@ class PressedOptions(StudyOptions):
         """The first surface with its solid and load."""
         if self.scene is not None:
             return replace(realise(self.scene), drawn=True)
-        surface = base_surface(
-            hurst=self.hurst, periods=self.periods, bandwidth=self.bandwidth, seed=self.seed
-        )
-        return base_case(surface, reduced_pressure=self._load, **self._solid)
+        return base_case(self.self_affine(), reduced_pressure=self._load, **self._solid)
 
     @property
     def _load(self) -> float:

@@ -3,26 +3,26 @@
 from __future__ import annotations
 
 import ast
-import types
-import typing
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from pydantic import ConfigDict, ValidationError, ValidationInfo, field_validator
-from pydantic.fields import FieldInfo
+from pydantic import ValidationError
 
 from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
-from validation.errors import RunFailed, UsageError, did_you_mean
+from validation.errors import RunFailed, UsageError
+from validation.execution.measurement import Call
+from validation.measurements.limits import solved
+from validation.report.estimates import gather
 from validation.report.quantities import labelled, quantity
 from validation.report.table import budget_table
 from validation.report.values import with_places
 from validation.scenes.mistakes import problems
 from validation.scenes.scene import Scene
-from validation.units import Table, unit_of, wrong
+from validation.studies._options import StudyOptions
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,95 +31,6 @@ if TYPE_CHECKING:
     from validation.report.drawing import Drawing
     from validation.report.table import ResultTable
     from validation.report.views import Views
-
-
-#: Surfaces, pairs or shifts that a study is given at most: what they scatter by is long known.
-_MOST = 10_000
-
-
-class StudyOptions(Table):
-    """Options of a study: a table like those of a scene, with units, ranges and meanings; all have defaults."""
-
-    model_config = ConfigDict(use_attribute_docstrings=True)
-    why_no_scene: typing.ClassVar[str] = ""  # Why it takes no scene, where it has no option of that name
-
-    @field_validator("*", mode="after")
-    @classmethod
-    def _few_enough(cls, value: Any, info: ValidationInfo) -> Any:
-        """Refuse numbers of surfaces and the like that no study needs and none would end with."""
-        if type(value) is int and info.field_name != "seed" and value > _MOST:
-            raise wrong(f"must be at most {_MOST}")
-        return value
-
-    @classmethod
-    def flags(cls) -> dict[str, FieldInfo]:
-        """Fields that the command line sets, by flag; a scene is an argument, not a flag."""
-        return {
-            "--" + name.replace("_", "-"): field
-            for name, field in cls.model_fields.items()
-            if name != "scene"
-        }
-
-    @classmethod
-    def takes_scene(cls) -> bool:
-        """Whether the study accepts a scene."""
-        return "scene" in cls.model_fields
-
-    @classmethod
-    def fixed_by_scene(cls) -> Mapping[str, str]:
-        """Return the options that are refused with a scene, each with the reason."""
-        return {}
-
-    @classmethod
-    def parse(cls, arguments: Sequence[str], *, scene: Scene | None = None) -> typing.Self:
-        """Read ``--option value`` and ``--option=value`` pairs.
-
-        Raises
-        ------
-        UsageError
-            For an unknown option, or a value it does not allow, naming both and what is allowed.
-        """
-        values: dict[str, Any] = {}
-        flags = cls.flags()
-        for flag, text in _pairs(arguments, flags):
-            several = typing.get_origin(_bare(flags[flag].annotation)) is tuple
-            unit = _unit_of(flags[flag])
-            text = text if several else _with_unit(text, unit)
-            listed = "" if several and text.strip().lower() == "none" else text
-            parts = [_with_unit(part.strip(), unit) for part in listed.split(",") if part.strip()]
-            values[flag[2:].replace("-", "_")] = parts if several else text
-        try:
-            # Strings are numbers here, and quantities may carry units as in a scene.
-            parsed = cls.model_validate_strings(values, context={"on_scene": scene is not None})
-            if scene is None:
-                return parsed
-            given = {name: getattr(parsed, name) for name in parsed.model_fields_set}
-            return cls.model_validate({**given, "scene": scene})
-        except ValidationError as error:
-            raise UsageError("\n".join(problems(error, flags=True))) from None
-
-    def record(self) -> dict[str, Any]:
-        """Return what was asked, as JSON-ready data."""
-        return self.model_dump(mode="json", exclude_none=True)
-
-    def words(self) -> Iterator[str]:
-        """Yield what a reader should know of what was asked."""
-        yield from ()
-
-    @classmethod
-    def help_lines(cls) -> Iterator[str]:
-        """Yield two lines for each option: flag, kind and default; what it means."""
-        for flag, field in cls.flags().items():
-            if field.annotation is bool:
-                off = flag.replace("--", "--no-", 1)
-                yield f"    {flag}, {off} (default: {flag if field.default else off})"
-            else:
-                default, unit = _default_words(field.default), _unit_of(field)
-                about = "may be left out" if default is None else f"default: {default}"
-                kind = _kind_words(field) + ("" if unit == "1" else f" in {unit}, or with a unit")
-                yield f"    {flag} {kind} ({about})"
-            meaning = " ".join((field.description or "").split())
-            yield f"        {meaning}{cls.fixed_by_scene().get(flag[2:].replace('-', '_'), '')}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -210,6 +121,19 @@ class Study:
         return tuple(unit.text for unit in self.views(data).findings)
 
 
+def gathered(
+    bench: Bench, cases: Mapping[Any, Call], reduced: Callable[[xr.Dataset, Call], xr.Dataset], *dims: str
+) -> xr.Dataset:
+    """Solve cases, reduce what each leaves with its call, and stack the parts along dimensions.
+
+    A case is named by its place along `dims`, which have its values in the order of the cases.
+    """
+    parts = {place: reduced(result, cases[place]) for place, result in solved(bench, cases).items()}
+    places = [place if len(dims) > 1 else (place,) for place in cases]
+    values = {dim: list(dict.fromkeys(place[k] for place in places)) for k, dim in enumerate(dims)}
+    return gather(parts, **values)
+
+
 def _misnamed(module: ModuleType) -> Iterator[str]:
     """Say which names that its source makes or shows are none, before anything is solved."""
     path = getattr(module, "__file__", None)
@@ -239,61 +163,3 @@ def _misnamed(module: ModuleType) -> Iterator[str]:
                 quantity(name)
             except UsageError as error:
                 yield f"line {call.lineno}: {error}"
-
-
-def _pairs(arguments: Sequence[str], flags: Mapping[str, FieldInfo]) -> Iterator[tuple[str, str]]:
-    waiting = list(arguments)
-    while waiting:
-        flag, equals, text = waiting.pop(0).partition("=")
-        plain = flag if flag in flags else flag.replace("--no-", "--", 1)
-        if not equals and plain in flags and flags[plain].annotation is bool:
-            named = plain == flag and waiting and waiting[0] in ("true", "false")
-            yield plain, waiting.pop(0) if named else str(plain == flag)
-            continue
-        if flag not in flags:
-            hint = did_you_mean(flag, flags)
-            raise UsageError(f"unknown option {flag!r}{hint}; it has: {', '.join(flags) or 'none'}")
-        if not equals:
-            if not waiting:
-                raise UsageError(f"{flag}: needs a value, {_kind_words(flags[flag])}")
-            text = waiting.pop(0)
-        yield flag, text
-
-
-def _bare(kind: Any) -> Any:
-    kinds = [part for part in typing.get_args(kind) if part is not type(None)]
-    return kinds[0] if typing.get_origin(kind) in (typing.Union, types.UnionType) else kind
-
-
-def _kind_words(field: FieldInfo) -> str:
-    kind = _bare(field.annotation)
-    words = {int: "a whole number", float: "a number", str: "a text"}
-    if typing.get_origin(kind) is typing.Literal:
-        return "one of " + ", ".join(map(str, typing.get_args(kind)))
-    if typing.get_origin(kind) is not tuple:
-        return words.get(kind, "a text")
-    item = typing.get_args(kind)[0]
-    while hasattr(item, "__metadata__"):
-        item = item.__origin__
-    if typing.get_origin(item) is typing.Literal:
-        return "some of " + ", ".join(map(str, typing.get_args(item))) + ", with commas"
-    return words.get(item, "a text").removeprefix("a ") + "s with commas"
-
-
-def _unit_of(field: FieldInfo) -> str:
-    unit = unit_of(field)
-    return unit_of(field.annotation) if unit == "1" else unit
-
-
-def _with_unit(text: str, unit: str) -> str:
-    try:
-        float(text)
-    except ValueError:
-        return text
-    return text if unit == "1" else f"{text} {unit}"
-
-
-def _default_words(value: Any) -> str | None:
-    if value is None or value == ():
-        return None
-    return ",".join(map(str, value)) if isinstance(value, tuple) else str(value)

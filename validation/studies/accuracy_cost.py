@@ -22,10 +22,8 @@ from validation.measurements.limits import solved
 from validation.measurements.measurement import area_limits, grid_for, press_on_grids
 from validation.measurements.ways import AREAS, chosen_ways, covered, way, ways_of_bem
 from validation.report.estimates import NORMAL, error_of, gather
-from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Level, Line, Panel
-from validation.report.table import Table
-from validation.report.views import Views
+from validation.report.views import Finding, Table, Views, finding, note
 from validation.studies._options import Methods, ReducedPressure, Seed, Surfaces
 from validation.studies._scene import PressedOptions
 

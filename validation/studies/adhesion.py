@@ -24,14 +24,11 @@ from validation.measurements.adhesive import Sticking
 from validation.measurements.common import truncated_surface
 from validation.measurements.limits import ABSENT, straight_limit
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
-from validation.report.findings import Finding, finding, of_one_surface
 from validation.report.marks import Figure, Line, Panel
-from validation.report.table import Table
-from validation.report.views import Views
+from validation.report.views import Finding, Table, Views, finding, of_one_surface
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
-from validation.studies._options import Bandwidth, Hurst, Periods
-from validation.studies._study import StudyOptions
+from validation.studies._options import Bandwidth, Hurst, Periods, StudyOptions
 from validation.units import Positive, wrong
 
 _Positives = Annotated[tuple[Positive, ...], Field(min_length=1)]

@@ -30,14 +30,11 @@ from validation.measurements.adhesive import (
 from validation.measurements.common import Rising, truncated_surface
 from validation.measurements.limits import ABSENT, solved, straight_limit
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
-from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Line, Panel
-from validation.report.table import Table
-from validation.report.views import Views
+from validation.report.views import Finding, Table, Views, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
-from validation.studies._options import Hurst, Periods, Seed, Surfaces
-from validation.studies._study import StudyOptions
+from validation.studies._options import Hurst, Periods, Seed, StudyOptions, Surfaces
 from validation.units import Positive
 
 _LENGTH, _GRADIENT = 1e-5, 0.1

@@ -17,14 +17,12 @@ from validation.execution.bench import Bench
 from validation.execution.measurement import Call
 from validation.measurements.common import Rising, RisingGrids
 from validation.measurements.hierarchy import archard_of, press_bumps
-from validation.measurements.limits import ABSENT, kept_of, solved
-from validation.report.estimates import claim, derive, gather, mean, power_law
-from validation.report.findings import finding
+from validation.measurements.limits import ABSENT, kept_of
+from validation.report.estimates import claim, derive, mean, power_law
 from validation.report.marks import Figure, Level, Line, Panel
-from validation.report.table import Table
-from validation.report.views import Views
-from validation.studies._options import Seed, Surfaces
-from validation.studies._study import StudyOptions
+from validation.report.views import Table, Views, finding
+from validation.studies._options import Seed, StudyOptions, Surfaces
+from validation.studies._study import gathered
 from validation.units import Positive, wrong
 
 #: Points of a grid on the shortest wave, fewer than which tell nothing of its bumps.
@@ -68,8 +66,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     cases = _cases(options)
     counts = range(1, len(options.waves) + 2)
-    measured = {place: kept_of(call) for place, call in solved(bench, cases).items()}
-    data = gather(measured, level=counts, surface=range(options.surfaces), grid=options.grids)
+    data = gathered(bench, cases, lambda d, _: kept_of(d), "level", "surface", "grid")
     finest = [cases[n, 0, options.grids[-1]] for n in counts]
     theory = [archard_of(call["waves"], call["heights"], loads=options.loads) for call in finest]
     loads = np.array(options.loads)

@@ -12,19 +12,16 @@ from pydantic import Field
 
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
-from validation.measurements.common import SHIFTS, Rising, base_case, base_surface
+from validation.measurements.common import SHIFTS, Rising, base_case
 from validation.measurements.flow import stiffness_of
-from validation.measurements.limits import ABSENT, solved
+from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import grid_for, press_on_grids
 from validation.measurements.theory import WITH_ENERGY
-from validation.report.estimates import claim, derive, gather, mean, same_of_all
-from validation.report.findings import Finding, finding
+from validation.report.estimates import claim, derive, mean, same_of_all
 from validation.report.marks import Figure, Level, Line, Panel, against
-from validation.report.table import Table
-from validation.report.views import Views
-from validation.scenes.scene import SelfAffineSurface
-from validation.studies._options import Bandwidth, Hurst, Seed, Shifts, Surfaces
-from validation.studies._study import StudyOptions
+from validation.report.views import Finding, Table, Views, finding
+from validation.studies._options import Bandwidth, Hurst, Seed, Shifts, StudyOptions, Surfaces
+from validation.studies._study import gathered
 
 #: Light load, as p*: there the stiffness should go with the load.
 _LIGHT = 0.05
@@ -49,16 +46,12 @@ class Options(StudyOptions):
     """grids, as lambda_short/dx; the finest gives the value, its distance to the one before the uncertainty"""
     seed: Seed = 2006
 
-    def surface(self, periods: float) -> SelfAffineSurface:
-        """Return the first surface of one size."""
-        return base_surface(hurst=self.hurst, periods=periods, bandwidth=self.bandwidth, seed=self.seed)
-
 
 def design(options: Options) -> dict[tuple[float, int], Call]:
     """Return the solves by size of the sample and number of the surface."""
     cases = {}
     for periods in options.periods:
-        base = base_case(options.surface(periods), reduced_pressure=options.reduced_pressures[0])
+        base = base_case(options.self_affine(periods=periods), reduced_pressure=options.reduced_pressures[0])
         grids = tuple(grid_for(base, points) for points in options.points_per_wave)
         for k in range(options.surfaces):
             cases[periods, k] = press_on_grids(
@@ -77,12 +70,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Stiffness K h_rms / p0, mean gap and area on the finest grid (periods, surface, load), beside the theory's;
     local power of the load with which the stiffness goes (periods, surface, step), and its mean at light load.
     """
-    cases = design(options)
-    parts = {
-        case: stiffness_of(measured, cases[case]["problem"])
-        for case, measured in solved(bench, cases).items()
-    }
-    data = gather(parts, periods=options.periods, surface=range(options.surfaces))
+    data = gathered(
+        bench, design(options), lambda d, call: stiffness_of(d, call["problem"]), "periods", "surface"
+    )
     loads = np.array(options.reduced_pressures)
     data = data.assign_coords(reduced_pressure_between=("step", np.sqrt(loads[1:] * loads[:-1])))
     power = "1 + log(stiffness_each).diff('load') / log(reduced_pressure).diff('load')"

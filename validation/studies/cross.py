@@ -16,17 +16,16 @@ from validation.execution.measurement import Call
 from validation.measurements.block import block_beside_bem
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import BASE_SOLID, Rising, RisingOrNone
-from validation.measurements.limits import read_off, solved
+from validation.measurements.limits import read_off
 from validation.measurements.measurement import grid_for
-from validation.report.estimates import derive, gather, mean, power_law, reduce
-from validation.report.findings import finding
+from validation.report.estimates import derive, mean, power_law, reduce
 from validation.report.marks import Figure, Line, Panel
-from validation.report.table import Table
-from validation.report.views import Views
+from validation.report.views import Table, Views, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene, SolidSpec
 from validation.studies._options import Bandwidth, Element, Methods, Periods, ReducedPressure
 from validation.studies._scene import PressedOptions
+from validation.studies._study import gathered
 from validation.units import wrong
 
 
@@ -109,13 +108,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Differences (leg, points_per_wave, surface), their means, and the order in dx of that of the pressure.
     """
     cases = design(options)
-    parts = {place: _differences(data) for place, data in solved(bench, cases).items()}
-    data = gather(
-        parts,
-        leg=list(dict.fromkeys(leg for leg, _, _ in cases)),
-        points_per_wave=sorted({per_wave for _, per_wave, _ in cases}),
-        surface=range(options.surfaces),
-    )
+    data = gathered(bench, cases, lambda d, _: _differences(d), "leg", "points_per_wave", "surface")
+    data = data.sortby("points_per_wave")
     data = reduce(data, "max", "residual")
     data = reduce(data, "mean", "seconds", "seconds_bem")
     data = power_law(

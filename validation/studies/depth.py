@@ -13,16 +13,14 @@ from validation.execution.bench import Bench
 from validation.execution.measurement import Call
 from validation.measurements.block import block_beside_bem
 from validation.measurements.common import BASE_SOLID, Rising, base_case, base_surface
-from validation.measurements.limits import read_off, solved
+from validation.measurements.limits import read_off
 from validation.measurements.measurement import grid_for
-from validation.report.estimates import claim, gather
-from validation.report.findings import Finding, finding
+from validation.report.estimates import claim
 from validation.report.marks import Figure, Line, Panel
-from validation.report.table import Table
-from validation.report.views import Views
+from validation.report.views import Finding, Table, Views, finding
 from validation.scenes.scene import SolidSpec
-from validation.studies._options import Element, ReducedPressure, Seed
-from validation.studies._study import StudyOptions
+from validation.studies._options import Element, ReducedPressure, Seed, StudyOptions
+from validation.studies._study import gathered
 
 
 class Options(StudyOptions):
@@ -80,18 +78,13 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
     Pressure differences to the half-space and to the bonded layer of the same depth, by case.
     """
-    parts = solved(bench, design(options))
-    numbers = {
-        block: read_off(
-            result,
-            pressure_difference="pressure_half_space",
-            pressure_difference_layer="pressure_layer",
-            area_difference="pixel / pixel_bem - 1",
-        )
-        for block, result in parts.items()
+    differences = {
+        "pressure_difference": "pressure_half_space",
+        "pressure_difference_layer": "pressure_layer",
+        "area_difference": "pixel / pixel_bem - 1",
     }
-    data = gather(numbers, case=list(parts))
-    data = claim(data, "pressure_difference", "pressure_difference_layer", "area_difference")
+    data = gathered(bench, design(options), lambda d, _: read_off(d, **differences), "case")
+    data = claim(data, *differences)
     return data.assign_attrs(points_per_wave=options.points_per_wave, methods="bem fem")
 
 

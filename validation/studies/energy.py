@@ -21,10 +21,8 @@ from validation.measurements.common import Rising
 from validation.measurements.limits import solved
 from validation.measurements.measurement import TOLERANCE
 from validation.report.estimates import claim, derive
-from validation.report.findings import Finding, finding, note, ranking
 from validation.report.marks import Figure, Line, Panel
-from validation.report.table import Table
-from validation.report.views import Views
+from validation.report.views import Finding, Table, Views, finding, note, ranking
 from validation.studies import pressure
 from validation.studies._options import Shifts, Surfaces
 from validation.studies.pressure import AGREEMENT, design, measured_path

@@ -20,11 +20,9 @@ from persson.graded import ExponentialLayers, SurfaceLayer
 from validation.arrays import Array
 from validation.execution.bench import Bench
 from validation.report.estimates import derive
-from validation.report.findings import finding
 from validation.report.marks import Figure, Line, Panel
-from validation.report.table import Table
-from validation.report.views import Views
-from validation.studies._study import StudyOptions
+from validation.report.views import Table, Views, finding
+from validation.studies._options import StudyOptions
 from validation.units import Positive, wrong
 
 

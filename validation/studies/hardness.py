@@ -22,14 +22,11 @@ from validation.measurements.common import truncated_surface
 from validation.measurements.limits import ABSENT, straight_limit
 from validation.measurements.yielding import kept_by_theory, kept_waves, yielded_by_theory
 from validation.report.estimates import claim, derive, gather, mean
-from validation.report.findings import Finding, finding, of_one_surface
 from validation.report.marks import Figure, Line, Panel
-from validation.report.table import Column, Table
-from validation.report.views import Views
+from validation.report.views import Column, Finding, Table, Views, finding, of_one_surface
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
-from validation.studies._options import Bandwidth, Hurst, Periods, Seed
-from validation.studies._study import StudyOptions
+from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions
 from validation.units import Positive, wrong
 
 _Positives = Annotated[tuple[Positive, ...], Field(min_length=1)]

@@ -15,19 +15,16 @@ from pydantic import Field
 from persson.heights import height_distribution
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
-from validation.measurements.common import Rising, base_case, base_surface
+from validation.measurements.common import Rising, base_case
 from validation.measurements.heights import HEIGHT_EDGES, height_statistics
 from validation.measurements.limits import ABSENT, kept_of, solved
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, gather, mean
-from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Level, Line, Panel
-from validation.report.table import Table
-from validation.report.views import Views
+from validation.report.views import Finding, Table, Views, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.surfaces import spectrum_of
-from validation.studies._options import Bandwidth, Hurst, Seed, Surfaces
-from validation.studies._study import StudyOptions
+from validation.studies._options import Bandwidth, Hurst, Seed, StudyOptions, Surfaces
 
 
 class Options(StudyOptions):
@@ -50,8 +47,7 @@ class Options(StudyOptions):
 
     def first(self, periods: float) -> ContactProblem:
         """Return the first surface of one size."""
-        sharp = base_surface(hurst=self.hurst, periods=periods, bandwidth=self.bandwidth, seed=self.seed)
-        surface = sharp.model_copy(update={"rolloff": "smooth"})
+        surface = self.self_affine(periods=periods).model_copy(update={"rolloff": "smooth"})
         return base_case(surface, reduced_pressure=self.reduced_pressures[0])
 
     def second(self) -> ContactProblem:

@@ -31,8 +31,8 @@ from validation.studies._options import (
     ReducedPressure,
     Seed,
     Shifts,
+    StudyOptions,
 )
-from validation.studies._study import StudyOptions
 
 __all__ = ["Options", "design", "run", "views"]
 

@@ -13,18 +13,15 @@ import xarray as xr
 from pydantic import Field
 
 from validation.execution.bench import Bench
-from validation.measurements.common import BASE_SOLID, Rising, base_case, base_surface
-from validation.measurements.limits import solved
+from validation.measurements.common import BASE_SOLID, Rising, base_case
 from validation.measurements.measurement import grid_for
 from validation.measurements.slopes import CHANGES, changes_of, steepened, with_differences
-from validation.report.estimates import claim, gather
-from validation.report.findings import Finding, finding
+from validation.report.estimates import claim
 from validation.report.marks import Figure, Line, Panel
-from validation.report.table import Table
-from validation.report.views import Views
+from validation.report.views import Finding, Table, Views, finding
 from validation.scenes.scene import SolidSpec
-from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
-from validation.studies._study import StudyOptions
+from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions, Surfaces
+from validation.studies._study import gathered
 
 #: Relative differences whose slopes are looked for, and the slope up to which differences count as going with it.
 DIFFERENCES, STRAIGHT = (0.01, 0.05), 0.4
@@ -56,19 +53,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Areas and mean square pressure over those of the linear block less 1, over (nu, load, surface, grid, slope); NaN
     where Newton's method found no equilibrium; their means on the finest grid, and from which slope on they count.
     """
-    dims = {
-        "nu": options.poissons,
-        "load": options.reduced_pressures,
-        "surface": range(options.surfaces),
-        "grid": options.points_per_wave,
-    }
-    surface = base_surface(
-        hurst=options.hurst, periods=options.periods, bandwidth=options.bandwidth, seed=options.seed
-    )
     cases = {}
     for poisson, load in itertools.product(options.poissons, options.reduced_pressures):
         solid = SolidSpec(young=BASE_SOLID.young, poisson=poisson)
-        base = base_case(surface, reduced_pressure=load, solid=solid)
+        base = base_case(options.self_affine(), reduced_pressure=load, solid=solid)
         for k, points in itertools.product(range(options.surfaces), options.points_per_wave):
             cases[poisson, load, k, points] = steepened(
                 problem=base.further(k),
@@ -76,8 +64,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
                 slopes=options.slopes,
                 depth=1 / options.periods,
             )
-    changes = {place: changes_of(measured) for place, measured in solved(bench, cases).items()}
-    data = gather(changes, **dims).drop_vars(["nu", "load", "grid"])
+    data = gathered(bench, cases, lambda d, _: changes_of(d), "nu", "load", "surface", "grid")
+    data = data.drop_vars(["nu", "load", "grid"])
     data = data.assign_coords(
         poisson=("nu", list(options.poissons)),
         reduced_pressure=("load", list(options.reduced_pressures)),

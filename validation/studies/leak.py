@@ -15,18 +15,15 @@ from pydantic import Field
 from persson.percolation import SITE_THRESHOLD
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
-from validation.measurements.common import Rising, base_case, base_surface
+from validation.measurements.common import Rising, base_case
 from validation.measurements.flow import GAP_THEORIES, NARROW, flow_of, leaks
-from validation.measurements.limits import ABSENT, solved
+from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import grid_for
-from validation.report.estimates import claim, derive, gather, mean, same_of_all
-from validation.report.findings import Finding, finding
+from validation.report.estimates import claim, derive, mean, same_of_all
 from validation.report.marks import Figure, Level, Line, Panel, against, panels_along
-from validation.report.table import Table
-from validation.report.views import Views
-from validation.scenes.scene import SelfAffineSurface
-from validation.studies._options import Hurst, Periods, Seed, Surfaces
-from validation.studies._study import StudyOptions
+from validation.report.views import Finding, Table, Views, finding
+from validation.studies._options import Hurst, Periods, Seed, StudyOptions, Surfaces
+from validation.studies._study import gathered
 
 #: A/A0 of the tire rim as the paper prints it (Sec. 8.3), which it compares with its threshold.
 _RIM = 0.44
@@ -50,20 +47,16 @@ class Options(StudyOptions):
     """grid, as lambda_short/dx"""
     seed: Seed = 2006
 
-    def surface(self, bandwidth: float) -> SelfAffineSurface:
-        """Return the first surface of one bandwidth."""
-        return base_surface(hurst=self.hurst, periods=self.periods, bandwidth=bandwidth, seed=self.seed)
-
 
 def design(options: Options) -> dict[tuple[float, int], Call]:
     """Return the solves by bandwidth and number of the surface."""
-    found = {}
+    cases = {}
     for bandwidth in options.bandwidths:
-        base = base_case(options.surface(bandwidth), reduced_pressure=0.1)
+        base = base_case(options.self_affine(bandwidth=bandwidth), reduced_pressure=0.1)
         grid = grid_for(base, options.points_per_wave)
         for k in range(options.surfaces):
-            found[bandwidth, k] = leaks(problem=base.further(k), grid=grid, areas=options.areas)
-    return found
+            cases[bandwidth, k] = leaks(problem=base.further(k), grid=grid, areas=options.areas)
+    return cases
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -73,11 +66,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     by axis; both percolation thresholds, as located A/A0, over (bandwidth, surface, phase), and of all bandwidths,
     whose surfaces have common phases, as one sample; P(u), and that of the theory told the load of each surface.
     """
-    cases = design(options)
-    parts = {
-        case: flow_of(measured, cases[case]["problem"]) for case, measured in solved(bench, cases).items()
-    }
-    data = gather(parts, bandwidth=options.bandwidths, surface=range(options.surfaces))
+    data = gathered(
+        bench, design(options), lambda d, call: flow_of(d, call["problem"]), "bandwidth", "surface"
+    )
     pooled = "percolation_area_each.mean('bandwidth', skipna=False)"
     data = derive(data, percolation_area_pooled_each=pooled)
     along = ("gap_conductance", "gap_conductance_bruggeman", "gap_conductance_constriction", "closed")

@@ -16,18 +16,16 @@ from persson.errors import OutsideTheory
 from persson.percolation import SITE_THRESHOLD
 from persson.separation import macroasperity_magnification
 from validation.execution.bench import Bench
-from validation.measurements.common import Rising, RisingOrNone, base_case, base_surface
-from validation.measurements.limits import ABSENT, kept_of, solved
+from validation.measurements.common import Rising, RisingOrNone, base_case
+from validation.measurements.limits import ABSENT, kept_of
 from validation.measurements.magnified import magnified, with_macroasperities
 from validation.measurements.measurement import grid_for
-from validation.report.estimates import claim, derive, gather, mean, nearest
-from validation.report.findings import Finding, finding
+from validation.report.estimates import claim, derive, mean, nearest
 from validation.report.marks import Figure, Level, Line, Panel
-from validation.report.table import Table
-from validation.report.views import Views
+from validation.report.views import Finding, Table, Views, finding
 from validation.scenes.problem import ContactProblem
-from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
-from validation.studies._study import StudyOptions
+from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions, Surfaces
+from validation.studies._study import gathered
 
 
 class Options(StudyOptions):
@@ -54,8 +52,7 @@ class Options(StudyOptions):
     @property
     def first(self) -> ContactProblem:
         """The first surface: one C(q) up to q_0 = 2 pi / lambda_long, self-affine beyond."""
-        sharp = base_surface(hurst=self.hurst, periods=self.periods, bandwidth=self.bandwidth, seed=self.seed)
-        surface = sharp.model_copy(update={"rolloff": "smooth"})
+        surface = self.self_affine().model_copy(update={"rolloff": "smooth"})
         return base_case(surface, reduced_pressure=self.reduced_pressures[0])
 
 
@@ -77,8 +74,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         )
         for k in range(options.surfaces)
     }
-    measured = {k: kept_of(result) for k, result in solved(bench, cases).items()}
-    data = gather(measured, surface=range(options.surfaces)).assign_coords(
+    data = gathered(bench, cases, lambda d, _: kept_of(d), "surface").assign_coords(
         reduced_pressure=("load", list(options.reduced_pressures)),
         magnification=list(options.magnifications),
         percolating_pressure=("percolating", list(options.percolating)),

@@ -14,18 +14,16 @@ from validation.execution.bench import Bench
 from validation.execution.measurement import Call
 from validation.measurements.common import SHIFTS, Ladder, Rising
 from validation.measurements.distributions import largest_difference
-from validation.measurements.limits import solved
 from validation.measurements.load_path import SHARES, moved_shares, pooled_shares, reduced_path
 from validation.measurements.measurement import TOLERANCE, press_on_grids
 from validation.measurements.theory import RANKED, modes_finding
-from validation.report.estimates import change, derive, gather, mean
-from validation.report.findings import Finding, finding
+from validation.report.estimates import change, derive, mean
 from validation.report.marks import Figure, Level, Line, Panel
-from validation.report.table import Column, Table
 from validation.report.values import value_of
-from validation.report.views import Views
+from validation.report.views import Column, Finding, Table, Views, finding
 from validation.studies._options import Shifts
 from validation.studies._scene import PressedOptions
+from validation.studies._study import gathered
 from validation.theories.persson_variants import persson_variants
 from validation.theories.predicted import COMPARED, beside, stress_shares
 
@@ -68,9 +66,9 @@ def design(options: Options) -> dict[int, Call]:
 
 def measured_path(options: Options, *, bench: Bench) -> xr.Dataset:
     """Press every surface along the path of loads: `reduced_path` over (surface, load), and means."""
-    paths = solved(bench, design(options))
-    reduced = {k: reduced_path(path, shortest=options.first.shortest) for k, path in paths.items()}
-    data = gather(reduced, surface=range(options.surfaces)).assign_attrs(options.spectrum_words)
+    shortest = options.first.shortest
+    data = gathered(bench, design(options), lambda d, _: reduced_path(d, shortest=shortest), "surface")
+    data = data.assign_attrs(options.spectrum_words)
     data = mean(data, "area", "patches", "patch_size")
     # Grids of second order are off to the same side on all surfaces: their error does not average out.
     return mean(data, "gap", "compliance", "energy_ratio", alike=True)

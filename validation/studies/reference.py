@@ -23,12 +23,9 @@ from validation.measurements.theory import VARIANTS, with_variants
 from validation.reference.alpha import at_equal_alpha
 from validation.reference.citable import citable
 from validation.report.estimates import claim, derive, gather, total_error
-from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Line, Panel, panels_along
-from validation.report.table import Table
-from validation.report.views import Views
-from validation.studies._options import Periods, Seed
-from validation.studies._study import StudyOptions
+from validation.report.views import Finding, Table, Views, finding
+from validation.studies._options import Periods, Seed, StudyOptions
 from validation.units import wrong
 
 #: Numbers of pairs are those of the options at this bandwidth, and in proportion to its inverse at others: surfaces with

@@ -14,11 +14,9 @@ from validation.arrays import Array
 from validation.errors import UsageError
 from validation.measurements.theory import Waves
 from validation.report.estimates import derive, total_error
-from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Image, Panel, panels_along
-from validation.report.table import Table
-from validation.report.views import Views
-from validation.studies._study import StudyOptions
+from validation.report.views import Finding, Table, Views, finding
+from validation.studies._options import StudyOptions
 from validation.theories import Rough, Theory, find_theory
 
 if TYPE_CHECKING:

@@ -17,17 +17,15 @@ from pydantic import Field, model_validator
 from validation.arrays import Grid
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call, measurement
-from validation.measurements.common import RisingGrids, base_case, base_surface
+from validation.measurements.common import RisingGrids, base_case
 from validation.measurements.flow import located_area
-from validation.measurements.limits import read_off, solved
-from validation.report.estimates import derive, gather, power_law, reduce
-from validation.report.findings import finding
+from validation.measurements.limits import read_off
+from validation.report.estimates import derive, power_law, reduce
 from validation.report.marks import Figure, Line, Panel
-from validation.report.table import Table
-from validation.report.views import Views
+from validation.report.views import Table, Views, finding
 from validation.scenes.problem import ContactProblem
-from validation.studies._options import Hurst, Periods, ReducedPressure, Seed, Surfaces
-from validation.studies._study import StudyOptions
+from validation.studies._options import Hurst, Periods, ReducedPressure, Seed, StudyOptions, Surfaces
+from validation.studies._study import gathered
 from validation.units import wrong
 
 _COSTS = ("seconds", "fft_pairs", "peak_bytes")
@@ -98,9 +96,7 @@ def design(options: Options) -> dict[tuple[int, int], Call]:
     """Return the solves by points along a side and number of the surface."""
     cases = {}
     for n, k in itertools.product(options.grids, range(options.surfaces)):
-        surface = base_surface(
-            hurst=options.hurst, periods=options.periods, bandwidth=n / options.coarsest, seed=options.seed
-        )
+        surface = options.self_affine(bandwidth=n / options.coarsest)
         pressed = base_case(surface, reduced_pressure=options.reduced_pressure).further(k)
         cases[n, k] = cold_solve(problem=pressed, grid=(n, n))
     return cases
@@ -114,13 +110,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     from validation.execution.cost import available_memory
 
-    parts = solved(bench, design(options))
     taken = {"area_located_each": "area"} | {f"{name}_each": name for name in _COSTS}
-    data = gather(
-        {case: read_off(result, **taken) for case, result in parts.items()},
-        points=list(options.grids),
-        surface=range(options.surfaces),
-    )
+    data = gathered(bench, design(options), lambda d, _: read_off(d, **taken), "points", "surface")
     data = data.assign_coords(bandwidth=("points", [n / options.coarsest for n in options.grids]))
     data = derive(data, number="points**2.0")
     data = reduce(data, "mean", *_COSTS, "area_located")

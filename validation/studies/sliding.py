@@ -22,20 +22,18 @@ from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
 from validation.files import read_whole
-from validation.measurements.common import Rising, base_case, base_surface, in_rising_order
-from validation.measurements.limits import ABSENT, solved
+from validation.measurements.common import Rising, base_case, in_rising_order
+from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import grid_for
 from validation.measurements.sliding import SHARES, Rubber, slid_of, slides
 from validation.measurements.theory import RANKED, VARIANTS
-from validation.report.estimates import claim, derive, gather, mean, same_of_all
-from validation.report.findings import Finding, finding
+from validation.report.estimates import claim, derive, mean, same_of_all
 from validation.report.marks import Figure, Line, Panel, against
-from validation.report.table import Table
 from validation.report.values import Value
-from validation.report.views import Views
-from validation.scenes.scene import SelfAffineSurface, SolidSpec
-from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
-from validation.studies._study import StudyOptions
+from validation.report.views import Finding, Table, Views, finding
+from validation.scenes.scene import SolidSpec
+from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions, Surfaces
+from validation.studies._study import gathered
 from validation.units import Duration, Length, Positive, Pressure, Velocity, wrong
 
 #: Largest file of a modulus [byte].
@@ -111,16 +109,6 @@ class Options(StudyOptions):
             relaxed=self.relaxed, unrelaxed=self.unrelaxed, time=self.time, poisson=self.poisson
         )
 
-    def surface(self) -> SelfAffineSurface:
-        """Return the first surface."""
-        return base_surface(
-            hurst=self.hurst,
-            periods=self.periods,
-            bandwidth=self.bandwidth,
-            seed=self.seed,
-            length=self.length,
-        )
-
 
 def _table_of(path: Path, *, poisson: float) -> TabulatedSolid:
     try:
@@ -137,7 +125,8 @@ def design(options: Options) -> dict[int, Call]:
     """Return the solves by number of the surface."""
     rubber = options.rubber()
     solid = SolidSpec(young=_relaxed(rubber), poisson=rubber.poisson)
-    base = base_case(options.surface(), reduced_pressure=options.reduced_pressure, solid=solid)
+    surface = options.self_affine(length=options.length)
+    base = base_case(surface, reduced_pressure=options.reduced_pressure, solid=solid)
     grids = tuple(grid_for(base, points) for points in options.points_per_wave)
     return {
         k: slides(problem=base.further(k), rubber=rubber, velocities=options.velocities, grids=grids)
@@ -155,10 +144,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Returns mu / h'_rms by slopes and by losses, A/A0 and what the solves took over (surface, velocity), and over
     (grid); the theory told the realised waves; |E(2 pi v / L)| / E_0 over velocity.
     """
-    cases, rubber = design(options), options.rubber()
-    parts = {k: slid_of(measured, cases[k]) for k, measured in solved(bench, cases).items()}
-    velocity = np.array(options.velocities)
-    data = gather(parts, surface=range(options.surfaces)).assign_coords(
+    rubber, velocity = options.rubber(), np.array(options.velocities)
+    data = gathered(bench, design(options), slid_of, "surface").assign_coords(
         velocity=velocity, points_per_wave=("grid", list(options.points_per_wave))
     )
     passing = np.abs(rubber.modulus(2 * np.pi * velocity / options.length))

@@ -22,13 +22,10 @@ from persson.errors import PerssonError
 from validation.execution.bench import Bench
 from validation.measurements.hard_cases import CASES, HardCase, elastic_cases
 from validation.report.estimates import gather
-from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Level, Line, Panel
-from validation.report.table import Table
-from validation.report.views import Views
+from validation.report.views import Finding, Table, Views, finding
 from validation.solvers import chosen_solver
-from validation.studies._options import AnyMethods
-from validation.studies._study import StudyOptions
+from validation.studies._options import AnyMethods, StudyOptions
 from validation.units import wrong
 
 #: What can happen at one value, from good to bad.

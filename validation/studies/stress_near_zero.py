@@ -17,10 +17,8 @@ from validation.measurements.common import Rising
 from validation.measurements.edge import edge_limits, edge_of_contact, start_of_pressure
 from validation.measurements.limits import solved
 from validation.report.estimates import change, derive, gather, mean, power_law
-from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Level, Line, Panel
-from validation.report.table import Table
-from validation.report.views import Views
+from validation.report.views import Finding, Table, Views, finding
 from validation.studies._options import Bandwidth, Methods, ReducedPressure, Surfaces
 from validation.studies._scene import PressedOptions, SolverRequest
 
@@ -74,14 +72,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     spacing = {
         solver.name: [1 / options.first.points_per_wave(grid) for grid in solver.grids] for solver in solvers
     }
+    windows = {"window": options.window, "slope_window": options.slope_window}
     measured = solved(bench, design(options, solvers))
     starts = {
-        case: start_of_pressure(
-            data,
-            spacing=spacing[case[0]][case[2]],
-            window=options.window,
-            slope_window=options.slope_window,
-        )
+        case: start_of_pressure(data, spacing=spacing[case[0]][case[2]], **windows)
         for case, data in measured.items()
     }
     names = list(spacing)
@@ -92,7 +86,6 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         reduced_pressure=options.reduced_pressure,
     )
     methods = " ".join(["theory", *(solver.method for solver in solvers)])
-    windows = {"window": options.window, "slope_window": options.slope_window}
     return limits(data).assign_attrs(methods=methods, **windows, **options.spectrum_words)
 
 
