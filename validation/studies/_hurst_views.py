@@ -50,7 +50,6 @@ _LITERATURE = Band(
 
 
 def _of_solvers_against_hurst(data: xr.Dataset) -> Iterator[Figure]:
-    """Every solver's own limit in one panel as wide as a column, with the other bandwidths at that load."""
     reduced_pressure = float(data.reduced_pressure_by_solver)
     same = np.flatnonzero(np.isclose(data.reduced_pressure, reduced_pressure))
     wide = [
@@ -78,7 +77,6 @@ def _of_solvers_against_hurst(data: xr.Dataset) -> Iterator[Figure]:
 
 
 def _against_hurst(data: xr.Dataset) -> Figure:
-    """One panel for each load: limit, counts, theory; literature where the load is light."""
     marks = (
         Line(y="kappa", label="limit over grids"),
         Line(y="kappa_pixel", at={"grid": 0}, label="counted, coarsest grid"),
@@ -100,7 +98,6 @@ def _against_hurst(data: xr.Dataset) -> Figure:
 
 
 def _against_nayak(climbed: bool) -> Figure:
-    """Kappa of all spectra and loads, and along the ladders of bandwidth."""
     theories = (Level(y="kappa_bgt"), Level(y="kappa_persson_light"))
     rungs = Line(y="kappa_by_bandwidth", x="nayak_by_bandwidth", by="ladder")
     lines = [Line(y="kappa", by=("family", "load")), *([rungs] if climbed else [])]
@@ -111,7 +108,6 @@ def _against_nayak(climbed: bool) -> Figure:
 
 
 def _ladder_figures() -> tuple[Figure, ...]:
-    """Kappa on the rungs with the lines to their limits; alpha(zeta) over the theory's."""
     panels = []
     for kind, title in (("by_bandwidth", "lambda_short/lambda_long falls"), ("by_size", "the sample grows")):
         end = f"step_{kind}_line"
@@ -146,7 +142,6 @@ def _ladder_figures() -> tuple[Figure, ...]:
 
 
 def _beside(data: xr.Dataset) -> Iterator[Finding]:
-    """Say what each other solver has of the same surfaces."""
     form = "By its own limit over grids kappa is, at p* = {reduced_pressure_by_solver} and bandwidth {bandwidth_by_solver}, by "
     form += "{solver}: {each}."
     item = (
@@ -161,7 +156,6 @@ def _beside(data: xr.Dataset) -> Iterator[Finding]:
 
 
 def _of_families(data: xr.Dataset) -> Iterator[Finding]:
-    """Say what H changes, what counting adds, how far the theory is off."""
     ends: dict[str, Any] = {"first": float(data.hurst[0]), "last": float(data.hurst[-1])}
     ends |= {"low": float(data.bandwidth.min()), "high": float(data.bandwidth.max())}
     if data.sizes["hurst"] > 1:
@@ -183,7 +177,6 @@ def _of_families(data: xr.Dataset) -> Iterator[Finding]:
 
 
 def _of_ladders(data: xr.Dataset) -> Iterator[Finding]:
-    """Say what H changes at equal alpha and alpha at equal H, where kappa goes, and what was published of alpha(zeta)."""
     if data.sizes["ladder"] > 1:
         ends: dict[str, Any] = {"first": float(data.hurst_ladder[0]), "last": float(data.hurst_ladder[-1])}
         form = "At the Nayak parameter {nayak_by_bandwidth_equal} kappa at H = {last} is {verdict} that at H = {first}, "

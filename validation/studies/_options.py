@@ -75,7 +75,6 @@ class StudyOptions(Table):
     @field_validator("*", mode="after")
     @classmethod
     def _few_enough(cls, value: Any, info: ValidationInfo) -> Any:
-        """Refuse numbers of surfaces and the like that no study needs and none would end with."""
         if type(value) is int and info.field_name != "seed" and value > _MOST:
             raise wrong(f"must be at most {_MOST}")
         return value

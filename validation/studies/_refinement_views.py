@@ -33,7 +33,6 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
-    """Draw distances from the limit, P(sigma) and patches against the grid."""
     waves: dict[str, Any] = {"x": "points_per_wave", "log": "xy", "base": 2}
     own = [Line(y=f"distance_{name}_size") for name in ("pixel", "perimeter", "located")]
     panels = [Panel(marks=own, **waves)]
@@ -80,7 +79,6 @@ def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
 
 
 def _of_areas(data: xr.Dataset, first: int) -> Iterator[Finding]:
-    """Say what the limit is, what counting adds, and where in P(sigma)."""
     resolved = data.isel(grid=slice(first, None))
     limit = "In the limit kappa is {kappa} at p* = {reduced_pressure}, lambda_long/lambda_short = {bandwidth}"
     values: dict[str, Any] = {"bandwidth": float(data.attrs["bandwidth"])}
@@ -109,7 +107,6 @@ _APART = {"agree": "not distinguishable from it", "differ": "beyond its interval
 
 
 def _of_others(data: xr.Dataset) -> Iterator[Finding]:
-    """Say what roughness at the grid scale gives beside what was published, and where other methods go."""
     if "slope" in data.dims:
         last = data.isel(protocol_grid=-1)
         slopes = ", ".join(f"{{s{k}}} ({name})" for k, name in enumerate(data.slope.values))
@@ -131,7 +128,6 @@ def _of_others(data: xr.Dataset) -> Iterator[Finding]:
 
 
 def _of_protocol(data: xr.Dataset) -> Iterator[Finding]:
-    """Say how much of what Hyun et al. found the grid explains, and what it does not."""
     form = "Full finite elements with roughness down to their {points_protocol_by_solver} points, nodes counted, have kappa "
     form += "{each} ({slope})."
     item = "{kappa_protocol_by_solver} at H = {hurst_protocol}, {kappa_excess_protocol:+%} from the converged one of the same "

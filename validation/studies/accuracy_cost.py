@@ -91,7 +91,6 @@ def _codes(options: Options) -> tuple[str, ...]:
 
 
 def _singles(options: Options) -> Iterator[_Single]:
-    """Finite elements, other codes and ours, each in a process of its own, and solvers that are asked for by name."""
     first = options.first
     fem_points = options.fem_points_per_wave if "fem" in options.methods else ()
     for element, n in itertools.product(_ELEMENTS, fem_points):

@@ -14,7 +14,6 @@ import xarray as xr
 from pydantic import Field, model_validator
 
 from validation.execution.bench import Bench
-from validation.execution.measurement import Call
 from validation.measurements.common import Rising, RisingGrids
 from validation.measurements.hierarchy import archard_of, press_bumps
 from validation.measurements.limits import ABSENT, kept_of
@@ -64,11 +63,21 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Located A/A0 over (level, surface, grid, load), where surfaces differ in how the levels are moved; its power of
     the load by least squares, and the local one; both of Archard's spheres.
     """
-    cases = _cases(options)
-    counts = range(1, len(options.waves) + 2)
+    waves, heights = (1, *options.waves), (1.0, *options.heights)
+    moved = np.random.default_rng(options.seed).random((options.surfaces, len(waves), 2))
+    counts, surfaces = range(1, len(waves) + 1), range(options.surfaces)
+    cases = {
+        (n, k, points): press_bumps(
+            waves=waves[:n],
+            heights=heights[:n],
+            places=tuple((float(x), float(y)) for x, y in moved[k, :n]),
+            loads=options.loads,
+            points=points,
+        )
+        for n, k, points in itertools.product(counts, surfaces, options.grids)
+    }
     data = gathered(bench, cases, lambda d, _: kept_of(d), "level", "surface", "grid")
-    finest = [cases[n, 0, options.grids[-1]] for n in counts]
-    theory = [archard_of(call["waves"], call["heights"], loads=options.loads) for call in finest]
+    theory = [archard_of(waves[:n], heights[:n], loads=options.loads) for n in counts]
     loads = np.array(options.loads)
     data = data.drop_vars(["level", "grid"]).assign_coords(
         levels=("level", list(counts)),
@@ -103,37 +112,18 @@ def with_exponents(data: xr.Dataset) -> xr.Dataset:
     return derive(rise.drop_vars(list(before)), shortfall_archard="1 - load_exponent_archard")
 
 
-def _cases(options: Options) -> dict[tuple[int, int, int], Call]:
-    counts, heights = (1, *options.waves), (1.0, *options.heights)
-    moved = np.random.default_rng(options.seed).random((options.surfaces, len(counts), 2))
-    return {
-        (n, k, points): press_bumps(
-            waves=counts[:n],
-            heights=heights[:n],
-            places=tuple((float(x), float(y)) for x, y in moved[k, :n]),
-            loads=options.loads,
-            points=points,
-        )
-        for n, k, points in itertools.product(
-            range(1, len(counts) + 1), range(options.surfaces), options.grids
-        )
-    }
-
-
 def views(data: xr.Dataset) -> Views:
     """Area over the load, its local power, and the powers of every level."""
-    powers = [Level(y="load_exponent_archard", by="level", label="", look={"ls": "--"})]
+    areas = ("area_finest", "area_archard")
+    lines = [Line(y=areas[0], by="level", joined=False), Line(y=areas[1], by="level", label="")]
+    powers = [
+        Line(y="local_exponent", by="level", at={"grid": -1}),
+        Level(y="load_exponent_archard", by="level", label="", look={"ls": "--"}),
+    ]
     return Views(
         table=Table(
             rows=("level", "load"),
-            columns=(
-                "levels",
-                "relative_load",
-                "area_finest",
-                "area_archard",
-                "area_over_archard",
-                "load_exponent",
-            ),
+            columns=("levels", "relative_load", *areas, "area_over_archard", "load_exponent"),
         ),
         budget=("load_exponent",),
         figures=[
@@ -142,20 +132,8 @@ def views(data: xr.Dataset) -> Views:
                 caption="Bumps on bumps on a bump. Left: contact area over the load, finest grid, beside Archard's spheres of "
                 "the same radii and densities. Right: local power of the load beside Archard's 2/3, 8/9, 26/27 (dashed).",
                 panels=[
-                    Panel(
-                        marks=[
-                            Line(y="area_finest", by="level", joined=False),
-                            Line(y="area_archard", by="level", label=""),
-                        ],
-                        x="relative_load",
-                        log="xy",
-                    ),
-                    Panel(
-                        marks=[Line(y="local_exponent", by="level", at={"grid": -1}), *powers],
-                        x="middle_load",
-                        log="x",
-                        bottom=0.6,
-                    ),
+                    Panel(marks=lines, x="relative_load", log="xy"),
+                    Panel(marks=powers, x="middle_load", log="x", bottom=0.6),
                 ],
             )
         ],

@@ -12,7 +12,6 @@ from pydantic import Field, model_validator
 
 from validation.effects.base import SlotName
 from validation.execution.bench import Bench
-from validation.execution.measurement import Call
 from validation.measurements.block import block_beside_bem
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import BASE_SOLID, Rising, RisingOrNone
@@ -68,17 +67,7 @@ class Options(PressedOptions):
         return {**super().taken(scene, first), "poisson": scene.solid.poisson}
 
 
-def design(options: Options) -> dict[tuple[str, float, int], Call]:
-    """Return the solves by leg, points per shortest wave, and surface."""
-    return {
-        (leg, per_wave, k): solve(problem=problem)
-        for leg, per_wave, solve in (*_blocks(options), *_others(options))
-        for k, problem in enumerate(options.pressed)
-    }
-
-
 def _blocks(options: Options) -> Iterator[tuple[str, float, Any]]:
-    """Yield the ways through the finite elements: the full system, and its exact reduction."""
     if options.scene is not None or "fem" not in options.methods:
         return
     discretisations: list[tuple[Literal["full", "reduced"], Element, float]] = [
@@ -91,7 +80,6 @@ def _blocks(options: Options) -> Iterator[tuple[str, float, Any]]:
 
 
 def _others(options: Options) -> Iterator[tuple[str, float, Any]]:
-    """Yield all other solvers that are asked for; on a scene the finite elements as its table has them."""
     for solver in options.others(options.method_points_per_wave):
         request: dict[str, Any] = {
             "method": solver.method,
@@ -107,7 +95,11 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
     Differences (leg, points_per_wave, surface), their means, and the order in dx of that of the pressure.
     """
-    cases = design(options)
+    cases = {
+        (leg, per_wave, k): solve(problem=problem)
+        for leg, per_wave, solve in (*_blocks(options), *_others(options))
+        for k, problem in enumerate(options.pressed)
+    }
     data = gathered(bench, cases, lambda d, _: _differences(d), "leg", "points_per_wave", "surface")
     data = data.sortby("points_per_wave")
     data = reduce(data, "max", "residual")
@@ -138,7 +130,6 @@ _COMPARED = (
 
 
 def _differences(measured: xr.Dataset) -> xr.Dataset:
-    """Return what is compared of one solve."""
     return read_off(
         measured,
         pressure_difference_each="pressure_half_space",

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 import xarray as xr
 from pydantic import Field
 
 from validation.execution.bench import Bench
-from validation.execution.measurement import Call
 from validation.measurements.block import block_beside_bem
 from validation.measurements.common import BASE_SOLID, Rising, base_case, base_surface
 from validation.measurements.limits import read_off
@@ -56,34 +55,30 @@ class Block:
     poisson: float = 0.3
 
 
-def design(options: Options) -> dict[Block, Call]:
-    """Return the solve of each block."""
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Vary every parameter of the block.
+
+    Pressure differences to the half-space and to the bonded layer of the same depth, by case.
+    """
     surface = base_surface(hurst=0.8, periods=1.0, bandwidth=4.0, seed=options.seed)
     varied = {"depth": options.depths, "growth": options.growths, "poisson": options.poissons}
     cases = {}
     for (name, values), element in itertools.product(varied.items(), options.elements):
         for value in values:
             parameter: dict[str, Any] = {name: value}
-            block = replace(Block(varied=name, element=element), **parameter)
+            block = Block(varied=name, element=element, **parameter)
             solid = SolidSpec(young=BASE_SOLID.young, poisson=block.poisson)
             pressed = base_case(surface, reduced_pressure=options.reduced_pressure, solid=solid)
             grid = grid_for(pressed, options.points_per_wave)
-            mesh: dict[str, Any] = {"element": element, "depth": block.depth, "growth": block.growth}
-            cases[block] = block_beside_bem(problem=pressed, grid=grid, **mesh)
-    return cases
-
-
-def run(options: Options, *, bench: Bench) -> xr.Dataset:
-    """Vary every parameter of the block.
-
-    Pressure differences to the half-space and to the bonded layer of the same depth, by case.
-    """
+            cases[block] = block_beside_bem(
+                problem=pressed, grid=grid, element=element, depth=block.depth, growth=block.growth
+            )
     differences = {
         "pressure_difference": "pressure_half_space",
         "pressure_difference_layer": "pressure_layer",
         "area_difference": "pixel / pixel_bem - 1",
     }
-    data = gathered(bench, design(options), lambda d, _: read_off(d, **differences), "case")
+    data = gathered(bench, cases, lambda d, _: read_off(d, **differences), "case")
     data = claim(data, *differences)
     return data.assign_attrs(points_per_wave=options.points_per_wave, methods="bem fem")
 

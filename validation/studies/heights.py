@@ -69,20 +69,13 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     surfaces, middles = range(options.surfaces), (HEIGHT_EDGES[1:] + HEIGHT_EDGES[:-1]) / 2
     measured = {place: kept_of(result) for place, result in solved(bench, _cases(options)).items()}
-    samples = gather(
-        {place[1:]: result for place, result in measured.items() if place[0] == "size"},
-        sample=options.periods,
-        surface=surfaces,
-    )
-    spectra = gather(
-        {place[1:]: result for place, result in measured.items() if place[0] == "spectrum"},
-        spectrum=_SPECTRA,
-        surface=surfaces,
+    samples, spectra = (
+        gather({at[1:]: d for at, d in measured.items() if at[0] == dim}, **{dim: along, "surface": surfaces})
+        for dim, along in {"sample": options.periods, "spectrum": _SPECTRA}.items()
     )
     pressed = ["area_each", "rms_height_each", "rms_gradient_each"]
-    data = samples.drop_vars([*pressed, "sample"]).merge(
-        spectra[[*pressed, "solve"]].rename(solve="solve_spectra")
-    )
+    spectra = spectra[[*pressed, "solve"]].rename(solve="solve_spectra")
+    data = samples.drop_vars([*pressed, "sample"]).merge(spectra)
     data = data.assign_coords(
         periods=("sample", list(options.periods)),
         height=("bin", middles),
@@ -90,24 +83,22 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     )
     data["height_density_gaussian"] = ("bin", height_distribution(middles, rms_height=1.0))
     # p0 is that of the first spectrum's own surface: p* of the other is less by the ratio of gradients.
-    own, pair = "rms_gradient_each.isel(spectrum=0)", "{0}.isel(spectrum=1) / {0}.isel(spectrum=0)"
+    first, change = "rms_gradient_each.isel(spectrum=0)", "{0}.isel(spectrum=1) / {0}.isel(spectrum=0) - 1"
     data = derive(
         data,
-        area_persson_each=f"erf(2**.5 * reduced_pressure * {own} / rms_gradient_each)",
-        area_change_each=f"{pair.format('area_each')} - 1",
-        area_change_persson_each=f"{pair.format('area_persson_each')} - 1",
-        rms_height_change_each=f"{pair.format('rms_height_each')} - 1",
-        rms_gradient_change_each=f"{pair.format('rms_gradient_each')} - 1",
+        area_persson_each=f"erf(2**.5 * reduced_pressure * {first} / rms_gradient_each)",
+        area_change_each=change.format("area_each"),
+        area_change_persson_each=change.format("area_persson_each"),
+        rms_height_change_each=change.format("rms_height_each"),
+        rms_gradient_change_each=change.format("rms_gradient_each"),
     )
+    changes = ("area_change", "area_change_persson", "rms_height_change", "rms_gradient_change")
     data = mean(
-        data, "height_density", *_DEVIATIONS, "area", "area_persson", "area_change", "area_change_persson"
+        data, "height_density", *_DEVIATIONS, "area", "area_persson", "rms_height", "rms_gradient", *changes
     )
-    data = mean(data, "rms_height", "rms_gradient", "rms_height_change", "rms_gradient_change")
     data = derive(data, area_change_share="2 * area_change / rms_height_change")
-    data = claim(
-        data, *_DEVIATIONS, solver="nothing is solved", depth="nothing is pressed", theory="it is measured"
-    )
-    data = claim(data, "area_change", **ABSENT)
+    absent = {"solver": "nothing is solved", "depth": "nothing is pressed", "theory": "it is measured"}
+    data = claim(claim(data, *_DEVIATIONS, **absent), "area_change", **ABSENT)
     return data.assign_attrs(methods="theory bem", longer=options.longer)
 
 
@@ -121,7 +112,7 @@ def _cases(options: Options) -> dict[tuple[str, float | str, int], Call]:
         first = options.first(periods)
         grid = grid_for(first, options.points_per_wave)
         for k in range(options.surfaces):
-            cases["size", periods, k] = height_statistics(problem=first.further(k), grid=grid)
+            cases["sample", periods, k] = height_statistics(problem=first.further(k), grid=grid)
     pair = (options.first(options.periods[-1]), options.second())
     grid = grid_for(pair[0], options.points_per_wave)
     for k in range(options.surfaces):
@@ -135,7 +126,13 @@ def _cases(options: Options) -> dict[tuple[str, float | str, int], Call]:
 
 def views(data: xr.Dataset) -> Views:
     """P_h beside the Gaussian, and what longer waves change."""
-    density = Line(y="height_density", by="sample", at={"sample": sorted({0, data.sizes["sample"] - 1})})
+    ends = {"sample": sorted({0, data.sizes["sample"] - 1})}
+    densities = [Line(y="height_density", by="sample", at=ends), Line(y="height_density_gaussian")]
+    changes = [
+        Line(y="area_change", label="contact area"),
+        Line(y="area_change_persson", label="contact area, Persson"),
+        Level(y="rms_height_change", label="h_rms", look={"color": "black", "ls": ":"}),
+    ]
     return Views(
         table=Table(rows=("sample",), columns=("periods", *_DEVIATIONS)),
         budget=(*_DEVIATIONS, "area_change"),
@@ -145,22 +142,8 @@ def views(data: xr.Dataset) -> Views:
                 caption="Distribution of heights of the smallest and the largest sample, and what a longer roll-off "
                 "changes of the contact area under the same load, beside what it changes of the rms height.",
                 panels=[
-                    Panel(
-                        marks=[density, Line(y="height_density_gaussian")],
-                        x="height",
-                        log="y",
-                        bottom=1e-4,
-                        top=1.0,
-                    ),
-                    Panel(
-                        marks=[
-                            Line(y="area_change", label="contact area"),
-                            Line(y="area_change_persson", label="contact area, Persson"),
-                            Level(y="rms_height_change", label="h_rms", look={"color": "black", "ls": ":"}),
-                        ],
-                        x="reduced_pressure",
-                        log="x",
-                    ),
+                    Panel(marks=densities, x="height", log="y", bottom=1e-4, top=1.0),
+                    Panel(marks=changes, x="reduced_pressure", log="x"),
                 ],
             )
         ],

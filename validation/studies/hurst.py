@@ -174,7 +174,6 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 def _of_spectra(
     options: Options, cases: Mapping[_Case, Call], measured: Mapping[_Case, xr.Dataset]
 ) -> xr.Dataset:
-    """Reduce the spectra: kappa and its means over pairs, from lowest to highest H, over the theory, counted."""
     parts, surfaces = {}, range(2 * options.pairs)
     for (family, hurst), bandwidth in options.spectra.items():
         part = gather({k: limits_of(measured[family, hurst, k]) for k in surfaces}, surface=surfaces)

@@ -14,7 +14,6 @@ from pydantic import Field
 
 from persson.percolation import SITE_THRESHOLD
 from validation.execution.bench import Bench
-from validation.execution.measurement import Call
 from validation.measurements.common import Rising, base_case
 from validation.measurements.flow import GAP_THEORIES, NARROW, flow_of, leaks
 from validation.measurements.limits import ABSENT
@@ -48,17 +47,6 @@ class Options(StudyOptions):
     seed: Seed = 2006
 
 
-def design(options: Options) -> dict[tuple[float, int], Call]:
-    """Return the solves by bandwidth and number of the surface."""
-    cases = {}
-    for bandwidth in options.bandwidths:
-        base = base_case(options.self_affine(bandwidth=bandwidth), reduced_pressure=0.1)
-        grid = grid_for(base, options.points_per_wave)
-        for k in range(options.surfaces):
-            cases[bandwidth, k] = leaks(problem=base.further(k), grid=grid, areas=options.areas)
-    return cases
-
-
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Press every surface of every spectrum to its areas and thresholds.
 
@@ -66,9 +54,13 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     by axis; both percolation thresholds, as located A/A0, over (bandwidth, surface, phase), and of all bandwidths,
     whose surfaces have common phases, as one sample; P(u), and that of the theory told the load of each surface.
     """
-    data = gathered(
-        bench, design(options), lambda d, call: flow_of(d, call["problem"]), "bandwidth", "surface"
-    )
+    cases = {}
+    for bandwidth in options.bandwidths:
+        base = base_case(options.self_affine(bandwidth=bandwidth), reduced_pressure=0.1)
+        grid = grid_for(base, options.points_per_wave)
+        for k in range(options.surfaces):
+            cases[bandwidth, k] = leaks(problem=base.further(k), grid=grid, areas=options.areas)
+    data = gathered(bench, cases, lambda d, call: flow_of(d, call["problem"]), "bandwidth", "surface")
     pooled = "percolation_area_each.mean('bandwidth', skipna=False)"
     data = derive(data, percolation_area_pooled_each=pooled)
     along = ("gap_conductance", "gap_conductance_bruggeman", "gap_conductance_constriction", "closed")

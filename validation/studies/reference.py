@@ -154,7 +154,6 @@ def spectra(options: Options, amplitudes: str) -> dict[tuple[float, float], Samp
 
 
 def _means(options: Options, amplitudes: str, bench: Bench) -> xr.Dataset:
-    """Return the controlled means over the surfaces with such amplitudes."""
     sampled = spectra(options, amplitudes)
     measured = solved(
         bench, {(at, c): s for at, spectrum in sampled.items() for c, s in spectrum.cases.items()}
@@ -170,7 +169,6 @@ def _means(options: Options, amplitudes: str, bench: Bench) -> xr.Dataset:
 
 
 def _with_theories(data: xr.Dataset) -> xr.Dataset:
-    """Add kappa, the distances of the theories, what the table comes to, and the areas at equal Nayak parameter."""
     data = derive(with_variants(data), kappa="area / reduced_pressure", area_excess="area / area_persson - 1")
     data = derive(data, **{f"theory_excess_{name}": f"area_{name} / area - 1" for name in VARIANTS})
     exact = data.sel(amplitudes="exact")
@@ -248,13 +246,11 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _some_loads(data: xr.Dataset) -> list[int]:
-    """Return three loads, light to middling, or as many as there are."""
     light = np.flatnonzero(data.reduced_pressure.values < _MIDDLING)
     return sorted({int(light[0]), int(light[light.size // 2]), int(light[-1])}) if light.size else [0]
 
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
-    """Say how sure the table is, how far the theory is off, and what the Hurst exponent changes at equal alpha."""
     over, at = "reduced_pressure", "at p* = {reduced_pressure}"
     told: dict[str, Any] = {"periods": float(data.attrs["periods"])}
     form = "Half of the 95 % interval of A/A0 is {each} (surfaces, grid, solver, size; L/lambda_long = {periods})."

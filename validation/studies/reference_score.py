@@ -93,7 +93,6 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _worst(data: xr.Dataset) -> Finding:
-    """Name the cell where each is farthest from the table."""
     size = abs(data.theory_excess).fillna(-1.0)
     worst = data.isel(size.argmax(_CELL))
     return finding(
@@ -107,7 +106,6 @@ def _worst(data: xr.Dataset) -> Finding:
 
 
 def _agreeing(data: xr.Dataset) -> Finding:
-    """Count the cells whose 95 % interval holds each, and say how far away it is in the median."""
     inside = abs(data.z_score) <= 1.96
     known = data.z_score.notnull()
     counted = data.assign(
@@ -125,7 +123,6 @@ def _agreeing(data: xr.Dataset) -> Finding:
 
 
 def _areas(theory: Theory, data: xr.Dataset) -> Array:
-    """Area of a theory in every cell, told C(q) alone."""
     areas = np.full(data.area.shape, np.nan)
     for i, hurst in enumerate(data.hurst.values):
         for j, bandwidth in enumerate(data.bandwidth.values):
@@ -141,7 +138,6 @@ def _areas(theory: Theory, data: xr.Dataset) -> Array:
 
 
 def _read(path: Path, data: xr.Dataset) -> tuple[Array, Array]:
-    """Areas and half widths of a file, in the cells of the table."""
     try:
         with path.open(newline="", encoding="utf-8") as file:
             reader = csv.DictReader(file)

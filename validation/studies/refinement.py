@@ -214,7 +214,6 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 
 def _of_boundary_elements(options: Options, measured: Mapping[_Case, xr.Dataset]) -> xr.Dataset:
-    """Reduce the grids: means, distances from the limit with their orders, what P(sigma) has too much of, the theory."""
     surfaces, load = range(options.surfaces), options.reduced_pressure
     data = gather({k: on_grids(measured["grids", k]) for k in surfaces}, surface=surfaces)
     ensemble = ensemble_area(options.first.spectrum, [load], rms_gradients=data.rms_gradient_each.values)

@@ -16,7 +16,7 @@ from pydantic import Field, model_validator
 
 from validation.arrays import Grid
 from validation.execution.bench import Bench
-from validation.execution.measurement import Call, measurement
+from validation.execution.measurement import measurement
 from validation.measurements.common import RisingGrids, base_case
 from validation.measurements.flow import located_area
 from validation.measurements.limits import read_off
@@ -83,23 +83,10 @@ def cold_solve(*, problem: ContactProblem, grid: Grid) -> xr.Dataset:
 
     half_space = HalfSpace(solid=problem.elastic)
     result = bem.solve(problem.heights(grid), half_space, mean_pressure=problem.pressure, threads=1).checked()
-    data = {
-        "seconds": result.cost.cpu_seconds,
-        "fft_pairs": result.cost.fft_pairs,
-        "peak_bytes": result.cost.peak_bytes,
-        "area": located_area(result),
-    }
-    return xr.Dataset({name: ((), float(value)) for name, value in data.items()})
-
-
-def design(options: Options) -> dict[tuple[int, int], Call]:
-    """Return the solves by points along a side and number of the surface."""
-    cases = {}
-    for n, k in itertools.product(options.grids, range(options.surfaces)):
-        surface = options.self_affine(bandwidth=n / options.coarsest)
-        pressed = base_case(surface, reduced_pressure=options.reduced_pressure).further(k)
-        cases[n, k] = cold_solve(problem=pressed, grid=(n, n))
-    return cases
+    costs = dict(
+        zip(_COSTS, (result.cost.cpu_seconds, result.cost.fft_pairs, result.cost.peak_bytes), strict=True)
+    )
+    return xr.Dataset({name: float(value) for name, value in {**costs, "area": located_area(result)}.items()})
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -111,46 +98,40 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     from validation.execution.cost import available_memory
 
     taken = {"area_located_each": "area"} | {f"{name}_each": name for name in _COSTS}
-    data = gathered(bench, design(options), lambda d, _: read_off(d, **taken), "points", "surface")
+    cases = {}
+    for n, k in itertools.product(options.grids, range(options.surfaces)):
+        surface = options.self_affine(bandwidth=n / options.coarsest)
+        pressed = base_case(surface, reduced_pressure=options.reduced_pressure).further(k)
+        cases[n, k] = cold_solve(problem=pressed, grid=(n, n))
+    data = gathered(bench, cases, lambda d, _: read_off(d, **taken), "points", "surface")
     data = data.assign_coords(bandwidth=("points", [n / options.coarsest for n in options.grids]))
     data = derive(data, number="points**2.0")
     data = reduce(data, "mean", *_COSTS, "area_located")
     fine = data.points.values >= _LARGE
-    fitted_data = data.isel(points=fine) if np.count_nonzero(fine) >= 3 else data
+    fitted = data.isel(points=fine) if np.count_nonzero(fine) >= 3 else data
     for name in _COSTS:
-        fit = power_law(
-            fitted_data, f"exponent_{name}", of=f"{name}_each", x="number", along=("points", "surface")
-        )
+        exponent = f"exponent_{name}"
+        fit = power_law(fitted, exponent, of=f"{name}_each", x="number", along=("points", "surface"))
         data = data.assign({n: v for n, v in fit.data_vars.items() if str(n).startswith("exponent")})
-        data = derive(
-            data,
-            **{
-                f"decade_{name}": f"100**exponent_{name}",
-                f"{name}_fit": f"exponent_{name}_factor * number**exponent_{name}",
-            },
-        )
-    data["free_bytes"] = float(available_memory())
+        powers = {f"decade_{name}": f"100**{exponent}"}
+        data = derive(data, **powers, **{f"{name}_fit": f"{exponent}_factor * number**{exponent}"})
     data = derive(
-        data,
+        data.assign(free_bytes=float(available_memory()), coarsest=options.coarsest),
         side_peak_bytes="(free_bytes / exponent_peak_bytes_factor)**(0.5 / exponent_peak_bytes)",
         side_seconds="(3600 / exponent_seconds_factor)**(0.5 / exponent_seconds)",
-    )
-    data["coarsest"] = options.coarsest
-    data = derive(
-        data,
         decades="log(minimum(side_peak_bytes, side_seconds) / coarsest) / log(10)",
         excess_exponent="exponent_seconds - 1",
     )
-    return data.assign_attrs(
-        reduced_pressure=options.reduced_pressure,
-        points_per_wave=options.points_per_wave,
-        periods=options.periods,
-        methods="bem",
-    )
+    attributes = {name: getattr(options, name) for name in ("reduced_pressure", "points_per_wave", "periods")}
+    return data.assign_attrs(methods="bem", **attributes)
 
 
 def views(data: xr.Dataset) -> Views:
     """Exponents, what one more decade costs, and how many decades memory and an hour allow."""
+    dots = {name: Line(y=f"{name}_each", by="surface", joined=False, label="") for name in _COSTS}
+    panels = [
+        Panel(marks=[dots[name], Line(y=f"{name}_fit")], x="number", y=name, log="xy") for name in _COSTS
+    ]
     return Views(
         table=Table(rows=("points",), columns=("points", "bandwidth", *_COSTS, "area_located")),
         figures=[
@@ -158,18 +139,7 @@ def views(data: xr.Dataset) -> Views:
                 name="cost-against-points",
                 caption="Processor time on one thread, pairs of transforms and memory of a cold solve, for surfaces "
                 "whose bandwidth grows with the grid; lines, fitted powers of the number of points.",
-                panels=[
-                    Panel(
-                        marks=[
-                            Line(y=f"{name}_each", by="surface", joined=False, label=""),
-                            Line(y=f"{name}_fit"),
-                        ],
-                        x="number",
-                        y=name,
-                        log="xy",
-                    )
-                    for name in _COSTS
-                ],
+                panels=panels,
             )
         ],
         findings=[

@@ -20,7 +20,6 @@ from fem_contact.errors import InvalidInput
 from fem_contact.viscoelastic import PronySolid, TabulatedSolid
 from validation.errors import UsageError
 from validation.execution.bench import Bench
-from validation.execution.measurement import Call
 from validation.files import read_whole
 from validation.measurements.common import Rising, base_case, in_rising_order
 from validation.measurements.limits import ABSENT
@@ -86,10 +85,11 @@ class Options(StudyOptions):
 
     @model_validator(mode="after")
     def _one_solid(self) -> Self:
-        said = self.model_fields_set
-        series, table = {"moduli", "times"} & said, self.modulus_table is not None
-        standard = {"unrelaxed", "time"} & said
-        if (series and standard) or (table and (series or standard or "relaxed" in said)):
+        given = self.model_fields_set
+        series, standard = {"moduli", "times"} & given, {"unrelaxed", "time"} & given
+        if (series and standard) or (
+            self.modulus_table is not None and (series or standard or "relaxed" in given)
+        ):
             raise wrong(
                 "give one solid: relaxed, unrelaxed, time; or relaxed, moduli, times; or modulus_table"
             )
@@ -101,13 +101,10 @@ class Options(StudyOptions):
         """Return the solid that was asked for."""
         if self.modulus_table is not None:
             return _table_of(Path(self.modulus_table), poisson=self.poisson)
+        solid = {"relaxed": self.relaxed, "poisson": self.poisson}
         if self.moduli:
-            return PronySolid(
-                relaxed=self.relaxed, moduli=self.moduli, times=self.times, poisson=self.poisson
-            )
-        return PronySolid.standard(
-            relaxed=self.relaxed, unrelaxed=self.unrelaxed, time=self.time, poisson=self.poisson
-        )
+            return PronySolid(moduli=self.moduli, times=self.times, **solid)
+        return PronySolid.standard(unrelaxed=self.unrelaxed, time=self.time, **solid)
 
 
 def _table_of(path: Path, *, poisson: float) -> TabulatedSolid:
@@ -121,21 +118,11 @@ def _table_of(path: Path, *, poisson: float) -> TabulatedSolid:
         ) from None
 
 
-def design(options: Options) -> dict[int, Call]:
-    """Return the solves by number of the surface."""
-    rubber = options.rubber()
-    solid = SolidSpec(young=_relaxed(rubber), poisson=rubber.poisson)
-    surface = options.self_affine(length=options.length)
-    base = base_case(surface, reduced_pressure=options.reduced_pressure, solid=solid)
-    grids = tuple(grid_for(base, points) for points in options.points_per_wave)
-    return {
-        k: slides(problem=base.further(k), rubber=rubber, velocities=options.velocities, grids=grids)
-        for k in range(options.surfaces)
-    }
-
-
-def _relaxed(rubber: Rubber) -> float:
-    return float(rubber.modulus(np.zeros(1)).real[0])
+#: Of the theory: friction with either energy, area by each variant, and both over what is computed.
+_FRICTIONS, _AREAS = [f"friction_{name}" for name in SHARES], [f"area_{name}" for name in VARIANTS]
+_RATIOS = [
+    f"{of}_ratio_{name}" for of, names in (("friction", SHARES), ("area_theory", VARIANTS)) for name in names
+]
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -145,11 +132,20 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     (grid); the theory told the realised waves; |E(2 pi v / L)| / E_0 over velocity.
     """
     rubber, velocity = options.rubber(), np.array(options.velocities)
-    data = gathered(bench, design(options), slid_of, "surface").assign_coords(
+    relaxed = float(rubber.modulus(np.zeros(1)).real[0])
+    surface = options.self_affine(length=options.length)
+    solid = SolidSpec(young=relaxed, poisson=rubber.poisson)
+    base = base_case(surface, reduced_pressure=options.reduced_pressure, solid=solid)
+    grids = tuple(grid_for(base, points) for points in options.points_per_wave)
+    cases = {
+        k: slides(problem=base.further(k), rubber=rubber, velocities=options.velocities, grids=grids)
+        for k in range(options.surfaces)
+    }
+    data = gathered(bench, cases, slid_of, "surface").assign_coords(
         velocity=velocity, points_per_wave=("grid", list(options.points_per_wave))
     )
     passing = np.abs(rubber.modulus(2 * np.pi * velocity / options.length))
-    data["modulus_passing"] = ("velocity", passing / _relaxed(rubber))
+    data["modulus_passing"] = ("velocity", passing / relaxed)
     data = derive(
         data,
         friction_difference_each="abs(friction_grid_each / friction_dissipated_grid_each - 1)",
@@ -159,13 +155,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         **{f"area_theory_ratio_{name}_each": f"area_{name}_each / area_each" for name in VARIANTS},
         area_excess_each="area_each / area_persson_each - 1",
     )
-    ratios = [f"friction_ratio_{name}" for name in SHARES] + [
-        f"area_theory_ratio_{name}" for name in VARIANTS
-    ]
-    data = mean(data, "friction", "friction_dissipated", "area", "area_excess", *ratios)
-    theory = [f"friction_{name}" for name in SHARES] + [f"area_{name}" for name in VARIANTS]
-    excesses = {f"friction_excess_{name}": f"friction_ratio_{name} - 1" for name in SHARES}
-    data = derive(same_of_all(data, *theory), **excesses)
+    data = mean(data, "friction", "friction_dissipated", "area", "area_excess", *_RATIOS)
+    data = same_of_all(data, *_FRICTIONS, *_AREAS)
+    data = derive(data, **{f"friction_excess_{name}": f"friction_ratio_{name} - 1" for name in SHARES})
     data = claim(data, "friction", "friction_dissipated", "area", **ABSENT)
     attributes = {"solid": repr(rubber), "reduced_pressure": options.reduced_pressure}
     return data.assign_attrs(methods=RANKED, **attributes)
@@ -175,14 +167,10 @@ def views(data: xr.Dataset) -> Views:
     """Friction and area over the velocity, and how both frictions meet as the grid is refined."""
     count = data.sizes["velocity"]
     some = {"velocity": sorted({0, count // 3, 2 * count // 3, count - 1})}
-    friction = ("friction", "friction_dissipated", *(f"friction_{name}" for name in SHARES))
-    area = ("area", *(f"area_{name}" for name in VARIANTS))
-    ratios = [f"friction_ratio_{name}" for name in SHARES] + [
-        f"area_theory_ratio_{name}" for name in VARIANTS
-    ]
+    friction, area = ("friction", "friction_dissipated", *_FRICTIONS), ("area", *_AREAS)
     meeting = [Line(y="friction_difference", by="velocity", at=some)]
     return Views(
-        table=Table(rows=("velocity",), columns=("velocity", "modulus_passing", *friction, *area, *ratios)),
+        table=Table(rows=("velocity",), columns=("velocity", "modulus_passing", *friction, *area, *_RATIOS)),
         budget=("friction", "area"),
         figures=[
             Figure(
