@@ -22,8 +22,7 @@ from validation.measurements.limits import solved
 from validation.measurements.measurement import area_limits, grid_for, press_on_grids
 from validation.measurements.ways import AREAS, chosen_ways, covered, way, ways_of_bem
 from validation.report.estimates import NORMAL, error_of, gather
-from validation.report.marks import Figure, Level, Line, Panel
-from validation.report.views import Finding, Table, Views, finding, note
+from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, finding, note
 from validation.studies._options import Methods, ReducedPressure, Seed, Surfaces
 from validation.studies._scene import PressedOptions
 

@@ -24,8 +24,7 @@ from validation.measurements.adhesive import Sticking
 from validation.measurements.common import truncated_surface
 from validation.measurements.limits import ABSENT, straight_limit
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
-from validation.report.marks import Figure, Line, Panel
-from validation.report.views import Finding, Table, Views, finding, of_one_surface
+from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding, of_one_surface
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
 from validation.studies._options import Bandwidth, Hurst, Periods, StudyOptions

@@ -30,8 +30,7 @@ from validation.measurements.adhesive import (
 from validation.measurements.common import Rising, truncated_surface
 from validation.measurements.limits import ABSENT, solved, straight_limit
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
-from validation.report.marks import Figure, Line, Panel
-from validation.report.views import Finding, Table, Views, finding
+from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
 from validation.studies._options import Hurst, Periods, Seed, StudyOptions, Surfaces

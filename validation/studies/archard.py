@@ -18,8 +18,7 @@ from validation.measurements.common import Rising, RisingGrids
 from validation.measurements.hierarchy import archard_of, press_bumps
 from validation.measurements.limits import ABSENT, kept_of
 from validation.report.estimates import claim, derive, mean, power_law
-from validation.report.marks import Figure, Level, Line, Panel
-from validation.report.views import Table, Views, finding
+from validation.report.views import Figure, Level, Line, Panel, Table, Views, finding
 from validation.studies._options import Seed, StudyOptions, Surfaces
 from validation.studies._study import gathered
 from validation.units import Positive, wrong

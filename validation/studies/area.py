@@ -18,8 +18,7 @@ from validation.execution.bench import Bench
 from validation.measurements.common import Rising
 from validation.measurements.limits import limit_of, resolved_grids
 from validation.report.estimates import derive, gather, mean
-from validation.report.marks import Figure, against
-from validation.report.views import Table, Views, finding, note
+from validation.report.views import Figure, Table, Views, against, finding, note
 from validation.solvers.theory import predict
 from validation.studies._options import Bandwidth, Periods, Seed, Surfaces
 from validation.studies._scene import PressedOptions

@@ -23,8 +23,7 @@ from validation.measurements.edge import slopes_of
 from validation.measurements.limits import ABSENT
 from validation.measurements.rings import RING, chain, even_points, probe, ring_ends
 from validation.report.estimates import claim, derive, gather, nearest
-from validation.report.marks import Figure, Line, Panel, panels_along
-from validation.report.views import Finding, Table, Views, finding
+from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding, panels_along
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Hurst, Seed, StudyOptions, Surfaces
 from validation.units import wrong

@@ -18,8 +18,7 @@ from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import grid_for, press_on_grids
 from validation.measurements.theory import WITH_ENERGY
 from validation.report.estimates import claim, derive, mean, same_of_all
-from validation.report.marks import Figure, Level, Line, Panel, against
-from validation.report.views import Finding, Table, Views, finding
+from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, against, finding
 from validation.studies._options import Bandwidth, Hurst, Seed, Shifts, StudyOptions, Surfaces
 from validation.studies._study import gathered
 

@@ -18,8 +18,7 @@ from validation.measurements.common import BASE_SOLID, Rising, RisingOrNone
 from validation.measurements.limits import read_off
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import derive, mean, power_law, reduce
-from validation.report.marks import Figure, Line, Panel
-from validation.report.views import Table, Views, finding
+from validation.report.views import Figure, Line, Panel, Table, Views, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene, SolidSpec
 from validation.studies._options import Bandwidth, Element, Methods, Periods, ReducedPressure

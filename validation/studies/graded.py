@@ -20,8 +20,7 @@ from persson.graded import ExponentialLayers, SurfaceLayer
 from validation.arrays import Array
 from validation.execution.bench import Bench
 from validation.report.estimates import derive
-from validation.report.marks import Figure, Line, Panel
-from validation.report.views import Table, Views, finding
+from validation.report.views import Figure, Line, Panel, Table, Views, finding
 from validation.studies._options import StudyOptions
 from validation.units import Positive, wrong
 

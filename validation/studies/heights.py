@@ -20,8 +20,7 @@ from validation.measurements.heights import HEIGHT_EDGES, height_statistics
 from validation.measurements.limits import ABSENT, kept_of, solved
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, gather, mean
-from validation.report.marks import Figure, Level, Line, Panel
-from validation.report.views import Finding, Table, Views, finding
+from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.surfaces import spectrum_of
 from validation.studies._options import Bandwidth, Hurst, Seed, StudyOptions, Surfaces

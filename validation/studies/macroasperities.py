@@ -21,8 +21,7 @@ from validation.measurements.limits import ABSENT, kept_of
 from validation.measurements.magnified import magnified, with_macroasperities
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, mean, nearest
-from validation.report.marks import Figure, Level, Line, Panel
-from validation.report.views import Finding, Table, Views, finding
+from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, finding
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions, Surfaces
 from validation.studies._study import gathered

@@ -15,8 +15,7 @@ from validation.measurements.limits import limits_of, solved
 from validation.measurements.measurement import TOLERANCE, press_on_grids, truncated_heights
 from validation.measurements.theory import modes_finding
 from validation.report.estimates import derive, gather, mean
-from validation.report.marks import Figure, Line, Panel
-from validation.report.views import Table, Views, finding
+from validation.report.views import Figure, Line, Panel, Table, Views, finding
 from validation.studies._options import Bandwidth, Shifts, Surfaces
 from validation.studies._scene import PressedOptions
 

@@ -18,9 +18,8 @@ from validation.measurements.load_path import SHARES, moved_shares, pooled_share
 from validation.measurements.measurement import TOLERANCE, press_on_grids
 from validation.measurements.theory import RANKED, modes_finding
 from validation.report.estimates import change, derive, mean
-from validation.report.marks import Figure, Level, Line, Panel
 from validation.report.values import value_of
-from validation.report.views import Column, Finding, Table, Views, finding
+from validation.report.views import Column, Figure, Finding, Level, Line, Panel, Table, Views, finding
 from validation.studies._options import Shifts
 from validation.studies._scene import PressedOptions
 from validation.studies._study import gathered

@@ -23,8 +23,7 @@ from validation.measurements.theory import VARIANTS, with_variants
 from validation.reference.alpha import at_equal_alpha
 from validation.reference.citable import citable
 from validation.report.estimates import claim, derive, gather, total_error
-from validation.report.marks import Figure, Line, Panel, panels_along
-from validation.report.views import Finding, Table, Views, finding
+from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding, panels_along
 from validation.studies._options import Periods, Seed, StudyOptions
 from validation.units import wrong
 

@@ -14,8 +14,7 @@ from validation.arrays import Array
 from validation.errors import UsageError
 from validation.measurements.theory import Waves
 from validation.report.estimates import derive, total_error
-from validation.report.marks import Figure, Image, Panel, panels_along
-from validation.report.views import Finding, Table, Views, finding
+from validation.report.views import Figure, Finding, Image, Panel, Table, Views, finding, panels_along
 from validation.studies._options import StudyOptions
 from validation.theories import Rough, Theory, find_theory
 

@@ -21,8 +21,7 @@ from validation.measurements.common import RisingGrids, base_case
 from validation.measurements.flow import located_area
 from validation.measurements.limits import read_off
 from validation.report.estimates import derive, power_law, reduce
-from validation.report.marks import Figure, Line, Panel
-from validation.report.views import Table, Views, finding
+from validation.report.views import Figure, Line, Panel, Table, Views, finding
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Hurst, Periods, ReducedPressure, Seed, StudyOptions, Surfaces
 from validation.studies._study import gathered

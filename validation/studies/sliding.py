@@ -27,9 +27,8 @@ from validation.measurements.measurement import grid_for
 from validation.measurements.sliding import SHARES, Rubber, slid_of, slides
 from validation.measurements.theory import RANKED, VARIANTS
 from validation.report.estimates import claim, derive, mean, same_of_all
-from validation.report.marks import Figure, Line, Panel, against
 from validation.report.values import Value
-from validation.report.views import Finding, Table, Views, finding
+from validation.report.views import Figure, Finding, Line, Panel, Table, Views, against, finding
 from validation.scenes.scene import SolidSpec
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions, Surfaces
 from validation.studies._study import gathered

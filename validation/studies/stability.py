@@ -22,8 +22,7 @@ from persson.errors import PerssonError
 from validation.execution.bench import Bench
 from validation.measurements.hard_cases import CASES, HardCase, elastic_cases
 from validation.report.estimates import gather
-from validation.report.marks import Figure, Level, Line, Panel
-from validation.report.views import Finding, Table, Views, finding
+from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, finding
 from validation.solvers import chosen_solver
 from validation.studies._options import AnyMethods, StudyOptions
 from validation.units import wrong

@@ -17,8 +17,7 @@ from validation.measurements.common import Rising
 from validation.measurements.edge import edge_limits, edge_of_contact, start_of_pressure
 from validation.measurements.limits import solved
 from validation.report.estimates import change, derive, gather, mean, power_law
-from validation.report.marks import Figure, Level, Line, Panel
-from validation.report.views import Finding, Table, Views, finding
+from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, finding
 from validation.studies._options import Bandwidth, Methods, ReducedPressure, Surfaces
 from validation.studies._scene import PressedOptions, SolverRequest
 

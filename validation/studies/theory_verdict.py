@@ -18,9 +18,8 @@ from validation.measurements.load_path import moved_shares
 from validation.measurements.measurement import grid_for, press_on_grids
 from validation.measurements.theory import RANKED, modes_finding
 from validation.report.estimates import claim, derive
-from validation.report.marks import Figure, Panel
 from validation.report.values import value_of
-from validation.report.views import Finding, Table, Views, finding, ranking
+from validation.report.views import Figure, Finding, Panel, Table, Views, finding, ranking
 from validation.scenes.scene import Load
 from validation.studies import pressure, stress_near_zero
 from validation.theories import Rough, Theory, find_theory
