@@ -11,7 +11,7 @@ from pydantic import AfterValidator, ConfigDict, Field, ValidationError, Validat
 from pydantic.fields import FieldInfo
 
 from validation.errors import UsageError, did_you_mean
-from validation.measurements.common import base_surface
+from validation.measurements.common import base_surface, truncated_surface
 from validation.scenes.mistakes import problems
 from validation.scenes.scene import Scene, SelfAffineSurface
 from validation.solvers import chosen_solver
@@ -127,11 +127,19 @@ class StudyOptions(Table):
         except ValidationError as error:
             raise UsageError("\n".join(problems(error, flags=True))) from None
 
-    def self_affine(self, **changes: Any) -> SelfAffineSurface:
-        """Return the first surface of these options, or of others in their place; see `base_surface`."""
+    def self_affine(
+        self, *, number: int = 0, until: float | None = None, **changes: Any
+    ) -> SelfAffineSurface:
+        """Return a surface of these options, or of others in their place, with its waves up to q/q_long = until.
+
+        What may be given in place of options is that of `base_surface`.
+        """
         names = ("hurst", "periods", "bandwidth", "seed")
         spectrum = {name: getattr(self, name) for name in names if name in type(self).model_fields}
-        return base_surface(**{**spectrum, **changes})
+        spectrum = {**spectrum, **changes, "seed": spectrum["seed"] + number}
+        return (
+            base_surface(**spectrum) if until is None else truncated_surface(until, gradient=0.1, **spectrum)
+        )
 
     def record(self) -> dict[str, Any]:
         """Return what was asked, as JSON-ready data."""

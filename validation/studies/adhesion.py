@@ -8,9 +8,10 @@ short as the coarser grid resolves.
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any, Self
+from typing import Annotated, Self
 
 import numpy as np
 import xarray as xr
@@ -21,20 +22,19 @@ from validation.effects.adhesion import Adhesion
 from validation.effects.base import full_contact_energy
 from validation.execution.bench import Bench
 from validation.measurements.adhesive import Sticking
-from validation.measurements.common import truncated_surface
+from validation.measurements.common import base_case
 from validation.measurements.limits import ABSENT, straight_limit
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
 from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding, of_one_surface
-from validation.scenes.problem import ContactProblem
-from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
-from validation.studies._options import Bandwidth, Hurst, Periods, StudyOptions
+from validation.scenes.scene import SolidSpec
+from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions
 from validation.units import Positive, wrong
 
 _Positives = Annotated[tuple[Positive, ...], Field(min_length=1)]
 
 #: Tire rubber (Persson 2006, Sec. 8.3).
 _SOLID = SolidSpec(young=1e7, poisson=0.5)
-_LENGTH, _GRADIENT = 1e-5, 0.1
+_LENGTH = 1e-5
 
 
 class Options(StudyOptions):
@@ -54,8 +54,7 @@ class Options(StudyOptions):
     """q/q_long of the last wave, above 1, at most the bandwidth"""
     hardnesses: _Positives = (0.3, 0.6, 1.2)
     """H / (E* h'_rms)"""
-    seed: int = Field(default=11, ge=0)
-    """whole number that names the first surface"""
+    seed: Seed = 11
     surfaces: int = Field(default=3, ge=1, le=10_000)
     """how many"""
     grids: tuple[int, int] = (256, 384)
@@ -75,14 +74,6 @@ class Options(StudyOptions):
             raise wrong(f"grids = {self.grids[0]}, {self.grids[1]}: must rise, for a limit")
         return self
 
-    def surface(self, magnification: float | None = None, *, number: int = 0) -> SelfAffineSurface:
-        """Return a surface with its waves up to a magnification; all of them if not given."""
-        until = self.bandwidth if magnification is None else magnification
-        surface_options = {"length": _LENGTH, "gradient": _GRADIENT, "bandwidth": self.bandwidth}
-        return truncated_surface(
-            until, seed=self.seed + number, hurst=self.hurst, periods=self.periods, **surface_options
-        )
-
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
@@ -97,39 +88,36 @@ class Case:
 
 def design(options: Options) -> dict[tuple[Case, int], Sticking]:
     """Return what is pressed by case and number of the surface."""
-    load = Load(reduced_pressure=options.reduced_pressure)
-    wholes = [
-        ContactProblem(surface=options.surface(number=k), solid=_SOLID, load=load)
-        for k in range(options.surfaces)
-    ]
-    at: dict[str, Any] = {
+    at = {
         "work_ratio": options.work,
         "reduced_pressure": options.reduced_pressure,
         "magnification": options.bandwidth,
     }
-    cases = [
-        *(Case(**{**at, "varied": "work", "work_ratio": w}) for w in options.works),
-        *(Case(**{**at, "varied": "load", "reduced_pressure": p}) for p in options.reduced_pressures),
-        *(Case(**{**at, "varied": "waves", "magnification": z}) for z in options.magnifications),
-        *(Case(**at, varied="hardness", hardness_ratio=h) for h in options.hardnesses),
+    turned = (options.works, options.reduced_pressures, options.magnifications, options.hardnesses)
+    dials = zip(_DIALS.items(), turned, strict=True)
+    cases = [Case(varied=dial, **{**at, name: v}) for (dial, name), values in dials for v in values]
+    wholes = [
+        base_case(
+            options.self_affine(number=k, length=_LENGTH),
+            reduced_pressure=options.reduced_pressure,
+            solid=_SOLID,
+        )
+        for k in range(options.surfaces)
     ]
-    return {(case, k): _pressed(options, case, k, wholes[k]) for case in cases for k in range(len(wholes))}
-
-
-def _pressed(options: Options, case: Case, k: int, surface_options: ContactProblem) -> Sticking:
-    unit, modulus = surface_options.pressure_scale, surface_options.contact_modulus
-    work = case.work_ratio * full_contact_energy(surface_options.field, modulus=modulus)
-    # The shortest range whose process zone spans the cells that are needed, and a little more.
-    reach = math.sqrt(1.1 * CELLS_NEEDED * _LENGTH / options.grids[0] * work / modulus)
-    load = Load(pressure=case.reduced_pressure * unit)
-    return Sticking(
-        problem=ContactProblem(
-            surface=options.surface(case.magnification, number=k), solid=_SOLID, load=load
-        ),
-        adhesion=Adhesion(work=work, reach=reach),
-        hardness=None if math.isnan(case.hardness_ratio) else case.hardness_ratio * unit,
-        grids=options.grids,
-    )
+    pressed = {}
+    for case, (k, whole) in itertools.product(cases, enumerate(wholes)):
+        unit, modulus = whole.pressure_scale, whole.contact_modulus
+        work = case.work_ratio * full_contact_energy(whole.field, modulus=modulus)
+        # The shortest range whose process zone spans the cells that are needed, and a little more.
+        reach = math.sqrt(1.1 * CELLS_NEEDED * _LENGTH / options.grids[0] * work / modulus)
+        surface = options.self_affine(number=k, until=case.magnification, length=_LENGTH)
+        pressed[case, k] = Sticking(
+            problem=base_case(surface, pressure=case.reduced_pressure * unit, solid=_SOLID),
+            adhesion=Adhesion(work=work, reach=reach),
+            hardness=None if math.isnan(case.hardness_ratio) else case.hardness_ratio * unit,
+            grids=options.grids,
+        )
+    return pressed
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -141,7 +129,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     cases = design(options)
     solved = bench.solve(
-        [s for sticking in cases.values() for held in (True, False) for s in sticking.solves(sticky=held)]
+        [s for sticking in cases.values() for sticky in (True, False) for s in sticking.solves(sticky=sticky)]
     )
     parts = {place: sticking.measured(solved) for place, sticking in cases.items()}
     data = gather(parts, case=list(dict.fromkeys(case for case, _ in cases)), surface=range(options.surfaces))

@@ -27,16 +27,16 @@ from validation.measurements.adhesive import (
     shares_by_shell,
     with_pooled_stress,
 )
-from validation.measurements.common import Rising, truncated_surface
+from validation.measurements.common import Rising, base_case
 from validation.measurements.limits import ABSENT, solved, straight_limit
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
 from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding
 from validation.scenes.problem import ContactProblem
-from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
+from validation.scenes.scene import SolidSpec
 from validation.studies._options import Hurst, Periods, Seed, StudyOptions, Surfaces
 from validation.units import Positive
 
-_LENGTH, _GRADIENT = 1e-5, 0.1
+_LENGTH = 1e-5
 _SOLID = SolidSpec(young=1e7, poisson=0.5)
 #: gamma_eff over w below which no solve is tried.
 _LEAST = 0.02
@@ -110,21 +110,16 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     return data.assign_attrs(methods="theory bem adhesion", **attributes)
 
 
-def _surface(options: Options, k: int, zeta: float) -> SelfAffineSurface:
-    spectrum = {"hurst": options.hurst, "periods": options.periods, "bandwidth": options.magnifications[-1]}
-    return truncated_surface(zeta, seed=options.seed + k, length=_LENGTH, gradient=_GRADIENT, **spectrum)
-
-
 def _full_surface(options: Options, k: int) -> tuple[ContactProblem, float]:
-    load = Load(reduced_pressure=options.reduced_pressure)
-    whole = ContactProblem(surface=_surface(options, k, options.magnifications[-1]), solid=_SOLID, load=load)
+    surface = options.self_affine(number=k, bandwidth=options.magnifications[-1], length=_LENGTH)
+    whole = base_case(surface, reduced_pressure=options.reduced_pressure, solid=_SOLID)
     return whole, options.work * full_contact_energy(whole.field, modulus=whole.contact_modulus)
 
 
 def _cut(options: Options, k: int, zeta: float, *, along: Solutions | None = None) -> Cut | None:
     whole, work = _full_surface(options, k)
-    load = Load(pressure=whole.pressure)
-    problem = ContactProblem(surface=_surface(options, k, zeta), solid=_SOLID, load=load)
+    surface = options.self_affine(number=k, until=zeta, bandwidth=options.magnifications[-1], length=_LENGTH)
+    problem = base_case(surface, pressure=whole.pressure, solid=_SOLID)
     if along is None:
         solutions: Solutions = readings(problem, work=work, area="projected")
     else:

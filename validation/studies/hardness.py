@@ -8,7 +8,7 @@ gradient of the same surfaces; and the spectrum of the smoothed surface left beh
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 import xarray as xr
 from pydantic import Field, model_validator
@@ -18,23 +18,19 @@ from validation.effects.hardness import Hardness
 from validation.execution.bench import Bench
 from validation.execution.press import Press
 from validation.execution.running import Solves
-from validation.measurements.common import truncated_surface
+from validation.measurements.common import BASE_SOLID, base_case
 from validation.measurements.limits import ABSENT, straight_limit
 from validation.measurements.yielding import kept_by_theory, kept_waves, yielded_by_theory
 from validation.report.estimates import claim, derive, gather, mean
 from validation.report.marks import Figure, Line, Panel
 from validation.report.views import Column, Finding, Table, Views, finding, of_one_surface
-from validation.scenes.problem import ContactProblem
-from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions
 from validation.units import Positive, wrong
 
 _Positives = Annotated[tuple[Positive, ...], Field(min_length=1)]
 
-_SOLID = SolidSpec(young=1e9, poisson=0.3)
-_MODULUS = _SOLID.young / (1 - _SOLID.poisson**2)
+_MODULUS = BASE_SOLID.young / (1 - BASE_SOLID.poisson**2)
 _GRADIENT, _LENGTH = 0.1, 1e-4
-_SETTINGS = (("tolerance", 1e-8),)
 
 
 class Options(StudyOptions):
@@ -80,11 +76,6 @@ class Options(StudyOptions):
         """Grids, rising, each once."""
         return tuple(sorted(set(self.grids)))
 
-    def surface(self, k: int, *, until: float) -> SelfAffineSurface:
-        """Return one surface with its waves up to a magnification."""
-        whole = {"length": _LENGTH, "gradient": _GRADIENT, "bandwidth": self.bandwidth}
-        return truncated_surface(until, seed=self.seed + k, hurst=self.hurst, periods=self.periods, **whole)
-
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
@@ -95,8 +86,12 @@ class Case:
     magnification: float
 
 
-def design(options: Options) -> dict[tuple[Case, int], tuple[Press, ...]]:
-    """Return the solves by case and number of the surface, coarse grid first."""
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Solve every surface at every load and magnification on every grid.
+
+    A_pl/A0 and A_el/A0 (case, surface, grid), their limits linear in dx and means, and the theory with the gradient
+    of the same surfaces; share of C(q) (surface, wave) that the smoothed surfaces keep, and Persson's.
+    """
     smoothing, whole = options.smoothing_reduced_pressure, options.bandwidth
     cases = [
         *(Case(varied="load", reduced_pressure=p, magnification=whole) for p in options.reduced_pressures),
@@ -104,38 +99,23 @@ def design(options: Options) -> dict[tuple[Case, int], tuple[Press, ...]]:
         Case(reduced_pressure=smoothing, magnification=whole),
     ]
     surfaces = range(options.surfaces)
-    effects = (Hardness(hardness=options.limit),)
-    wholes = [options.surface(k, until=whole) for k in surfaces]
-    units = [ContactProblem(surface=s, solid=_SOLID, load=Load(pressure=1.0)).pressure_scale for s in wholes]
-
-    def problem(k: int, case: Case) -> ContactProblem:
-        surface, load = options.surface(k, until=case.magnification), case.reduced_pressure * units[k]
-        return ContactProblem(surface=surface, solid=_SOLID, load=Load(pressure=load))
-
-    return {
-        (case, k): tuple(
-            Press(method="bem", grid=(n, n), problem=problem(k, case), settings=_SETTINGS, effects=effects)
-            for n in (options.ladder if case.varied else options.ladder[-1:])
-        )
-        for case in cases
-        for k in surfaces
-    }
-
-
-def run(options: Options, *, bench: Bench) -> xr.Dataset:
-    """Solve every surface at every load and magnification on every grid.
-
-    A_pl/A0 and A_el/A0 (case, surface, grid), their limits linear in dx and means, and the theory with the gradient
-    of the same surfaces; share of C(q) (surface, wave) that the smoothed surfaces keep, and Persson's.
-    """
-    solves = design(options)
+    how: dict[str, Any] = {"settings": (("tolerance", 1e-8),), "effects": (Hardness(hardness=options.limit),)}
+    solves: dict[tuple[Case, int], tuple[Press, ...]] = {}
+    for k in surfaces:
+        unit = base_case(options.self_affine(number=k, length=_LENGTH), pressure=1.0).pressure_scale
+        for case in cases:
+            surface = options.self_affine(number=k, until=case.magnification, length=_LENGTH)
+            problem = base_case(surface, pressure=case.reduced_pressure * unit)
+            solves[case, k] = tuple(
+                Press(method="bem", grid=(n, n), problem=problem, **how)
+                for n in (options.ladder if case.varied else options.ladder[-1:])
+            )
     solved = bench.solve([solve for several in solves.values() for solve in several])
-    surfaces = range(options.surfaces)
     areas = {(c, k): _areas(several, options, solved) for (c, k), several in solves.items() if c.varied}
     smoothed = {
         k: _smoothed(several[0], options, solved) for (c, k), several in solves.items() if not c.varied
     }
-    data = gather(areas, case=list(dict.fromkeys(case for case, _ in areas)), surface=surfaces)
+    data = gather(areas, case=cases[:-1], surface=surfaces)
     data = data.merge(gather(smoothed, surface=surfaces).rename(solve="solve_smoothed"))
     data = derive(
         straight_limit(data, "area_plastic", "area_elastic"),
@@ -148,10 +128,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     names = ("spectrum_kept", "spectrum_kept_persson", "spectrum_kept_excess", "gradient_kept")
     data = derive(mean(data, *names), spectrum_kept_excess_largest="abs(spectrum_kept_excess).max('wave')")
     data = claim(data, *areas_of, "spectrum_kept", "gradient_kept", **ABSENT)
-    attributes = {
-        "hardness": options.hardness,
-        "smoothing_reduced_pressure": options.smoothing_reduced_pressure,
-    }
+    attributes = {name: getattr(options, name) for name in ("hardness", "smoothing_reduced_pressure")}
     return data.assign_attrs(methods="theory bem", **attributes)
 
 
@@ -172,10 +149,10 @@ def _areas(solves: tuple[Press, ...], options: Options, solved: Solves) -> xr.Da
 
 def _smoothed(solve: Press, options: Options, solved: Solves) -> xr.Dataset:
     problem = solve.problem
-    q, names, gradient = kept_waves(solved[solve].checked(), problem)
+    q, shares, gradient = kept_waves(solved[solve].checked(), problem)
     return xr.Dataset(
         {
-            "spectrum_kept_each": ("wave", names),
+            "spectrum_kept_each": ("wave", shares),
             "spectrum_kept_persson_each": ("wave", kept_by_theory(problem, options.limit, q)),
             "gradient_kept_each": gradient,
         },
