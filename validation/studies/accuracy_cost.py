@@ -61,9 +61,10 @@ class Options(PressedOptions):
 
     @property
     def peers(self) -> tuple[str, ...]:
-        """Codes that are compared at equal error: those that are installed, where nobody names methods."""
-        asked = "methods" not in self.model_fields_set and self.peer_points_per_wave
-        return installed_peers() if asked else ()
+        """Codes that are compared at equal error: those that are installed, where nobody names methods; and ours."""
+        compared = "methods" not in self.model_fields_set and self.peer_points_per_wave
+        installed = installed_peers() if compared else ()
+        return (*installed, OWN) if installed else ()
 
 
 #: A part of the study, what is told apart in it, and the number of the surface.
@@ -85,17 +86,13 @@ class _Single:
         return f"{self.name} {{}}, {self.per_wave:g} per wave"
 
 
-def _codes(options: Options) -> tuple[str, ...]:
-    return (*options.peers, OWN) if options.peers else ()
-
-
 def _singles(options: Options) -> Iterator[_Single]:
     first = options.first
     fem_points = options.fem_points_per_wave if "fem" in options.methods else ()
     for element, n in itertools.product(_ELEMENTS, fem_points):
         solve = partial(block_beside_bem, grid=grid_for(first, n), element=element)
         yield _Single(part="FEM", name=f"FEM {element}", per_wave=n, solve=solve)
-    for code, n in itertools.product(_codes(options), options.peer_points_per_wave):
+    for code, n in itertools.product(options.peers, options.peer_points_per_wave):
         solve = partial(by_peer, grid=grid_for(first, n), code=code)
         yield _Single(part="peers", name=code, per_wave=n, process=True, solve=solve)
     for solver in options.others(options.method_points_per_wave):
@@ -114,10 +111,10 @@ def design(options: Options) -> dict[_Case, Call]:
     """Return the solves of each part: reference, boundary and finite elements, other codes."""
     cases: dict[_Case, Call] = {}
     held_out = tuple(grid_for(options.first, n) for n in options.held_out_points_per_wave)
-    coarse = options.grids_for(options.points_per_wave), options.tolerance(_TOLERANCE)
-    for part, (grids, tolerance) in {"coarse": coarse, "fine": (held_out, _FINE_TOLERANCE)}.items():
-        for k, problem in enumerate(options.pressed):
-            cases[part, "", k] = press_on_grids(problem=problem, grids=grids, tolerance=tolerance)
+    coarse, tolerance = options.grids_for(options.points_per_wave), options.tolerance(_TOLERANCE)
+    for k, problem in enumerate(options.pressed):
+        cases["coarse", "", k] = press_on_grids(problem=problem, grids=coarse, tolerance=tolerance)
+        cases["fine", "", k] = press_on_grids(problem=problem, grids=held_out, tolerance=_FINE_TOLERANCE)
     for single, (k, problem) in itertools.product(_singles(options), enumerate(options.pressed)):
         cases[single.part, single.label, k] = single.solve(problem=problem)
     return cases
@@ -139,20 +136,19 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     measured = solved(bench, design(options))
     surfaces = range(options.surfaces)
-    fine = [area_limits(measured["fine", "", k]) for k in surfaces]
-    reference = np.array([value[0] for value, _ in fine])
-    uncertainty = np.array([error[0] for _, error in fine]) / reference
+    limits = {
+        part: np.array([area_limits(measured[part, "", k]) for k in surfaces])[..., 0].T
+        for part in ("fine", "coarse")
+    }
+    reference, uncertainty = limits["fine"][0], limits["fine"][1] / limits["fine"][0]
     ways = {way_data.attrs["way"]: way_data for way_data in _ways(options, measured)}
     data = gather(ways, way=list(ways)).set_coords(["kind", "process"])
     data = data.assign_coords(surface=list(surfaces))
     data = data.assign(area_deviation_each=data.area_each / reference - 1).drop_vars("area_each")
-    coarse = [area_limits(measured["coarse", "", k]) for k in surfaces]
-    claimed = [NORMAL * error[0] / truth for (_, error), truth in zip(coarse, reference, strict=True)]
-    missed = [value[0] / truth - 1 for (value, _), truth in zip(coarse, reference, strict=True)]
     data = data.assign(
         reference_each_error=error_of(xr.DataArray(reference, dims="surface"), grid=NORMAL * uncertainty),
-        claimed_each=("surface", claimed),
-        missed_each=("surface", missed),
+        claimed_each=("surface", NORMAL * limits["coarse"][1] / reference),
+        missed_each=("surface", limits["coarse"][0] / reference - 1),
         reference_rms=float(np.sqrt(np.mean(uncertainty**2))),
     )
     data["area_deviation_rms"] = (data.area_deviation_each**2).mean("surface") ** 0.5
@@ -161,11 +157,11 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     cited = ["bem", *(["fem"] if "FEM" in parts else []), *(solver.method for solver in others)]
     return chosen_ways(covered(data)).assign_attrs(
         reduced_pressure=options.reduced_pressure,
-        peers=" ".join([*codes, *(solver.name for solver in others)]),
+        peers=" ".join([*codes[:-1], *(solver.name for solver in others)]),
         absent="" if others else ", ".join(code for code in known if code not in codes),
-        measured_by=code_words(_codes(options)) if codes else "",
+        measured_by=code_words(codes) if codes else "",
         unsettled=_unsettled(measured),
-        methods=" ".join([*cited, *(known[code] for code in codes), "perimeter"]),
+        methods=" ".join([*cited, *(known[code] for code in codes[:-1]), "perimeter"]),
     )
 
 
@@ -196,13 +192,13 @@ def _unsettled(measured: Mapping[_Case, xr.Dataset]) -> str:
 
 def views(data: xr.Dataset) -> Views:
     """Show what a digit costs, whether claimed intervals hold, and what other codes need for the same error."""
-    one = data.sel(target=int(np.argmin(abs(data.accuracy.values - 0.01))))
-    said = [
+    per_cent = data.sel(target=int(np.argmin(abs(data.accuracy.values - 0.01))))
+    findings = [
         finding(
             "cost",
             "An area to {accuracy:%} (rms over the surfaces) costs {seconds_fastest:u}: {way_fastest}; with least "
             "memory {peak_bytes_leanest:u}: {way_leanest}.",
-            one,
+            per_cent,
         ),
         finding(
             "share",
@@ -213,9 +209,7 @@ def views(data: xr.Dataset) -> Views:
         ),
         *(_against_peer(data, code) for code in data.attrs["peers"].split()),
     ]
-    for name, words in _NOTES.items():
-        if data.attrs.get(name):
-            said.append(note(words, it=data.attrs[name]))
+    findings += [note(form, it=data.attrs[name]) for name, form in _NOTES.items() if data.attrs.get(name)]
     names = [f"{name}_{which}" for which in ("fastest", "leanest") for name in ("way", *_COSTS)]
     return Views(
         table=Table(rows=("target",), columns=("accuracy", *names)),
@@ -228,7 +222,7 @@ def views(data: xr.Dataset) -> Views:
                 height=5.6,
             )
         ],
-        findings=said[:6],
+        findings=findings[:6],
     )
 
 

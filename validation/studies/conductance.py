@@ -6,6 +6,9 @@ in other units (Barber 2003). A light contact of few long waves stands on few sp
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import replace
+
 import numpy as np
 import xarray as xr
 from pydantic import Field
@@ -97,10 +100,11 @@ def views(data: xr.Dataset) -> Views:
     """Stiffness over the load for every size, beside the theory, and its power of the load."""
     last = {"periods": data.sizes["periods"] - 1}
     theory = [f"stiffness_{variant}" for variant in WITH_ENERGY]
-    lines = [Line(y=name, at=last) for name in ("stiffness", *theory)]
+    largest = against("reduced_pressure", "stiffness", *theory, log="xy")
+    thin = {"color": "black", "lw": 0.8, "ls": "-"}
     power = [
         Line(y="stiffness_exponent", by="periods"),
-        Level(y="stiffness_exponent_proportional", look=_THIN),
+        Level(y="stiffness_exponent_proportional", look=thin),
     ]
     ratios = [f"stiffness_ratio_{variant}" for variant in WITH_ENERGY]
     columns = ("periods", "reduced_pressure", "area_perimeter", "gap", "stiffness", *theory, *ratios)
@@ -115,22 +119,18 @@ def views(data: xr.Dataset) -> Views:
                 "stiffness goes with the load. Few long waves make a light contact softer than many.",
                 panels=[
                     against("reduced_pressure", "stiffness", by="periods", log="xy"),
-                    Panel(marks=lines, x="reduced_pressure", log="xy"),
+                    replace(largest, at=last),
                     Panel(marks=power, x="reduced_pressure_between", log="x"),
                 ],
             )
         ],
-        findings=_findings(data),
+        findings=[*_findings(data)],
     )
 
 
-_THIN = {"color": "black", "lw": 0.8, "ls": "-"}
-
-
-def _findings(data: xr.Dataset) -> list[Finding]:
-    findings = []
+def _findings(data: xr.Dataset) -> Iterator[Finding]:
     if bool((data.reduced_pressure_between <= _LIGHT).any()):
-        power = finding(
+        yield finding(
             "comparison",
             "At p* up to {light} the stiffness goes with the load to the power {each}; proportional would be 1.",
             data,
@@ -139,20 +139,14 @@ def _findings(data: xr.Dataset) -> list[Finding]:
             by="stiffness_exponent_light_excess",
             light=_LIGHT,
         )
-        findings.append(power)
     middle = data.isel(periods=-1, load=sorted({0, data.sizes["load"] // 2, data.sizes["load"] - 1}))
-    names = dict(
-        zip(WITH_ENERGY, ("Persson's", "Yang and Persson's (2008)", "Wang and Müser's (2017)"), strict=True)
-    )
-    for variant, name in names.items():
-        findings.append(
-            finding(
-                "comparison",
-                "L/lambda_long = {periods}: K h_rms/p0 is {each}.",
-                middle,
-                item=f"{{stiffness}} at p* = {{reduced_pressure}}, {{verdict}} {name} {{stiffness_{variant}:~}}",
-                over="load",
-                by=f"stiffness_excess_{variant}",
-            )
+    authors = ("Persson's", "Yang and Persson's (2008)", "Wang and Müser's (2017)")
+    for variant, whose in zip(WITH_ENERGY, authors, strict=True):
+        yield finding(
+            "comparison",
+            "L/lambda_long = {periods}: K h_rms/p0 is {each}.",
+            middle,
+            item=f"{{stiffness}} at p* = {{reduced_pressure}}, {{verdict}} {whose} {{stiffness_{variant}:~}}",
+            over="load",
+            by=f"stiffness_excess_{variant}",
         )
-    return findings

@@ -64,11 +64,10 @@ class Options(StudyOptions):
 
 
 def _cases_of(names: Sequence[str]) -> tuple[HardCase, ...]:
-    own = {case.method for case in CASES}
-    if not names:
-        return CASES
-    cases = tuple(case for case in CASES if case.method in names)
-    return (*cases, *(case for name in names if name not in own for case in elastic_cases(name)))
+    built_in = {case.method for case in CASES}
+    further = [name for name in names if name not in built_in]
+    cases = [case for case in CASES if case.method in names or not names]
+    return (*cases, *(case for name in further for case in elastic_cases(name)))
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -79,13 +78,12 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     if bench.plan_only:
         bench.solve([])
     rows = {
-        (case.name, turn): _outcome(case, value, options.slowest)
-        for case in options.chosen
-        for turn, value in enumerate(case.values, start=1)
+        k: _outcome(case, value, options.slowest).assign(case=case.name, turn=turn)
+        for k, (case, turn, value) in enumerate(
+            (case, turn, value) for case in options.chosen for turn, value in enumerate(case.values, start=1)
+        )
     }
-    data = gather(dict(enumerate(rows.values())), row=range(len(rows)))
-    places = {"case": [name for name, _ in rows], "turn": [turn for _, turn in rows]}
-    data = data.assign_coords({name: ("row", values) for name, values in places.items()})
+    data = gather(rows, row=range(len(rows))).set_coords(["case", "turn"])
     data["deviation_ratio"] = np.maximum(data.deviation / data.bound, _LEAST).where(data.deviation.notnull())
     data["bound_ratio"] = 1.0
     used = [chosen_solver(name)[0].name for name in options.methods] or ["bem", "fem", "theory"]
@@ -110,20 +108,9 @@ def _outcome(case: HardCase, value: float, slowest: float) -> xr.Dataset:
     seconds = time.perf_counter() - clock
     if seconds > slowest:
         outcome, message = "WRONG", f"took {seconds:.0f} s. {message}"
-    return xr.Dataset(
-        {
-            "method": case.method,
-            "varied": case.varied,
-            "reference": case.reference,
-            "value": float(value),
-            "deviation": deviation,
-            "bound": case.bound,
-            "residual": residual,
-            "outcome": outcome,
-            "message": message,
-            "seconds": seconds,
-        }
-    )
+    row = {name: getattr(case, name) for name in ("method", "varied", "reference", "bound")}
+    row |= {"value": float(value), "deviation": deviation, "residual": residual, "seconds": seconds}
+    return xr.Dataset({**row, "outcome": outcome, "message": message})
 
 
 def views(data: xr.Dataset) -> Views:
@@ -162,15 +149,8 @@ def views(data: xr.Dataset) -> Views:
         table=Table(
             rows=("row",),
             columns=(
-                "case",
-                "method",
-                "varied",
-                "value",
-                "deviation",
-                "bound",
-                "outcome",
-                "seconds",
-                "message",
+                *("case", "method", "varied", "value", "deviation", "bound"),
+                *("outcome", "seconds", "message"),
             ),
         ),
         figures=[
