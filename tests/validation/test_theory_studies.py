@@ -97,26 +97,15 @@ def test_the_pressure_study_says_from_where_on_the_distributions_move(bench):
 
 
 def test_the_ladders_of_the_hurst_study_keep_phases_and_area(bench):
-    options = hurst.Options(
-        hursts=(0.4,),
-        bandwidths=(2.0,),
-        reduced_pressures=(0.2,),
-        pairs=2,
-        periods=1.0,
-        points_per_wave=(4.0, 6.0),
-        ladder_bandwidths=(2.0, 3.0),
-        ladder_periods=(1.0, 2.0),
-        ladder_pairs=2,
-        ladder_reduced_pressure=0.2,
-    )
-    data = hurst.run(options, bench=bench)
-    assert data.nayak_by_bandwidth[0, 0] < data.nayak_by_bandwidth[0, 1]
-    assert float(data.order_by_bandwidth[0]) == pytest.approx(1.2, rel=1e-12)
-    # The first rung of the bandwidth ladder is the study's own spectrum: the same surfaces on the same grids.
-    assert float(data.kappa_by_bandwidth[0, 0]) == pytest.approx(float(data.kappa.squeeze()), rel=1e-12)
-    assert set(np.unique(data.solve_by_bandwidth[0, 0])) == set(np.unique(data.solve))
-    # A quarter of the area, so four times the pairs; the others are no samples of the larger.
-    assert ((data.solve_by_size != "").sum("surface_by_size") == [[16, 4]]).all()
+    data = hurst.run(hurst.Options(**STUDIES["hurst"]), bench=bench)
+    assert np.all(data.nayak_by_bandwidth[:, 0] < data.nayak_by_bandwidth[:, 1])
+    assert data.order_by_bandwidth.values == pytest.approx([1.4, 0.4], rel=1e-12)
+    # The first rung of the bandwidth ladder is the study's own spectrum: the same surfaces on the same grids,
+    # but for the tolerance of a solve that starts from the load before.
+    own = data.kappa.isel(family=0, load=1)
+    np.testing.assert_allclose(data.kappa_by_bandwidth[:, 0], own, rtol=1e-6)
+    # 1 / 1.25^2 of the area, so more pairs; the others are no samples of the larger.
+    assert ((data.solve_by_size != "").sum("surface_by_size") == [[6, 4], [6, 4]]).all()
     budget = find_study("hurst").budget(data)
     row = dict(zip(budget.columns, budget.rows[0], strict=True))
     assert row["bandwidth [%]"] not in ("does not enter", "not measured")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from small_scene import OBLONG, small_scene
 
-__all__ = ["ACCURATE", "COMPARED", "ROUNDING", "SCENES", "STUDIES", "UNSTEADY"]
+__all__ = ["ACCURATE", "COMPARED", "LADDERS", "ROUNDING", "SCENES", "STUDIES", "UNSTEADY"]
 
 _ROUGH = {"periods": 2.0, "bandwidth": 2.0, "points_per_wave": (4.0, 6.0, 8.0), "seed": 61}
 _LADDERS = {
@@ -15,6 +15,8 @@ _LADDERS = {
     "ladder_reduced_pressure": 0.2,
     "ladder_points_per_wave": (4.0, 6.0),
 }
+#: Ladders of studies that have no option for them: what replaces the defaults, which are those of `hurst`.
+LADDERS = {"bandwidths": (2.0, 2.5, 3.0), "sizes": (1.0, 1.25), "pairs": 2}
 _PLAIN = small_scene()
 _YIELDING = small_scene('tolerance = 1e-9\n[[effects]]\nkind = "hardness"\nhardness = "30 kPa"\n')
 _SURFACES = "[methods.theory]\n[ensemble]\nrealisations = 3\ngrids = [24, 36, 48]\n"

@@ -14,13 +14,15 @@ from fnmatch import fnmatch
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 import xarray as xr
 from reading_back import misdrawn
 
-from gold.asked import STUDIES, UNSTEADY
+from gold.asked import LADDERS, STUDIES, UNSTEADY
 from validation.execution.bench import Bench
+from validation.measurements.convergence import Ladders
 from validation.scenes.scene import load_scene
 from validation.studies import Study, StudyOptions, find_study
 
@@ -60,7 +62,9 @@ def compute(name: str, bench: Bench, folder: Path) -> tuple[Record, xr.Dataset]:
         path = folder / "mine.toml"
         path.write_text(told["scene"], encoding="utf-8")
         told["scene"] = load_scene(str(path))
-    data = new_numbers(study, study.options(**told), bench)
+    small = LADDERS if name.endswith("with ladders") else {}
+    with patch.dict(Ladders.__init__.__kwdefaults__, small):
+        data = new_numbers(study, study.options(**told), bench)
     record = dict(_of_dataset("data", data))
     for part, table in (("table", study.table(data)), ("budget", study.budget(data))):
         record |= {} if table is None else _of_table(part, table.columns, table.rows)
