@@ -184,20 +184,6 @@ def test_vanishing_adhesion_recovers_the_elastic_contact():
     assert differences[1] < 0.2 * differences[0]
 
 
-def test_other_units_of_length_and_pressure_change_no_bit():
-    length, pressure = 2.0**20, 2.0**-30
-    surface = rough(32, waves=4)
-    scaled = HeightField(heights=surface.heights * length, lengths=(length, length))
-    soft = HalfSpace(solid=Solid(young=pressure, poisson=0.0))
-    law = law_for(32, kind=Dugdale, cells=3.0)
-    other = Dugdale(work=law.work * length * pressure, reach=law.reach * length)
-    one = adhesion.solve(surface, ELASTIC, law=law, mean_pressure=0.005, threads=1).checked()
-    two = adhesion.solve(scaled, soft, law=other, mean_pressure=0.005 * pressure, threads=1).checked()
-    np.testing.assert_array_equal(two.contact.pressure, one.contact.pressure * pressure)
-    np.testing.assert_array_equal(two.contact.gap, one.contact.gap * length)
-    assert two.contact.residuals == one.contact.residuals
-
-
 def test_a_grid_that_does_not_resolve_the_process_zone_is_refused_with_the_grid_that_does():
     surface = rough(32, waves=4)
     law = law_for(32, cells=0.8)

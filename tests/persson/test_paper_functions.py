@@ -8,7 +8,7 @@ from scipy.integrate import quad
 from scipy.special import erfc
 
 from persson.archard import archard_hierarchy
-from persson.asperities import Asperities, ring_asperities
+from persson.asperities import Asperities
 from persson.capillary import maximum_height
 from persson.diffusion import solve_diffusion
 from persson.elastoplastic_asperities import yielding_asperities
@@ -51,9 +51,6 @@ def test_heights_are_gaussian_and_their_highest_point_is_that_of_appendix_a():
     assert np.trapezoid(density * z**2, z * 2e-9) == pytest.approx(1, rel=1e-10)
     # App. A: the share above h_1 is about 1/N; its formula is the tail's leading term, 3 % above at 5.6.
     assert 0.5 * erfc(maximum_height(1e8) / math.sqrt(2)) == pytest.approx(1e-8, rel=0.04)
-
-
-BUMPS = ring_asperities(600.0, rms_height=1 / 600.0)
 
 
 def test_yielding_asperities_are_the_sum_over_heights():

@@ -131,7 +131,10 @@ def test_a_run_of_another_scene_leaves_nothing_of_the_one_before(small_run, writ
     folder = tmp_path / "results"
     shutil.copytree(small_run.folder, folder)
     old = [folder / "figures" / name for name in ("surface-3d.png", "other.svg", "other-bin.csv")]
-    old += [folder / name for name in ("areas.csv", "data.csv", "data-load.csv", "study.json")]
+    old += [
+        folder / name
+        for name in ("areas.csv", "data.csv", "data-load.csv", "study.json", "run.json", "accuracy.json")
+    ]
     mine = [folder / "notes.txt", folder / "figures" / "notes.txt"]
     for path in (*old, *mine):
         path.write_text("earlier")

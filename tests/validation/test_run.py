@@ -132,23 +132,6 @@ def test_the_deformed_block_is_a_vtu_with_stress(small_run):
     assert block.cells[0].type == "hexahedron"
 
 
-def test_running_again_repeats_nothing_and_finds_the_same(small_run, tmp_path):
-    folder = shutil.copytree(small_run.folder, tmp_path / "results")
-    again = run_scene(_scene(small_run), folder, report=False)
-    assert again.solved == 0
-    assert again.reused == small_run.solved
-    assert again.data.equals(small_run.data)
-
-
-def test_a_run_leaves_nothing_of_earlier_versions(small_run, tmp_path):
-    for name in ("accuracy.json", "run.json"):
-        (tmp_path / name).write_text("{}")
-    scene = _scene(small_run)
-    run_scene(scene, tmp_path, store_folder=small_run.folder / "solves", report=False)
-    assert not (tmp_path / "accuracy.json").exists()
-    assert not (tmp_path / "run.json").exists()
-
-
 def test_the_report_holds_five_figures_the_findings_and_one_script_that_its_policy_names(small_run):
     page = (small_run.folder / "report.html").read_text()
     assert page.count("<svg") == 5

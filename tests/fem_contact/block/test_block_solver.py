@@ -43,19 +43,6 @@ def test_stress_carries_the_load_through_every_layer(solution: BlockSolution) ->
     np.testing.assert_allclose(normal, -solution.contact.mean_pressure, rtol=1e-7)
 
 
-def test_first_set_does_not_matter(solution: BlockSolution) -> None:
-    surface = rough((20, 20))
-    everything = press(surface, start=np.ones((20, 20), dtype=bool)).contact
-    single = np.zeros((20, 20), dtype=bool)
-    single[3, 17] = True
-    one = press(surface, start=single).contact
-    for other in (everything, one):
-        np.testing.assert_array_equal(other.in_contact, solution.contact.in_contact)
-        np.testing.assert_allclose(
-            other.pressure, solution.contact.pressure, atol=1e-7 * solution.contact.pressure.max()
-        )
-
-
 def test_solving_twice_gives_the_same_bits_and_leaves_the_global_generator_alone() -> None:
     surface = rough((16, 16))
     before = np.random.get_state()[1].copy()  # noqa: NPY002
