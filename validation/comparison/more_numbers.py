@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 
-from fem_contact.contact import ContactResult
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from validation.arrays import Array
-from validation.comparison.reductions import Reading, grid_name, is_adhesive
+from validation.comparison.reductions import Case, Reading, grid_name, is_adhesive
 from validation.effects.base import ContactModel
-from validation.execution.press import Press
 from validation.measurements.statistics import order_of_convergence
 from validation.report.estimates import derive, error_of, gather
-from validation.scenes.problem import ContactProblem
 from validation.solvers import find_method
 
 #: Within which relative distance from the limit the cheapest solve is looked for.
@@ -90,7 +87,7 @@ def cost_and_orders(data: xr.Dataset) -> xr.Dataset:
     return data.assign(density_at_zero_order=_order(data.spacing.values, density))
 
 
-def finest(data: xr.Dataset) -> xr.Dataset:
+def finest_of(data: xr.Dataset) -> xr.Dataset:
     """Add what every method says on its finest resolved grid, or on its finest where none resolves."""
     names = [
         name for name in ("area_pixel", "area_perimeter", "area_plastic_pixel", "residual") if name in data
@@ -105,46 +102,34 @@ def finest(data: xr.Dataset) -> xr.Dataset:
     return data.assign({**finest, "grid_finest": ("solver", data.grid.values[place])})
 
 
-def in_numbers(
-    data: xr.Dataset,
-    readings: Sequence[Reading],
-    results: Mapping[Press, ContactResult],
-    problem: ContactProblem,
-) -> xr.Dataset:
+def in_numbers(data: xr.Dataset, case: Case) -> xr.Dataset:
     """Add what one asks of a contact, on the finest resolved grid of the first method."""
     from fem_contact.conductance import frozen_contact
     from fem_contact.patches import find_patches
 
-    first = [o.solve for o in readings if o.solve.method == readings[0].solve.method and o.solve.is_own]
-    solves = sorted(
-        [s for s in first if problem.resolved_by(s.grid)] or first,
-        key=lambda s: problem.points_per_wave(s.grid),
-    )
-    rows = []
-    for solve in solves[-2:]:
-        result = results[solve]
-        rows.append(
-            {
-                "mean_gap": float(np.mean(result.gap)),
-                "approach": -result.offset,
-                "largest_pressure": float(result.pressure.max()),
-                "patches": float(find_patches(result.in_contact, result.spacing).count),
-            }
-        )
-    last, result = solves[-1], results[solves[-1]]
+    solves, height = case.ladder(case.own[0].solve.method)[-2:], case.problem.field.rms_height
+    results = [case.results[solve] for solve in solves]
+    rows = [
+        {
+            "mean_gap": float(np.mean(result.gap)),
+            "approach": -result.offset,
+            "largest_pressure": float(result.pressure.max()),
+            "patches": float(find_patches(result.in_contact, result.spacing).count),
+        }
+        for result in results
+    ]
+    last, result = solves[-1], results[-1]
     some = bool(result.in_contact.any()) and not bool(result.in_contact.all())
     # The stiffness of a contact set is exact where points weigh alike on an elastic response.
     if some and result.weights is None and not is_adhesive(last.effects) and not last.solver.sinks:
-        for row, solve in zip(rows, solves[-2:], strict=True):
-            result = results[solve]
-            response = ContactModel.filled(solve.problem.elastic, solve.effects).felt_response
+        response = ContactModel.filled(last.problem.elastic, last.effects).felt_response
+        for row, result in zip(rows, results, strict=True):
             stiffness = frozen_contact(result, response, tolerance=1e-6).stiffness
-            row["stiffness"] = stiffness * problem.field.rms_height / result.mean_pressure
+            row["stiffness"] = stiffness * height / result.mean_pressure
     for name, value in rows[-1].items():
         data[name] = xr.DataArray(value)
         change = abs(value - rows[0][name]) if len(rows) > 1 else math.nan
         data[f"{name}_error"] = error_of(data[name], grid=change, **_SIMULATED)
-    if problem.field.rms_height > 0:
-        data["rms_height"] = float(data.rms_height)
+    if height > 0:
         data = derive(data, gap="mean_gap / rms_height")
     return derive(data, contact_area="area_own * nominal_area")

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,9 +17,8 @@ import xarray as xr
 from fem_contact.area import ContactAreas
 from fem_contact.contact import ContactResult
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS, Limit
-from validation.arrays import Grid
-from validation.comparison.more_numbers import beside_each_other, cost_and_orders, finest, in_numbers
-from validation.comparison.reductions import Reading, grid_name, is_adhesive, own_solves
+from validation.comparison.more_numbers import beside_each_other, cost_and_orders, finest_of, in_numbers
+from validation.comparison.reductions import Case, Reading, grid_name, is_adhesive, own_solves
 from validation.comparison.subsurface_stress import below
 from validation.comparison.transport import passing
 from validation.errors import RunFailed
@@ -59,23 +57,27 @@ def scene_data(
     RunFailed
         Where no solve of its own surface succeeded, or nothing touches.
     """
-    failures = failures or {}
-    own_keys, bare = set(own_solves(scene, results)), not scene.effects
-    readings = [Reading.of(solve, results[solve], bare=bare, shown=solve in own_keys) for solve in results]
-    case = _Case(scene=scene, problem=problem, readings=readings, failures=failures)
+    own, bare = set(own_solves(scene, results)), not scene.effects
+    readings = {solve: Reading.of(solve, results[solve], bare=bare, shown=solve in own) for solve in results}
+    case = Case(scene=scene, problem=problem, results=results, readings=readings, failures=failures or {})
     if not case.own:
         raise RunFailed(case.failed)
     if problem.load.held:
-        case = replace(case, problem=problem.under(Load(pressure=_carried(case.own))))
+        finest = case.readings[case.ladder(case.own[0].solve.method)[-1]]
+        pressure = float(finest.numbers.mean_pressure)
+        if not pressure > 0:
+            held = f"load.{problem.load.key} = {as_length(problem.load.values[0])}"
+            raise RunFailed(f"{held}: nothing touches so far apart; come closer")
+        case = replace(case, problem=problem.under(Load(pressure=pressure)))
     data = _on_grids(case)
     data = _own_area(data, case)
     data = _beside_theory(data, case)
     data = _over_surfaces(data, case, accurate)
     data = beside_each_other(data, case.own)
-    data = finest(cost_and_orders(data))
-    data = in_numbers(data, case.own, results, case.problem)
+    data = finest_of(cost_and_orders(data))
+    data = in_numbers(data, case)
     data = _beside_hertz(data, scene)
-    data = passing(data, scene, case.problem, results)
+    data = passing(data, case)
     data = below(data, scene, results)
     if failures:
         data = data.assign(failures=case.failed)
@@ -89,52 +91,10 @@ def scene_data(
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Case:
-    scene: Scene
-    problem: ContactProblem
-    readings: Sequence[Reading]
-    failures: Mapping[Press, str]
-
-    @cached_property
-    def own(self) -> list[Reading]:
-        """What was read of the scene's own surface, on the grids that its methods list."""
-        read = {reading.solve: reading for reading in self.readings}
-        return [read[solve] for solve in own_solves(self.scene, read)]
-
-    @property
-    def methods(self) -> list[str]:
-        return list(self.scene.methods.solvers)
-
-    @property
-    def grids(self) -> list[Grid]:
-        every = {grid for name in self.methods for grid in self.scene.methods.options(name).grids}
-        return sorted(every, key=lambda grid: (grid[0] * grid[1], grid))
-
-    @property
-    def modulus(self) -> float:
-        return self.own[0].contact_modulus
-
-    @property
-    def failed(self) -> str:
-        first, *others = self.failures.values()
-        return f"{first}, and {len(others)} more" if others else first
-
-
-def _carried(readings: Sequence[Reading]) -> float:
-    """Load [Pa] at the distance that is held, on the finest grid of the first method."""
-    first = [reading for reading in readings if reading.solve.method == readings[0].solve.method]
-    finest = max(first, key=lambda reading: reading.solve.problem.points_per_wave(reading.solve.grid))
-    load = finest.solve.problem.load
-    if not finest.mean_pressure > 0:
-        raise RunFailed(
-            f"load.{load.key} = {as_length(load.values[0])}: nothing touches so far apart; come closer"
-        )
-    return finest.mean_pressure
-
-
-def _on_grids(case: _Case) -> xr.Dataset:
-    scene, problem, grids = case.scene, case.problem, case.grids
+def _on_grids(case: Case) -> xr.Dataset:
+    scene, problem = case.scene, case.problem
+    every = {grid for name in case.methods for grid in scene.methods.options(name).grids}
+    grids = sorted(every, key=lambda grid: (grid[0] * grid[1], grid))
     parts: dict[tuple[str, str, int], xr.Dataset] = {}
     for reading in case.own:
         place = reading.solve.method, grid_name(reading.solve.grid)
@@ -244,7 +204,7 @@ def _value_of(areas: Sequence[ContactAreas], tolerance: float) -> xr.Dataset:
     return xr.Dataset({"area": value, "half": half, "left": left, "basis": basis, "why": why})
 
 
-def _own_area(data: xr.Dataset, case: _Case) -> xr.Dataset:
+def _own_area(data: xr.Dataset, case: Case) -> xr.Dataset:
     limits_by_method = {}
     for method in case.methods:
         readings = [reading for reading in case.own if reading.solve.method == method]
@@ -266,7 +226,7 @@ def _own_area(data: xr.Dataset, case: _Case) -> xr.Dataset:
     )
 
 
-def _beside_theory(data: xr.Dataset, case: _Case) -> xr.Dataset:
+def _beside_theory(data: xr.Dataset, case: Case) -> xr.Dataset:
     options = case.scene.methods.options("theory")
     if options is None:
         return data
@@ -284,7 +244,7 @@ def _beside_theory(data: xr.Dataset, case: _Case) -> xr.Dataset:
     )
 
 
-def _over_surfaces(data: xr.Dataset, case: _Case, accurate: Mapping[str, Any] | None) -> xr.Dataset:
+def _over_surfaces(data: xr.Dataset, case: Case, accurate: Mapping[str, Any] | None) -> xr.Dataset:
     has_theory = "area_persson_own" in data
     if accurate is not None:
         data = _as_claimed(data, accurate)
@@ -344,43 +304,34 @@ def _as_claimed(data: xr.Dataset, accurate: Mapping[str, Any]) -> xr.Dataset:
     )
 
 
-def _surfaces(case: _Case) -> xr.Dataset | None:
-    ensemble, solver = case.scene.ensemble, case.scene.ensemble_solver
-    if ensemble is None or solver is None:
+def _surfaces(case: Case) -> xr.Dataset | None:
+    if case.scene.ensemble is None or not case.surfaces:
         return None
-    by_surface: dict[int, dict[Grid, Reading]] = {k: {} for k in range(ensemble.realisations)}
-    for reading in case.readings:
-        solve = reading.solve
-        if solve.method == solver.name and solve.realisation in by_surface and solve.shift == (0.0, 0.0):
-            by_surface[solve.realisation][solve.grid] = reading
-    failed = {solve.realisation: why for solve, why in case.failures.items() if solve.grid in ensemble.grids}
-    parts = {k: _surface(case, k, by_surface[k], sorted(ensemble.grids)) for k in by_surface}
-    if failed:
-        parts = {k: part.assign(failure_each=failed.get(k, "")) for k, part in parts.items()}
-    return gather(parts, surface=range(len(parts)))
-
-
-def _surface(case: _Case, k: int, on: Mapping[Grid, Reading], grids: Sequence[Grid]) -> xr.Dataset:
-    readings = [on[grid] for grid in grids if grid in on]
-    here = readings[0].solve.problem if readings else case.problem.further(k)
-    limit = limit_of([reading.areas for reading in readings])
-    if limit is None or not limit.determinable:
-        limit = _NO_LIMIT
-    area, half = xr.DataArray(limit.value), NORMAL * limit.uncertainty
-    held = here.load.held
-    pressure = here.pressure if not held else readings[-1].mean_pressure if readings else math.nan
-    part = xr.Dataset(
-        {
+    grids, options = sorted(case.scene.ensemble.grids), case.scene.methods.options("theory")
+    failed = {solve.realisation: why for solve, why in case.failures.items() if solve.grid in grids}
+    parts = {}
+    for k, on in case.surfaces.items():
+        readings = [on[grid] for grid in grids if grid in on]
+        here = readings[0].solve.problem if readings else case.problem.further(k)
+        limit = limit_of([reading.areas for reading in readings])
+        if limit is None or not limit.determinable:
+            limit = _NO_LIMIT
+        area, half = xr.DataArray(limit.value), NORMAL * limit.uncertainty
+        held = here.load.held
+        pressure = (
+            here.pressure if not held else float(readings[-1].numbers.mean_pressure) if readings else math.nan
+        )
+        part = {
             "area_each": area.assign_attrs(reduction="limit"),
             "area_each_error": error_of(area, grid=half, **_ABSENT, **_HALF_SPACE),
             "rms_gradient_each": here.field.rms_gradient,
             "reduced_pressure_each": pressure / (case.modulus * here.field.rms_gradient),
             "solve_surface": ("surface_grid", [on[g].solve.key if g in on else "" for g in grids]),
-        },
-        coords={"surface_grid": [grid_name(grid) for grid in grids]},
-    )
-    options = case.scene.methods.options("theory")
-    if options is not None:
-        under = here.under(Load(pressure=pressure)) if held else here
-        part["area_persson_each"] = predict(under, case.scene.effects, options).area
-    return part
+        }
+        if options is not None:
+            under = here.under(Load(pressure=pressure)) if held else here
+            part["area_persson_each"] = predict(under, case.scene.effects, options).area
+        if failed:
+            part["failure_each"] = failed.get(k, "")
+        parts[k] = xr.Dataset(part, coords={"surface_grid": [grid_name(grid) for grid in grids]})
+    return gather(parts, surface=range(len(parts)))

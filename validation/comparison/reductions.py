@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import xarray as xr
@@ -13,9 +14,10 @@ from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 from fem_contact.stress import density_at_zero
-from validation.arrays import Array
+from validation.arrays import Array, Grid
 from validation.effects.base import Effect
 from validation.execution.press import Press
+from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
 
 
@@ -43,7 +45,6 @@ class Reading:
     areas: ContactAreas
     numbers: xr.Dataset
     contact_modulus: float
-    mean_pressure: float
     pressure: Array | None = None
 
     @classmethod
@@ -72,7 +73,6 @@ class Reading:
             areas=areas,
             numbers=numbers,
             contact_modulus=result.contact_modulus,
-            mean_pressure=result.mean_pressure,
             pressure=result.pressure if shown and solve.is_own else None,
         )
 
@@ -88,3 +88,53 @@ def _density(result: ContactResult, *, adhesive: bool) -> float:
     # A window that reaches up to the hardness sees what has yielded.
     clipped = np.any(result.at_bound & (result.pressure < density.threshold))
     return math.nan if clipped else density.reduced
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """A scene with its solves, each read once, and of others why they failed."""
+
+    scene: Scene
+    problem: ContactProblem
+    results: Mapping[Press, ContactResult]
+    readings: Mapping[Press, Reading]
+    failures: Mapping[Press, str]
+
+    @cached_property
+    def own(self) -> list[Reading]:
+        """What was read of the scene's own surface, on the grids that its methods list."""
+        return [self.readings[solve] for solve in own_solves(self.scene, self.readings)]
+
+    def ladder(self, method: str) -> list[Press]:
+        """Return the solves of a method, unshifted, coarse to fine: the resolved ones, if there are any."""
+        listed = [r.solve for r in self.own if r.solve.method == method and r.solve.is_own]
+        resolved = [solve for solve in listed if self.problem.resolved_by(solve.grid)]
+        return sorted(resolved or listed, key=lambda solve: self.problem.points_per_wave(solve.grid))
+
+    @cached_property
+    def surfaces(self) -> dict[int, dict[Grid, Reading]]:
+        """What was read of each surface of the ensemble, by grid; nothing without one."""
+        ensemble, solver = self.scene.ensemble, self.scene.ensemble_solver
+        if ensemble is None or solver is None:
+            return {}
+        surfaces: dict[int, dict[Grid, Reading]] = {k: {} for k in range(ensemble.realisations)}
+        for solve, reading in self.readings.items():
+            if solve.method == solver.name and solve.realisation in surfaces and solve.shift == (0.0, 0.0):
+                surfaces[solve.realisation][solve.grid] = reading
+        return surfaces
+
+    @property
+    def methods(self) -> list[str]:
+        """Names of the solvers."""
+        return list(self.scene.methods.solvers)
+
+    @property
+    def modulus(self) -> float:
+        """E* [Pa] on which p* stands: with a layer that at the surface."""
+        return self.own[0].contact_modulus
+
+    @property
+    def failed(self) -> str:
+        """Why solves failed, in a sentence."""
+        first, *others = self.failures.values()
+        return f"{first}, and {len(others)} more" if others else first

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Literal
 
@@ -10,33 +10,33 @@ import numpy as np
 import xarray as xr
 
 from fem_contact.contact import ContactResult
-from validation.comparison.reductions import own_solves
-from validation.execution.press import Press
+from validation.comparison.reductions import Case
 from validation.report.estimates import error_of
 from validation.report.estimates import mean as mean_over
 from validation.scenes.problem import ContactProblem
 from validation.scenes.quantities import Leak, Quantities
-from validation.scenes.scene import Scene
 
 #: What is asked of one result, and what a theory says of it: value, theory's value.
 _Read = Callable[[ContactResult], tuple[float, float]]
 
 
-def passing(
-    data: xr.Dataset, scene: Scene, problem: ContactProblem, results: Mapping[Press, ContactResult]
-) -> xr.Dataset:
+def passing(data: xr.Dataset, case: Case) -> xr.Dataset:
     """Add to the dataset of a scene what its table [quantities] asks for.
 
     The set of contact is that of the solve, whatever effects made it; the current passes through homogeneous
     half-spaces that touch there, yielded points included. Values are those of the finest grid that resolves
     the surface, with their change from the grid before; with an ensemble means over its surfaces.
     """
+    scene, results = case.scene, case.results
     if scene.quantities is None or not scene.quantities.passing:
         return data
-    ladder, ensemble = _ladder(scene, problem, results)
+    alike = ([s for s in case.ladder(name) if results[s].weights is None] for name in case.methods)
+    ladder = next(filter(None, alike), [])
     if not ladder:
         return data.assign(passing_note="not determinable: the points of every method weigh differently")
-    for name, read, beside in _asked(scene.quantities, problem, bare=not scene.effects):
+    finest = scene.ensemble and max(scene.ensemble.grids, key=case.problem.points_per_wave)
+    ensemble = [on[finest].solve for on in case.surfaces.values() if finest in on]
+    for name, read, beside in _asked(scene.quantities, case.problem, bare=not scene.effects):
         values = [read(results[solve]) for solve in ladder[-2:]]
         (value, theory), before = values[-1], values[0][0]
         change = abs(value - before) if len(values) > 1 and np.isfinite(value) else np.nan
@@ -51,31 +51,6 @@ def passing(
             errors = data[f"{name}_error"]
             data[f"{name}_error"] = errors.where(errors.source != "grid", share * abs(data[name]))
     return data
-
-
-def _ladder(
-    scene: Scene, problem: ContactProblem, results: Mapping[Press, ContactResult]
-) -> tuple[list[Press], list[Press]]:
-    """Solves of the first method whose points weigh alike, coarse to fine, and those of the ensemble."""
-
-    def fine(solve: Press) -> float:
-        return problem.points_per_wave(solve.grid)
-
-    presses: list[Press] = []
-    for name in scene.methods.solvers:
-        listed = [s for s in own_solves(scene, results) if s.method == name and s.is_own]
-        resolved = [s for s in listed if problem.resolved_by(s.grid)] or listed
-        presses = [s for s in sorted(resolved, key=fine) if results[s].weights is None]
-        if presses:
-            break
-    if scene.ensemble is None or scene.ensemble_solver is None:
-        return presses, []
-    finest = max(scene.ensemble.grids, key=problem.points_per_wave)
-    return presses, [
-        solve
-        for solve in results
-        if solve.method == scene.ensemble_solver.name and solve.grid == finest and solve.shift == (0.0, 0.0)
-    ]
 
 
 def _asked(
