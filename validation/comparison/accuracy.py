@@ -22,11 +22,8 @@ from validation.comparison.accuracy_search import Beside, Search, grid_words
 from validation.comparison.run import Outputs, run_scene
 from validation.effects.base import effect_key
 from validation.errors import UsageError
-from validation.execution.attempt import Progress
 from validation.execution.bench import Bench
 from validation.execution.cost import memory_words
-from validation.execution.running import Execution
-from validation.execution.store import Store
 from validation.files import prepare_folder
 from validation.measurements.ensemble import MeanArea
 from validation.report.words import json_ready, percent
@@ -42,13 +39,8 @@ _LAWFUL = frozenset({"pressure bound", "response"})
 def parse_accuracy(text: str) -> float:
     """Read "1%" or "0.01" as a share.
 
-    Raises
-    ------
-    UsageError
-        For anything else, and for what is not above 0 and at most 50 %.
+    A UsageError for anything else, and for what is not above 0 and at most 50 %.
 
-    Examples
-    --------
     >>> parse_accuracy("1%"), parse_accuracy("0.01"), parse_accuracy("2.5 %")
     (0.01, 0.01, 0.025)
     """
@@ -112,43 +104,39 @@ class AccuracyResult:
 
     def sentences(self) -> Iterator[str]:
         """Say what was reached, and what it cost."""
-        area = "located inside the cells" if self.located else "corrected at its edge"
+        edge = {True: "located inside the cells", False: "corrected at its edge"}
         yield (
             f"Asked for {100 * self.target:g} %: A/A0 = {self.area:.6g} +- {percent(self.error)} (95 %: grid "
-            f"and solver) in the limit of vanishing grid spacing for this surface, of the area {area}, by "
+            f"and solver) in the limit of vanishing grid spacing for this surface, of the area "
+            f"{edge[self.located]}, by "
             f"boundary elements on {grid_words(self.grids)}, {self.shifts**2} "
             f"shift{'s' if self.shifts > 1 else ''} each, solved to {self.tolerance:g}."
         )
         for other in self.beside:
-            area = "located inside the cells" if other.located else "corrected at its edge"
             answer = f"no limit: {other.doubt}"
             if not other.doubt:
                 answer = (
                     f"A/A0 = {other.area:.6g} +- {percent(other.error)} (95 %: grid; limit of the area "
-                    f"{area}), {100 * (other.area / self.area - 1):+.2g} % from it"
+                    f"{edge[other.located]}), {100 * (other.area / self.area - 1):+.2g} % from it"
                 )
             yield f"Beside it {other.label} on {grid_words(other.grids)}: {answer}."
-        if self.ensemble is not None:
-            yield self._mean(self.ensemble)
+        if (mean := self.ensemble) is not None:
+            area, half = mean.estimate.value, mean.estimate.half_width
+            pairs = zip(mean.pairs, mean.grids, strict=True)
+            ending = ", ".join(f"{count} to {nx} x {ny}" for count, (nx, ny) in pairs)
+            plain = math.ceil((1.96 * mean.scatter * area / half) ** 2) if half > 0 else 2
+            yield (
+                f"Mean over the surfaces of this spectrum: A/A0 = {area:.6g} +- "
+                f"{percent(mean.half_width / area)} (95 %: surfaces, grid and solver), of which "
+                f"{percent(half / area)} from the scatter between surfaces; from {sum(mean.pairs)} pairs "
+                f"h, -h ({ending}) and {mean.unsolved} that were not solved, where a plain mean of single "
+                f"surfaces, which scatter by {percent(mean.scatter)}, would take about {plain}."
+            )
         counted = ", blocks of pairs counted as one" if self.ensemble else ""
         yield (
             f"It cost {self.solves} solves{counted}, {self.seconds:.2g} s ({self.solving_seconds:.2g} s of "
             f"solving, {self.predicted_seconds:.2g} s predicted) and {memory_words(self.peak_bytes)} for the "
             "largest."
-        )
-
-    def _mean(self, ensemble: MeanArea) -> str:
-        area, half = ensemble.estimate.value, ensemble.estimate.half_width
-        ending = ", ".join(
-            f"{count} to {nx} x {ny}" for count, (nx, ny) in zip(ensemble.pairs, ensemble.grids, strict=True)
-        )
-        plain = math.ceil((1.96 * ensemble.scatter * area / half) ** 2) if half > 0 else 2
-        return (
-            f"Mean over the surfaces of this spectrum: A/A0 = {area:.6g} +- "
-            f"{percent(ensemble.half_width / area)} (95 %: surfaces, grid and solver), of which "
-            f"{percent(half / area)} from the scatter between surfaces; from {sum(ensemble.pairs)} pairs "
-            f"h, -h ({ending}) and {ensemble.unsolved} that were not solved, where a plain mean of single "
-            f"surfaces, which scatter by {percent(ensemble.scatter)}, would take about {plain}."
         )
 
 
@@ -158,28 +146,17 @@ def run_accurate(
     *,
     target: float,
     time_limit: float | None = None,
-    progress: Progress | None = None,
-    execution: Execution | None = None,
-    store_folder: Path | None = None,
-    **shown: Any,
+    **how: Any,
 ) -> Outputs:
     """Run a scene to an accuracy and write its report; it holds the grids that were chosen.
 
     Arguments and errors are those of `reach` and of `validation.comparison.run.run_scene`.
     """
     prepare_folder(folder)
-    store = Store(folder=store_folder or folder / "solves")
-    bench = Bench(store=store, execution=execution or Execution(), progress=progress or Progress())
+    parts = {name: how[name] for name in ("execution", "progress") if how.get(name) is not None}
+    bench = Bench.at(how.get("store_folder") or folder / "solves", **parts)
     reached = reach(scene, bench, target=target, time_limit=time_limit)
-    outputs = run_scene(
-        reached.chosen(scene),
-        folder,
-        progress=progress,
-        execution=execution,
-        store_folder=store_folder,
-        accurate=reached.summary(),
-        **shown,
-    )
+    outputs = run_scene(reached.chosen(scene), folder, accurate=reached.summary(), **how)
     more = tuple(reached.sentences())
     return replace(outputs, more=more, solved=reached.solves, reused=reached.reused)
 
@@ -191,13 +168,9 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
     and its ensemble are not used. Its other methods are solved on their own grids and put beside. Solving may
     take `time_limit` seconds, and the memory that `bench` allows.
 
-    Raises
-    ------
-    UsageError
-        For an effect whose areas have no law of error, and, before the main solves, for an accuracy that this
-        machine's memory or the time limit do not allow, with the one that they do.
-    RunFailed
-        When that is seen only later, or a solve fails; everything finished is stored.
+    A UsageError for an effect whose areas have no law of error, and, before the main solves, for an accuracy
+    that this machine's memory or the time limit do not allow, with the one that they do. A RunFailed when
+    that is seen only later, or a solve fails; everything finished is stored.
     """
     problem = realise(scene)
     check_scene(scene, problem)

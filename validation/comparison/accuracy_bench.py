@@ -75,10 +75,7 @@ class Metered(Bench):
     def solve(self, solves: Iterable[Solve]) -> Solves:
         """Solve what is not stored yet.
 
-        Raises
-        ------
-        RunFailed
-            For solves that would not end in time, before they begin, and as `Bench.solve`.
+        A RunFailed for solves that would not end in time, before they begin, and as `Bench.solve`.
         """
         wanted, account = tuple(solves), self.account
         missing = [solve for solve in wanted if not self.store.path(solve).exists()]

@@ -45,10 +45,7 @@ def compare_folders(
 ) -> tuple[Page, tuple[Path, ...]]:
     """Put results folders on one page, and write it; return the page and the files.
 
-    Raises
-    ------
-    UsageError
-        Where fewer than two can be compared, or `output` holds results of its own.
+    A UsageError where fewer than two can be compared, or `output` holds results of its own.
     """
     results, left_out = _read(folders)
     try:
@@ -153,10 +150,7 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
 
     Where they have other places (another grid, another load) those that all share are compared.
 
-    Raises
-    ------
-    UsageError
-        Where they share no place, or have different numbers of rows that nothing names.
+    A UsageError where they share no place, or have different numbers of rows that nothing names.
     """
     parts = [_numbers(result.data) for result in results.values()]
     first = parts[0]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy as np
 from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
 from validation.comparison.finite_slopes import finite_slopes
+from validation.comparison.reductions import grid_name
 from validation.effects import effect_kinds
 from validation.effects.base import Judgement, Roughness, TheoryInputs
 from validation.errors import UsageError
@@ -75,11 +76,28 @@ class Explanation:
 
     def parts(self) -> Iterator[str | Table]:
         """Yield what the command line prints, in order."""
+        from rich.table import Table
+
         yield f"Scene {self.name}"
         for name, value in self.facts:
             yield f"  {name}: {value}"
         if self.grids:
-            yield self._plan()
+            table = Table(title="What will run")
+            for column in (
+                "method",
+                "grid",
+                "lambda_short/dx",
+                "solves",
+                "unknowns each",
+                "seconds",
+                "peak MiB",
+            ):
+                table.add_column(column, justify="left" if column in ("method", "grid") else "right")
+            for g in self.grids:
+                grid, sizes = grid_name(g.grid), (f"{g.seconds:.2g}", f"{g.peak_bytes / 2**20:.3g}")
+                waves = f"{g.points_per_wave:.3g}"
+                table.add_row(g.method, grid, waves, str(g.solves), f"{g.unknowns:,}", *sizes)
+            yield table
             yield (
                 f"About {self.seconds:.2g} s of solving and {self.peak_bytes / 2**20:.0f} MiB at most on "
                 "this machine (meant to be right within a factor of 2); start and page take seconds more."
@@ -93,34 +111,14 @@ class Explanation:
             yield title
             yield from (f"  {item.effect}: {item.number} - {item.verdict}" for item in items)
 
-    def _plan(self) -> Table:
-        from rich.table import Table
-
-        table = Table(title="What will run")
-        for column in ("method", "grid", "lambda_short/dx", "solves", "unknowns each", "seconds", "peak MiB"):
-            table.add_column(column, justify="left" if column in ("method", "grid") else "right")
-        for g in self.grids:
-            table.add_row(
-                g.method,
-                f"{g.grid[0]} x {g.grid[1]}",
-                f"{g.points_per_wave:.3g}",
-                str(g.solves),
-                f"{g.unknowns:,}",
-                f"{g.seconds:.2g}",
-                f"{g.peak_bytes / 2**20:.3g}",
-            )
-        return table
-
 
 def explain(scene: Scene, problem: ContactProblem | None = None) -> Explanation:
     """Say what a scene will run and at what cost, without solving anything.
 
     With its problem it is a case of a sweep, which treats no map otherwise.
 
-    Raises
-    ------
-    UsageError
-        For an effect that a method of the scene lacks, and for numbers that no method can compute with.
+    A UsageError for an effect that a method of the scene lacks, and for numbers that no method can compute
+    with.
     """
     listed = run_solves if problem is None else solves_of
     problem = problem or realise(scene, surveyed=True)
@@ -175,10 +173,7 @@ _UNFIT = (UsageError, fem_errors.InvalidInput, persson_errors.InvalidInput)
 def problems_of(sweep: Sweep, *, surveyed: bool = False) -> tuple[ContactProblem, ...]:
     """Return what each scene asks for, each surface made once, and refuse what cannot be run.
 
-    Raises
-    ------
-    UsageError
-        Naming the values at which it cannot.
+    A UsageError naming the values at which it cannot.
     """
     made: list[ContactProblem] = []
     surfaces: dict[Any, ContactProblem] = {}
@@ -217,9 +212,8 @@ class SweepExplanation:
 
     def summary(self) -> dict[str, Any]:
         """Return everything as JSON-ready data."""
-        summary = {f.name: getattr(self, f.name) for f in fields(self)}
         cases = [{"case": place, **case.summary()} for place, case in self.cases]
-        return {**summary, "keys": [asdict(key) for key in self.keys], "cases": cases}
+        return {**vars(self), "keys": [asdict(key) for key in self.keys], "cases": cases}
 
     def parts(self) -> Iterator[Any]:
         """Yield what the command line prints, in order: the sum, then the first and the last case."""
@@ -240,10 +234,7 @@ class SweepExplanation:
 def explain_sweep(sweep: Sweep) -> SweepExplanation:
     """Say what a sweep will run and at what cost, without solving anything.
 
-    Raises
-    ------
-    UsageError
-        For a scene that cannot be run, naming the values at which it cannot.
+    A UsageError for a scene that cannot be run, naming the values at which it cannot.
     """
     cases = problems_of(sweep, surveyed=True)
     solves = solves_of_sweep(sweep, cases)
@@ -302,11 +293,28 @@ def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]
         why = points if scene.methods.solvers else "none is drawn, for no solver runs"
         words = f"{why}; all that follows is that of C(q)"
     facts = [("E*", in_prefixed_unit(problem.contact_modulus, "Pa")), ("realised surface", words)]
-    facts += _surface_facts(problem)
+    if problem.topography is not None:
+        facts += [("measured", words) for words in problem.topography.history]
+    else:
+        assert problem.spectrum is not None
+        moments = problem.spectrum.moments()
+        height = as_length(moments.rms_height, 4)
+        sizes = (
+            f"L/lambda_long = {min(problem.lengths) / problem.longest:.3g}, "
+            f"lambda_long/lambda_short = {problem.longest / problem.shortest:.3g}"
+        )
+        facts.append(("integrals over C(q)", f"h_rms = {height}, h'_rms = {moments.rms_gradient:.4g}"))
+        facts.append(("bandwidth", sizes))
     if field.rms_gradient > 0:
         source = "of C(q)" if isinstance(field, Expected) else "realised"
         facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} ({source})"))
-        facts.append(("load", _load_words(problem)))
+        held = {key.replace("_", " "): as_length(v, 4) for key, v in problem.load.held.items()}
+        for key, distance in held.items():
+            facts.append(("load", f"{key} = {distance} is held; the load that takes follows from the solve"))
+        if not held:
+            each = ", ".join(in_prefixed_unit(pressure, "Pa") for pressure in problem.pressures)
+            reduced = ", ".join(f"{pressure / problem.pressure_scale:.4g}" for pressure in problem.pressures)
+            facts.append(("load", f"p0 = {each}; p* = {reduced}"))
     facts += _usual_grids(scene, problem)
     facts += oblong_grids(scene, problem)
     for name, method in scene.methods.chosen.items():
@@ -348,29 +356,6 @@ def oblong_grids(scene: Scene, problem: ContactProblem) -> Iterator[tuple[str, s
                     f"grids of {name}",
                     f"{nx} x {ny} has oblong cells, in which no edge is located; {square} has square ones",
                 )
-
-
-def _load_words(problem: ContactProblem) -> str:
-    for key, value in problem.load.held.items():
-        distance = as_length(value, 4)
-        return f"{key.replace('_', ' ')} = {distance} is held; the load that takes follows from the solve"
-    each = ", ".join(in_prefixed_unit(pressure, "Pa") for pressure in problem.pressures)
-    reduced = ", ".join(f"{pressure / problem.pressure_scale:.4g}" for pressure in problem.pressures)
-    return f"p0 = {each}; p* = {reduced}"
-
-
-def _surface_facts(problem: ContactProblem) -> list[tuple[str, str]]:
-    if problem.topography is not None:
-        return [("measured", words) for words in problem.topography.history]
-    assert problem.spectrum is not None
-    moments = problem.spectrum.moments()
-    sizes = (
-        f"L/lambda_long = {min(problem.lengths) / problem.longest:.3g}, "
-        f"lambda_long/lambda_short = {problem.longest / problem.shortest:.3g}"
-    )
-    height = as_length(moments.rms_height, 4)
-    integrals = f"h_rms = {height}, h'_rms = {moments.rms_gradient:.4g}"
-    return [("integrals over C(q)", integrals), ("bandwidth", sizes)]
 
 
 def _left_out(scene: Scene, problem: ContactProblem, rough: Roughness) -> tuple[Judgement, ...]:

@@ -52,10 +52,7 @@ def scene_data(
     what failed, and why, is a row without numbers, and `accurate` what was reached where grids were chosen
     for it.
 
-    Raises
-    ------
-    RunFailed
-        Where no solve of its own surface succeeded, or nothing touches.
+    A RunFailed where no solve of its own surface succeeded, or nothing touches.
     """
     own, bare = set(own_solves(scene, results)), not scene.effects
     readings = {solve: Reading.of(solve, results[solve], bare=bare, shown=solve in own) for solve in results}

@@ -36,10 +36,7 @@ def effects_words(scene: Scene, problem: ContactProblem) -> str:
 def result_page(result: Result, *, figures: bool = True, pictures: bool = False) -> Page:
     """Return the page of what a scene left, drawn or not, all of it from its dataset and from what was asked.
 
-    Raises
-    ------
-    UsageError
-        For a record of another kind.
+    A UsageError for a record of another kind.
     """
     if result.kind not in _VIEWS:
         raise UsageError(f"holds a {result.kind}, of which this makes no page")

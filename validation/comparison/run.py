@@ -77,12 +77,8 @@ def run_scene(
     `store_folder` is given, to be shared with other runs and studies. `pictures` in 3-D are rendered off
     screen in some seconds; without `report` figures and page are left for `report_scene`.
 
-    Raises
-    ------
-    UsageError
-        For a scene or folder that cannot be used, before anything is computed.
-    RunFailed
-        When no solve succeeds; of others the report tells.
+    A UsageError for a scene or folder that cannot be used, before anything is computed. A RunFailed when no
+    solve succeeds; of others the report tells.
     """
     problem = problem or realise(scene)
     check_scene(scene, problem)
@@ -161,10 +157,7 @@ def report_scene(folder: Path, *, pictures: bool | None = None) -> Outputs:
 
     3-D `pictures` are rendered, if not given, where the scene asks or the folder has some.
 
-    Raises
-    ------
-    UsageError
-        For a folder that holds no finished run of this version.
+    A UsageError for a folder that holds no finished run of this version.
     """
     with locked(folder):
         result = read_results(folder)

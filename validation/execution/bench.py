@@ -31,8 +31,6 @@ class Bench:
 
     One that only plans solves nothing: `solve` raises `PlannedOnly` with the solves.
 
-    Examples
-    --------
     ::
 
         bench = Bench.at("results/solves", execution=Execution(workers=2))

@@ -148,13 +148,9 @@ def solve_on_cluster(
     this machine share. The scheduler repeats the solve of a worker that dies. While there is none, one is
     waited for, as long as the `patience` lasts [s].
 
-    Raises
-    ------
-    UsageError
-        When dask is not installed, no scheduler answers, a worker has more than one thread, or a solve fits
-        on no worker.
-    RunFailed
-        When the scheduler is lost, or there is no worker for longer than that.
+    A UsageError when dask is not installed, no scheduler answers, a worker has more than one thread, or a
+    solve fits on no worker. A RunFailed when the scheduler is lost, or there is no worker for longer than
+    that.
     """
     with _connected(address) as client:
         shared = replace(store, folder=store.folder.resolve())

@@ -55,8 +55,6 @@ def _versions() -> dict[str, str]:
 def made_words(made: Iterable[Made]) -> tuple[str, ...]:
     r"""Return sentences on how solves were made: when, where, on how many threads, by which versions.
 
-    Examples
-    --------
     >>> one = Made(
     ...     versions={"Python": "3.11.7", "numpy": "2.1.0"}, host="a", machine="Linux x86_64",
     ...     threads=2, seconds=1.5, finished="2026-11-21T20:15:00+00:00",

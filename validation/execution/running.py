@@ -104,12 +104,8 @@ def solve_all(
     most the solves under way. A solve that fails does not keep the others from being done; with
     `despite_failures` it is named beside their results, unless nothing has one.
 
-    Raises
-    ------
-    UsageError
-        For a solve that does not fit into memory, or a scheduler that does not answer, before anything runs.
-    RunFailed
-        When solves failed, naming them, or the disk is full.
+    A UsageError for a solve that does not fit into memory, or a scheduler that does not answer, before
+    anything runs. A RunFailed when solves failed, naming them, or the disk is full.
     """
     execution, progress = execution or Execution(), progress or Progress()
     results = Solves(tuple({solve.key: solve for solve in solves}.values()), store)

@@ -53,10 +53,7 @@ class Store:
     def save(self, solve: Solve, result: Any, *, made: Made) -> None:
         """Write what `do` returned of a solve, how it was made, and what belongs beside it.
 
-        Raises
-        ------
-        NotWritten
-            When the system refuses it: a full disk, a folder that is gone.
+        A NotWritten when the system refuses it: a full disk, a folder that is gone.
         """
         path = self.path(solve)
         if path.is_file():  # another run was faster, and may have told its time
@@ -78,11 +75,8 @@ class Store:
         A file that is damaged, or of another recipe than its name says, is set aside as `*.corrupt`, counts
         as none, and is told to `on_damage` in a sentence.
 
-        Raises
-        ------
-        RunFailed
-            For a file that is there and cannot be read: another user's, a link, memory that does not suffice.
-            It stays where it is.
+        A RunFailed for a file that is there and cannot be read: another user's, a link, memory that does not
+        suffice. It stays where it is.
         """
         path = self.path(solve)
         try:

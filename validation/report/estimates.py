@@ -54,13 +54,8 @@ def gather(cases: Mapping[Any, xr.Dataset], **dims: Sequence[Any]) -> xr.Dataset
     one along the new dimensions where it does; one that differs between surfaces becomes ``x_each``, as all
     that belongs to a single one.
 
-    Raises
-    ------
-    UsageError
-        Where the cases are not alike: other variables, sizes or values along a dimension.
+    A UsageError where the cases are not alike: other variables, sizes or values along a dimension.
 
-    Examples
-    --------
     >>> import xarray as xr
     >>> one = xr.Dataset({"area": ("load", [0.1, 0.2])}, coords={"pressure": ("load", [1.0, 2.0])})
     >>> data = gather({0: one, 1: one.assign_coords(pressure=3 * one.pressure)}, poisson=[0, 1, 2])
@@ -394,8 +389,6 @@ def derive(data: xr.Dataset, **expressions: str) -> xr.Dataset:
     Expressions are sums, products, powers and ``abs, exp, log, sqrt, erf, maximum, minimum`` of variables and
     numbers.
 
-    Examples
-    --------
     >>> import xarray as xr
     >>> data = xr.Dataset({"area": 0.1, "pressure": 0.05})
     >>> data = claim(data, "area", grid=0.002)
@@ -436,10 +429,7 @@ def derive(data: xr.Dataset, **expressions: str) -> xr.Dataset:
 def evaluated(expression: str, values: Mapping[str, Any]) -> Any:
     """Evaluate one of our own expressions; what has no value is NaN.
 
-    Raises
-    ------
-    UsageError
-        For a name that is none of the values.
+    A UsageError for a name that is none of the values.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         try:

@@ -100,8 +100,6 @@ class Finding:
     ``{verdict}`` is that of the rule of its kind on the value called `by`, in a row where rows have it, by
     `words` where it has its own; ``{each}`` lists the `rows` in the form `item`.
 
-    Examples
-    --------
     >>> change = Value(value=-0.03, error=0.01)
     >>> found = Finding(
     ...     kind="trend", form="kappa {verdict} by {change:%}.", values={"change": change}, by="change"
@@ -264,8 +262,6 @@ def ranking(form: str, ranked: Mapping[str, Value]) -> Finding:
     ``{order}`` in the form becomes ``a < b = c``: "=" joins neighbours that differ by less than their joint
     interval.
 
-    Examples
-    --------
     >>> told = {"Xu": Value(value=0.13, error=0.02), "Persson": Value(value=0.3, error=0.02)}
     >>> ranking("Distance to the simulation: {order}.", told).text
     'Distance to the simulation: Xu 0.130 +- 0.020 < Persson 0.300 +- 0.020.'

@@ -66,13 +66,8 @@ def registry() -> Mapping[str, Mapping[str, Any]]:
 def quantity(name: str) -> Quantity:
     """Return what a variable of this name is.
 
-    Raises
-    ------
-    UsageError
-        For a name that does not stand in the registry.
+    A UsageError for a name that does not stand in the registry.
 
-    Examples
-    --------
     >>> quantity("kappa_pixel").title, quantity("reduced_pressure").symbol
     ('kappa, counted', 'p*')
     """
@@ -98,10 +93,7 @@ def quantity(name: str) -> Quantity:
 def quantity_of(data: xr.Dataset, name: str) -> Quantity:
     """Return what a variable is: as the registry has it, or as a swept key of a scene says of itself.
 
-    Raises
-    ------
-    UsageError
-        For a name that neither knows.
+    A UsageError for a name that neither knows.
     """
     attrs = data[name].attrs if name in data.variables else {}
     try:
@@ -132,10 +124,7 @@ def _qualifiers(text: str, known: Mapping[str, Any]) -> list[str] | None:
 def labelled(data: xr.Dataset) -> xr.Dataset:
     """Return a dataset whose variables have ``long_name`` and ``units`` of the registry.
 
-    Raises
-    ------
-    UsageError
-        For a variable whose name does not stand there.
+    A UsageError for a variable whose name does not stand there.
     """
     data = data.copy()
     for name in data.variables:

@@ -56,10 +56,7 @@ class Table:
     def of(self, data: xr.Dataset) -> ResultTable:
         """Return every number of it: a value with an interval takes two columns.
 
-        Raises
-        ------
-        UsageError
-            For a name that the registry does not know, and for two of one title.
+        A UsageError for a name that the registry does not know, and for two of one title.
         """
         made = [_place(column, data) for column in self.columns]
         made = [(name, title, at) for name, title, at in made if name in data.variables]

@@ -24,8 +24,6 @@ class Value:
     it holds, where not all that enters was measured. It was read from the variable `name`, `at` a position by
     dimension.
 
-    Examples
-    --------
     >>> kappa = Value(value=2.1563, error=0.019)
     >>> f"{kappa}, {kappa:%}, {kappa:~}, {Value(value=0.05)}"
     '2.156 +- 0.019, (215.6 +- 1.9) %, 2.156, 0.05'
