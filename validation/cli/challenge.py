@@ -9,7 +9,7 @@ import typer
 
 from validation.cli.options import JsonOption, examples, say
 
-challenge_app = typer.Typer(no_args_is_help=True)
+challenge_app = typer.Typer(no_args_is_help=True, help="Score a solver in any language, by files.")
 
 
 @challenge_app.command(epilog=examples("fem-contact challenge export mine"))

@@ -76,10 +76,6 @@ def _verb(panel: str, function: Callable[..., Any], *lines: str, **settings: Any
     )
 
 
-def _group(panel: str, name: str, verbs: typer.Typer, words: str) -> None:
-    app.add_typer(verbs, name=name, rich_help_panel=panel, help=words)
-
-
 _RUN, _ASK, _CHECK, _KEEP = "Run", "Ask, without solving", "Check", "Keep house"
 _verb(
     _RUN,
@@ -103,8 +99,8 @@ _verb(_RUN, reproduce, "fem-contact reproduce", "fem-contact reproduce --no-figu
 _verb(_ASK, explain, "fem-contact explain quickstart", "fem-contact explain mine.toml --set young='3 GPa'")
 _verb(_ASK, reference, "fem-contact reference --hurst 0.8 --bandwidth 16 --reduced-pressure 0.05")
 _verb(_ASK, compare, "fem-contact compare results/quickstart results/mine")
-_group(_ASK, "scenes", scenes_app, "Scenes and their keys: list, search, show, copy.")
-_group(_ASK, "surface", surface_app, "Surfaces: generate, inspect, convert.")
+app.add_typer(scenes_app, name="scenes", rich_help_panel=_ASK)
+app.add_typer(surface_app, name="surface", rich_help_panel=_ASK)
 _verb(
     _CHECK,
     validate,
@@ -113,9 +109,9 @@ _verb(
     "fem-contact validate --method my_module:solve --method bem",
 )
 _verb(_CHECK, audit, "fem-contact audit results/quickstart", "fem-contact audit results/mine --list")
-_group(_CHECK, "challenge", challenge_app, "Score a solver in any language, by files.")
+app.add_typer(challenge_app, name="challenge", rich_help_panel=_CHECK)
 _verb(_KEEP, report, "fem-contact report results/quickstart")
-_group(_KEEP, "store", store_app, "Verify stored solves, and set damaged ones aside.")
+app.add_typer(store_app, name="store", rich_help_panel=_KEEP)
 _verb(_KEEP, calibrate, "fem-contact calibrate")
 
 
@@ -130,7 +126,3 @@ def main() -> None:
         except RunFailed as error:
             say(error)
             sys.exit(1)
-
-
-if __name__ == "__main__":
-    main()

@@ -11,7 +11,7 @@ import typer
 from validation.cli.options import JsonOption, SceneArgument, examples, print_json, show
 from validation.errors import UsageError, did_you_mean
 
-scenes_app = typer.Typer(no_args_is_help=True)
+scenes_app = typer.Typer(no_args_is_help=True, help="Scenes and their keys: list, search, show, copy.")
 
 
 @scenes_app.command("list", epilog=examples("fem-contact scenes list"))

@@ -15,7 +15,7 @@ from validation.errors import RunFailed, UsageError
 if TYPE_CHECKING:
     from validation.execution.store import Checked
 
-store_app = typer.Typer(no_args_is_help=True)
+store_app = typer.Typer(no_args_is_help=True, help="Verify stored solves, and set damaged ones aside.")
 
 
 @store_app.command(
@@ -48,13 +48,10 @@ def check(
     files: list[Checked] = []
     for file in check_store(place, set_aside=set_aside):
         files.append(file)
-        made = file.made
+        made, about = file.made, f"{'damaged: ' if file.damaged else ''}{file.problem}"
         if made is not None:
-            about = (
-                f"intact, {file.size} bytes, {made.finished[:16]} UTC on {made.host}, {made.seconds:.3g} s"
-            )
-        else:
-            about = f"{'damaged: ' if file.damaged else ''}{file.problem}"
+            done = f"{made.finished[:16]} UTC on {made.host}, {made.seconds:.3g} s"
+            about = f"intact, {file.size} bytes, {done}"
         if not as_json and (list_all or made is None):
             show(f"{file.path.name}: {about}")
     damaged, intact = sum(file.damaged for file in files), [file for file in files if file.problem is None]
