@@ -34,7 +34,14 @@ def with_fields(
         problem = problem.under(Load(pressure=float(data.pressure)))
     shown = {solve: results[solve] for solve in own_solves(scene, results)}
     data = with_maps(data, {s: r for s, r in shown.items() if s.is_own})
-    data = _with_spectrum(data, problem)
+    if isinstance(problem.field, HeightField) and problem.field.rms_gradient > 0:
+        radial = radial_spectrum(problem.field)
+        nonzero = radial.power > 1e-12 * radial.power.max()
+        data = data.assign_coords(wavevector=("wavevector", radial.q[nonzero]))
+        data["power_spectrum"] = ("wavevector", radial.power[nonzero])
+        if problem.spectrum is not None:
+            power = np.asarray(problem.spectrum(radial.q[nonzero]), dtype=float)
+            data["power_spectrum_told"] = ("wavevector", np.where(power > 0, power, np.nan))
     data = with_distribution(data, shown, scene, problem)
     return labelled(planes(data, scene, results))
 
@@ -65,19 +72,6 @@ def with_maps(data: xr.Dataset, results: Mapping[Press, ContactResult]) -> xr.Da
         touched = one.in_contact | other.in_contact
         data["pressure_map_difference"] = (MAPS, np.where(touched, other.pressure - one.pressure, np.nan))
     return data.assign_attrs(map_grid=grid_name(finest))
-
-
-def _with_spectrum(data: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
-    if not isinstance(problem.field, HeightField) or not problem.field.rms_gradient > 0:
-        return data
-    radial = radial_spectrum(problem.field)
-    nonzero = radial.power > 1e-12 * radial.power.max()
-    data = data.assign_coords(wavevector=("wavevector", radial.q[nonzero]))
-    data["power_spectrum"] = ("wavevector", radial.power[nonzero])
-    if problem.spectrum is not None:
-        power = np.asarray(problem.spectrum(radial.q[nonzero]), dtype=float)
-        data["power_spectrum_told"] = ("wavevector", np.where(power > 0, power, np.nan))
-    return data
 
 
 def with_distribution(

@@ -105,7 +105,16 @@ def run_views(data: xr.Dataset) -> Views:
 
 
 def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
-    names = tuple(name for name in _NUMBERS if not _repeats(data, name))
+    # What another number says again.
+    again = {
+        "area_own": "area",
+        "contact_modulus_below": "contact_modulus",
+        "felt_modulus": "contact_modulus",
+    }
+    repeated = {a for a, b in again.items() if a in data and np.isclose(data[a], data[b])}
+    if "ball_radius" not in data and np.isclose(data.approach, -data.mean_gap):
+        repeated.add("approach")
+    names = tuple(name for name in _NUMBERS if name not in repeated)
     yield Listing(names=names, title="Contact in numbers", note=_NOTE)
     yield from treatment_table(data)
     if "pressure_difference" in data:
@@ -149,16 +158,6 @@ def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
             title="Every surface",
             file="surfaces",
         )
-
-
-#: What says again what another number says, where the two are the same.
-_AGAIN = {"area_own": "area", "contact_modulus_below": "contact_modulus", "felt_modulus": "contact_modulus"}
-
-
-def _repeats(data: xr.Dataset, name: str) -> bool:
-    if name == "approach":
-        return "ball_radius" not in data and bool(np.isclose(data.approach, -data.mean_gap))
-    return name in data and name in _AGAIN and bool(np.isclose(data[name], data[_AGAIN[name]]))
 
 
 def _label(data: xr.Dataset, k: int) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Literal
 
@@ -13,9 +13,9 @@ from fem_contact.contact import ContactResult
 from validation.comparison.reductions import Case
 from validation.report.estimates import error_of
 from validation.report.estimates import mean as mean_over
-from validation.scenes.problem import ContactProblem
-from validation.scenes.quantities import Leak, Quantities
+from validation.scenes.quantities import Leak
 
+_AXES: tuple[Literal["x", "y"], ...] = ("x", "y")
 #: What is asked of one result, and what a theory says of it: value, theory's value.
 _Read = Callable[[ContactResult], tuple[float, float]]
 
@@ -36,7 +36,16 @@ def passing(data: xr.Dataset, case: Case) -> xr.Dataset:
         return data.assign(passing_note="not determinable: the points of every method weigh differently")
     finest = scene.ensemble and max(scene.ensemble.grids, key=case.problem.points_per_wave)
     ensemble = [on[finest].solve for on in case.surfaces.values() if finest in on]
-    for name, read, beside in _asked(scene.quantities, case.problem, bare=not scene.effects):
+    asked = scene.quantities
+    reads: dict[str, tuple[_Read, str]] = {}
+    if asked.electrical is not None:
+        reads["electrical_conductance"] = _conductance(asked.electrical.resistivity, case), "persson"
+    if asked.thermal is not None:
+        first, second = asked.thermal.conductivity
+        reads["thermal_conductance"] = _conductance((1 / first, 1 / second), case), "persson"
+    if asked.leak is not None:
+        reads |= {f"leak_rate_{axis}": (_leak(asked.leak, axis), "bruggeman") for axis in _AXES}
+    for name, (read, beside) in reads.items():
         values = [read(results[solve]) for solve in ladder[-2:]]
         (value, theory), before = values[-1], values[0][0]
         change = abs(value - before) if len(values) > 1 and np.isfinite(value) else np.nan
@@ -53,28 +62,14 @@ def passing(data: xr.Dataset, case: Case) -> xr.Dataset:
     return data
 
 
-def _asked(
-    quantities: Quantities, problem: ContactProblem, *, bare: bool
-) -> Iterator[tuple[str, _Read, str]]:
-    if quantities.electrical is not None:
-        read = _conductance(quantities.electrical.resistivity, problem, bare=bare)
-        yield "electrical_conductance", read, "persson"
-    if quantities.thermal is not None:
-        first, second = quantities.thermal.conductivity
-        yield "thermal_conductance", _conductance((1 / first, 1 / second), problem, bare=bare), "persson"
-    if quantities.leak is not None:
-        yield "leak_rate_x", _leak(quantities.leak, "x"), "bruggeman"
-        yield "leak_rate_y", _leak(quantities.leak, "y"), "bruggeman"
-
-
-def _conductance(resistivities: tuple[float, float], problem: ContactProblem, *, bare: bool) -> _Read:
+def _conductance(resistivities: tuple[float, float], case: Case) -> _Read:
     """Conductance per nominal area, by Barber's relation on the set of contact, yielded points included."""
     from fem_contact.conductance import contact_conductance, frozen_contact
     from fem_contact.response import HalfSpace
     from persson.scale import Scale
     from persson.separation import contact_stiffness
 
-    half_space = HalfSpace(solid=problem.elastic)
+    half_space = HalfSpace(solid=case.problem.elastic)
     modulus = half_space.contact_modulus
 
     def of(stiffness: float) -> float:
@@ -84,8 +79,8 @@ def _conductance(resistivities: tuple[float, float], problem: ContactProblem, *,
 
     def read(result: ContactResult) -> tuple[float, float]:
         theory = float("nan")
-        if bare:
-            scale = Scale(problem.own_spectrum, contact_modulus=modulus)
+        if not case.scene.effects:
+            scale = Scale(case.problem.own_spectrum, contact_modulus=modulus)
             theory = of(float(contact_stiffness(result.mean_pressure, scale=scale)))
         if result.in_contact.all():
             return float("inf"), theory

@@ -52,17 +52,11 @@ class Drawing:
         return f"<figure>{svg}<figcaption>{html.escape(self.caption)}</figcaption></figure>"
 
 
-def _write_netcdf(data: xr.Dataset, path: Path) -> None:
-    """Write a dataset; its own `to_netcdf` imports Dask for it, which takes as long as a figure."""
+def write_drawing(drawing: Drawing, folder: Path) -> tuple[Path, ...]:
+    """Write a figure and its data into a folder; return the files, SVG first."""
     import netCDF4
     from xarray.backends import NetCDF4DataStore
 
-    with netCDF4.Dataset(path, "w") as file:
-        data.dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]
-
-
-def write_drawing(drawing: Drawing, folder: Path) -> tuple[Path, ...]:
-    """Write a figure and its data into a folder; return the files, SVG first."""
     from validation.report.figure import save_figure
 
     svg, pdf, table, data = (folder / f"{drawing.name}.{suffix}" for suffix in ("svg", "pdf", "csv", "nc"))
@@ -70,6 +64,7 @@ def write_drawing(drawing: Drawing, folder: Path) -> tuple[Path, ...]:
         with atomic_path(path) as draft:
             save_figure(drawing.figure, draft)
     tables = write_dataset(drawing.data, table)
-    with atomic_path(data) as draft:
-        _write_netcdf(drawing.data, draft)
+    # Its own `to_netcdf` imports Dask for it, which takes as long as a figure.
+    with atomic_path(data) as draft, netCDF4.Dataset(draft, "w") as file:
+        drawing.data.dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]
     return (svg, pdf, *tables, data)

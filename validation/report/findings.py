@@ -30,10 +30,6 @@ def _sign(value: Value) -> str:
     return "0" if abs(number) <= error else ("+" if number > 0 else "-")
 
 
-def _within(value: Value) -> str:
-    return {"+": "differ", "-": "differ", "0": "agree", "?": "?"}[_sign(value)]
-
-
 def _equivalent(value: Value) -> str:
     """Whether a change, over the one that counts as none, lies within it with all of its interval."""
     number, error = abs(float(value.value)), value.error or 0.0
@@ -47,7 +43,9 @@ _UNDECIDED = "not determinable"
 #: Kind: the rule from the deciding value to an outcome, and the words of each outcome unless a finding has
 #: its own.
 KINDS: dict[str, tuple[Callable[[Value], str] | None, dict[str, str]]] = {
-    "value": (None, {}),
+    **dict.fromkeys(
+        ("value", "order", "ranking", "threshold", "share", "cost", "refusal", "note"), (None, {})
+    ),
     "comparison": (
         _sign,
         {
@@ -67,7 +65,7 @@ KINDS: dict[str, tuple[Callable[[Value], str] | None, dict[str, str]]] = {
         },
     ),
     "agreement": (
-        _within,
+        lambda value: {"0": "agree", "?": "?"}.get(_sign(value), "differ"),
         {
             "agree": "agree within their 95 % intervals",
             "differ": "differ by more than their 95 % intervals",
@@ -83,13 +81,6 @@ KINDS: dict[str, tuple[Callable[[Value], str] | None, dict[str, str]]] = {
             "?": f"the same or not: {_UNDECIDED}",
         },
     ),
-    "order": (None, {}),
-    "ranking": (None, {}),
-    "threshold": (None, {}),
-    "share": (None, {}),
-    "cost": (None, {}),
-    "refusal": (None, {}),
-    "note": (None, {}),
 }
 
 
@@ -135,7 +126,9 @@ class Finding:
         for row in self.rows:
             verdict = {"verdict": self._verdict(row[self.by])} if self.by in row else {}
             rows.append(self.item.format(**{**whole, **plain(row), **verdict}))
-        text = self.form.format(**whole, each=_listed(rows))
+        apart = "; " if any("," in row for row in rows) else ", "
+        listed = " and ".join(filter(None, (apart.join(rows[:-1]), *rows[-1:]))) or "none"
+        text = self.form.format(**whole, each=listed)
         if not once:
             return text
         return f"{text.removesuffix('.')} (95 %: {sources.pop()}){'.' if text.endswith('.') else ''}"
@@ -178,12 +171,6 @@ def _with_errors(form: str, values: Mapping[str, Value]) -> Iterator[Value]:
         value = values.get(name or "", Value(value=0.0))
         if value.error and math.isfinite(value.error) and not set(spec or "") & set(".u~"):
             yield value
-
-
-def _listed(rows: Sequence[str]) -> str:
-    """Return items with commas, semicolons where items have commas, and an "and" before the last."""
-    apart = "; " if any("," in row for row in rows) else ", "
-    return rows[0] if len(rows) == 1 else apart.join(rows[:-1]) + " and " + rows[-1] if rows else "none"
 
 
 def finding(

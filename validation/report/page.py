@@ -195,7 +195,10 @@ def _embedded(drawing: Drawing, files: tuple[Path, ...]) -> dict[str, Any]:
     from validation.report.figure import embeddable
 
     svg = embeddable(files[0].read_text(encoding="utf-8"), drawing.name, words=drawing.caption)
-    figure = drawing.figure
+    figure, links = drawing.figure, []
+    for path in files:  # csv, or csv (mode, load) for the numbers along other dimensions
+        along = path.stem.removeprefix(drawing.name).strip("-").replace("-", ", ")
+        links.append((f"figures/{path.name}", path.suffix[1:] + (f" ({along})" if along else "")))
     return {
         "name": drawing.name,
         # This package drew it: nothing in it comes from elsewhere.
@@ -203,14 +206,8 @@ def _embedded(drawing: Drawing, files: tuple[Path, ...]) -> dict[str, Any]:
         "caption": drawing.caption,
         "wide": figure.get_figwidth() > _WIDE * figure.get_figheight(),
         "pixels": round(_ENLARGED * figure.get_figwidth()),
-        "files": [(f"figures/{path.name}", _format(path, drawing.name)) for path in files],
+        "files": links,
     }
-
-
-def _format(path: Path, name: str) -> str:
-    """Say which file of a figure it is: csv, or csv (mode, load) for the numbers along other dimensions."""
-    along = path.stem.removeprefix(name).strip("-").replace("-", ", ")
-    return path.suffix[1:] + (f" ({along})" if along else "")
 
 
 def render(page: Page, figures: Sequence[Mapping[str, Any]] = ()) -> str:

@@ -311,20 +311,16 @@ def _frames(data: xr.Dataset) -> dict[tuple[str, ...], Any]:
             words = [sources_of(held[k]) for k in np.ndindex(data[name].shape)]
             if any(words):
                 group[f"{name}_sources"] = data[name].copy(data=np.reshape(words, data[name].shape))
-    return {dims: _frame(data, dims, group) for dims, group in groups.items()}
-
-
-def _frame(data: xr.Dataset, dims: tuple[str, ...], group: Mapping[str, Any]) -> Any:
-    rows = [
-        str(name)
-        for name, along in data.coords.items()
-        if name not in dims and along.ndim and set(along.dims) <= set(dims)
-    ]
-    frame = data[rows].assign(group).to_dataframe(dim_order=list(dims)).reset_index()
-    # A place along a dimension is told by its value, or counted where it has none.
-    valued = {data[name].dims for name in rows}
-    counted = [dim for dim in dims if dim in data.indexes or (dim,) not in valued]
-    return frame[[*counted, *rows, *group]]
+    frames = {}
+    for dims, group in groups.items():
+        along = {str(n): c for n, c in data.coords.items() if n not in dims and c.ndim}
+        rows = [name for name, c in along.items() if set(c.dims) <= set(dims)]
+        frame = data[rows].assign(group).to_dataframe(dim_order=list(dims)).reset_index()
+        # A place along a dimension is told by its value, or counted where it has none.
+        valued = {data[name].dims for name in rows}
+        counted = [dim for dim in dims if dim in data.indexes or (dim,) not in valued]
+        frames[dims] = frame[[*counted, *rows, *group]]
+    return frames
 
 
 def _with_interval(value: float | str, error: float | str | None, factor: float) -> float | str:
