@@ -19,7 +19,7 @@ _BETWEEN_LINES = 10.0
 _AFTER = "writing numbers, figures, report"
 
 
-class Bar(Progress):
+class Bar(Progress, contextlib.AbstractContextManager["Bar"]):
     """Progress over solves: how many are done, and a bar weighted by their predicted cost.
 
     Notes are shown even when it is quiet. Where stderr is no terminal, a line is written when the first and
@@ -49,9 +49,6 @@ class Bar(Progress):
         self._weights: dict[str, float] = {}
         self._done = 0
         self._told = -float("inf")
-
-    def __enter__(self) -> Bar:
-        return self
 
     def __exit__(self, *exc: object) -> None:
         if self._progress.tasks and not self._progress.disable:  # rich ends a bar nobody saw with a line

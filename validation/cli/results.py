@@ -88,10 +88,9 @@ def page_table(table: WordTable, *, width: int) -> tuple[Table, tuple[str, ...]]
     import rich.table
     from rich.text import Text
 
-    rows = [*table.rows, *table.sums]
     # By position: two columns, such as two uncertainties, may have one name.
     widths = {
-        k: max(len(cell) for cell in (name, *(row[k] for row in rows)))
+        k: max(len(cell) for cell in (name, *(row[k] for row in table.rows)))
         for k, name in enumerate(table.columns)
     }
     left_out: list[str] = []
@@ -107,8 +106,6 @@ def page_table(table: WordTable, *, width: int) -> tuple[Table, tuple[str, ...]]
     for k in widths:
         side: Any = "left" if table.columns[k] in table.left else "right"
         printed.add_column(Text(harmless(table.columns[k])), justify=side, no_wrap=fits, overflow="fold")
-    for cells in (table.rows, table.sums):
-        for row in cells:
-            printed.add_row(*(Text(harmless(row[k])) for k in widths))
-        printed.add_section()
+    for row in table.rows:
+        printed.add_row(*(Text(harmless(row[k])) for k in widths))
     return printed, tuple(left_out)

@@ -105,7 +105,23 @@ def _on_grids(case: Case) -> xr.Dataset:
         spacing=("grid", 1 / waves),
         resolved=("grid", [float(problem.resolved_by(grid)) for grid in grids]),
     )
-    data = data.assign(_of_the_scene(problem, case.modulus))
+    field, scale = problem.field, case.modulus * problem.field.rms_gradient
+    data = data.assign(
+        pressure=problem.pressure,
+        reduced_pressure=problem.pressure / scale,
+        pressure_scale=scale,
+        contact_modulus=case.modulus,
+        contact_modulus_below=problem.contact_modulus,
+        rms_gradient=field.rms_gradient,
+        rms_height=field.rms_height,
+        nayak=field.nayak if field.rms_gradient > 0 else math.nan,
+        wave_short=problem.shortest,
+        wave_long=problem.longest,
+        nominal_area=math.prod(problem.lengths),
+    )
+    if problem.spectrum is not None:
+        moments = problem.spectrum.moments()
+        data = data.assign(rms_height_spectrum=moments.rms_height, rms_gradient_spectrum=moments.rms_gradient)
     for name in ("area_pixel", "area_perimeter", "area_located"):
         values = data[f"{name}_shift"]
         made = {"reduction": "shift mean", "of": f"{name}_shift"}
@@ -134,28 +150,6 @@ def _on_grids(case: Case) -> xr.Dataset:
         data["area_plastic_pixel"] = each["plastic"].mean("shift")
     load = each["mean_pressure"].mean("shift") if scene.load.held else problem.pressure
     return data.assign(kappa_perimeter=data.area_perimeter / (load / float(data.pressure_scale)))
-
-
-def _of_the_scene(problem: ContactProblem, modulus: float) -> dict[str, float]:
-    field = problem.field
-    (lx, ly), scale = problem.lengths, modulus * field.rms_gradient
-    scales = {
-        "pressure": problem.pressure,
-        "reduced_pressure": problem.pressure / scale,
-        "pressure_scale": scale,
-        "contact_modulus": modulus,
-        "contact_modulus_below": problem.contact_modulus,
-        "rms_gradient": field.rms_gradient,
-        "rms_height": field.rms_height,
-        "nayak": field.nayak if field.rms_gradient > 0 else math.nan,
-        "wave_short": problem.shortest,
-        "wave_long": problem.longest,
-        "nominal_area": lx * ly,
-    }
-    if problem.spectrum is not None:
-        moments = problem.spectrum.moments()
-        scales |= {"rms_height_spectrum": moments.rms_height, "rms_gradient_spectrum": moments.rms_gradient}
-    return scales
 
 
 def _beside_hertz(data: xr.Dataset, scene: Scene) -> xr.Dataset:

@@ -15,7 +15,7 @@ from validation.comparison.sweep_views import sweep_views
 from validation.comparison.theory_alone import theory_views
 from validation.errors import UsageError
 from validation.execution.results import DATA, Result
-from validation.report.page import Note, Page, Picture, page_of, write_page
+from validation.report.page import Page, Picture, page_of, write_page
 from validation.report.papers import PAPERS
 from validation.report.quantities import as_length, in_prefixed_unit
 from validation.scenes.problem import ContactProblem
@@ -45,11 +45,7 @@ def result_page(result: Result, *, figures: bool = True, pictures: bool = False)
     if pictures and figures and result.kind == "run":
         picture, missing = _picture(result)
     titles = {"effects_words": "Effects", "treatment": "The measured surface"}
-    notes = tuple(
-        Note(title=title, sentences=tuple(lines))
-        for name, title in titles.items()
-        if (lines := data.attrs.get(name, "").splitlines())
-    )
+    notes = {title: lines for n, title in titles.items() if (lines := data.attrs.get(n, "").splitlines())}
     settings = {**result.settings, "scene": scene.model_dump(mode="json", exclude_none=True)}
     return page_of(
         data,

@@ -255,9 +255,9 @@ def _power(known: xr.Dataset, name: str, key: str, dim: str) -> Iterator[Finding
 
 def _figures(data: xr.Dataset) -> Iterator[Figure]:
     answer = _answer(data)
-    drawn: dict[str, tuple[str, ...]] = {"area": (answer, "area_persson")}
-    drawn["kappa"] = ("kappa" if answer == "area" else "kappa_ensemble", "kappa_persson")
-    drawn["plastic"] = ("area_plastic_pixel_finest", "area_plastic_persson", "area_plastic_ensemble")
+    kappa = "kappa" if answer == "area" else "kappa_ensemble"
+    yielded = ("area_plastic_pixel_finest", "area_plastic_persson", "area_plastic_ensemble")
+    drawn = {"area": (answer, "area_persson"), "kappa": (kappa, "kappa_persson"), "plastic": yielded}
     for key in _varying(data):
         for name, variables in drawn.items():
             variables = tuple(v for v in variables if v in data and bool(data[v].notnull().any()))

@@ -11,7 +11,7 @@ from validation.execution.results import Result
 from validation.paper.claims import ClaimRow, written
 from validation.paper.figures import FIGURES
 from validation.report.findings import finding
-from validation.report.page import Note, Page, page_of
+from validation.report.page import Page, page_of
 from validation.report.quantities import labelled
 from validation.report.table import Table
 from validation.report.values import with_places
@@ -101,7 +101,7 @@ def paper_page(result: Result, *, figures: bool = True) -> Page:
         figures=figures,
         title="Persson (2006), recomputed",
         lead="Does every calculated figure, and every claim with a number, follow from the equations?",
-        notes=(Note(title="Without a verdict", sentences=unjudged),),
+        notes={"Without a verdict": unjudged},
         settings=result.settings,
         seeds="none: nothing is drawn at random",
         papers=(_PAPER,),

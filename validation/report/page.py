@@ -45,14 +45,6 @@ _BUDGET = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class Note:
-    """A heading with sentences below it."""
-
-    title: str
-    sentences: tuple[str, ...]
-
-
-@dataclass(frozen=True, kw_only=True)
 class Picture:
     """A PNG image, and what it shows."""
 
@@ -71,8 +63,8 @@ def versions() -> dict[str, str]:
 class Page:
     """Everything that a results folder shows, before any of it is written.
 
-    `records` are written as CSV by name, `data` as data.csv, with one more file for each further set of
-    dimensions, and `summary` as summary.json, with the papers to cite.
+    `notes` are sentences by their heading; `records` are written as CSV by name, `data` as data.csv, with one
+    more file for each further set of dimensions, and `summary` as summary.json, with the papers to cite.
     """
 
     title: str
@@ -82,7 +74,7 @@ class Page:
     papers: tuple[str, ...]
     answers: tuple[Card, ...] = ()
     findings: tuple[str, ...] = ()
-    notes: tuple[Note, ...] = ()
+    notes: Mapping[str, Sequence[str]] = field(default_factory=dict)
     tables: tuple[WordTable, ...] = ()
     budget: ResultTable | None = None
     figures: tuple[Drawing, ...] = ()

@@ -213,7 +213,7 @@ class ResultTable:
 
 @dataclass(frozen=True, kw_only=True)
 class WordTable:
-    """A table as it is read, on a page or in a terminal; `sums`, below a line, are what the others come to.
+    """A table as it is read, on a page or in a terminal.
 
     Columns that begin at the `left` are words; those `yielding` leave first, in this order, where there is no
     room.
@@ -221,7 +221,6 @@ class WordTable:
 
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
-    sums: tuple[tuple[str, ...], ...] = ()
     title: str = ""
     note: str = ""
     left: frozenset[str] = frozenset()
