@@ -94,7 +94,8 @@ class AccuracyResult:
                 "pairs": ensemble.pairs,
                 "unsolved": ensemble.unsolved,
             }
-        return json_ready(numbers)
+        record: dict[str, Any] = json_ready(numbers)
+        return record
 
     def chosen(self, scene: Scene) -> Scene:
         """Return the scene with the grids that were chosen for its own surface."""

@@ -46,18 +46,9 @@ def theory_data(scene: Scene, problem: ContactProblem) -> xr.Dataset:
     data["kappa_ensemble"] = (data.area_ensemble / data.pressure * scale).where(data.pressure > 0)
     if inputs.work is not None:
         data = data.assign(work=inputs.work)
-    estimated = data.error_estimate > 0
-    kinds: dict[str, Any] = {
-        "theory": data.error_estimate if bool(estimated.any()) else "it is a closed form"
-    }
-    data = claim(
-        data,
-        "area_ensemble",
-        surfaces="it is of C(q)",
-        grid="nothing is solved",
-        solver="nothing is solved",
-        **kinds,
-    )
+    error = data.error_estimate if bool((data.error_estimate > 0).any()) else "it is a closed form"
+    absent = {"surfaces": "it is of C(q)", "grid": "nothing is solved", "solver": "nothing is solved"}
+    data = claim(data, "area_ensemble", theory=error, **absent)
     return labelled(data).assign_attrs(
         title=scene.title or scene.name,
         methods="theory",
@@ -71,7 +62,7 @@ def _at_load(answer: Answer, inputs: TheoryInputs, problem: ContactProblem) -> x
     lowest, nothing = 2 * math.pi / max(problem.lengths), np.full(answer.area.shape, math.nan)
     curves = {"magnification": answer.wavevectors / lowest, "magnified_area": answer.area}
     single: dict[str, float | str] = {
-        "area_ensemble": _last(answer.area),
+        "area_ensemble": float(next(reversed(answer.area), math.nan)),
         "error_estimate": answer.error_estimate,
         "theory_note": answer.note,
         "pressure": answer.pressure,
@@ -79,16 +70,12 @@ def _at_load(answer: Answer, inputs: TheoryInputs, problem: ContactProblem) -> x
     }
     if inputs.hardness is not None:
         curves["magnified_area_plastic"] = answer.area_plastic
-        single["area_plastic_ensemble"] = _last(answer.area_plastic)
+        single["area_plastic_ensemble"] = float(next(reversed(answer.area_plastic), math.nan))
     if inputs.work is not None:
         curves["magnified_work"] = nothing if answer.work is None else answer.work
         single["work_left"] = math.nan if answer.macroscopic_work is None else answer.macroscopic_work
     waves = {name: ("wave", values) for name, values in curves.items()}
     return xr.Dataset({**single, **waves}, coords={"wave": range(answer.area.size)})
-
-
-def _last(values: np.ndarray) -> float:
-    return float(values[-1]) if values.size else math.nan
 
 
 def theory_views(data: xr.Dataset) -> Views:
@@ -132,7 +119,7 @@ def theory_views(data: xr.Dataset) -> Views:
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
     for k in range(min(data.sizes["load"], 4)):
-        yield _said_at_load(data.isel(load=k), at=k)
+        yield _at_one_load(data.isel(load=k), at=k)
     if data.sizes["load"] > 4:
         yield note(f"The table has {data.sizes['load'] - 4} more loads.")
     drawn = (
@@ -150,7 +137,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     )
 
 
-def _said_at_load(here: xr.Dataset, *, at: int) -> Finding:
+def _at_one_load(here: xr.Dataset, *, at: int) -> Finding:
     where = "At p0 = {pressure:u} (p* = {reduced_pressure:.4}) "
     if str(here.theory_note.item()):
         return finding("refusal", where + "the theory has no answer: {theory_note}.", here)
@@ -164,11 +151,9 @@ def _said_at_load(here: xr.Dataset, *, at: int) -> Finding:
         text += "; A_pl/A0 = {area_plastic_ensemble:.4} has yielded"
     if "work_left" in here and np.isfinite(here.work_left) and area > 0:
         left = float(here.work_left)
-        text += "; gamma_eff(1) = {work_left:u}" + (
-            ", {share:.3%} of the work of adhesion"
-            if left > 0
-            else ", below zero: as a whole the interface does not stick"
-        )
+        sticks = ", {share:.3%} of the work of adhesion"
+        parts = ", below zero: as a whole the interface does not stick"
+        text += "; gamma_eff(1) = {work_left:u}" + (sticks if left > 0 else parts)
     share = float(here.work_left / here.work) if "work_left" in here else math.nan
     return finding("value", text + ".", here.assign_attrs(at={"load": at}), share=share)
 

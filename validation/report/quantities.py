@@ -202,26 +202,23 @@ def place_words(here: xr.Dataset, dim: str, data: xr.Dataset) -> str:
 def glossary() -> str:
     """Return the page of the documentation that says what every name means."""
     tables = registry()
-    rows = [
+    rows = "\n".join(
         f"| `{name}` | {entry['symbol']} | {entry['words']} | {entry.get('unit', '1')} |"
         for name, entry in sorted(tables["quantities"].items())
-    ]
-    ends = [f"| `_{name}` | {entry['words']} |" for name, entry in sorted(tables["qualifiers"].items())]
-    return "\n".join(
-        [
-            "# Glossary",
-            "",
-            "Names in datasets, tables, CSV files and on axes. An interval is always 95 %.",
-            "",
-            "| name | symbol | meaning | unit |",
-            "|---|---|---|---|",
-            *rows,
-            "",
-            "A name may end with",
-            "",
-            "| ending | meaning |",
-            "|---|---|",
-            *ends,
-            "",
-        ]
     )
+    endings = sorted(tables["qualifiers"].items())
+    ends = "\n".join(f"| `_{name}` | {entry['words']} |" for name, entry in endings)
+    return f"""# Glossary
+
+Names in datasets, tables, CSV files and on axes. An interval is always 95 %.
+
+| name | symbol | meaning | unit |
+|---|---|---|---|
+{rows}
+
+A name may end with
+
+| ending | meaning |
+|---|---|
+{ends}
+"""

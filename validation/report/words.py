@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -34,10 +34,6 @@ _SYMBOLS = (
 )
 
 
-@overload
-def json_ready(value: dict[str, Any]) -> dict[str, Any]: ...
-@overload
-def json_ready(value: Any) -> Any: ...
 def json_ready(value: Any) -> Any:
     """Return data, nested or not, with None for NaN and infinity, which JSON does not know.
 
