@@ -347,15 +347,10 @@ def oblong_grids(scene: Scene, problem: ContactProblem) -> Iterator[tuple[str, s
         for nx, ny in scene.methods.options(name).grids:
             if not has_square_cells(problem, (nx, ny)):
                 lx, ly = problem.lengths
-                square = (
-                    f"[{nx}, {max(2, round(nx * ly / lx))}]"
-                    if lx >= ly
-                    else f"[{max(2, round(ny * lx / ly))}, {ny}]"
-                )
-                yield (
-                    f"grids of {name}",
-                    f"{nx} x {ny} has oblong cells, in which no edge is located; {square} has square ones",
-                )
+                along, across = max(2, round(ny * lx / ly)), max(2, round(nx * ly / lx))
+                square = [nx, across] if lx >= ly else [along, ny]
+                words = f"{nx} x {ny} has oblong cells, in which no edge is located; {square} has square ones"
+                yield f"grids of {name}", words
 
 
 def _left_out(scene: Scene, problem: ContactProblem, rough: Roughness) -> tuple[Judgement, ...]:

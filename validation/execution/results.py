@@ -21,17 +21,6 @@ from validation.files import digest_of, locked, read_record, write_record
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "DATA",
-    "RECORD",
-    "Result",
-    "check_results",
-    "clear_results",
-    "read_results",
-    "record_of",
-    "write_results",
-]
-
 RECORD, DATA = "result.json", "data.nc"
 _FORMAT = "fem-contact result 1"
 #: Records of earlier versions.

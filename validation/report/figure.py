@@ -34,7 +34,6 @@ STYLE: Any = {
 
 STYLES = ["-", "--", "-.", ":"]
 
-
 #: What is told apart by symbol and colour.
 SYMBOLS = ("o", "s", "^", "D", "v", "P", "X", "*")
 COLOURS = ("#0b5394", "#b45f06", "#38761d", "#741b47", "#134f5c", "#7f6000", "#444444", "#990000")
