@@ -166,9 +166,13 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     if not names:
         shared = "their datasets share no place; compare results with common values"
         raise UsageError(f"{', '.join(results)}: {shared}")
-    data = xr.concat(parts, dim="result", combine_attrs=_shared, join="exact").assign_coords(
-        result=list(results)
-    )
+
+    def shared(attrs: Sequence[Mapping[str, Any]], _: Any) -> dict[str, Any]:
+        # Those that all have: what does not enter one result may enter another.
+        return {k: v for k, v in attrs[0].items() if all(k in other and other[k] == v for other in attrs)}
+
+    data = xr.concat(parts, dim="result", combine_attrs=shared, join="exact")
+    data = data.assign_coords(result=list(results))
     values = [str(name) for name in names if not str(name).endswith("_error")]
     first = data.isel(result=0, drop=True)
     for name in values:
@@ -180,12 +184,6 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     # The first is no further from itself than nothing.
     apart = [name for name in made.data_vars if name not in data]
     return labelled(made.assign(made[apart].where(made.result != made.result[0], 0.0)))
-
-
-def _shared(attrs: Sequence[Mapping[str, Any]], context: Any = None) -> dict[str, Any]:
-    """Attributes that all have: what does not enter one result may enter another."""
-    first, *others = attrs
-    return {k: v for k, v in first.items() if all(k in one and one[k] == v for one in others)}
 
 
 def _numbers(data: xr.Dataset) -> xr.Dataset:

@@ -4,20 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from fem_contact.contact import ContactResult
+from fem_contact.response import Response
 from validation.comparison.reductions import grid_name, own_solves
 from validation.effects.base import ContactModel
+from validation.execution.press import Press
 from validation.report.estimates import gather
-
-if TYPE_CHECKING:
-    from fem_contact.response import Response
-    from validation.execution.press import Press
-    from validation.scenes.scene import Scene
+from validation.scenes.scene import Scene
 
 
 def below(data: xr.Dataset, scene: Scene, results: Mapping[Press, ContactResult]) -> xr.Dataset:

@@ -27,8 +27,8 @@ def passing(data: xr.Dataset, case: Case) -> xr.Dataset:
     half-spaces that touch there, yielded points included. Values are those of the finest grid that resolves
     the surface, with their change from the grid before; with an ensemble means over its surfaces.
     """
-    scene, results = case.scene, case.results
-    if scene.quantities is None or not scene.quantities.passing:
+    scene, results, quantities = case.scene, case.results, case.scene.quantities
+    if quantities is None or not quantities.passing:
         return data
     alike = ([s for s in case.ladder(name) if results[s].weights is None] for name in case.methods)
     ladder = next(filter(None, alike), [])
@@ -36,15 +36,14 @@ def passing(data: xr.Dataset, case: Case) -> xr.Dataset:
         return data.assign(passing_note="not determinable: the points of every method weigh differently")
     finest = scene.ensemble and max(scene.ensemble.grids, key=case.problem.points_per_wave)
     ensemble = [on[finest].solve for on in case.surfaces.values() if finest in on]
-    asked = scene.quantities
     reads: dict[str, tuple[_Read, str]] = {}
-    if asked.electrical is not None:
-        reads["electrical_conductance"] = _conductance(asked.electrical.resistivity, case), "persson"
-    if asked.thermal is not None:
-        first, second = asked.thermal.conductivity
+    if quantities.electrical is not None:
+        reads["electrical_conductance"] = _conductance(quantities.electrical.resistivity, case), "persson"
+    if quantities.thermal is not None:
+        first, second = quantities.thermal.conductivity
         reads["thermal_conductance"] = _conductance((1 / first, 1 / second), case), "persson"
-    if asked.leak is not None:
-        reads |= {f"leak_rate_{axis}": (_leak(asked.leak, axis), "bruggeman") for axis in _AXES}
+    if quantities.leak is not None:
+        reads |= {f"leak_rate_{axis}": (_leak(quantities.leak, axis), "bruggeman") for axis in _AXES}
     for name, (read, beside) in reads.items():
         values = [read(results[solve]) for solve in ladder[-2:]]
         (value, theory), before = values[-1], values[0][0]

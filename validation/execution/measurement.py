@@ -98,10 +98,8 @@ class Call(Solve):
     def finest(self) -> tuple[int, ...]:
         """The finest of its grids."""
         given = dict(self.arguments)
-        if "grids" in given:
-            finest: tuple[int, ...] = max(given["grids"])
-            return finest
-        return tuple(given.get("grid") or 2 * (given["points"],))
+        finest = max(given["grids"]) if "grids" in given else given.get("grid")
+        return tuple(finest or 2 * (given["points"],))
 
     @property
     def recipe(self) -> dict[str, Any]:

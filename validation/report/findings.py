@@ -12,14 +12,13 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from string import Formatter
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import xarray as xr
 
 from validation.errors import UsageError
 from validation.report.estimates import each
 from validation.report.values import Value, value_of, values_of
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 def _sign(value: Value) -> str:

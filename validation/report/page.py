@@ -10,7 +10,9 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import xarray as xr
 
 from validation.errors import harmless
 from validation.files import atomic_path, digest_of, remove_drafts, write_json, write_record
@@ -24,13 +26,8 @@ from validation.report.table import (
     write_table,
 )
 from validation.report.values import values_of
-from validation.report.views import Card
+from validation.report.views import Card, Views
 from validation.report.words import json_ready, mathematics
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-    from validation.report.views import Views
 
 #: Width over height from which on a figure has several panels, and the width of the page to itself.
 _WIDE = 1.7

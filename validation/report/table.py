@@ -7,9 +7,10 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from validation.errors import UsageError
 from validation.files import atomic_path
@@ -17,9 +18,6 @@ from validation.report.estimates import SOURCES, SPECTRAL, each, sources_of, tot
 from validation.report.quantities import place_words, prefixed_unit, quantity, quantity_of
 from validation.report.values import Value, combined, value_of
 from validation.report.words import with_error
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: How variables of single surfaces end.
 _SINGLE = ("_each", "_each_error", "_each_drift")

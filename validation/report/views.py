@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import xarray as xr
 
 from validation.report.findings import Finding, finding, note, of_one_surface, ranking
 from validation.report.marks import Band, Figure, Image, Level, Line, Panel, against, panels_along
 from validation.report.table import Column, Listing, Table
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: With `Views` all that a study declares by.
 __all__ = ["Band", "Card", "Column", "Figure", "Finding", "Image", "Level", "Line", "Listing", "Panel"]
