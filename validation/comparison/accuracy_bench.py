@@ -24,7 +24,6 @@ class Account:
     found: set[Solve] = field(default_factory=set)
     done: set[Solve] = field(default_factory=set)
     reserved: float = 0.0
-    warm: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,10 +89,7 @@ class Metered(Bench):
                 f"end in time, and {self.means()}; all finished solves are stored: allow more with "
                 f"--time-limit"
             )
-        if not account.warm:
-            # Not charged to the solves, whose time tells how fast the machine is.
-            warm_up(missing)
-            account.warm = True
+        warm_up(missing)  # not charged to the solves, whose time tells how fast the machine is
         start = time.perf_counter()
         results = super().solve(wanted)
         account.solving += time.perf_counter() - start

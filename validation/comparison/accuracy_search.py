@@ -146,14 +146,13 @@ class Search:
     def own_surface(self) -> Single:
         """Solve the scene's own surface to the accuracy."""
         first = self.shared or (self._grid(4),)
-        pilot = Ladder(grids=first, shifts=1, error=np.inf, seconds=0.0, peak_bytes=0)
-        known = min(self._solved(pilot), key=lambda area: area.spacing)
+        known = min(self._solved(first, 1), key=lambda area: area.spacing)
         tried: set[tuple[Grid, ...]] = set()
         while True:
             ladder = self._cheapest(self._ladders(known), tried, share=_SPARE)
             tried.add(ladder.grids)
             self._foretell(f"this surface on {grid_words(ladder.grids)}", ladder.seconds)
-            areas = self._solved(ladder)
+            areas = self._solved(ladder.grids, ladder.shifts)
             limit = limit_over(areas)
             error = 2 * limit.uncertainty / limit.value + self.left if limit.determinable else np.inf
             known = min(areas, key=lambda area: area.spacing)
@@ -342,8 +341,8 @@ class Search:
         chosen = self.scene.model_copy(update={"methods": Methods(bem=method), "ensemble": None})
         return solves_of(chosen, self.problem)
 
-    def _solved(self, ladder: Ladder) -> list[ContactAreas]:
-        solves = self._jobs(ladder.grids, ladder.shifts)
+    def _solved(self, grids: Sequence[Grid], shifts: int) -> list[ContactAreas]:
+        solves = self._jobs(grids, shifts)
         self._solve(solves)
         return [self.areas[solve] for solve in solves]
 
