@@ -167,11 +167,11 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
         shared = "their datasets share no place; compare results with common values"
         raise UsageError(f"{', '.join(results)}: {shared}")
 
-    def shared(attrs: Sequence[Mapping[str, Any]], _: Any) -> dict[str, Any]:
+    def common(attrs: Sequence[Mapping[str, Any]], _: Any) -> dict[str, Any]:
         # Those that all have: what does not enter one result may enter another.
         return {k: v for k, v in attrs[0].items() if all(k in other and other[k] == v for other in attrs)}
 
-    data = xr.concat(parts, dim="result", combine_attrs=shared, join="exact")
+    data = xr.concat(parts, dim="result", combine_attrs=common, join="exact")
     data = data.assign_coords(result=list(results))
     values = [str(name) for name in names if not str(name).endswith("_error")]
     first = data.isel(result=0, drop=True)
