@@ -167,7 +167,7 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
         shared = "their datasets share no place; compare results with common values"
         raise UsageError(f"{', '.join(results)}: {shared}")
 
-    def common(attrs: Sequence[Mapping[str, Any]], _: Any) -> dict[str, Any]:
+    def common(attrs: Sequence[Mapping[str, Any]], context: Any = None) -> dict[str, Any]:
         # Those that all have: what does not enter one result may enter another.
         return {k: v for k, v in attrs[0].items() if all(k in other and other[k] == v for other in attrs)}
 
