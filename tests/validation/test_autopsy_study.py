@@ -11,7 +11,7 @@ from scipy.special import ndtr
 from persson import elastic
 from persson.diffusion import solve_diffusion
 from validation.execution.measurement import Call
-from validation.measurements import diffusion, rings
+from validation.measurements import diffusion, limits, rings
 from validation.measurements.budgets import (
     Memory,
     Pressed,
@@ -270,7 +270,7 @@ def test_outcomes_follow_from_the_numbers(data):
 def test_a_limit_of_counted_numbers_is_that_of_the_straight_line_through_the_two_finest_grids():
     spacing = xr.DataArray([0.25, 0.125, 0.0625], dims="grid")
     counted = 3.0 + 2.0 * spacing + xr.DataArray([5.0, 0.0, 0.0], dims="grid")
-    assert float(diffusion.two_grid_limit(counted, spacing)) == pytest.approx(3.0, rel=1e-12)
+    assert float(limits.two_grid_limit(counted, spacing)) == pytest.approx(3.0, rel=1e-12)
 
 
 def test_an_exponent_is_found_between_neighbours_and_over_all_steps():

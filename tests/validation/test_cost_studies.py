@@ -104,9 +104,9 @@ def peer(code: str, *, seed: int = 4177) -> Call:
 
 def test_a_peer_is_solved_no_further_than_its_grid_deserves(monkeypatch):
     monkeypatch.setattr(external_codes, "_SOLVER_SHARE", 100.0)
-    loose = peer(external_codes.OWN).do()
+    loose = peer(external_codes.THIS_CODE).do()
     monkeypatch.setattr(external_codes, "_SOLVER_SHARE", 0.0)
-    exact = peer(external_codes.OWN).do()
+    exact = peer(external_codes.THIS_CODE).do()
     assert 1e-2 == float(loose.tolerance) > float(exact.tolerance)
     assert float(loose.solver_error) > float(exact.solver_error) == 0.0
 
@@ -118,7 +118,7 @@ def test_a_peer_that_fails_is_a_sentence(monkeypatch):
         peer("tamaas").do()
 
 
-@pytest.mark.parametrize("code", [external_codes.OWN, *external_codes.known_peers()])
+@pytest.mark.parametrize("code", [external_codes.THIS_CODE, *external_codes.known_peers()])
 def test_an_installed_peer_counts_the_area_that_is_counted_here(code):
     pytest.importorskip(code)
     solve = peer(code, seed=4178)

@@ -229,8 +229,8 @@ def test_magnification_prints_the_planted_ratio_to_the_theory_of_the_waves_that_
 def yielded_lines(monkeypatch):
     """A_pl = p* (1 + 3 dx) and A_el = p*/2 (1 - 2 dx), by surface."""
     q = np.array([1.0, 2.0]) * 2 * math.pi * 2.0 / 1e-4
-    monkeypatch.setattr(hardness, "kept_waves", lambda *told: (q, np.array([1.0, 0.5]), 0.25))
-    monkeypatch.setattr(hardness, "kept_by_theory", lambda *told: np.array([0.9, 0.1]))
+    monkeypatch.setattr(hardness, "remaining_waves", lambda *told: (q, np.array([1.0, 0.5]), 0.25))
+    monkeypatch.setattr(hardness, "remaining_by_theory", lambda *told: np.array([0.9, 0.1]))
     monkeypatch.setattr(hardness, "yielded", lambda result: result.parts)
 
     def answer(solve):

@@ -28,7 +28,7 @@ from validation.measurements.grids import observed_order
 from validation.measurements.measurement import press_on_grids, pressed_path, truncated_heights
 from validation.measurements.statistics import order_of_convergence
 from validation.measurements.theory import Waves, ensemble_stress_variance
-from validation.measurements.yielding import kept_by_theory
+from validation.measurements.yielding import remaining_by_theory
 from validation.report.estimates import claim, total_error
 from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
@@ -72,7 +72,7 @@ def test_smoothing_in_the_theory_is_what_has_not_yielded_over_what_will():
     plastic = constant_hardness(problem.pressure, stress_variance=variance, yield_stress=limit).plastic
     # Of the whole area p0 / H yields in the end. The table is joined by power laws over 400 points.
     exact = 1 - plastic * limit / problem.pressure
-    np.testing.assert_allclose(kept_by_theory(problem, limit, q), exact, atol=2e-3)
+    np.testing.assert_allclose(remaining_by_theory(problem, limit, q), exact, atol=2e-3)
     assert exact[-1] < 0.9
 
 

@@ -161,51 +161,38 @@ def line(
     dims = [str(dim) for dim in values.dims if dim not in (along, over)]
     shape = tuple(values.sizes[dim] for dim in dims)
     fields = tuple(Line.__dataclass_fields__)
-    found = {field: np.empty(shape) for field in fields}
+    numbers = {field: np.empty(shape) for field in fields}
     for place in np.ndindex(shape):
         at = dict(zip(dims, place, strict=True))
         rows = values.isel(at).transpose(along, over)
-        solved = xr.ones_like(rows, dtype=bool) if there is None else there.isel(_known(at, there))
+        solved = xr.ones_like(rows, dtype=bool) if there is None else there.isel(_dims_of(there, at))
         samples = [row[k] for row, k in zip(rows.values, solved.transpose(along, over).values, strict=True)]
         if pairs:
             samples = [pair_means(sample) for sample in samples]
-        fit = fitted_line(samples, data[x].isel(_known(at, data[x])).values, common=common)
+        fit = fitted_line(samples, data[x].isel(_dims_of(data[x], at)).values, common=common)
         for field in fields:
-            found[field][place] = getattr(fit, field)
+            numbers[field][place] = getattr(fit, field)
     coords = {n: c for n, c in values.coords.items() if set(c.dims) <= set(dims)}
-    n = {field: xr.DataArray(numbers, dims=dims, coords=coords) for field, numbers in found.items()}
+    n = {field: xr.DataArray(rows, dims=dims, coords=coords) for field, rows in numbers.items()}
     made: dict[str, Any] = {"of": f"{name}_each", "x": x, "along": along, "over": over}
     made |= {"common": int(common), "pairs": int(pairs)}
     limit = n["limit"].where(n["reach"] <= _REACH).assign_attrs(made, reduction="line limit")
     slope = n["slope"].assign_attrs(made, reduction="line slope")
-    sources: dict[str, dict[str, Any]] = {
-        field: {"surfaces": n[f"{field}_scatter"], drift: n[f"{field}_drift"]} for field in ("limit", "slope")
-    }
-    if f"{name}_error" in data:
-        grid = data[f"{name}_error"].sel(source="grid", drop=True).max(along, skipna=False)
-        sources["limit"]["grid"] = (grid**2 + sources["limit"].get("grid", 0.0) ** 2) ** 0.5
-    errors = {
-        "limit": error_of(limit.drop_attrs(), **sources["limit"]),
-        "slope": error_of(slope.drop_attrs(), **sources["slope"]),
-    }
-    for error in errors.values():
-        error.attrs[LIMIT] = drift
     last = data[x].max(along)
     ends = xr.concat([0 * last, last], "end").transpose(..., "end")
-    return data.assign(
-        {
-            f"{name}_limit": limit,
-            f"{name}_limit_error": errors["limit"],
-            f"{name}_slope": slope,
-            f"{name}_slope_error": errors["slope"],
-            f"{name}_reach": n["reach"],
-            f"{x}_line": ends.drop_attrs(),
-            f"{name}_line": (limit + slope * ends).drop_attrs(),
-        }
-    )
+    added = {f"{name}_reach": n["reach"], f"{x}_line": ends.drop_attrs()}
+    added[f"{name}_line"] = (limit + slope * ends).drop_attrs()
+    for field, value in (("limit", limit), ("slope", slope)):
+        sources: dict[str, Any] = {"surfaces": n[f"{field}_scatter"], drift: n[f"{field}_drift"]}
+        if field == "limit" and f"{name}_error" in data:
+            grid = data[f"{name}_error"].sel(source="grid", drop=True).max(along, skipna=False)
+            sources["grid"] = (grid**2 + sources.get("grid", 0.0) ** 2) ** 0.5
+        error = error_of(value.drop_attrs(), **sources).assign_attrs({LIMIT: drift})
+        added |= {f"{name}_{field}": value, f"{name}_{field}_error": error}
+    return data.assign(added)
 
 
-def _known(at: Mapping[str, int], values: xr.DataArray) -> dict[str, int]:
+def _dims_of(values: xr.DataArray, at: Mapping[str, int]) -> dict[str, int]:
     return {dim: k for dim, k in at.items() if dim in values.dims}
 
 
@@ -344,15 +331,9 @@ class Ladders:
         data = gather(parts, **dims).isel(load=0, drop=True).drop_vars("ladder")
         data = data[["area_each", "area_each_error", "area_each_drift", "nayak_each", "solve"]]
         names = {name: str(name).replace("_each", f"_{kind}_each") for name in data.data_vars}
-        data = data.rename(names | {"solve": f"solve_{kind}"}).assign(
-            {
-                f"order_{kind}": (
-                    "ladder",
-                    [bandwidth_order(h) if common else SIZE_ORDER for h in self.hursts],
-                ),
-                "reduced_pressure_ladder": self.reduced_pressure,
-            }
-        )
+        data = data.rename(names | {"solve": f"solve_{kind}"})
+        data[f"order_{kind}"] = "ladder", [bandwidth_order(h) if common else SIZE_ORDER for h in self.hursts]
+        data["reduced_pressure_ladder"] = self.reduced_pressure
         kappa, area = f"kappa_{kind}", f"area_{kind}_each"
         made = {f"{kappa}_each": f"{area} / reduced_pressure_ladder"}
         data = derive(data, **made, **{f"step_{kind}": f"{rung} ** -order_{kind}"})

@@ -16,7 +16,7 @@ import xarray as xr
 from persson import elastic
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
-from validation.measurements.limits import kept_of, solved
+from validation.measurements.limits import solved, stored_variables, two_grid_limit
 from validation.measurements.measurement import area_limits
 from validation.measurements.rings import AREAS
 from validation.report.estimates import NORMAL, derive, error_of, gather, mean, nearest
@@ -38,15 +38,8 @@ _LATE = 4.0
 
 _TERMS = ("square_growth", "square_diffusion", "square_drift", "square_reentry")
 _OF_CHAINS = (
-    *(
-        "area",
-        "area_persson",
-        "area_ratio",
-        "area_ratio_end",
-        "area_exponent",
-        "area_exponent_pixel",
-        "area_exponent_persson",
-    ),
+    *("area", "area_persson", "area_ratio", "area_ratio_end", "area_exponent", "area_exponent_pixel"),
+    "area_exponent_persson",
     *("square_told", "square_growth_path", "square_difference", "loss_ratio", "area_diffused_ratio"),
     *("area_ratio_diffused", "inflow_share", "inflow_share_composed", "inflow_excess", "return_chance"),
     *("crossed_share", "out_share", "exponent_ratio", "exponent_ratio_late"),
@@ -73,7 +66,7 @@ def budgets_of(
     Limits over the grids stand in the place of the areas on each: ``area_each``, and ``area_negative_each`` with the
     negative ring.
     """
-    measured = {place: kept_of(item) for place, item in solved(bench, cases).items()}
+    measured = {place: stored_variables(item) for place, item in solved(bench, cases).items()}
     data = gather(measured, **dims)
     finest = [next(case for place, case in cases.items() if place[-1] == n) for n in dims["grid"]]
     points, per_wave = [item["points"] for item in finest], []
@@ -115,15 +108,8 @@ def with_diffusion_terms(data: xr.Dataset) -> xr.Dataset:
     Coordinates are ``magnification`` (level), ``octave_start`` (octave), ``relative_step`` (variance_step) and
     ``upper`` (bin), edges in units of sqrt(V).
     """
-    for add in (
-        _with_square_budget,
-        _with_area_budget,
-        _with_restarts,
-        _with_memory,
-        _with_flows,
-        _with_profiles,
-    ):
-        data = add(data)
+    data = _with_memory(_with_restarts(_with_area_budget(_with_square_budget(data))))
+    data = _with_profiles(_with_flows(data))
     data = mean(data, *_OF_CHAINS)
     data = mean(data, *_OF_PROBES, over="probe_surface")
     # Both sides of a budget are of the same surfaces: their gap has no interval of its own.
@@ -138,18 +124,6 @@ def with_diffusion_terms(data: xr.Dataset) -> xr.Dataset:
 
 def _late(data: xr.Dataset) -> dict[str, list[int]]:
     return {"octave": [int(k) for k in np.flatnonzero(data.octave_start.values >= _LATE)] or [-1]}
-
-
-def two_grid_limit(values: xr.DataArray, spacing: xr.DataArray) -> xr.DataArray:
-    """Value at dx -> 0 of what is counted, by a straight line in dx through the two finest grids.
-
-    Counting is off in first order of the spacing, as the counted area is.
-    """
-    grid = str(spacing.dims[-1])
-    coarse, fine = (spacing.isel({grid: k}) for k in (-2, -1))
-    low, high = (values.isel({grid: k}) for k in (-2, -1))
-    limit: xr.DataArray = high + (high - low) * fine / (coarse - fine)
-    return limit
 
 
 def _log(values: xr.DataArray) -> xr.DataArray:
@@ -302,7 +276,7 @@ def exponents(values: xr.DataArray, steps: xr.DataArray) -> xr.DataArray:
     return powers
 
 
-def at_zero_step(values: xr.DataArray, steps: xr.DataArray) -> xr.DataArray:
+def _at_zero_step(values: xr.DataArray, steps: xr.DataArray) -> xr.DataArray:
     """Value at a vanishing step by a straight line in its root through all steps."""
     along = str(steps.dims[0])
     design = np.stack([np.ones(steps.size), np.sqrt(steps.values)], axis=1)
@@ -318,7 +292,7 @@ def power_at_zero_step(powers: xr.DataArray, steps: xr.DataArray) -> xr.DataArra
     if steps.size == 2:
         return powers.isel(step_pair=0)
     middles = xr.DataArray(np.sqrt(steps.values[1:] * steps.values[:-1]), dims="step_pair")
-    return at_zero_step(powers.isel(step_pair=slice(0, steps.size - 1)), middles)
+    return _at_zero_step(powers.isel(step_pair=slice(0, steps.size - 1)), middles)
 
 
 def _with_flows(data: xr.Dataset) -> xr.Dataset:
@@ -336,7 +310,7 @@ def _with_flows(data: xr.Dataset) -> xr.Dataset:
         **{f"power_{name}_each": power.isel(step_pair=-1) for name, power in powers.items()},
         power_local_each=powers["share_lost"].isel(step_pair=slice(0, -1)),
         power_limit_each=power_at_zero_step(powers["share_lost"], steps),
-        entered_ratio_limit_each=at_zero_step(flows["share_entered"] / flows["share_lost"], steps),
+        entered_ratio_limit_each=_at_zero_step(flows["share_entered"] / flows["share_lost"], steps),
         area_exponent_probe_each=net,
     )
     return derive(

@@ -32,7 +32,7 @@ _SOLVER_SHARE = 0.1
 _TOLERANCES = tuple(10.0**-k for k in range(2, 12))
 
 #: The package of this project, whose boundary elements are measured as the others are.
-OWN = "fem_contact"
+THIS_CODE = "fem_contact"
 
 
 def known_peers() -> dict[str, str]:
@@ -46,14 +46,14 @@ def installed_peers() -> tuple[str, ...]:
     return tuple(code for code, name in known_peers().items() if methods()[name].available() is None)
 
 
-def code_words(codes: Sequence[str]) -> str:
+def code_versions(codes: Sequence[str]) -> str:
     """Say by which versions of the codes, and on which processor, their costs are measured."""
     versions = [f"{code} {_version(code)}" for code in codes]
     return f"{', '.join(versions)}, each on one thread of {_processor()}"
 
 
 def _version(code: str) -> str:
-    return metadata.version("fem-contact" if code == OWN else code)
+    return metadata.version("fem-contact" if code == THIS_CODE else code)
 
 
 def _processor() -> str:
@@ -64,7 +64,7 @@ def _processor() -> str:
         return platform.processor() or platform.machine()
 
 
-def own_pressure(
+def bem_pressure(
     heights: Array,
     lengths: tuple[float, float],
     *,
@@ -126,7 +126,7 @@ def by_peer(*, code: str, problem: ContactProblem, grid: Grid) -> xr.Dataset:
 
 
 def _solved(code: str, job: Job, *, pixel: float, allowed: float) -> tuple[Job, Claim, float]:
-    by = f"{__name__}:{own_pressure.__name__}" if code == OWN else known_peers()[code]
+    by = f"{__name__}:{bem_pressure.__name__}" if code == THIS_CODE else known_peers()[code]
     solver, options = chosen_solver(by)
     sandbox.end()  # its memory shall be its own
     solver.warm_up((), {**options, "tolerance": 1e-3})

@@ -19,6 +19,7 @@ from persson.leakage import effective_medium
 from persson.scale import Scale
 from validation.arrays import Array, Grid
 from validation.execution.measurement import measurement
+from validation.measurements.limits import shift_means
 from validation.measurements.theory import WITH_ENERGY, Waves
 from validation.scenes.problem import ContactProblem
 
@@ -41,8 +42,7 @@ def stiffness_of(measured: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
     ``stiffness_each`` K h_rms / p0 with its step from the grid before; by every variant of the theory that
     stores an energy, of the same surface, -h_rms / (d gap / d ln p0).
     """
-    shifted = measured.drop_vars(["points", "cells", "points_per_wave"], errors="ignore").mean("shift")
-    fine, before = (shifted.isel(grid=k) for k in (-1, -2))
+    fine, before = (measured.isel(grid=k, drop=True) for k in (-1, -2))
     loads, height = measured.reduced_pressure.values, problem.field.rms_height
     waves, gradient = Waves.of_field(problem.field), problem.field.rms_gradient
     around = np.sort(np.concatenate([loads * np.exp(-_STEP), loads * np.exp(_STEP)])) * gradient
@@ -50,12 +50,9 @@ def stiffness_of(measured: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
     for variant in WITH_ENERGY:
         gaps = waves.mean_gap(around, variant)
         theory[f"stiffness_{variant}_each"] = ("load", height / ((gaps[0::2] - gaps[1::2]) / (2 * _STEP)))
-    simulated = {
-        "stiffness_each": fine.stiffness.assign_attrs(reduction="shift mean", of="stiffness"),
-        "stiffness_each_drift": fine.stiffness - before.stiffness,
-        "gap_each": fine.mean_gap / measured.attrs["rms_height"],
-        "area_perimeter_each": fine.perimeter.assign_attrs(reduction="shift mean", of="perimeter"),
-    }
+    simulated = shift_means(fine, stiffness="stiffness", area_perimeter="perimeter")
+    simulated["stiffness_each_drift"] = fine.stiffness.mean("shift") - before.stiffness.mean("shift")
+    simulated["gap_each"] = fine.mean_gap.mean("shift") / measured.attrs["rms_height"]
     return xr.Dataset({**simulated, **theory}, attrs={"solve": measured.attrs["solve"]})
 
 

@@ -14,7 +14,7 @@ from fem_contact.extrapolation import limit_area
 from persson.elastic import pressure_distribution, stress_variance
 from validation.arrays import Grid
 from validation.measurements.distributions import PATCH_EDGES, STRESS_EDGES, weighted_percentile
-from validation.measurements.limits import limits_of
+from validation.measurements.limits import limits_of, shift_means
 from validation.measurements.measurement import limit_over, stored_areas
 from validation.measurements.references import published
 from validation.measurements.statistics import order_of_convergence
@@ -35,10 +35,7 @@ def on_grids(measured: xr.Dataset) -> xr.Dataset:
     plain = measured.isel(load=0, drop=True).drop_vars(["points", "cells"], errors="ignore")
     names = {"area_pixel": "pixel", "area_perimeter": "perimeter", "area_located": "subcell"}
     names |= {n: n for n in ("density_at_zero", "patches", "cells_per_patch", "edge_fraction", "residual")}
-    read: dict[str, Any] = {
-        f"{name}_each": plain[of].mean("shift").assign_attrs(reduction="shift mean", of=of)
-        for name, of in names.items()
-    }
+    read: dict[str, Any] = shift_means(plain, **names)
     width = float(np.diff(STRESS_EDGES)[0])
     cells = [
         [weighted_percentile(row, PATCH_EDGES, part) * float(n) ** 2 for part in _PARTS]
@@ -104,17 +101,11 @@ def with_distances(data: xr.Dataset, *, theory: bool) -> xr.Dataset:
 
 
 #: What else is averaged over the surfaces.
-_AVERAGED: tuple[str, ...] = (
-    "area",
-    "kappa",
-    "kappa_pixel",
-    "kappa_ensemble",
-    "area_excess",
-    "grid_part",
-    "area_pixel_change",
+_AVERAGED = (
+    *("area", "kappa", "kappa_pixel", "kappa_ensemble", "area_excess", "grid_part", "area_pixel_change"),
+    *("first_moment", "patches", "cells_at_part", "cells_per_patch", "density_at_zero"),
+    *("residual", "seconds", "edge_fraction"),
 )
-_AVERAGED += ("first_moment", "patches", "cells_at_part", "cells_per_patch", "density_at_zero")
-_AVERAGED += ("residual", "seconds", "edge_fraction")
 
 
 def _block_limit(blocks: Mapping[float, xr.Dataset], element: str) -> xr.Dataset:
@@ -207,12 +198,9 @@ def with_methods(
     `answers` by name of the method, number of the surface, and number of the grid.
     """
     surfaces, cases = range(data.sizes["surface"]), [(m, g) for m in grids for g in range(len(grids[m]))]
-    names = {
-        "pixel": "area_other_pixel",
-        "perimeter": "area_other_perimeter",
-        "subcell": "area_other_located",
-    }
-    names |= {n: f"{n}_other" for n in ("residual", "converged", "seconds")}
+    names = {n: f"{n}_other" for n in ("residual", "converged", "seconds")}
+    names |= {"pixel": "area_other_pixel", "perimeter": "area_other_perimeter"}
+    names |= {"subcell": "area_other_located"}
     parts = {
         (i, k): answers[m, k, g][[*names]].rename({n: f"{to}_each" for n, to in names.items()})
         for i, (m, g) in enumerate(cases)
@@ -315,31 +303,23 @@ def protocol_of_solvers(
         kappa_excess_protocol_each=f"{kappa} / {limit} - 1",
         grid_part_protocol_each=f"({kappa} - {limit}) / ({kappa} - kappa_persson)",
     )
-    made = mean(
-        made,
+    names = [
         "kappa_protocol_by_solver",
         "kappa_protocol_limit",
         "kappa_excess_protocol",
         "grid_part_protocol",
-    )
+    ]
+    made = mean(made, *names)
     return derive(made, kappa_hyun_difference="kappa_hyun - kappa_protocol_limit")
 
 
-def observed_order(
-    data: xr.Dataset,
-    name: str,
-    *,
-    to: str,
-    x: str = "points_per_wave",
-    along: str = "grid",
-    over: str = "surface",
-) -> xr.Dataset:
-    """Add the order with which a mean over surfaces falls with the spacing 1/x, by least squares of the logarithms.
+def observed_order(data: xr.Dataset, name: str, *, to: str) -> xr.Dataset:
+    """Add the order with which a mean over surfaces falls with the spacing, by least squares of the logarithms.
 
     Its 95 % interval is that of the jackknife over the surfaces. NaN where a value is.
     """
-    rows = data[f"{name}_each"].transpose(over, along).values
-    spacing, count = 1 / data[x].values, rows.shape[0]
+    rows = data[f"{name}_each"].transpose("surface", "grid").values
+    spacing, count = 1 / data.points_per_wave.values, rows.shape[0]
 
     def order(some: np.ndarray) -> float:
         error = some.mean(axis=0)
@@ -347,7 +327,8 @@ def observed_order(
             return float("nan")
         return order_of_convergence(spacing, np.where(error == 0, 1e-12, error))
 
-    made: dict[str, Any] = {"reduction": "order", "of": f"{name}_each", "x": x, "along": along, "over": over}
+    places = {"x": "points_per_wave", "along": "grid", "over": "surface"}
+    made: dict[str, Any] = {"reduction": "order", "of": f"{name}_each", **places}
     value, half = xr.DataArray(order(rows), attrs=made), float("nan")
     if count > 1:
         left = np.array([order(np.delete(rows, k, axis=0)) for k in range(count)])

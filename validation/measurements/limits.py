@@ -42,7 +42,7 @@ def read_off(result: xr.Dataset, **expressions: str) -> xr.Dataset:
     return data
 
 
-def kept_of(result: xr.Dataset) -> xr.Dataset:
+def stored_variables(result: xr.Dataset) -> xr.Dataset:
     """Return all that a solve keeps, where each variable says that it is read off."""
     return read_off(result, **{str(name): str(name) for name in result.data_vars})
 
@@ -60,10 +60,8 @@ def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
     made: dict[str, Any] = {
         "area_each": limit.assign_attrs(reduction="limit", of="subcell"),
         "area_each_error": error_of(limit, grid=NORMAL * xr.DataArray(error, dims="load"), **ABSENT),
-        "area_pixel_each": plain.pixel.mean("shift").assign_attrs(reduction="shift mean", of="pixel"),
-        "area_perimeter_each": plain.perimeter.isel(grid=-1, drop=True)
-        .mean("shift")
-        .assign_attrs(reduction="shift mean", of="perimeter"),
+        **shift_means(plain, area_pixel="pixel"),
+        **shift_means(plain.isel(grid=-1, drop=True), area_perimeter="perimeter"),
         "rms_gradient_each": measured.attrs["rms_gradient"],
         "nayak_each": measured.attrs["nayak"],
         "seconds_each": plain.seconds.sum(),
@@ -73,6 +71,14 @@ def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
     data = xr.Dataset(made)
     names = {name: measured.attrs[name] for name in ("solve",) if name in measured.attrs}
     return data.assign_attrs(names)
+
+
+def shift_means(measured: xr.Dataset, **quantities: str) -> dict[str, xr.DataArray]:
+    """Return means over the sub-grid shifts, each as ``<name>_each`` of a quantity of the solves."""
+    return {
+        f"{name}_each": measured[of].mean("shift").assign_attrs(reduction="shift mean", of=of)
+        for name, of in quantities.items()
+    }
 
 
 def grid_drift(dataset: xr.Dataset) -> NDArray[np.float64]:
@@ -147,15 +153,12 @@ def straight_limit(
     then.
     """
     for name in names:
-        values = data[f"{name}_{of}_each"]
-        limit = _straight(values, data[x], most=most)
-        finest = values.isel(grid=-1, drop=True)
-        before = {"grid": slice(None, -1)}
-        coarser = (
-            _straight(values.isel(before), data[x].isel(before), most=most)
-            if data.sizes["grid"] > 2
-            else finest
-        )
+        values, spacing, before = data[f"{name}_{of}_each"], 1 / data[x], {"grid": slice(None, -1)}
+        limit, coarser = two_grid_limit(values, spacing), values.isel(grid=-1, drop=True)
+        if data.sizes["grid"] > 2:
+            coarser = two_grid_limit(values.isel(before), spacing.isel(before))
+        if most is not None:
+            limit, coarser = limit.clip(0.0, most), coarser.clip(0.0, most)
         made: dict[str, Any] = {"reduction": "straight limit", "of": f"{name}_{of}_each", "x": x}
         made |= {} if most is None else {"most": most}
         added = {f"{name}_each": limit.assign_attrs(made), f"{name}_each_drift": limit - coarser}
@@ -163,11 +166,14 @@ def straight_limit(
     return data
 
 
-def _straight(values: xr.DataArray, x: xr.DataArray, *, most: float | None) -> xr.DataArray:
-    coarse, fine = (values.isel(grid=k, drop=True) for k in (-2, -1))
-    ratio = float(x[-2] / x[-1])
-    limit = (fine - ratio * coarse) / (1 - ratio)
-    return limit if most is None else limit.clip(0.0, most)
+def two_grid_limit(values: xr.DataArray, spacing: xr.DataArray) -> xr.DataArray:
+    """Value at dx -> 0 of what is counted, by a straight line in dx through the two finest grids."""
+    grid = str(spacing.dims[-1])
+    (coarse, low), (fine, high) = (
+        (array.isel({grid: k}, drop=True) for array in (spacing, values)) for k in (-2, -1)
+    )
+    limit: xr.DataArray = high + (high - low) * fine / (coarse - fine)
+    return limit
 
 
 #: What no area of a plain half-space depends on.

@@ -19,8 +19,6 @@ from validation.measurements.measurement import without_waves_beyond
 from validation.report.estimates import claim, derive, mean
 from validation.scenes.problem import ContactProblem
 
-#: What is read off every state.
-_READ = ("area", "patch_density", "relative_patch_size", "largest_patch", "area_inside", "load_inside")
 #: Located area, and magnification, up to which a threshold is bracketed.
 _AREA, _ZETA = 2e-3, 1.002
 _AXES: tuple[Literal["x", "y"], ...] = ("x", "y")
@@ -70,19 +68,20 @@ def magnified(
             return np.nan, np.nan
         return states.threshold(passes, low, high, area=_AREA, ratio=_ZETA)
 
-    values = {name: np.empty((len(reduced_pressures), len(magnifications))) for name in _READ}
-    for j, load in enumerate(reduced_pressures):
-        states = states_at(load)
+    rows = []
+    for load in reduced_pressures:
+        states, unit = states_at(load), problem.longest**2
         last = states(magnifications[-1])
-        for i in reversed(range(len(magnifications))):
-            for name, value in _read_off(states(magnifications[i]), last, unit=problem.longest**2).items():
-                values[name][j, i] = value
+        rows.append([_read_off(states(zeta), last, unit=unit) for zeta in reversed(magnifications)][::-1])
     thresholds = np.empty((len(percolating), 2, 2, 2))
     for j, load in enumerate(percolating):
         states = states_at(load)
         for i, axis in enumerate(_AXES):
             thresholds[j, i] = threshold(states, contact_is_apart(axis)), threshold(states, gap_is_open(axis))
-    data: dict[str, Any] = {f"{name}_each": (("load", "magnification"), values[name]) for name in _READ}
+    data: dict[str, Any] = {
+        f"{name}_each": (("load", "magnification"), [[cell[name] for cell in row] for row in rows])
+        for name in rows[0][0]
+    }
     for i, name in enumerate(("area", "magnification")):
         data[f"percolation_{name}_axis_each"] = (("percolating", "axis", "phase"), thresholds[..., i])
     field = problem.field

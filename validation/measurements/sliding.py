@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from fem_contact.sliding import SlidingContact, slide
+from fem_contact.sliding import slide
 from fem_contact.viscoelastic import PronySolid, TabulatedSolid
 from persson.sliding import friction_of_waves
 from persson.variants import corrected_contact_area
@@ -43,30 +43,19 @@ def slides(
 
     `QUANTITIES` over (grid, velocity), v [m/s] along x; the solid of `problem` is the relaxed one.
     """
-    values = {name: np.empty((len(grids), len(velocities))) for name in QUANTITIES}
+    values, gradient = np.empty((len(QUANTITIES), len(grids), len(velocities))), problem.field.rms_gradient
     for i, grid in enumerate(grids):
         heights, start = problem.heights(grid), None
         for k, velocity in enumerate(velocities):
-            contact = slide(
+            sliding = slide(
                 heights, rubber, velocity=velocity, mean_pressure=problem.pressure, start=start, threads=1
             ).checked()
-            start = contact.contact.pressure
-            for name, value in _read_off(contact, gradient=problem.field.rms_gradient).items():
-                values[name][i, k] = value
-    return xr.Dataset({name: (("grid", "velocity"), values[name]) for name in QUANTITIES})
-
-
-def _read_off(sliding: SlidingContact, *, gradient: float) -> dict[str, float]:
-    contact = sliding.contact
-    return {
-        "friction": sliding.slopes / gradient,
-        "dissipation": sliding.dissipation / gradient,
-        "area": located_area(contact),
-        "contraction": sliding.contraction,
-        "steps": contact.cost.iterations,
-        "fft_pairs": contact.cost.fft_pairs,
-        "residual": contact.residuals.worst,
-    }
+            contact = sliding.contact
+            start = contact.pressure
+            friction = sliding.slopes / gradient, sliding.dissipation / gradient
+            costs = contact.cost.iterations, contact.cost.fft_pairs, contact.residuals.worst
+            values[:, i, k] = *friction, located_area(contact), sliding.contraction, *costs
+    return xr.Dataset({name: (("grid", "velocity"), values[q]) for q, name in enumerate(QUANTITIES)})
 
 
 def slid_of(measured: xr.Dataset, solve: Call) -> xr.Dataset:

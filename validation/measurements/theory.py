@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -145,18 +144,14 @@ def with_ensemble(data: xr.Dataset, spectrum: Spectrum | None) -> xr.Dataset:
     return data.assign(area_ensemble_each=(("surface", "load"), areas))
 
 
-def with_variants(data: xr.Dataset, variants: Iterable[Variant] = tuple(VARIANTS)) -> xr.Dataset:
+def with_variants(data: xr.Dataset) -> xr.Dataset:
     """Add ``area_<variant>``: A/A0 of the theory and its variants at each p* with the realised gradient."""
     full = elastic.stress_variance(1.0, contact_modulus=1.0)
     pressure = data.reduced_pressure
-    areas = {
-        f"area_{name}": (
-            pressure.dims,
-            corrected_contact_area(pressure.values, stress_variance=full, variant=name),
-        )
-        for name in variants
-    }
-    return data.assign(areas)
+    for name in VARIANTS:
+        area = corrected_contact_area(pressure.values, stress_variance=full, variant=name)
+        data = data.assign({f"area_{name}": (pressure.dims, area)})
+    return data
 
 
 def modes_finding(data: xr.Dataset) -> Finding:

@@ -22,7 +22,7 @@ def yielded_by_theory(problem: ContactProblem, hardness: float) -> tuple[float, 
     return float(parts.plastic), float(parts.elastic)
 
 
-def kept_waves(contact: ContactResult, problem: ContactProblem) -> tuple[Array, Array, float]:
+def remaining_waves(contact: ContactResult, problem: ContactProblem) -> tuple[Array, Array, float]:
     """Return what yielding and unloading leave of a surface.
 
     Wavevectors [1/m] (n,) of the spectrum; C(q) after, over that before (n,); <|grad h|^2> after, over that
@@ -37,7 +37,7 @@ def kept_waves(contact: ContactResult, problem: ContactProblem) -> tuple[Array, 
     return rings.q[band], left.power[band] / rings.power[band], float(slopes[1] / slopes[0])
 
 
-def kept_by_theory(problem: ContactProblem, hardness: float, wavevectors: Array) -> Array:
+def remaining_by_theory(problem: ContactProblem, hardness: float, wavevectors: Array) -> Array:
     """Share of C(q) that Persson's formula leaves, 1 - A_pl(q)/A_pl (2006, Sec. 10.2)."""
     spectrum = problem.spectrum_shape
     scaled = spectrum.scaled(float(problem.field.rms_gradient**2 / spectrum.m2()))

@@ -17,7 +17,7 @@ from validation.execution.measurement import Call
 from validation.measurements.block import block_beside_bem
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import Ladder, RisingOrNone
-from validation.measurements.external_codes import OWN, by_peer, code_words, installed_peers, known_peers
+from validation.measurements.external_codes import THIS_CODE, by_peer, code_versions, installed_peers, known_peers
 from validation.measurements.limits import solved
 from validation.measurements.measurement import area_limits, grid_for, press_on_grids
 from validation.measurements.ways import AREAS, chosen_ways, covered, way, ways_of_bem
@@ -64,7 +64,7 @@ class Options(PressedOptions):
         """Codes that are compared at equal error: those that are installed, where nobody names methods; and ours."""
         compared = "methods" not in self.model_fields_set and self.peer_points_per_wave
         installed = installed_peers() if compared else ()
-        return (*installed, OWN) if installed else ()
+        return (*installed, THIS_CODE) if installed else ()
 
 
 #: A part of the study, what is told apart in it, and the number of the surface.
@@ -159,7 +159,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         reduced_pressure=options.reduced_pressure,
         peers=" ".join([*codes[:-1], *(solver.name for solver in others)]),
         absent="" if others else ", ".join(code for code in known if code not in codes),
-        measured_by=code_words(codes) if codes else "",
+        measured_by=code_versions(codes) if codes else "",
         unsettled=_unsettled(measured),
         methods=" ".join([*cited, *(known[code] for code in codes[:-1]), "perimeter"]),
     )
@@ -257,7 +257,7 @@ def _against_peer(data: xr.Dataset, code: str) -> Finding:
         "off": float(rms[theirs]),
         "seconds": float(seconds[theirs]),
     }
-    twin = f"{OWN} {values['way']}"
+    twin = f"{THIS_CODE} {values['way']}"
     if twin in labels:
         k = labels.index(twin)
         text += "; the same area on the same grid is off by {off_here:%} here and takes {ratio_twin:.3} of the time"

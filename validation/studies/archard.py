@@ -16,7 +16,7 @@ from pydantic import Field, model_validator
 from validation.execution.bench import Bench
 from validation.measurements.common import Rising, RisingGrids
 from validation.measurements.hierarchy import archard_of, press_bumps
-from validation.measurements.limits import ABSENT, kept_of
+from validation.measurements.limits import ABSENT, stored_variables
 from validation.report.estimates import claim, derive, mean, power_law
 from validation.report.views import Figure, Level, Line, Panel, Table, Views, finding
 from validation.studies._options import Seed, StudyOptions, Surfaces
@@ -75,7 +75,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         )
         for n, k, points in itertools.product(counts, surfaces, options.grids)
     }
-    data = gathered(bench, cases, lambda d, _: kept_of(d), "level", "surface", "grid")
+    data = gathered(bench, cases, lambda d, _: stored_variables(d), "level", "surface", "grid")
     theory = [archard_of(waves[:n], heights[:n], loads=options.loads) for n in counts]
     loads = np.array(options.loads)
     data = data.drop_vars(["level", "grid"]).assign_coords(

@@ -20,7 +20,7 @@ from validation.execution.press import Press
 from validation.execution.running import Solves
 from validation.measurements.common import BASE_SOLID, base_case
 from validation.measurements.limits import ABSENT, straight_limit
-from validation.measurements.yielding import kept_by_theory, kept_waves, yielded_by_theory
+from validation.measurements.yielding import remaining_by_theory, remaining_waves, yielded_by_theory
 from validation.report.estimates import claim, derive, gather, mean
 from validation.report.marks import Figure, Line, Panel
 from validation.report.views import Column, Finding, Table, Views, finding, of_one_surface
@@ -149,11 +149,11 @@ def _areas(solves: tuple[Press, ...], options: Options, solved: Solves) -> xr.Da
 
 def _smoothed(solve: Press, options: Options, solved: Solves) -> xr.Dataset:
     problem = solve.problem
-    q, shares, gradient = kept_waves(solved[solve].checked(), problem)
+    q, shares, gradient = remaining_waves(solved[solve].checked(), problem)
     return xr.Dataset(
         {
             "spectrum_kept_each": ("wave", shares),
-            "spectrum_kept_persson_each": ("wave", kept_by_theory(problem, options.limit, q)),
+            "spectrum_kept_persson_each": ("wave", remaining_by_theory(problem, options.limit, q)),
             "gradient_kept_each": gradient,
         },
         coords={"wave": q / problem.spectrum_shape.q_long},

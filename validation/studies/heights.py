@@ -17,7 +17,7 @@ from validation.execution.bench import Bench
 from validation.execution.measurement import Call
 from validation.measurements.common import Rising, base_case
 from validation.measurements.heights import HEIGHT_EDGES, height_statistics
-from validation.measurements.limits import ABSENT, kept_of, solved
+from validation.measurements.limits import ABSENT, stored_variables, solved
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, gather, mean
 from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, finding
@@ -67,7 +67,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     load) of the two spectra at the same p0, and Persson's told each gradient.
     """
     surfaces, middles = range(options.surfaces), (HEIGHT_EDGES[1:] + HEIGHT_EDGES[:-1]) / 2
-    measured = {place: kept_of(result) for place, result in solved(bench, _cases(options)).items()}
+    measured = {place: stored_variables(result) for place, result in solved(bench, _cases(options)).items()}
     samples, spectra = (
         gather({at[1:]: d for at, d in measured.items() if at[0] == dim}, **{dim: along, "surface": surfaces})
         for dim, along in {"sample": options.periods, "spectrum": _SPECTRA}.items()

@@ -17,7 +17,7 @@ from persson.percolation import SITE_THRESHOLD
 from persson.separation import macroasperity_magnification
 from validation.execution.bench import Bench
 from validation.measurements.common import Rising, RisingOrNone, base_case
-from validation.measurements.limits import ABSENT, kept_of
+from validation.measurements.limits import ABSENT, stored_variables
 from validation.measurements.magnified import magnified, with_macroasperities
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, mean, nearest
@@ -73,7 +73,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         )
         for k in range(options.surfaces)
     }
-    data = gathered(bench, cases, lambda d, _: kept_of(d), "surface").assign_coords(
+    data = gathered(bench, cases, lambda d, _: stored_variables(d), "surface").assign_coords(
         reduced_pressure=("load", list(options.reduced_pressures)),
         magnification=list(options.magnifications),
         percolating_pressure=("percolating", list(options.percolating)),
