@@ -28,6 +28,7 @@ from validation.effects.hardness import Hardness
 from validation.execution.measurement import Call, measurement
 from validation.execution.press import Press
 from validation.execution.running import Solves
+from validation.measurements.measurement import even_points
 from validation.measurements.yielding import yielded_by_theory
 from validation.report.estimates import claim, derive
 from validation.scenes.problem import ContactProblem
@@ -109,14 +110,15 @@ class Sticking:
             "area_plain": [contact.in_contact.mean() for contact in plain],
             "area_plastic": [contact.at_bound.mean() for contact in sticky],
         }
+        solutions = readings(problem, work=work, hardness=self.hardness)
+        improved, plastic = solutions["improved"], math.nan
         if self.hardness is None:
             counted["area_plastic"] = [math.nan] * len(self.grids)
-        solutions = readings(problem, work=work, hardness=self.hardness)
-        improved = solutions["improved"]
-        hard = self.hardness is not None and improved is not None
+        elif improved is not None:
+            plastic = float(improved.area_plastic[-1])
         numbers: dict[str, float] = {
             "area_plain_persson": without_adhesion(problem, self.hardness),
-            "area_plastic_improved": float(improved.area_plastic[-1]) if hard and improved else math.nan,
+            "area_plastic_improved": plastic,
             "interface_energy": interface_energy(sticky[-1], self.adhesion.gap_law()) / work,
             "attraction_range": self.adhesion.gap_law().reach / problem.field.rms_height,
         }
@@ -125,13 +127,11 @@ class Sticking:
             numbers[f"interface_energy_{reading}"] = (
                 math.nan if solution is None else solution.macroscopic_work / work
             )
-        return xr.Dataset(
-            {f"{name}_pixel_each": ("grid", values) for name, values in counted.items()}
-            | {f"{name}_each": value for name, value in numbers.items()}
-            | {"solve": ("grid", [solve.key for solve in self.solves()])}
-            | {"solve_plain": ("grid", [solve.key for solve in self.solves(sticky=False)])},
-            coords={"points": ("grid", list(self.grids))},
-        )
+        data: dict[str, Any] = {f"{name}_pixel_each": ("grid", values) for name, values in counted.items()}
+        data |= {f"{name}_each": value for name, value in numbers.items()}
+        for name, attracted in (("solve", True), ("solve_plain", False)):
+            data[name] = "grid", [solve.key for solve in self.solves(sticky=attracted)]
+        return xr.Dataset(data, coords={"points": ("grid", list(self.grids))})
 
 
 @measurement(
@@ -209,37 +209,32 @@ class Cut:
         w / range is the theory's detachment stress at the last wave, where `reach` is 1: it multiplies the
         range.
         """
-        n = finer * 2 * math.ceil(points / 2 - 1e-9)
-        arguments: dict[str, Any] = {"contact_modulus": self.problem.contact_modulus}
-        arguments |= {"wavevector": 2 * np.pi / self.problem.shortest}
-        interface = Interface(work_of_adhesion=self.work)
-        strength = float(detachment_stress(self.work, interface=interface, **arguments))
-        range_of = reach * self.work / strength
-        given: dict[str, Any] = {"problem": self.problem, "grid": (n, n)}
-        return sticky_contact(**given, work=self.work, reach=range_of, shells=shells)
+        n, problem, work = finer * even_points(points), self.problem, self.work
+        last = {"contact_modulus": problem.contact_modulus, "wavevector": 2 * np.pi / problem.shortest}
+        strength = detachment_stress(work, interface=Interface(work_of_adhesion=work), **last)
+        range_of = reach * work / float(strength)
+        return sticky_contact(problem=problem, grid=(n, n), work=work, reach=range_of, shells=shells)
 
     def reduced(self, grids: Sequence[xr.Dataset]) -> xr.Dataset:
         """Return what is read off the solves on each grid, and what the theory says."""
         counted = {"area_pixel": "area", "area_plain_pixel": "plain", "area_parted_pixel": "parted"}
         counted |= {"force_inside_grid": "force", "tension_grid": "tension"}
-        counted_each = {
+        data: dict[str, Any] = {
             f"{name}_each": ("grid", [float(measured[of]) for measured in grids])
             for name, of in counted.items()
         }
         energies = [float(measured.stored.sum() / measured.full.sum()) for measured in grids]
-        theory: dict[str, Any] = {"area_plain_persson_each": without_adhesion(self.problem)}
+        data["area_plain_persson_each"] = without_adhesion(self.problem)
         for reading in READINGS:
             contact = self.theory.get(reading)
             seen = _NOTHING if contact is None else _seen(contact, self.problem)
             for name, value in seen.items():
-                theory[f"{name}_{reading}_each"] = ("stress_bin" if np.ndim(value) else (), value)
-        numbers = {
-            "energy_ratio_grid_each": ("grid", energies),
-            "stress_share_each": ("stress_bin", grids[-1].stress.values),
-            "solve": ("grid", [measured.attrs["solve"] for measured in grids]),
-        }
+                data[f"{name}_{reading}_each"] = ("stress_bin" if np.ndim(value) else (), value)
+        data["energy_ratio_grid_each"] = "grid", energies
+        data["stress_share_each"] = "stress_bin", grids[-1].stress.values
+        data["solve"] = "grid", [measured.attrs["solve"] for measured in grids]
         middle = (STRESS_EDGES[1:] + STRESS_EDGES[:-1]) / 2
-        return xr.Dataset({**counted_each, **theory, **numbers}, coords={"stress": ("stress_bin", middle)})
+        return xr.Dataset(data, coords={"stress": ("stress_bin", middle)})
 
 
 #: What is read off the theory where it has no answer.

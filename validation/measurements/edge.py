@@ -31,6 +31,7 @@ Place = TypeVar("Place")
 #: and before the curvature of the patch is felt.
 _NEAR, _FAR = 1.5, 4.0
 _BINS = 120
+_WINDOW = 1.2
 #: Largest pressure, over E* h'_rms.
 _TOP = 0.6
 
@@ -101,12 +102,11 @@ def slopes_of(
     surfaces: Mapping[Place, ContactProblem],
     *,
     points_per_wave: Sequence[float],
-    window: float = 1.2,
 ) -> dict[Place, xr.Dataset]:
     """P'(0) of each surface at dx -> 0, and how far it moves without the coarsest of its grids.
 
     ``pressure_slope_each`` in units of (E* h'_rms)^-2, by a polynomial of at most second degree in
-    dx^(1/2), and its drift. Grids are rising lambda_short/dx; `window_slope` ends at `window` E* h'_rms
+    dx^(1/2), and its drift. Grids are rising lambda_short/dx; `window_slope` ends at 1.2 E* h'_rms
     sqrt(dx/lambda_short).
     """
     cases = {
@@ -120,7 +120,7 @@ def slopes_of(
         # A grid is even, and so a little finer than asked for.
         spacing = [1 / surface.points_per_wave(cases[place, n]["grid"]) for n in points_per_wave]
         starts = {
-            n: start_of_pressure(measured[place, n], spacing=dx, window=window, slope_window=window)
+            n: start_of_pressure(measured[place, n], spacing=dx, window=_WINDOW, slope_window=_WINDOW)
             for n, dx in zip(points_per_wave, spacing, strict=True)
         }
         data = edge_limits(gather(starts, grid=points_per_wave).assign_coords(spacing=("grid", spacing)))

@@ -7,11 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from validation.measurements.distributions import (
-    PATCH_EDGES,
-    STRESS_EDGES,
-    distance_to_reference,
-)
+from validation.measurements.distributions import PATCH_EDGES, STRESS_EDGES, distance_to_reference
 from validation.measurements.limits import ABSENT, limits_of
 from validation.report.estimates import NORMAL, error_of
 
@@ -82,13 +78,10 @@ def reduced_path(measured: xr.Dataset, *, shortest: float) -> xr.Dataset:
     for name, share in SHARES.items():
         shares = measured[f"{name}_profile"].isel(grid=-1, drop=True)
         how = {"reduction": "finest profile", "of": f"{name}_profile"}
-        made[f"{share}_each"] = (("load", _BINS[name]), shares.values, how)
+        made[f"{share}_each"] = (("load", f"{name.partition('_')[0]}_bin"), shares.values, how)
     return data.assign(made).assign_coords(
         stress_upper=("stress_bin", STRESS_EDGES[1:]), patch_upper=("patch_bin", PATCH_EDGES[1:])
     )
-
-
-_BINS = {"stress": "stress_bin", "patch_area": "patch_bin", "patch_number": "patch_bin"}
 
 
 def moved_shares(data: xr.Dataset) -> xr.Dataset:

@@ -47,13 +47,16 @@ QUANTITIES = (
 
 def grid_for(problem: ContactProblem, points_per_wave: float) -> Grid:
     """Smallest even grid with at least that many points on lambda_short, along both axes."""
-    nx, ny = (
-        2 * int(np.ceil(points_per_wave * length / problem.shortest / 2 - 1e-9)) for length in problem.lengths
-    )
+    nx, ny = (even_points(points_per_wave * length / problem.shortest) for length in problem.lengths)
     return nx, ny
 
 
-#: Of the solver where nobody says otherwise.
+def even_points(points: float) -> int:
+    """Return the smallest even number of points that is at least that."""
+    return 2 * math.ceil(points / 2 - 1e-9)
+
+
+#: Of the solver by default.
 TOLERANCE = 1e-8
 
 #: Tolerance whose effect on the located area is below a hundredth of what its grids leave, at 8 points per

@@ -10,7 +10,7 @@ from validation.report.estimates import derive, total_error
 
 
 class Published(NamedTuple):
-    """A number as published: for a range of Hurst exponents, who gave it (by `PAPERS`), and how it was found in a few words.
+    """A number as published: for a range of Hurst exponents, who gave it (by `PAPERS`), and by which method.
 
     `quantity` is its name in datasets; `low` and `high` are the same for a single number.
     """
@@ -19,12 +19,13 @@ class Published(NamedTuple):
     low: float
     high: float
     hurst: tuple[float, float]
-    words: str
+    method: str
     papers: tuple[str, ...]
 
 
 _FIVE = ("hyun2004", "campana2007", "prodanov2014", "yastrebov2015", "monti2021")
 _GRID_SCALE = "Hyun 2004 as read by Persson 2006: roughness to the grid scale"
+_BORRI = ("borri2006", "persson2006")
 _H = (0.8, 0.8)
 
 PUBLISHED = (
@@ -35,14 +36,7 @@ PUBLISHED = (
     # alpha of A = alpha F over that of the theory, as Persson (2006, Sec. 3.5) quotes it for D_f = 2.2.
     Published("kappa_ratio", 1.14, 1.14, _H, "Yang 2006, molecular dynamics", ("yang2006", "persson2006")),
     Published("kappa_ratio", 1.13, 1.13, _H, "Hyun 2004, finite elements", ("hyun2004", "persson2006")),
-    Published(
-        "kappa_ratio",
-        0.8,
-        0.8,
-        _H,
-        "Borri-Brunetto 2006, discretised continuum",
-        ("borri2006", "persson2006"),
-    ),
+    Published("kappa_ratio", 0.8, 0.8, _H, "Borri-Brunetto 2006, discretised continuum", _BORRI),
 )
 
 
@@ -63,7 +57,7 @@ def published(quantity: str) -> xr.Dataset:
             "hurst_published": (dims, [row.hurst for row in of]),
         },
         coords={
-            dims[0]: [row.words for row in of],
+            dims[0]: [row.method for row in of],
             f"{quantity}_published_range": (
                 dims[0],
                 [" to ".join(dict.fromkeys((f"{row.low:g}", f"{row.high:g}"))) for row in of],

@@ -33,8 +33,7 @@ _EDGE = 1e-9
 def areas_of(result: ContactResult) -> tuple[float, ...]:
     """Return the four counts of A/A0 named in `AREAS`, in that order, of a boundary-element result."""
     areas = contact_areas(result, edge_constant=EDGE_CONSTANTS["bem"], subcell=True)
-    assert areas.subcell is not None
-    return areas.pixel, areas.perimeter, areas.edge_fraction, areas.subcell
+    return tuple(float(getattr(areas, name)) for name in AREAS)
 
 
 def _dataset(
@@ -59,11 +58,6 @@ def _step(before: Pressed, after: Sequence[Pressed], *, unit: float) -> dict[str
 def pressed(result: ContactResult) -> Pressed:
     """Return pressures and contact of a result."""
     return Pressed(pressure=np.asarray(result.pressure), in_contact=np.asarray(result.in_contact))
-
-
-def even_points(points: float) -> int:
-    """Return the smallest even number of points that is at least that."""
-    return 2 * int(np.ceil(points / 2 - 1e-9))
 
 
 def ring_ends(*, periods: float, bandwidth: float, steps_per_octave: int) -> Array:

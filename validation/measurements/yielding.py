@@ -12,6 +12,7 @@ from persson.hardness import constant_hardness
 from persson.scale import Scale
 from persson.tabulated import smoothed
 from validation.arrays import Array
+from validation.measurements.grid_roughness import squared_gradient
 from validation.scenes.problem import ContactProblem
 
 
@@ -33,7 +34,7 @@ def remaining_waves(contact: ContactResult, problem: ContactProblem) -> tuple[Ar
     spectrum = problem.spectrum_shape
     rings, left = radial_spectrum(before), radial_spectrum(after)
     band = (rings.q >= spectrum.q_long) & (rings.q <= spectrum.q_short)
-    slopes = [_squared_gradient(field)[contact.at_bound].mean() for field in (before, after)]
+    slopes = [squared_gradient(field, 1)[contact.at_bound].mean() for field in (before, after)]
     return rings.q[band], left.power[band] / rings.power[band], float(slopes[1] / slopes[0])
 
 
@@ -47,11 +48,3 @@ def remaining_by_theory(problem: ContactProblem, hardness: float, wavevectors: A
     share = np.minimum(parts.plastic * hardness / problem.pressure, 1.0)
     after = smoothed(scaled, wavevectors=fine, yielded=share)
     return np.asarray(after(wavevectors) / scaled(wavevectors))
-
-
-def _squared_gradient(field: HeightField) -> Array:
-    dx, dy = field.spacing
-    h = field.heights
-    gx = (np.roll(h, -1, axis=0) - np.roll(h, 1, axis=0)) / (2 * dx)
-    gy = (np.roll(h, -1, axis=1) - np.roll(h, 1, axis=1)) / (2 * dy)
-    return np.asarray(gx**2 + gy**2)

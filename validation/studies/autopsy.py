@@ -21,7 +21,8 @@ from validation.measurements.common import Rising, base_case, base_surface
 from validation.measurements.diffusion import budgets_of, of_probe, with_diffusion_terms
 from validation.measurements.edge import slopes_of
 from validation.measurements.limits import ABSENT
-from validation.measurements.rings import RING, chain, even_points, probe, ring_ends
+from validation.measurements.measurement import even_points
+from validation.measurements.rings import RING, chain, probe, ring_ends
 from validation.report.estimates import claim, derive, gather, nearest
 from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding, panels_along
 from validation.scenes.problem import ContactProblem
