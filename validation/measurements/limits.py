@@ -169,9 +169,8 @@ def straight_limit(
 def two_grid_limit(values: xr.DataArray, spacing: xr.DataArray) -> xr.DataArray:
     """Value at dx -> 0 of what is counted, by a straight line in dx through the two finest grids."""
     grid = str(spacing.dims[-1])
-    (coarse, low), (fine, high) = (
-        (array.isel({grid: k}, drop=True) for array in (spacing, values)) for k in (-2, -1)
-    )
+    coarse, fine = (spacing.isel({grid: k}, drop=True) for k in (-2, -1))
+    low, high = (values.isel({grid: k}, drop=True) for k in (-2, -1))
     limit: xr.DataArray = high + (high - low) * fine / (coarse - fine)
     return limit
 
