@@ -17,7 +17,13 @@ from validation.execution.measurement import Call
 from validation.measurements.block import block_beside_bem
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import Ladder, RisingOrNone
-from validation.measurements.external_codes import THIS_CODE, by_peer, code_versions, installed_peers, known_peers
+from validation.measurements.external_codes import (
+    THIS_CODE,
+    by_peer,
+    code_versions,
+    installed_peers,
+    known_peers,
+)
 from validation.measurements.limits import solved
 from validation.measurements.measurement import area_limits, grid_for, press_on_grids
 from validation.measurements.ways import AREAS, chosen_ways, covered, way, ways_of_bem

@@ -17,7 +17,7 @@ from validation.execution.bench import Bench
 from validation.execution.measurement import Call
 from validation.measurements.common import Rising, base_case
 from validation.measurements.heights import HEIGHT_EDGES, height_statistics
-from validation.measurements.limits import ABSENT, stored_variables, solved
+from validation.measurements.limits import ABSENT, solved, stored_variables
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, gather, mean
 from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, finding
