@@ -86,15 +86,17 @@ def studies() -> Mapping[str, Study]:
         For an entry point that cannot be loaded, is no study, or has a name that is taken.
     """
     names = sorted(info.name for info in pkgutil.iter_modules(__path__) if not info.name.startswith("_"))
-    found = {name.replace("_", "-"): importlib.import_module(f"{__name__}.{name}") for name in names}
+    modules = {name.replace("_", "-"): importlib.import_module(f"{__name__}.{name}") for name in names}
     for where, name, module in entries("fem_contact.studies"):
-        if name in found:
-            raise UsageError(f"{where}: the name {name!r} is that of {found[name].__name__}; have it renamed")
+        if name in modules:
+            raise UsageError(
+                f"{where}: the name {name!r} is that of {modules[name].__name__}; have it renamed"
+            )
         lacking = [part for part in ("Options", "run", "views") if not hasattr(module, part)]
         if lacking:
             raise UsageError(f"{where}: must be a module with {', '.join(map(repr, lacking))}")
-        found[name] = module
-    return {name: Study(name=name, module=module) for name, module in found.items()}
+        modules[name] = module
+    return {name: Study(name=name, module=module) for name, module in modules.items()}
 
 
 def find_study(name: str) -> Study:

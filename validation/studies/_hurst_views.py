@@ -147,11 +147,11 @@ def _beside(data: xr.Dataset) -> Iterator[Finding]:
     item = (
         "{kappa_by_solver} at H = {hurst}, {kappa_by_solver_difference:+%} from boundary elements ({verdict})"
     )
-    words = {"agree": "not distinguishable", "differ": "beyond the intervals"}
+    outcomes = {"agree": "not distinguishable", "differ": "beyond the intervals"}
     for k in range(1, data.sizes["solver"]):
         here = data.isel(solver=k)
         yield finding(
-            "agreement", form, here, item=item, over="hurst", by="kappa_by_solver_difference", words=words
+            "agreement", form, here, item=item, over="hurst", by="kappa_by_solver_difference", words=outcomes
         )
 
 
@@ -185,13 +185,15 @@ def _of_ladders(data: xr.Dataset) -> Iterator[Finding]:
         yield finding("comparison", form, data, item=item, over="ladder", by=by, **ends)
     form = "As waves are added at p* = {reduced_pressure_ladder}, for which the budget has bandwidth and size, kappa {each}."
     item = "{verdict} at H = {hurst_ladder}, limit {kappa_by_bandwidth_limit}, for an endless sample {kappa_by_size_limit}"
-    words = {"+": "falls", "-": "rises", "0": "shows no trend beyond its interval"}
-    yield finding("trend", form, data, item=item, over="ladder", by="kappa_by_bandwidth_slope", words=words)
+    outcomes = {"+": "falls", "-": "rises", "0": "shows no trend beyond its interval"}
+    yield finding(
+        "trend", form, data, item=item, over="ladder", by="kappa_by_bandwidth_slope", words=outcomes
+    )
     close = np.flatnonzero(np.isclose(data.hurst_ladder, _PUBLISHED))
     if close.size:
-        own, over = data.isel(ladder=int(close[0]), bandwidth_rung=-1), "paper_kappa_ratio"
+        last, over = data.isel(ladder=int(close[0]), bandwidth_rung=-1), "paper_kappa_ratio"
         form = "At D_f = 2.2, zeta = {bandwidth_rung} and p* = {reduced_pressure_ladder} alpha is {kappa_ratio_by_bandwidth} of "
         form += "Persson's; published, mostly for more waves: {each}."
         item, by = "{kappa_ratio_published} ({paper_kappa_ratio}) {verdict}", "kappa_ratio_difference"
-        words = {"agree": "agrees within the interval", "differ": "lies outside the interval"}
-        yield finding("agreement", form, own, item=item, over=over, by=by, words=words)
+        outcomes = {"agree": "agrees within the interval", "differ": "lies outside the interval"}
+        yield finding("agreement", form, last, item=item, over=over, by=by, words=outcomes)

@@ -145,7 +145,7 @@ class StudyOptions(Table):
         """Return what was asked, as JSON-ready data."""
         return self.model_dump(mode="json", exclude_none=True)
 
-    def words(self) -> Iterator[str]:
+    def remarks(self) -> Iterator[str]:
         """Yield what a reader should know of what was asked."""
         yield from ()
 
@@ -191,17 +191,17 @@ def _bare(kind: Any) -> Any:
 
 def _kind_words(field: FieldInfo) -> str:
     kind = _bare(field.annotation)
-    words = {int: "a whole number", float: "a number", str: "a text"}
+    names = {int: "a whole number", float: "a number", str: "a text"}
     if typing.get_origin(kind) is typing.Literal:
         return "one of " + ", ".join(map(str, typing.get_args(kind)))
     if typing.get_origin(kind) is not tuple:
-        return words.get(kind, "a text")
+        return names.get(kind, "a text")
     item = typing.get_args(kind)[0]
     while hasattr(item, "__metadata__"):
         item = item.__origin__
     if typing.get_origin(item) is typing.Literal:
         return "some of " + ", ".join(map(str, typing.get_args(item))) + ", with commas"
-    return words.get(item, "a text").removeprefix("a ") + "s with commas"
+    return names.get(item, "a text").removeprefix("a ") + "s with commas"
 
 
 def _unit_of(field: FieldInfo) -> str:

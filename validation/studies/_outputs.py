@@ -47,7 +47,7 @@ def run_study(
             name=study.name,
             settings=options.record(),
             store=bench.store.folder,
-            words=list(options.words()),
+            words=list(options.remarks()),
         )
         return report_study(folder, numbers_only=not report)
 

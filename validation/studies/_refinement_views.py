@@ -34,8 +34,8 @@ def views(data: xr.Dataset) -> Views:
 
 def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
     waves: dict[str, Any] = {"x": "points_per_wave", "log": "xy", "base": 2}
-    own = [Line(y=f"distance_{name}_size") for name in ("pixel", "perimeter", "located")]
-    panels = [Panel(marks=own, **waves)]
+    definitions = [Line(y=f"distance_{name}_size") for name in ("pixel", "perimeter", "located")]
+    panels = [Panel(marks=definitions, **waves)]
     if "element" in data.dims:
         both = [Line(y=f"distance_fem_{name}_size", by="element") for name in ("pixel", "perimeter")]
         panels.append(Panel(marks=both, **{**waves, "x": "points_per_wave_fem"}))
@@ -141,5 +141,5 @@ def _of_protocol(data: xr.Dataset) -> Iterator[Finding]:
         half = total_error(at, "kappa_excess_protocol")
         raised = half is not None and bool((at.kappa_excess_protocol > half).any())
         side = " (the grid, which raises kappa, explains none of that)" if raised else ""
-        words = {"-": f"below{side}", "+": "above", "0": "within the interval"}
-        yield finding("comparison", form, at, by="kappa_hyun_difference", words=words, **over)
+        outcomes = {"-": f"below{side}", "+": "above", "0": "within the interval"}
+        yield finding("comparison", form, at, by="kappa_hyun_difference", words=outcomes, **over)

@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 from validation.arrays import Grid
 from validation.effects.base import SlotName, effect_key
 from validation.execution.press import Press
-from validation.measurements.common import base_case
+from validation.measurements.common import BASE_SOLID, base_case
 from validation.measurements.measurement import grid_for
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import ContactProblem, realise
@@ -73,11 +73,10 @@ class PressedOptions(StudyOptions):
         clashes = [n for n in data if (n in taken and n not in (*cls.grids_of, "grids")) or n in _SPECTRUM]
         if clashes:
             raise wrong("; ".join(_clash(name, off=name in cls.off, scene=scene.name) for name in clashes))
-        path = {}
         if "reduced_pressures" in cls.model_fields:
-            given = data.get("reduced_pressures", cls.model_fields["reduced_pressures"].default)
-            path = {"reduced_pressures": _merged(given, _reduced(first))}
-        return {**data, **taken, **path, "scene": scene}
+            path = data.get("reduced_pressures", cls.model_fields["reduced_pressures"].default)
+            taken["reduced_pressures"] = _merged(path, first)
+        return {**data, **taken, "scene": scene}
 
     @classmethod
     def _on_grids(cls, scene: Scene, first: ContactProblem, data: Mapping[str, Any]) -> Scene:
@@ -88,11 +87,11 @@ class PressedOptions(StudyOptions):
                 continue
             if not all(isinstance(value, (int, float)) and value > 0 for value in values):
                 continue  # which the option is refused for
-            (lx, ly), points = first.lengths, values
+            lx, ly = first.lengths
             if option == "grids":
-                grids = tuple((int(n), round(n * ly / lx)) for n in points)
+                grids = tuple((int(n), round(n * ly / lx)) for n in values)
             else:
-                grids = tuple(grid_for(first, n) for n in points)
+                grids = tuple(grid_for(first, n) for n in values)
             tables[method] = table.model_copy(update={"grids": grids})
         return scene.model_copy(update={"methods": scene.methods.model_copy(update=tables)})
 
@@ -121,8 +120,9 @@ class PressedOptions(StudyOptions):
             grids = sorted(scene.methods.options("bem").grids, key=first.points_per_wave)
             options["grids"] = tuple(nx for nx, _ in grids)
         if "methods" in cls.model_fields:
-            tables = {name: scene.methods.options(name) for name in scene.methods.solvers}
-            options["methods"] = tuple(getattr(table, "solver", name) for name, table in tables.items())
+            options["methods"] = tuple(
+                getattr(scene.methods.options(name), "solver", name) for name in scene.methods.solvers
+            )
         table = scene.methods.options("bem")
         if "shifts" in cls.model_fields and "shifts" in table.model_fields_set:
             options["shifts"] = table.shifts
@@ -144,16 +144,9 @@ class PressedOptions(StudyOptions):
         """The first surface with its solid and load."""
         if self.scene is not None:
             return replace(realise(self.scene), drawn=True)
-        return base_case(self.self_affine(), reduced_pressure=self._load, **self._solid)
-
-    @property
-    def _load(self) -> float:
-        loads = getattr(self, "reduced_pressures", None)
-        return float(loads[0]) if loads else float(getattr(self, "reduced_pressure"))  # noqa: B009
-
-    @property
-    def _solid(self) -> dict[str, Any]:
-        return {}
+        solid = BASE_SOLID.model_copy(update=self.model_dump(include={"poisson"}))
+        loads = getattr(self, "reduced_pressures", ()) or (getattr(self, "reduced_pressure", None),)
+        return base_case(self.self_affine(), reduced_pressure=loads[0], solid=solid)
 
     @cached_property
     def pressed(self) -> tuple[ContactProblem, ...]:
@@ -232,20 +225,18 @@ class PressedOptions(StudyOptions):
         if self.scene is not None:
             long, short = problem.longest, problem.shortest
             numbers = {"periods": min(problem.lengths) / long, "bandwidth": long / short}
-        hurst = getattr(problem.surface, "hurst", None)
-        return numbers if hurst is None else {"hurst": hurst, **numbers}
+        return {**problem.surface.model_dump(include={"hurst"}, exclude_none=True), **numbers}
 
     def record(self) -> dict[str, Any]:
         """Return what was asked, as JSON-ready data: a scene in full, and no option that it stands in for."""
         if self.scene is None:
             return super().record()
-        left = {"scene", *_SPECTRUM}
-        made = self.model_dump(mode="json", exclude_none=True, exclude=left)
-        seed = getattr(self.scene.surface, "seed", None)
-        seeds = {} if seed is None else {"seed": seed}
-        return {**made, **seeds, "scene": self.scene.model_dump(mode="json", exclude_none=True)}
+        json: dict[str, Any] = {"mode": "json", "exclude_none": True}
+        seed = self.scene.surface.model_dump(include={"seed"}, **json)
+        options = self.model_dump(exclude={"scene", *_SPECTRUM}, **json)
+        return {**options, **seed, "scene": self.scene.model_dump(**json)}
 
-    def words(self) -> Iterator[str]:
+    def remarks(self) -> Iterator[str]:
         """Say what a scene was asked for, and what of it is not used."""
         from validation.studies._scene_words import scene_words
 
@@ -281,15 +272,10 @@ def _clash(name: str, *, off: bool, scene: str) -> str:
     return f"{flag}: the scene {scene!r} says it; {remedy} {flag} out"
 
 
-def _reduced(problem: ContactProblem) -> tuple[float, ...]:
-    if problem.load.reduced_pressure is not None:
-        return problem.load.values
-    return tuple(pressure / problem.pressure_scale for pressure in problem.pressures)
-
-
-def _merged(path: Any, loads: Sequence[float]) -> tuple[float, ...]:
-    if len(loads) > 1:
-        return tuple(sorted(set(loads)))
-    (load,) = loads
-    others = [float(p) for p in path if abs(float(p) / load - 1) > _SAME]
-    return tuple(sorted([*others, load]))
+def _merged(path: Any, problem: ContactProblem) -> tuple[float, ...]:
+    """Return the loads [p*] of a problem, where it is one with those of a path."""
+    loads = problem.load.values
+    if problem.load.reduced_pressure is None:
+        loads = tuple(pressure / problem.pressure_scale for pressure in problem.pressures)
+    others = [float(p) for p in path if abs(float(p) / loads[0] - 1) > _SAME] if len(loads) == 1 else []
+    return tuple(sorted({*others, *loads}))

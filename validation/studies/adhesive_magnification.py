@@ -41,7 +41,7 @@ _SOLID = SolidSpec(young=1e7, poisson=0.5)
 #: gamma_eff over w below which no solve is tried.
 _LEAST = 0.02
 #: Which work the cut surface is given.
-_OWN, _EFFECTIVE = "w", "gamma_eff(zeta)"
+_FULL, _EFFECTIVE = "w", "gamma_eff(zeta)"
 #: What is compared with the theory.
 _COMPARED = ("area", "force_inside", "energy_ratio", "tension")
 
@@ -74,34 +74,32 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     wholes = [_full_surface(options, k) for k in range(options.surfaces)]
     along = [readings(whole, work=work, area="projected") for whole, work in wholes]
-    places = list(itertools.product((_OWN, _EFFECTIVE), range(options.surfaces), options.magnifications))
-    cuts = {
-        at: _cut(options, at[1], at[2], along=along[at[1]] if at[0] == _EFFECTIVE else None) for at in places
-    }
-    held = {at: cut for at, cut in cuts.items() if cut is not None}
+    cuts: dict[tuple[str, int, float], Cut] = {}
+    for k, zeta in itertools.product(range(options.surfaces), options.magnifications):
+        for work, solutions in ((_FULL, None), (_EFFECTIVE, along[k])):
+            if cut := _cut(options, k, zeta, along=solutions):
+                cuts[work, k, zeta] = cut
     q_long = 2 * np.pi * options.periods / _LENGTH
     edges = q_long * np.array([1.0, *options.magnifications])
     shells = tuple(float(q_long * zeta) for zeta in options.magnifications)
     points = [per_wave * options.periods for per_wave in options.points_per_wave]
     cases: dict[Any, Call] = {
-        (at, g): cut.solve(n * at[2], shells=shells) for at, cut in held.items() for g, n in enumerate(points)
+        (at, g): cut.solve(n * at[2], shells=shells) for at, cut in cuts.items() for g, n in enumerate(points)
     }
     # Half the range takes four times the points: on the second magnification of the first surface.
     second = options.magnifications[1]
-    cases["half"] = held[_OWN, 0, second].solve(points[0] * second, shells=shells, finer=4, reach=0.5)
+    cases["half"] = cuts[_FULL, 0, second].solve(points[0] * second, shells=shells, finer=4, reach=0.5)
     measured = solved(bench, cases)
     half = measured.pop("half")
     data = gather(
-        {at: cut.reduced([measured[at, g] for g in range(len(points))]) for at, cut in held.items()},
-        told=(_OWN, _EFFECTIVE),
+        {at: cut.reduced([measured[at, g] for g in range(len(points))]) for at, cut in cuts.items()},
+        told=(_FULL, _EFFECTIVE),
         surface=range(options.surfaces),
         magnification=options.magnifications,
     ).assign(area_half_range=half.area, force_inside_half_range=half.force)
-    last = [measured[(_OWN, k, options.magnifications[-1]), 1] for k in range(options.surfaces)]
-    shares = {
-        k: shares_by_shell(last[k], along[k], problem=whole, edges=edges)
-        for k, (whole, _) in enumerate(wholes)
-    }
+    last = [measured[(_FULL, k, options.magnifications[-1]), 1] for k in range(options.surfaces)]
+    parts = zip(last, along, wholes, strict=True)
+    shares = {k: shares_by_shell(d, a, problem=w, edges=edges) for k, (d, a, (w, _)) in enumerate(parts)}
     data = data.merge(gather(shares, surface=range(options.surfaces)).rename(solve="solve_whole"))
     data = data.assign_coords(points_per_wave=("grid", list(options.points_per_wave)))
     data = straight_limit(data, "area", "area_plain", "area_parted", x="points_per_wave")
@@ -153,13 +151,13 @@ def _compared(data: xr.Dataset) -> xr.Dataset:
 def views(data: xr.Dataset) -> Views:
     """Area, force and energy over magnification, P(sigma), and P~ by waves."""
     last = data.sizes["magnification"] - 1
-    full_work, effective = {"told": 0}, {"told": 1}
+    full_work, effective, thin = {"told": 0}, {"told": 1}, {"color": "black", "ls": ":", "lw": 0.9}
     panels = [
         Panel(
             marks=[
                 Line(y=name, by="told", joined=False),
                 *(Line(y=f"{name}_{reading}", at=full_work) for reading in READINGS),
-                Line(y=f"{name}_improved", at=effective, label="Persson, one solution", look=_ONE),
+                Line(y=f"{name}_improved", at=effective, label="Persson, one solution", look=thin),
             ],
             x="magnification",
             log="x",
@@ -202,8 +200,6 @@ def views(data: xr.Dataset) -> Views:
         findings=_findings(data, [0, last]),
     )
 
-
-_ONE = {"color": "black", "ls": ":", "lw": 0.9}
 
 _BESIDE = {"?": "beside"}
 

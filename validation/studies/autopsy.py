@@ -109,18 +109,18 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 
 def _chains(options: Options, bench: Bench) -> xr.Dataset:
-    hursts, loads = options.hursts, options.reduced_pressures
-    surfaces, grids = range(options.surfaces), options.points_per_wave
+    dims: dict[str, Any] = {"hurst": options.hursts, "load": options.reduced_pressures}
+    dims |= {"surface": range(options.surfaces), "grid": options.points_per_wave}
     cases = {
-        (hurst, load, k, n): chain(
-            problem=options.problem(hurst, load, k, bandwidth=options.bandwidth),
+        (*place, n): chain(
+            problem=options.problem(*place, bandwidth=options.bandwidth),
             points=even_points(n * options.bandwidth * options.periods),
             ends=options.ends,
             restarts=options.octaves[:-1],
         )
-        for hurst, load, k, n in itertools.product(hursts, loads, surfaces, grids)
+        for *place, n in itertools.product(*dims.values())
     }
-    return budgets_of(bench, cases, hurst=hursts, load=loads, surface=surfaces, grid=grids)
+    return budgets_of(bench, cases, **dims)
 
 
 def _probes(options: Options, bench: Bench, zeta: float) -> xr.Dataset:
@@ -182,20 +182,16 @@ def views(data: xr.Dataset) -> Views:
         "fluxes": flows,
         "memory": panels_along(data, "hurst", Panel(marks=[chance], x="age", log="y")),
     }
+    columns = ("hurst", "reduced_pressure", "octave", *_TERMS, "square_told", "square_growth_path")
+    areas = (
+        "area_exponent",
+        "area_exponent_pixel",
+        "area_exponent_persson",
+        "loss_ratio",
+        "area_ratio_end",
+    )
     return Views(
-        table=Table(
-            rows=("hurst", "load", "octave"),
-            columns=(
-                *("hurst", "reduced_pressure", "octave", *_TERMS, "square_told", "square_growth_path"),
-                *(
-                    "area_exponent",
-                    "area_exponent_pixel",
-                    "area_exponent_persson",
-                    "loss_ratio",
-                    "area_ratio_end",
-                ),
-            ),
-        ),
+        table=Table(rows=("hurst", "load", "octave"), columns=(*columns, *areas)),
         budget=("square_growth_late", "edge_loss"),
         figures=[Figure(name=name, caption=_CAPTIONS[name], panels=some) for name, some in panels.items()],
         findings=_findings(data),

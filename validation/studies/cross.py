@@ -14,13 +14,13 @@ from validation.effects.base import SlotName
 from validation.execution.bench import Bench
 from validation.measurements.block import block_beside_bem
 from validation.measurements.by_solver import beside_bem
-from validation.measurements.common import BASE_SOLID, Rising, RisingOrNone
+from validation.measurements.common import Rising, RisingOrNone
 from validation.measurements.limits import read_off
 from validation.measurements.measurement import grid_for
-from validation.report.estimates import derive, mean, power_law, reduce
+from validation.report.estimates import derive, each, mean, power_law, reduce
 from validation.report.views import Figure, Line, Panel, Table, Views, finding
 from validation.scenes.problem import ContactProblem
-from validation.scenes.scene import Scene, SolidSpec
+from validation.scenes.scene import Scene
 from validation.studies._options import Bandwidth, Element, Methods, Periods, ReducedPressure
 from validation.studies._scene import PressedOptions
 from validation.studies._study import gathered
@@ -56,10 +56,6 @@ class Options(PressedOptions):
             raise wrong("methods = bem: must name another solver beside bem, such as fem or tamaas")
         return self
 
-    @property
-    def _solid(self) -> dict[str, SolidSpec]:
-        return {"solid": SolidSpec(young=BASE_SOLID.young, poisson=self.poisson)}
-
     @classmethod
     def taken(cls, scene: Scene, first: ContactProblem) -> dict[str, Any]:
         """Return the options that a scene says, its Poisson ratio among them."""
@@ -80,13 +76,13 @@ def _blocks(options: Options) -> Iterator[tuple[str, float, Any]]:
 
 def _others(options: Options) -> Iterator[tuple[str, float, Any]]:
     for solver in options.others(options.method_points_per_wave):
-        request: dict[str, Any] = {
+        how: dict[str, Any] = {
             "method": solver.method,
             "settings": solver.settings,
             "effects": options.effects,
         }
         for grid in solver.grids:
-            yield solver.name, options.first.points_per_wave(grid), partial(beside_bem, grid=grid, **request)
+            yield solver.name, options.first.points_per_wave(grid), partial(beside_bem, grid=grid, **how)
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -101,15 +97,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     }
     data = gathered(bench, cases, lambda d, _: _differences(d), "leg", "points_per_wave", "surface")
     data = data.sortby("points_per_wave")
-    data = reduce(data, "max", "residual")
-    data = reduce(data, "mean", "seconds", "seconds_bem")
-    data = power_law(
-        mean(data, *_COMPARED),
-        "exponent",
-        of="pressure_difference_each",
-        x="points_per_wave",
-        along=("points_per_wave", "surface"),
-    )
+    data = reduce(reduce(data, "max", "residual"), "mean", "seconds", "seconds_bem")
+    data, along = mean(data, *_COMPARED), ("points_per_wave", "surface")
+    data = power_law(data, "exponent", of="pressure_difference_each", x="points_per_wave", along=along)
     data = derive(data, order="-exponent", area_difference_size="abs(area_difference)")
     solver = [other.method for other in options.others((), without=("bem",))]
     cited = ["bem", *solver, *(effect.kind for effect in options.effects), "perimeter"]
@@ -146,8 +136,7 @@ def _differences(measured: xr.Dataset) -> xr.Dataset:
 def views(data: xr.Dataset) -> Views:
     """Differences against the grid, leg by leg, and whether they vanish with it."""
     legs = []
-    for k in range(data.sizes["leg"]):
-        here = data.isel(leg=k)
+    for here in each(data, "leg"):
         there = np.flatnonzero(np.isfinite(here.pressure_difference.values))
         coarse, fine = (here.isel(points_per_wave=int(there[j])) for j in (0, -1))
         legs.append(
@@ -188,14 +177,7 @@ def views(data: xr.Dataset) -> Views:
     return Views(
         table=Table(
             rows=("leg", "points_per_wave"),
-            columns=(
-                "leg",
-                "points_per_wave",
-                *_COMPARED,
-                "residual",
-                "seconds",
-                "seconds_bem",
-            ),
+            columns=("leg", "points_per_wave", *_COMPARED, "residual", "seconds", "seconds_bem"),
         ),
         figures=[
             Figure(

@@ -89,8 +89,8 @@ def views(data: xr.Dataset) -> Views:
 
     def lines(varied: str) -> list[Line]:
         return [
-            Line(y=name, where={"varied": varied, "element": element}, label=f"{element}, {words}", look=look)
-            for (name, words), (element, look) in itertools.product(
+            Line(y=name, where={"varied": varied, "element": element}, label=f"{element}, {what}", look=look)
+            for (name, what), (element, look) in itertools.product(
                 zip(names, ("half-space", "layer"), strict=True), zip(elements, _LOOKS, strict=False)
             )
         ]

@@ -32,8 +32,8 @@ from validation.theories.predicted import beside, distances, ranked
 _NEAR = 1e-3
 #: Tolerances of the solver that are compared, the last with the strictest.
 _STRICT = (1e-4, 1e-6, 1e-8, 1e-12)
-#: What is asked about, and how findings call it.
-_ASKED = {"energy_ratio": "Elastic energy", "gap": "Mean gap", "compliance": "Compliance"}
+#: What is compared, and how findings call it.
+_COMPARED = {"energy_ratio": "Elastic energy", "gap": "Mean gap", "compliance": "Compliance"}
 
 
 class Options(pressure.Options):
@@ -71,7 +71,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = data.assign_coords(tolerance=list(_STRICT[:-1]))
     used = options.tolerance(TOLERANCE)
     usual = int(np.argmin(np.abs(np.log(np.divide(_STRICT[:-1], used)))))
-    for name in _ASKED:
+    for name in _COMPARED:
         left = data[f"left_{name}"].isel(tolerance=usual, drop=True).fillna(0)
         data = claim(data, name, solver=left * abs(data[name]))
     data = distances(beside(data, persson_readings(), options.pressed))
@@ -82,8 +82,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         energy_missing="1 - energy_ratio",
         energy_missing_predicted="1 - energy_ratio_predicted",
     )
-    methods = "theory bem yang_persson wang_mueser xu"
-    return data.assign_attrs(methods=methods, solver_tolerance=used)
+    return data.assign_attrs(methods="theory bem yang_persson wang_mueser xu", solver_tolerance=used)
 
 
 def _checked(near: xr.Dataset, usual: xr.Dataset) -> dict[str, Any]:
@@ -96,14 +95,14 @@ def _checked(near: xr.Dataset, usual: xr.Dataset) -> dict[str, Any]:
     stored = contact.energy.values / usual.attrs["full_contact_energy"]
     path = _path_work(contact, usual.attrs) / usual.attrs["full_contact_energy"]
     with np.errstate(divide="ignore", invalid="ignore"):
-        found = {
+        checks = {
             "work_check": np.diff(energy, axis=1)[:, 0] / (middle * scale * fall),
             "path_work_check": (stored - stored[0]) / path,
             "stiffness_check": np.diff(load, axis=1)[:, 0]
             * (near.attrs["rms_height"] / fall / middle / contact.stiffness.values),
         }
-    found |= {"energy_ratio_first": stored, "gap_first": contact.mean_gap.values / usual.attrs["rms_height"]}
-    return {name: ("load", values) for name, values in found.items()}
+    checks |= {"energy_ratio_first": stored, "gap_first": contact.mean_gap.values / usual.attrs["rms_height"]}
+    return {name: ("load", values) for name, values in checks.items()}
 
 
 def _path_work(contact: xr.Dataset, attributes: Mapping[str, float]) -> Array:
@@ -119,59 +118,49 @@ def _path_work(contact: xr.Dataset, attributes: Mapping[str, float]) -> Array:
 def _left(checks: Mapping[Any, xr.Dataset]) -> dict[str, Any]:
     at = [checks[t].isel(grid=0, shift=0) for t in _STRICT]
     values = {
-        "energy_ratio": np.array(
-            [result.energy.values / result.attrs["full_contact_energy"] for result in at]
-        ),
-        "gap": np.array([result.mean_gap.values / result.attrs["rms_height"] for result in at]),
-        "compliance": np.array([1 / result.stiffness.values for result in at]),
+        "energy_ratio": [result.energy.values / result.attrs["full_contact_energy"] for result in at],
+        "gap": [result.mean_gap.values / result.attrs["rms_height"] for result in at],
+        "compliance": [1 / result.stiffness.values for result in at],
     }
     with np.errstate(divide="ignore", invalid="ignore"):
-        return {
-            f"left_{name}": (("tolerance", "load"), np.abs(v[:-1] / v[-1] - 1)) for name, v in values.items()
-        }
+        changes = {name: np.abs(np.array(v[:-1]) / v[-1] - 1) for name, v in values.items()}
+    return {f"left_{name}": (("tolerance", "load"), change) for name, change in changes.items()}
 
 
 def views(data: xr.Dataset) -> Views:
     """Ratios to every theory, what is missing towards full contact, and the checks."""
+    ratios = [f"{name}{end}" for name in _COMPARED for end in ("", "_over")]
     return Views(
         table=Table(
             rows=("theory", "load"),
-            columns=(
-                "theory",
-                "reduced_pressure",
-                "area",
-                *(f"{name}{end}" for name in _ASKED for end in ("", "_over")),
-            ),
+            columns=("theory", "reduced_pressure", "area", *ratios),
         ),
-        budget=tuple(_ASKED),
+        budget=tuple(_COMPARED),
         figures=_figures(),
         findings=[*_findings(data)],
     )
 
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
-    for name, words in _ASKED.items():
+    for name, title in _COMPARED.items():
         yield ranking(
-            f"{words}, mean distance of simulated over predicted values from 1 below full contact: {{order}}.",
+            f"{title}, mean distance of simulated over predicted values from 1 below full contact: {{order}}.",
             ranked(data, name),
         )
     partly = data.isel(load=np.flatnonzero(data.gap_first.values > 0))
-    worst = {
-        name: float(abs(partly[name] - 1).max())
-        for name in ("work_check", "stiffness_check", "path_work_check")
-    }
+    checks = ("work_check", "stiffness_check", "path_work_check")
+    worst = {name: float(abs(partly[name] - 1).max()) for name in checks}
     yield note(
         "First surface: the energy gained between loads 0.2 % apart is the work of the load within {work_check:%}, their "
         "difference quotient the stiffness within {stiffness_check:%}; along the path it is the integral of p du within "
         "{path_work_check:%}, by a quadrature of fourth order.",
         **worst,
     )
-    last = partly.isel(load=-1)
     yield finding(
         "value",
         "The smallest gap, {gap_first} h_rms at p* = {reduced_pressure}, against a tolerance of 1e-12 of the solver: off "
         "by {each}; the study takes {used}.",
-        last,
+        partly.isel(load=-1),
         item="{left_gap:%} at {tolerance}",
         over="tolerance",
         used=data.attrs["solver_tolerance"],
@@ -188,7 +177,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
 
 def _figures() -> list[Figure]:
     ratios = [
-        Panel(marks=[Line(y=f"{name}_over", by="theory"), AGREEMENT], x="area", log="y") for name in _ASKED
+        Panel(marks=[Line(y=f"{name}_over", by="theory"), AGREEMENT], x="area", log="y") for name in _COMPARED
     ]
     towards = [
         Panel(

@@ -121,7 +121,7 @@ def views(data: xr.Dataset) -> Views:
         figures=[
             Figure(
                 name=f"felt-modulus-{kind}",
-                caption=f"Modulus that a wave feels by Persson's weighting over the exact one: {words}, for several ratios "
+                caption=f"Modulus that a wave feels by Persson's weighting over the exact one: {profile}, for several ratios "
                 "of the modulus below to that on top.",
                 panels=[
                     Panel(
@@ -129,7 +129,7 @@ def views(data: xr.Dataset) -> Views:
                     )
                 ],
             )
-            for kind, words in kinds.items()
+            for kind, profile in kinds.items()
         ],
         findings=[worst],
     )

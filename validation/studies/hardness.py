@@ -215,8 +215,8 @@ def _figure(part: str, finest: dict[str, int]) -> Figure:
         )
         for varied, x in (("load", "reduced_pressure"), ("waves", "magnification"))
     ]
-    words = "yielded" if part == "plastic" else "elastic contact"
-    caption = f"Share of the nominal area that is {words} against load (left) and as waves are added (right)."
+    state = "yielded" if part == "plastic" else "elastic contact"
+    caption = f"Share of the nominal area that is {state} against load (left) and as waves are added (right)."
     return Figure(name=f"{part}-area", caption=caption, panels=panels)
 
 

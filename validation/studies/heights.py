@@ -177,10 +177,10 @@ def views(data: xr.Dataset) -> Views:
     )
 
 
-def _deviation(data: xr.Dataset, name: str, words: str) -> Finding:
+def _deviation(data: xr.Dataset, name: str, quantity: str) -> Finding:
     return finding(
         "comparison",
-        f"{words} by L/lambda_0: {{each}}.",
+        f"{quantity} by L/lambda_0: {{each}}.",
         data,
         item=f"{{{name}}} at {{periods}}, {{verdict}} zero",
         over="sample",

@@ -117,10 +117,10 @@ def views(data: xr.Dataset) -> Views:
 _WHERE = "nu = {poisson}, p* = {reduced_pressure}"
 
 
-def _leaves(data: xr.Dataset, name: str, words: str) -> Finding:
+def _leaves(data: xr.Dataset, name: str, quantity: str) -> Finding:
     return finding(
         "threshold",
-        f"h'_rms from which on the {words} differs from the linear one (95 %, surfaces and grid), "
+        f"h'_rms from which on the {quantity} differs from the linear one (95 %, surfaces and grid), "
         "not determinable where that is beyond the slopes there are: {each}.",
         data,
         item=f"by {{difference:%}} {{{name}_crossing}} ({{{name}_crossing_lower}} to {{{name}_crossing_upper}}; {_WHERE})",
@@ -128,10 +128,10 @@ def _leaves(data: xr.Dataset, name: str, words: str) -> Finding:
     )
 
 
-def _rate(data: xr.Dataset, name: str, words: str) -> Finding:
+def _rate(data: xr.Dataset, name: str, quantity: str) -> Finding:
     return finding(
         "trend",
-        f"Up to h'_rms = {STRAIGHT:g} the {words} over the linear one {{each}}.",
+        f"Up to h'_rms = {STRAIGHT:g} the {quantity} over the linear one {{each}}.",
         data,
         item=f"{{verdict}} with the slope ({{{name}_rate:+}} times h'_rms; {_WHERE})",
         over=("nu", "load"),

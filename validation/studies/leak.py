@@ -164,18 +164,16 @@ def _findings(data: xr.Dataset) -> list[Finding]:
             "directions are closed",
             over="asked",
         ),
-        *(_narrow(last, name) for name in GAP_THEORIES),
+        *(
+            finding(
+                "comparison",
+                f"Gaps below {NARROW:g} h_rms, contact left out, cover {{each}} by theory told the load.",
+                last.isel(asked=sorted({0, last.sizes["asked"] - 1})),
+                item=f"{{gap_narrow}} of the nominal area at A/A0 = {{area_asked}}, {{verdict}} {whose} {{gap_narrow_{name}:~}} "
+                f"(cumulated shares at most {{gap_distance_{name}:~}} apart)",
+                over="asked",
+                by=f"gap_narrow_excess_{name}",
+            )
+            for name, whose in zip(GAP_THEORIES, ("Persson's", "Yang and Persson's (2008)"), strict=True)
+        ),
     ]
-
-
-def _narrow(last: xr.Dataset, name: str) -> Finding:
-    words = {"persson": "Persson's", "yang_persson": "Yang and Persson's (2008)"}[name]
-    return finding(
-        "comparison",
-        f"Gaps below {NARROW:g} h_rms, contact left out, cover {{each}} by theory told the load.",
-        last.isel(asked=sorted({0, last.sizes["asked"] - 1})),
-        item=f"{{gap_narrow}} of the nominal area at A/A0 = {{area_asked}}, {{verdict}} {words} {{gap_narrow_{name}:~}} "
-        f"(cumulated shares at most {{gap_distance_{name}:~}} apart)",
-        over="asked",
-        by=f"gap_narrow_excess_{name}",
-    )

@@ -6,6 +6,7 @@ of contact break up, contact and gap join up, and the regions seen where ln A be
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated
 
 import numpy as np
@@ -149,33 +150,29 @@ def views(data: xr.Dataset) -> Views:
         Line(y="reduced_pressure", label="p*: full contact", look=plain),
     ]
     inside = [Line(y="load_inside", by="magnification", at=seen)]
-    figures = [
-        Figure(
-            name="patches-over-magnification",
-            caption="Contact area, patches and the share of the largest patch as waves up to zeta are added.",
-            panels=patches,
-        ),
-        Figure(
-            name="macroasperity-pressure",
-            caption="Mean pressure in the contact at fixed zeta and at zeta_m, and the load carried there in the end.",
-            panels=[
-                Panel(marks=pressures, x="reduced_pressure", log="xy"),
-                Panel(marks=inside, x="reduced_pressure", log="x", bottom=0.0),
-            ],
-        ),
-    ]
     percolates = "percolation_area" in data
+    columns = ("reduced_pressure", "magnification", "area", "area_persson", "contact_pressure")
+    patch_columns = ("patch_density", "relative_patch_size", "largest_patch", "area_inside", "load_inside")
     return Views(
-        table=Table(
-            rows=("load", "magnification"),
-            columns=(
-                *("reduced_pressure", "magnification", "area", "area_persson", "contact_pressure"),
-                *("patch_density", "relative_patch_size", "largest_patch", "area_inside", "load_inside"),
-            ),
-        ),
+        table=Table(rows=("load", "magnification"), columns=(*columns, *patch_columns)),
         budget=("percolation_area_pooled" if percolates else "load_inside",),
-        figures=[*figures, _percolation()] if percolates else figures,
-        findings=_findings(data),
+        figures=[
+            Figure(
+                name="patches-over-magnification",
+                caption="Contact area, patches and the share of the largest patch as waves up to zeta are added.",
+                panels=patches,
+            ),
+            Figure(
+                name="macroasperity-pressure",
+                caption="Mean pressure in the contact at fixed zeta and at zeta_m, and the load carried there in the end.",
+                panels=[
+                    Panel(marks=pressures, x="reduced_pressure", log="xy"),
+                    Panel(marks=inside, x="reduced_pressure", log="x", bottom=0.0),
+                ],
+            ),
+            *([_percolation()] if percolates else []),
+        ],
+        findings=[*_findings(data)],
     )
 
 
@@ -206,62 +203,52 @@ _STAYS = {
 }
 
 
-def _macroasperities(data: xr.Dataset, which: str, of: str) -> Finding:
-    return finding(
-        "equivalence",
-        "Pressure in the macroasperities of {of} over E* h'_rms, and whether it is that at the lightest load: {each}.",
-        data.isel(load=np.flatnonzero(data[f"macro_pressure{which}"].notnull().values)),
-        item=f"{{macro_pressure{which}}} at p* = {{reduced_pressure}} ({{verdict}}; "
-        f"zeta_m = {{macro_magnification{which}:~}}, A/A0 = {{macro_area{which}:~}})",
-        over="load",
-        by=f"macro_pressure_shift{which}",
-        words=_STAYS,
-        of=of,
-    )
-
-
-def _findings(data: xr.Dataset) -> list[Finding]:
+def _findings(data: xr.Dataset) -> Iterator[Finding]:
     roll_off = data.isel(magnification=nearest(data.magnification, 1.0))
-    thresholds = []
     if "percolation_area" in data:
-        thresholds = [
-            finding(
-                "comparison",
-                "As waves are added the contact comes apart and the gap opens along an axis at these areas A/A0: {each}.",
-                data,
-                item="{phase} {percolation_area_pooled} ({verdict} the {percolation_area_paper} of the paper)",
-                over="phase",
-                by="percolation_area_excess",
-            )
-        ]
-    return [
-        *thresholds,
-        _macroasperities(data, "", "the simulation"),
-        _macroasperities(data, "_persson", "the theory"),
-        finding(
-            "equivalence",
-            "In the contact seen at zeta = {magnification} the mean pressure, over that at the lightest load, is {each}.",
-            roll_off.isel(load=slice(1, None)),
-            item="{contact_pressure_ratio} at p* = {reduced_pressure} ({verdict}; A/A0 = {area:~})",
-            over="load",
-            by="contact_pressure_shift",
-            words=_STAYS,
-        ),
-        finding(
+        yield finding(
             "comparison",
-            "With all waves there, the contact seen at zeta = {magnification} carries of the load {each}; if regions only "
-            "broke up it would be 1.",
-            roll_off,
-            item="{load_inside} at p* = {reduced_pressure} ({verdict})",
+            "As waves are added the contact comes apart and the gap opens along an axis at these areas A/A0: {each}.",
+            data,
+            item="{phase} {percolation_area_pooled} ({verdict} the {percolation_area_paper} of the paper)",
+            over="phase",
+            by="percolation_area_excess",
+        )
+    for which, of in (("", "the simulation"), ("_persson", "the theory")):
+        yield finding(
+            "equivalence",
+            "Pressure in the macroasperities of {of} over E* h'_rms, and whether it is that at the lightest load: {each}.",
+            data.isel(load=np.flatnonzero(data[f"macro_pressure{which}"].notnull().values)),
+            item=f"{{macro_pressure{which}}} at p* = {{reduced_pressure}} ({{verdict}}; "
+            f"zeta_m = {{macro_magnification{which}:~}}, A/A0 = {{macro_area{which}:~}})",
             over="load",
-            by="load_inside_excess",
-            words={"+": "most", "-": "less than half", "0": "half or not: not decided"},
-        ),
-        finding(
-            "value",
-            "At p* = {reduced_pressure}, with patches on and over the square of the roll-off wavelength: {each}.",
-            data.isel(load=data.sizes["load"] // 2, magnification=[0, -1]),
-            item="at zeta = {magnification} A/A0 = {area}, {patch_density} patches of the mean size {relative_patch_size}",
-            over="magnification",
-        ),
-    ]
+            by=f"macro_pressure_shift{which}",
+            words=_STAYS,
+            of=of,
+        )
+    yield finding(
+        "equivalence",
+        "In the contact seen at zeta = {magnification} the mean pressure, over that at the lightest load, is {each}.",
+        roll_off.isel(load=slice(1, None)),
+        item="{contact_pressure_ratio} at p* = {reduced_pressure} ({verdict}; A/A0 = {area:~})",
+        over="load",
+        by="contact_pressure_shift",
+        words=_STAYS,
+    )
+    yield finding(
+        "comparison",
+        "With all waves there, the contact seen at zeta = {magnification} carries of the load {each}; if regions only "
+        "broke up it would be 1.",
+        roll_off,
+        item="{load_inside} at p* = {reduced_pressure} ({verdict})",
+        over="load",
+        by="load_inside_excess",
+        words={"+": "most", "-": "less than half", "0": "half or not: not decided"},
+    )
+    yield finding(
+        "value",
+        "At p* = {reduced_pressure}, with patches on and over the square of the roll-off wavelength: {each}.",
+        data.isel(load=data.sizes["load"] // 2, magnification=[0, -1]),
+        item="at zeta = {magnification} A/A0 = {area}, {patch_density} patches of the mean size {relative_patch_size}",
+        over="magnification",
+    )

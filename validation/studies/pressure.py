@@ -143,11 +143,11 @@ def _findings(data: xr.Dataset, some: xr.Dataset) -> Iterator[Finding]:
     reference = data.attrs["reference_load"]
     heavier = data.isel(load=slice(reference + 1, reference + 4))
     at = value_of(data.isel(load=reference), "area")
-    for name, words in _CLAIMED.items():
+    for name, claimed in _CLAIMED.items():
         if heavier.sizes["load"]:
             yield finding(
                 "comparison",
-                words + " from A/A0 = {at:~} on: {each}.",
+                claimed + " from A/A0 = {at:~} on: {each}.",
                 heavier,
                 item=f"{{moved_{name}}}, {{verdict}}, at {{area:~}}",
                 over="load",
@@ -170,7 +170,7 @@ _MOVED = dict.fromkeys("0-", "no more than two sets of surfaces differ by") | {
 
 def _figures(data: xr.Dataset) -> list[Figure]:
     load = "reduced_pressure"
-    told = [
+    predicted = [
         *by_theory("_predicted", data),
         Line(y="area_spectral", at={"theory": 0}, label="Persson, C(q) alone"),
     ]
@@ -197,7 +197,7 @@ def _figures(data: xr.Dataset) -> list[Figure]:
             name="area-against-pressure",
             caption="Contact area against load, and over that of the theory and its variants, told the realised surface.",
             panels=[
-                Panel(marks=[Line(y="area", joined=False), *told], x="reduced_pressure", log="xy"),
+                Panel(marks=[Line(y="area", joined=False), *predicted], x="reduced_pressure", log="xy"),
                 Panel(marks=[*by_theory("_over", data), AGREEMENT], x=load, log="x"),
             ],
         ),

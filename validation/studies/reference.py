@@ -181,7 +181,7 @@ def _with_theories(data: xr.Dataset) -> xr.Dataset:
         area_excess_high=f"area_excess.max{cells}",
         saving_median="saving.median(['hurst', 'reduced_pressure'])",
     )
-    kept = [name for name in bare.data_vars if str(name).endswith(("median", "worst", "low", "high"))]
+    summaries = [name for name in bare.data_vars if str(name).endswith(("median", "worst", "low", "high"))]
     equal = at_equal_alpha(exact, _ALPHAS)
     several = equal.area.where(equal.area.notnull().sum("hurst") > 1)
     names = {"area": "area_equal", "bandwidth": "bandwidth_equal", "alpha": "nayak_equal"}
@@ -190,7 +190,9 @@ def _with_theories(data: xr.Dataset) -> xr.Dataset:
         .rename(names)
         .assign(area_equal_spread=(several.max("hurst") / several.min("hurst") - 1).max("alpha"))
     )
-    data = data.assign({name: bare[name] for name in kept}).merge(added.transpose(..., "reduced_pressure"))
+    data = data.assign({name: bare[name] for name in summaries}).merge(
+        added.transpose(..., "reduced_pressure")
+    )
     data = claim(data, "area_equal", surfaces=equal.area_error.rename(alpha="nayak_equal"))
     return derive(data, kappa_equal="area_equal / reduced_pressure")
 
@@ -209,8 +211,8 @@ def views(data: xr.Dataset) -> Views:
     load: dict[str, Any] = {"x": "reduced_pressure", "log": "x", "at": widest}
     plain: dict[str, Any] = {"by": "hurst", "label": "H = {hurst}", "look": {"ls": "-"}}
     variants = [
-        Panel(marks=[Line(y=f"theory_excess_{name}", **plain)], y="theory_excess", title=words, **load)
-        for name, words in VARIANTS.items()
+        Panel(marks=[Line(y=f"theory_excess_{name}", **plain)], y="theory_excess", title=title, **load)
+        for name, title in VARIANTS.items()
     ]
     alpha = Panel(marks=[Line(y="kappa_equal", **plain)], x="nayak_equal", log="x")
     few = _some_loads(data)
@@ -251,10 +253,10 @@ def _some_loads(data: xr.Dataset) -> list[int]:
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
     over, at = "reduced_pressure", "at p* = {reduced_pressure}"
-    told: dict[str, Any] = {"periods": float(data.attrs["periods"])}
+    sample: dict[str, Any] = {"periods": float(data.attrs["periods"])}
     form = "Half of the 95 % interval of A/A0 is {each} (surfaces, grid, solver, size; L/lambda_long = {periods})."
     item = "{interval_median:%} in the median and {interval_worst:%} at worst " + at
-    yield finding("value", form, data, item=item, over=over, **told)
+    yield finding("value", form, data, item=item, over=over, **sample)
     form = "The area lies above Persson's, by spectrum, by {each}."
     item = "{area_excess_low:%} to {area_excess_high:%} " + at
     yield finding("value", form, data, item=item, over=over)

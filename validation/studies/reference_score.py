@@ -77,7 +77,7 @@ def views(data: xr.Dataset) -> Views:
         image = Image(y="theory_excess", rows="bandwidth", cmap="RdBu_r", symmetric=True)
         panel = Panel(marks=[image], x="reduced_pressure", log="xy", at={"theory": k})
         known = data.theory_excess.isel(theory=k).notnull().any(("bandwidth", "reduced_pressure")).values
-        panels = [one for one in panels_along(data, "hurst", panel) if known[one.at["hurst"]]]
+        panels = [row for row in panels_along(data, "hurst", panel) if known[row.at["hurst"]]]
         caption = f"Area of {label} over that of the table, less one. The colours end at the worst cell."
         figures.append(
             Figure(name=f"excess-{k}", caption=caption, panels=panels, width=3.0 * len(panels), height=2.8)

@@ -238,11 +238,11 @@ def _findings(data: xr.Dataset) -> list[Finding]:
 
 
 def _theory_of(data: xr.Dataset, largest: xr.Dataset, name: str) -> Finding:
-    words = {"full_energy": "S = 1", "half_energy": "S = 1/2 + P^2 / 2"}[name]
+    energy = {"full_energy": "S = 1", "half_energy": "S = 1/2 + P^2 / 2"}[name]
     ratio = f"friction_ratio_{name}"
     return finding(
         "comparison",
-        f"Persson's friction with {words} is {{verdict}} the largest, {{{ratio}}} times it, and {{low}} to {{high}} times that "
+        f"Persson's friction with {energy} is {{verdict}} the largest, {{{ratio}}} times it, and {{low}} to {{high}} times that "
         "at all velocities.",
         largest,
         by=f"friction_excess_{name}",

@@ -102,10 +102,10 @@ def limits(data: xr.Dataset) -> xr.Dataset:
         initial_slope_gap_each="initial_slope_window_each - initial_slope_contour_each",
         initial_slope_excess_each="initial_slope_window_each / initial_slope_persson - 1",
     )
-    names = [str(name).removesuffix("_each") for name in data.data_vars if str(name).endswith("_each")]
-    data = mean(data, *(name for name in names if name != "small_density"))
-    data["small_density"] = data.small_density_each.mean("surface")
+    small_density = data.small_density_each.mean("surface")
     data = data.drop_vars("small_density_each")
+    names = [str(name).removesuffix("_each") for name in data.data_vars if str(name).endswith("_each")]
+    data = mean(data, *names).assign(small_density=small_density)
     data = power_law(data, "decay", of="density_at_zero", x="spacing", along=("grid",))
     lines = {f"small_density_{way}": data[f"initial_slope_{way}"] * data.stress for way in _WAYS}
     return data.assign({name: line.drop_attrs() for name, line in lines.items()})
@@ -167,7 +167,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
 def _figures(data: xr.Dataset, m: int) -> Iterator[Figure]:
     name = str(data.method.values[m])
     ending = f"-{re.sub('[^A-Za-z0-9]+', '-', name)}" if m else ""
-    words = f" By {name}." if m else ""
+    method = f" By {name}." if m else ""
     at = {"method": m}
     grids = sorted({0, data.sizes["grid"] // 2, data.sizes["grid"] - 1})
     densities = [
@@ -179,7 +179,7 @@ def _figures(data: xr.Dataset, m: int) -> Iterator[Figure]:
     yield Figure(
         name=f"pressure-near-zero{ending}",
         caption="Distribution of contact pressure near zero on some grids, mean over surfaces, with its initial slopes "
-        f"at dx to 0 and that of the theory.{words}",
+        f"at dx to 0 and that of the theory.{method}",
         panels=[Panel(marks=[*densities, *slopes], x="stress", at=at, bottom=0.0, top=top)],
     )
     limit = "root_spacing_limit"
@@ -191,13 +191,13 @@ def _figures(data: xr.Dataset, m: int) -> Iterator[Figure]:
     yield Figure(
         name=f"slope-at-zero{ending}",
         caption="Slope of P(sigma) at zero on each grid, from the density in a closing window and from the contour; at "
-        f"the left end their limits; line, the theory.{words}",
+        f"the left end their limits; line, the theory.{method}",
         panels=[Panel(marks=marks, x="root_spacing", y="initial_slope", at=at, bottom=0.0)],
     )
     density = [Line(y="density_at_zero"), Line(y="initial_density", x=limit)]
     yield Figure(
         name=f"density-at-zero{ending}",
-        caption=f"Density at vanishing pressure against the root of the spacing; at the left end its limit.{words}",
+        caption=f"Density at vanishing pressure against the root of the spacing; at the left end its limit.{method}",
         panels=[Panel(marks=density, x="root_spacing", at=at)],
     )
 

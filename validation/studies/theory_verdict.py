@@ -27,7 +27,7 @@ from validation.theories.persson_variants import Persson, persson_variants
 from validation.theories.predicted import COMPARED, beside, distances, ranked, stress_shares
 from validation.units import Positive
 
-_WORDS = {
+_TITLES = {
     "area": "Contact area",
     "gap": "Mean gap",
     "compliance": "Compliance",
@@ -65,10 +65,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = claim(data, "area", **{source: data.area * share for source, share in shares.items()})
     data = distances(beside(data, theories, options.pressed))
     pooled = data.stress_share_each.sum("surface").values
-    distant = [
-        largest_difference(pooled, stress_shares(theory, options.first, options.reduced_pressures))
-        for theory in theories
-    ]
+    predicted = (stress_shares(theory, options.first, options.reduced_pressures) for theory in theories)
+    distant = [largest_difference(pooled, shares) for shares in predicted]
     made = {"reduction": "distance", "of": "stress_share_each"}
     data = moved_shares(data).assign(stress_distance=(("theory", "load"), np.array(distant), made))
     if options.edge:
@@ -95,21 +93,18 @@ def _spectral_shares(options: Options, bench: Bench) -> dict[str, xr.DataArray]:
     loads = np.array(options.ladder_reduced_pressures)
     if not loads.size:
         return {}
-    climbed = []
+    shares = []
     for load in loads:
-        ladders = Ladders(
-            hursts=(options.hurst,), periods=options.periods, reduced_pressure=load, seed=options.seed
-        )
-        shares = spectral_errors(
-            ladders.reduced(solved(bench, ladders.cases)),
-            hurst=options.hurst,
-            bandwidth=options.bandwidth,
-            periods=options.periods,
-        )
-        climbed.append([float(shares[source]) for source in ("size", "bandwidth")])
+        surfaces: dict[str, Any] = {"periods": options.periods, "seed": options.seed}
+        ladders = Ladders(hursts=(options.hurst,), reduced_pressure=load, **surfaces)
+        reduced = ladders.reduced(solved(bench, ladders.cases))
+        spectrum = {"hurst": options.hurst, "bandwidth": options.bandwidth, "periods": options.periods}
+        shares.append(spectral_errors(reduced, **spectrum))
     near = np.abs(np.log(np.divide.outer(np.array(options.reduced_pressures), loads))).argmin(axis=1)
-    values = np.array(climbed)[near]
-    return {source: xr.DataArray(values[:, k], dims="load") for k, source in enumerate(("size", "bandwidth"))}
+    return {
+        source: xr.DataArray([float(shares[k][source]) for k in near], dims="load")
+        for source in ("size", "bandwidth")
+    }
 
 
 def edge_scores(edge: xr.Dataset, theories: tuple[Theory, ...], rough: Rough) -> xr.Dataset:
@@ -122,11 +117,9 @@ def edge_scores(edge: xr.Dataset, theories: tuple[Theory, ...], rough: Rough) ->
         else np.nan
         for theory in theories
     ]
-    names = ("initial_density", "initial_density_error", "initial_slope_window", "initial_slope_window_error")
-    values = xr.Dataset({name: edge[name].drop_vars(["method"], errors="ignore") for name in names})
-    values = values.drop_vars("reduced_pressure", errors="ignore").assign(
-        edge_pressure=load, initial_slope_predicted=("theory", np.array(slopes))
-    )
+    names = [f"{name}{end}" for name in ("initial_density", "initial_slope_window") for end in ("", "_error")]
+    values = edge[names].drop_vars(["method", "reduced_pressure"], errors="ignore")
+    values = values.assign(edge_pressure=load, initial_slope_predicted=("theory", np.array(slopes)))
     values = values.assign_coords(theory=[theory.label for theory in theories])
     return derive(values, initial_slope_over="initial_slope_window / initial_slope_predicted")
 
@@ -158,7 +151,7 @@ def views(data: xr.Dataset) -> Views:
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
     for name in COMPARED:
         yield ranking(
-            f"{_WORDS[name]}, mean distance of simulated over predicted values from 1 below full contact, at "
+            f"{_TITLES[name]}, mean distance of simulated over predicted values from 1 below full contact, at "
             f"lambda_long/lambda_short = {data.attrs['bandwidth']:.4g}: {{order}}.",
             ranked(data, name),
         )
