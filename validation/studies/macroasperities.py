@@ -203,6 +203,20 @@ _STAYS = {
 }
 
 
+def _macroasperities(data: xr.Dataset, which: str, of: str) -> Finding:
+    return finding(
+        "equivalence",
+        "Pressure in the macroasperities of {of} over E* h'_rms, and whether it is that at the lightest load: {each}.",
+        data.isel(load=np.flatnonzero(data[f"macro_pressure{which}"].notnull().values)),
+        item=f"{{macro_pressure{which}}} at p* = {{reduced_pressure}} ({{verdict}}; "
+        f"zeta_m = {{macro_magnification{which}:~}}, A/A0 = {{macro_area{which}:~}})",
+        over="load",
+        by=f"macro_pressure_shift{which}",
+        words=_STAYS,
+        of=of,
+    )
+
+
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
     roll_off = data.isel(magnification=nearest(data.magnification, 1.0))
     if "percolation_area" in data:
@@ -214,18 +228,8 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
             over="phase",
             by="percolation_area_excess",
         )
-    for which, of in (("", "the simulation"), ("_persson", "the theory")):
-        yield finding(
-            "equivalence",
-            "Pressure in the macroasperities of {of} over E* h'_rms, and whether it is that at the lightest load: {each}.",
-            data.isel(load=np.flatnonzero(data[f"macro_pressure{which}"].notnull().values)),
-            item=f"{{macro_pressure{which}}} at p* = {{reduced_pressure}} ({{verdict}}; "
-            f"zeta_m = {{macro_magnification{which}:~}}, A/A0 = {{macro_area{which}:~}})",
-            over="load",
-            by=f"macro_pressure_shift{which}",
-            words=_STAYS,
-            of=of,
-        )
+    yield _macroasperities(data, "", "the simulation")
+    yield _macroasperities(data, "_persson", "the theory")
     yield finding(
         "equivalence",
         "In the contact seen at zeta = {magnification} the mean pressure, over that at the lightest load, is {each}.",
