@@ -72,6 +72,11 @@ class StudyOptions(Table):
     model_config = ConfigDict(use_attribute_docstrings=True)
     why_no_scene: typing.ClassVar[str] = ""  # Why it takes no scene, where it has no option of that name
 
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        for field in cls.model_fields.values():  # a meaning may go over several lines
+            field.description = " ".join((field.description or "").split())
+
     @field_validator("*", mode="after")
     @classmethod
     def _few_enough(cls, value: Any, info: ValidationInfo) -> Any:
@@ -161,8 +166,7 @@ class StudyOptions(Table):
                 about = "may be left out" if default is None else f"default: {default}"
                 kind = _kind_words(field) + ("" if unit == "1" else f" in {unit}, or with a unit")
                 yield f"    {flag} {kind} ({about})"
-            meaning = " ".join((field.description or "").split())
-            yield f"        {meaning}{cls.fixed_by_scene().get(flag[2:].replace('-', '_'), '')}"
+            yield f"        {field.description}{cls.fixed_by_scene().get(flag[2:].replace('-', '_'), '')}"
 
 
 def _pairs(arguments: Sequence[str], flags: Mapping[str, FieldInfo]) -> Iterator[tuple[str, str]]:

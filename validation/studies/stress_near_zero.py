@@ -102,10 +102,10 @@ def limits(data: xr.Dataset) -> xr.Dataset:
         initial_slope_gap_each="initial_slope_window_each - initial_slope_contour_each",
         initial_slope_excess_each="initial_slope_window_each / initial_slope_persson - 1",
     )
-    small_density = data.small_density_each.mean("surface")
-    data = data.drop_vars("small_density_each")
     names = [str(name).removesuffix("_each") for name in data.data_vars if str(name).endswith("_each")]
-    data = mean(data, *names).assign(small_density=small_density)
+    data = mean(data, *(name for name in names if name != "small_density"))
+    data["small_density"] = data.small_density_each.mean("surface")
+    data = data.drop_vars("small_density_each")
     data = power_law(data, "decay", of="density_at_zero", x="spacing", along=("grid",))
     lines = {f"small_density_{way}": data[f"initial_slope_{way}"] * data.stress for way in _WAYS}
     return data.assign({name: line.drop_attrs() for name, line in lines.items()})
