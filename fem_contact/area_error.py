@@ -156,7 +156,18 @@ def mean_error(law: ErrorLaw, areas: Array, fractions: Array) -> Array:
 def error_covariance(
     law: ErrorLaw, area: float, fraction: float, grids: Sequence[PlannedGrid], *, like: ContactAreas
 ) -> Array:
-    """Covariance of the areas of grids, of which the first has the edge fraction given, on such a surface."""
+    """Covariance of the errors of A/A0 on several grids of a surface, by the law that was calibrated.
+
+    Three parts: power laws of the cell's size over the width of a patch, common to all grids; how the grid
+    lies on the surface (``alignment``), common in part; noise of each grid, less with its cells and solves.
+
+    Parameters
+    ----------
+    area, fraction : float
+        A/A0, and the share of cells at an edge of contact on the first grid; others follow from their spacing.
+    like : ContactAreas
+        What was measured on the surface: anisotropy, wavenumber of the edges, unresolved curvature.
+    """
     fractions = fraction * np.array([grid.size for grid in grids]) / grids[0].size
     width = fractions / (area * (1 - area) ** GAP_POWER)
     patches = fraction * width[0] * grids[0].cells / _ROUND

@@ -359,7 +359,7 @@ def restore(lo, hi, x, g, s, bound, unit, toward):
 
 @njit(**_OPTIONS)
 def bend(lo, hi, s, v):
-    """Sum s v."""
+    """Curvature of the energy along a search direction s with displacements v: the sum of s v."""
     total = 0.0
     for i in range(lo, hi):
         row_total = s.dtype.type(0)

@@ -124,7 +124,9 @@ def westergaard_pressure(x: Array, *, half_width: float, mean_pressure: float) -
 def westergaard_stress(
     x: Array, depth: float, *, half_width: float, mean_pressure: float, poisson: float
 ) -> Array:
-    r"""Stress (..., 6) [Pa] below a wave of period 1 whose crest is at x = 0, in plane strain.
+    r"""Stress [Pa] below a wave of period 1 whose crest is at x = 0, in plane strain.
+
+    Components (..., 6): xx, yy, zz, yz, xz, xy.
 
     .. math:: \sigma_{zz} = -\Re Z + d\, \Im Z', \quad \sigma_{xx} = -\Re Z - d\, \Im Z', \quad
               \sigma_{xz} = -d\, \Re Z', \qquad w = x - i d

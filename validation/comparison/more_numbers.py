@@ -92,14 +92,15 @@ def finest_of(data: xr.Dataset) -> xr.Dataset:
     names = [
         name for name in ("area_pixel", "area_perimeter", "area_plastic_pixel", "residual") if name in data
     ]
-    place = []
+    chosen = []
     for solved in data.area_pixel.notnull().values:
-        good = np.flatnonzero(solved & (data.resolved.values > 0))
-        # Of a method that failed on every grid the last one says nothing.
-        place.append(int(next(reversed(good if good.size else [-1, *np.flatnonzero(solved)]))))
-    at = xr.DataArray(place, dims="solver")
-    finest = {f"{name}_finest": data[name].isel(grid=at).drop_vars("grid") for name in names}
-    return data.assign({**finest, "grid_finest": ("solver", data.grid.values[place])})
+        resolved = np.flatnonzero(solved & (data.resolved.values > 0))
+        candidates = resolved if resolved.size else np.flatnonzero(solved)
+        # A method that failed on every grid has NaN on the last one, too.
+        chosen.append(int(candidates[-1]) if candidates.size else -1)
+    at = xr.DataArray(chosen, dims="solver")
+    values = {f"{name}_finest": data[name].isel(grid=at).drop_vars("grid") for name in names}
+    return data.assign({**values, "grid_finest": ("solver", data.grid.values[chosen])})
 
 
 def in_numbers(data: xr.Dataset, case: Case) -> xr.Dataset:

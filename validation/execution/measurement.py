@@ -104,18 +104,18 @@ class Call(Solve):
     @property
     def recipe(self) -> dict[str, Any]:
         """What is pressed, and every other argument that is not None, as JSON has it."""
-        made: dict[str, Any] = {}
+        entries: dict[str, Any] = {}
         for name, value in self.arguments:
             if isinstance(value, ContactProblem):
-                made |= value.recipe
+                entries |= value.recipe
             elif name == "grid":
-                made["points"] = value[0] if value[0] == value[1] else list(value)
+                entries["points"] = value[0] if value[0] == value[1] else list(value)
             elif value is not None:
-                made[name] = dict(value) if name == "settings" else _plain(value)
-        made |= {"edges": LOCATED_EDGES} if self.measurement.located else {}
-        made |= {"version": self.measurement.version} if self.measurement.version else {}
-        recipe = self.measurement.recipe
-        return made if recipe is None else cast("dict[str, Any]", self._evaluated(recipe, made=made))
+                entries[name] = dict(value) if name == "settings" else _plain(value)
+        entries |= {"edges": LOCATED_EDGES} if self.measurement.located else {}
+        entries |= {"version": self.measurement.version} if self.measurement.version else {}
+        change = self.measurement.recipe  # of a measurement that is keyed otherwise
+        return entries if change is None else cast("dict[str, Any]", self._evaluated(change, made=entries))
 
     @property
     def kind(self) -> str:

@@ -115,6 +115,7 @@ def _without(values: Mapping[Any, xr.DataArray], axis: int) -> dict[Any, xr.Data
 
 
 def _stacked(values: Mapping[Any, xr.DataArray], sizes: Mapping[str, int]) -> tuple[Any, Any, Any]:
+    """Return dimensions, values and attributes of arrays stacked by place; NaN or "" where none is."""
     like = next(iter(values.values()))
     text = like.dtype.kind in "OU"
     if not sizes:
