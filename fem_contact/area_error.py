@@ -164,7 +164,7 @@ def error_covariance(
     Parameters
     ----------
     area, fraction : float
-        A/A0, and the share of cells at an edge of contact on the first grid; others follow from their spacing.
+        A/A0, and the share of cells at an edge of contact on the first grid; others follow.
     like : ContactAreas
         What was measured on the surface: anisotropy, wavenumber of the edges, unresolved curvature.
     """
