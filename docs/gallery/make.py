@@ -44,6 +44,7 @@ SHOWN = {
     "leak": ("leak", "gap-distribution"),
     "macroasperities": ("macroasperity-pressure", "percolation"),
     "reference": ("reference", "reference-verdict", "reference-alpha"),
+    "wide-band": ("wide-band", "wide-band-laws"),
     "sliding": ("sliding",),
 }
 

@@ -194,7 +194,8 @@ def joined(parts: Sequence[xr.Dataset]) -> xr.Dataset:
         if len(values) != 1:
             raise UsageError(f"{name} = {', '.join(values)}: the parts of a table have one")
     table = xr.merge([part.drop_attrs(deep=False) for part in parts], join="outer", compat="no_conflicts")
-    table["pairs"] = table.pairs.fillna("")
+    if "pairs" in table:
+        table["pairs"] = table.pairs.fillna("")
     return table.sortby(["hurst", "bandwidth", "reduced_pressure"]).assign_attrs(parts[0].attrs)
 
 

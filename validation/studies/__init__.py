@@ -50,6 +50,7 @@ GROUPS: Mapping[str, Mapping[str, str]] = {
     "How good is Persson's theory?": {
         "theory-verdict": "the theory and its variants, quantity by quantity",
         "reference-score": "a theory, or your areas, on all cells of the table",
+        "wide-band": "does its area become exact as the band widens?",
         "autopsy": "which terms of its diffusion equation fail, and where",
         "stress-near-zero": "does P(sigma) vanish at sigma = 0, with which slope?",
         "energy": "energy, gap and stiffness beside every theory",

@@ -98,7 +98,12 @@ def study_page(
 
 def _undetermined(data: xr.Dataset) -> Iterator[str]:
     for name in ("area", "limit", "kappa"):
-        missing = int(data[name].isnull().sum()) if name in data.data_vars else 0
+        if name not in data.data_vars:
+            continue
+        lacking = data[name].isnull()
+        if f"{name}_error" in data:  # what nobody made has no error of any source
+            lacking &= data[f"{name}_error"].notnull().any("source")
+        missing = int(lacking.sum())
         if missing:
             yield (
                 f"{missing} of {data[name].size} values of '{name}' are not determinable (NaN): the contact "

@@ -59,8 +59,8 @@ class Options(StudyOptions):
     pairs: Annotated[tuple[Annotated[int, Field(ge=2)], ...], Field(min_length=2)] = (80, 18, 6, 2)
     """pairs +h, -h at bandwidth 16 that end with each of the grids, coarsest first; elsewhere in proportion
     to 1/bandwidth, at least 4"""
-    wide_pairs: tuple[Annotated[int, Field(ge=2)], ...] = (40, 4, 4, 2)
-    """the same beyond bandwidth 16, as they stand, at least 4"""
+    wide_pairs: tuple[Annotated[int, Field(ge=2)], ...] = (40, 4, 4, 4)
+    """the same beyond bandwidth 16, as they stand; at least 4 on the coarsest grid"""
     unsolved: int = Field(default=10, ge=1)
     """pairs that are not solved, only looked at, for each that ends with the coarsest grid"""
     gaussian: RisingOrNone = (0.3, 0.8)
@@ -93,10 +93,11 @@ class Options(StudyOptions):
 
     def pairs_of(self, bandwidth: float) -> tuple[int, ...]:
         """Return how many pairs end with each grid of the ladder."""
-        wide = bandwidth > _USUAL_BANDWIDTH
-        counts, more = (self.wide_pairs, 1.0) if wide else (self.pairs, _USUAL_BANDWIDTH / bandwidth)
-        counts = counts[: len(self.ladder_of(bandwidth))]
-        return tuple(max(_LEAST_PAIRS, int(np.ceil(more * count - 1e-9))) for count in counts)
+        grids = len(self.ladder_of(bandwidth))
+        if bandwidth > _USUAL_BANDWIDTH:
+            return (max(_LEAST_PAIRS, self.wide_pairs[0]), *self.wide_pairs[1:grids])
+        more = _USUAL_BANDWIDTH / bandwidth
+        return tuple(max(_LEAST_PAIRS, int(np.ceil(more * count - 1e-9))) for count in self.pairs[:grids])
 
     def part(self, hursts: tuple[float, ...], bandwidths: tuple[float, ...]) -> Self | None:
         """Return the options of those of its spectra that are among some; None where none is."""
@@ -113,7 +114,7 @@ class Options(StudyOptions):
             update={
                 "periods": 2 * self.periods,
                 "pairs": tuple(-(-count // 4) for count in self.pairs),
-                "wide_pairs": tuple(-(-count // 4) for count in self.wide_pairs),
+                "wide_pairs": tuple(max(_LEAST_PAIRS, count // 4) for count in self.wide_pairs),
                 "seed": self.seed + _APART,
             }
         )

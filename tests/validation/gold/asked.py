@@ -189,6 +189,7 @@ STUDIES: dict[str, dict[str, object]] = {
     "magnification on a scene": {"scene": _PLAIN, "magnifications": (2.0,), "surfaces": 2, "shifts": 1},
     "pressure": {**_ROUGH, "surfaces": 3, "shifts": 1, "reduced_pressures": (0.02, 0.03, 0.3, 4.0)},
     "pressure on a scene": {"scene": _PLAIN, "reduced_pressures": (0.02, 0.3), "surfaces": 2},
+    "wide-band": {},
     "reference-score": {"theory": ("persson", "xu")},
     "reference": {
         "hursts": (0.3, 0.8),

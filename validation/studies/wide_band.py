@@ -1,0 +1,191 @@
+"""Does Persson's area become exact as the band of the roughness widens, and how far does one have to go?
+
+Three laws of the distance from the theory in the Nayak parameter are fitted to narrow bands and judged on the wide ones
+that they were not shown. The areas are shipped (`validation.reference.wide`); nothing is solved.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from validation import reference
+from validation.errors import UsageError
+from validation.execution.bench import Bench
+from validation.execution.store import read_numbers
+from validation.measurements.table_samples import joined
+from validation.reference.fit import nayak
+from validation.reference.laws import LAWS, fit
+from validation.report.estimates import LIMIT, claim, derive, total_error
+from validation.report.findings import finding
+from validation.report.marks import Figure, Line, Panel, panels_along
+from validation.report.table import Table
+from validation.report.views import Views
+from validation.studies._study import StudyOptions
+from validation.units import Positive
+
+#: Distance from the theory that counts as none.
+_CLOSE = 0.05
+#: Bandwidths that a law is fitted to, at least.
+_LEAST = 4
+#: What scatters from one bandwidth to the next; the size of the sample moves all of them alike.
+_INDEPENDENT = ("surfaces", "grid", "solver")
+
+
+class Options(StudyOptions):
+    """Areas, and which of them the laws are fitted to."""
+
+    why_no_scene = "it reads areas that are there, of surfaces that a table names"
+
+    table: Path | None = None
+    """data.nc of study reference with wide bandwidths; the shipped areas if left out"""
+    fitted_to: Positive = 32.0
+    """widest bandwidth that the laws are fitted to; they are judged on the others"""
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Fit every law at each H and p* to the narrow bands, and to all.
+
+    Over (hurst, bandwidth, reduced_pressure): ``area_excess``. Over (law, ...) in addition: ``area_excess_law``, of the law
+    through the narrow bands; ``law_miss``, of it on the wide ones; ``law_misfit``, chi^2 per degree of freedom through
+    all bands; ``nayak_close``, the Nayak parameter at which a law through all bands is within 5 % of the theory.
+    ``area_excess_limit``: where the saturating law through all bands ends.
+    """
+    tables = [reference.table(), reference.wide()] if options.table is None else [read_numbers(options.table)]
+    data = joined([table[["area", "area_error", "area_persson"]] for table in tables])
+    data = data.sel(amplitudes="exact", drop=True).sel(
+        {dim: tables[-1][dim] for dim in ("hurst", "reduced_pressure")}
+    )
+    data = derive(data, area_excess="area / area_persson - 1")
+    narrow = data.bandwidth.values <= options.fitted_to
+    if narrow.sum() < _LEAST or narrow.all():
+        raise UsageError(
+            f"fitted_to = {options.fitted_to:g}: leaves {narrow.sum()} of {narrow.size} bandwidths, "
+            f"needs {_LEAST} to fit to and others to judge by"
+        )
+    over, each = ("hurst", "reduced_pressure"), ("law", "hurst", "reduced_pressure")
+    alpha = np.array(
+        [[nayak(hurst=h, bandwidth=b) for b in data.bandwidth.values] for h in data.hurst.values]
+    )
+    halves = total_error(data, "area_excess", sources=_INDEPENDENT)
+    assert halves is not None  # a table has it
+    far = np.geomspace(alpha.max(), 1e12, 400)
+    shape = (len(LAWS), data.hurst.size, data.reduced_pressure.size)
+    blind, blind_halves = np.full((2, *shape, data.bandwidth.size), np.nan)
+    misfit, close = np.full((2, *shape), np.nan)
+    ends, end_halves = np.full((2, *shape[1:]), np.nan)
+    for (m, i, j), _ in np.ndenumerate(misfit):
+        at = {"hurst": i, "reduced_pressure": j}
+        points = np.array([alpha[i], data.area_excess.isel(at), halves.isel(at)])
+        there = np.isfinite(points).all(axis=0)
+        if (narrow & there).sum() < _LEAST:
+            continue
+        seen = fit(LAWS[m], *points[:, narrow & there], at=np.append(alpha[i], np.inf))
+        blind[m, i, j], blind_halves[m, i, j] = seen.values[:-1], seen.halves[:-1]
+        whole = fit(LAWS[m], *points[:, there], at=np.append(far, np.inf))
+        misfit[m, i, j] = whole.chi_square / whole.freedom
+        below = np.flatnonzero(whole.values[:-1] < _CLOSE)
+        close[m, i, j] = far[below[0]] if below.size else np.nan
+        if LAWS[m] == "saturation":
+            ends[i, j] = whole.values[-1]
+            end_halves[i, j] = np.hypot(whole.halves[-1], whole.values[-1] - seen.values[-1])
+    data = data.assign_coords(law=[*LAWS]).assign(
+        nayak_by_spectrum=(("hurst", "bandwidth"), alpha),
+        area_excess_law=((*each, "bandwidth"), blind),
+        law_misfit=(each, misfit),
+        nayak_close=(each, close),
+        area_excess_limit=(over, ends),
+    )
+    data = claim(data, "area_excess_law", bandwidth=xr.DataArray(blind_halves, dims=(*each, "bandwidth")))
+    size = data.area_excess_error.sel(source="size", drop=True).max("bandwidth")
+    data = claim(
+        data,
+        "area_excess_limit",
+        bandwidth=xr.DataArray(end_halves, dims=over),
+        size=size.where(data.area_excess_limit.notnull()),
+    )
+    for name in ("area_excess_law", "area_excess_limit"):
+        data[f"{name}_error"].attrs[LIMIT] = "bandwidth"
+    judged = xr.DataArray(~narrow, dims="bandwidth")
+    miss = (data.area_excess_law - data.area_excess).where(judged).drop_attrs()
+    joint = (data.area_excess_law_error.sel(source="bandwidth", drop=True) ** 2 + halves**2) ** 0.5
+    cells = ("hurst", "bandwidth", "reduced_pressure")
+    return data.assign(
+        law_miss=miss.transpose(*each, "bandwidth"),
+        law_miss_rms=(miss**2).mean(cells) ** 0.5,
+        cells_within=(abs(miss) <= joint).sum(cells).astype(float),
+        cells_scored=miss.notnull().sum(cells).astype(float),
+        bandwidth_fitted=float(options.fitted_to),
+    )
+
+
+def views(data: xr.Dataset) -> Views:
+    """Show the distance from the theory over the Nayak parameter, and what the laws said of it."""
+    alpha: dict[str, Any] = {"x": "nayak_by_spectrum", "log": "x"}
+    solved = Panel(marks=[Line(y="area_excess", by="hurst", joined=False)], **alpha)
+    middle = {"reduced_pressure": data.sizes["reduced_pressure"] // 2}
+    laws = Line(y="area_excess_law", by="law", look={"marker": ""})
+    solved_alone = Line(y="area_excess", joined=False, look={"color": "black"})
+    beside = Panel(marks=[solved_alone, laws], at=middle, **alpha)
+    at = data.isel(middle)
+    load: dict[str, Any] = {"reduced_pressure": float(at.reduced_pressure)}
+    widest = at.isel(bandwidth=np.flatnonzero(at.area.notnull().all("hurst"))[-1])
+    return Views(
+        table=Table(
+            rows=("hurst", "bandwidth", "reduced_pressure"),
+            columns=("hurst", "bandwidth", "reduced_pressure", "nayak_by_spectrum", "area", "area_excess"),
+        ),
+        budget=("area_excess",),
+        figures=[
+            Figure(
+                name="wide-band",
+                caption="Contact area over that of Persson's theory, less one, over the Nayak parameter of C(q), by load.",
+                panels=panels_along(data, "reduced_pressure", solved),
+            ),
+            Figure(
+                name="wide-band-laws",
+                caption="The same at one load, and the laws as fitted to the narrow bands alone.",
+                panels=panels_along(data, "hurst", beside),
+            ),
+        ],
+        findings=[
+            finding(
+                "comparison",
+                "At lambda_long/lambda_short = {bandwidth}, p* = {reduced_pressure}, the area lies {each}.",
+                widest,
+                item="{verdict} Persson's by {area_excess:+%} at H = {hurst}",
+                over="hurst",
+                by="area_excess",
+                **load,
+            ),
+            finding(
+                "share",
+                "Fitted to bandwidths up to {bandwidth_fitted}, the laws hold the wider ones within the joint 95 % interval in "
+                "{each}.",
+                data[["cells_within", "cells_scored", "law_miss_rms", "bandwidth_fitted"]],
+                item="{cells_within} of {cells_scored} cells for the {law} (off by {law_miss_rms:%}, rms)",
+                over="law",
+            ),
+            finding(
+                "comparison",
+                "At infinite bandwidth, p* = {reduced_pressure}, the saturating law through all bands ends {each}.",
+                at,
+                item="{verdict} the theory, at {area_excess_limit:%}, for H = {hurst}",
+                over="hurst",
+                by="area_excess_limit",
+                **load,
+            ),
+            finding(
+                "value",
+                "Were the area to follow the power law, the theory would be within 5 % of it from a Nayak parameter of {each} on, at p* = "
+                "{reduced_pressure}.",
+                at.isel(law=LAWS.index("power")),
+                item="{nayak_close:.2} at H = {hurst}",
+                over="hurst",
+                **load,
+            ),
+        ],
+    )
