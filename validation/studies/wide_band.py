@@ -20,11 +20,8 @@ from validation.measurements.table_samples import joined
 from validation.reference.fit import nayak
 from validation.reference.laws import LAWS, fit
 from validation.report.estimates import LIMIT, claim, derive, total_error
-from validation.report.findings import finding
-from validation.report.marks import Figure, Line, Panel, panels_along
-from validation.report.table import Table
-from validation.report.views import Views
-from validation.studies._study import StudyOptions
+from validation.report.views import Figure, Line, Panel, Table, Views, finding, panels_along
+from validation.studies._options import StudyOptions
 from validation.units import Positive
 
 #: Distance from the theory that counts as none.
