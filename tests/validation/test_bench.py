@@ -260,7 +260,8 @@ def test_a_bench_that_only_plans_solves_nothing(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name", [name for name, asked in STUDIES.items() if not {"scene", "theory"} & set(asked)]
+    "name",
+    [name for name, asked in STUDIES.items() if asked and not {"scene", "theory"} & set(asked)],
 )
 def test_each_planned_solve_of_a_study_takes_time_and_room_for_its_unknowns(name, tmp_path):
     study = find_study(name.partition(" ")[0])

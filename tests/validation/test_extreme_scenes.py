@@ -224,7 +224,7 @@ def test_a_surface_that_does_not_fit_into_memory_is_refused_in_one_line(monkeypa
     free = psutil.virtual_memory()._replace(available=2**30)
     monkeypatch.setattr(psutil, "virtual_memory", lambda: free)
     with pytest.raises(
-        UsageError, match=r"20001 x 20001 points and 22\.4 GiB, .* take a lambda_short above 4.*e-08"
+        UsageError, match=r"20001 x 20001 points and 22\.4 GiB, .* take a lambda_short above 4.* nm"
     ) as e:
         height_field(LARGE)
     assert "\n" not in str(e.value)

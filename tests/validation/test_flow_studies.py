@@ -31,7 +31,7 @@ def leaking(bench):
 
 def test_the_stiffness_of_the_study_is_that_of_the_frozen_contact_on_its_finest_grid(stiff):
     options, data = stiff
-    case = base_case(options.surface(2.0), reduced_pressure=0.04).further(1)
+    case = base_case(options.self_affine(periods=2.0), reduced_pressure=0.04).further(1)
     solid = HalfSpace(solid=case.elastic)
     contact = bem.solve(case.heights(grid_for(case, 8.0)), solid, mean_pressure=case.pressure)
     own = frozen_contact(contact, solid).stiffness * case.field.rms_height / case.pressure
@@ -98,7 +98,7 @@ def test_the_widest_path_has_a_narrowest_place_unless_the_gap_is_closed(leaking)
 
 def test_the_flow_of_the_study_is_that_of_the_surface_at_that_area(leaking):
     options, data = leaking
-    case = base_case(options.surface(4.0), reduced_pressure=0.1).further(2)
+    case = base_case(options.self_affine(bandwidth=4.0), reduced_pressure=0.1).further(2)
     solid, grid = HalfSpace(solid=case.elastic), grid_for(case, 6.0)
     areas, leaks = [], []
     for load in (0.030, 0.035, 0.040, 0.045, 0.050):
@@ -130,7 +130,7 @@ def test_thresholds_and_conductance_are_means_over_surfaces_of_both_directions(l
 
 def test_gaps_and_contact_share_the_area_and_narrow_gaps_are_those_of_the_state(leaking):
     options, data = leaking
-    case = base_case(options.surface(4.0), reduced_pressure=0.1).further(1)
+    case = base_case(options.self_affine(bandwidth=4.0), reduced_pressure=0.1).further(1)
     load = float(data.reduced_pressure_each[0, 1, 1])
     state = bem.solve(
         case.heights(grid_for(case, 6.0)),

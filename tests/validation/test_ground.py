@@ -42,7 +42,7 @@ def test_a_scene_without_a_stretch_has_the_recipe_that_it_had():
 
 
 def test_waves_longer_than_the_period_are_refused():
-    with pytest.raises(SceneError, match=r"stretch = 5: makes waves of 0.000125 m along x, longer"):
+    with pytest.raises(SceneError, match=r"stretch = 5: makes waves of 125 um along x, longer"):
         load_asked("ground", ["surface.stretch=5"])
     said = load_scene("ground").model_dump(mode="json", exclude_none=True)
     with pytest.raises(ValueError, match="greater than or equal to 1"):

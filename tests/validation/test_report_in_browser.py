@@ -172,7 +172,7 @@ def test_the_report_names_papers_seeds_versions_and_answers_first(pages):
         "Yastrebov",
         "Seeds: 77",
         "numpy 2",
-        "fem-contact 0",
+        "fem-contact 1",
     ):
         assert words in page, words
     first = [page.index(words) for words in ("How large", "How sure", "How far from", "What did it cost")]

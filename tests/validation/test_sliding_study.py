@@ -30,7 +30,9 @@ def test_the_friction_of_the_study_is_that_of_the_surface_on_each_grid(slid):
     options, data = slid
     solid = PronySolid.standard(relaxed=1e6, unrelaxed=1e7, time=1e-3, poisson=0.5)
     case = base_case(
-        options.surface(), reduced_pressure=0.1, solid=SolidSpec(young=1e6, poisson=0.5)
+        options.self_affine(length=options.length),
+        reduced_pressure=0.1,
+        solid=SolidSpec(young=1e6, poisson=0.5),
     ).further(1)
     for g, points in enumerate(options.points_per_wave):
         own = slide(
@@ -49,7 +51,7 @@ def test_the_theory_of_the_study_is_told_the_realised_waves(slid):
     _, data = slid
     full = sliding.Options(**(SMALL | {"reduced_pressure": 40.0, "velocities": (0.05,)}))
     rubber, relaxed = full.rubber(), SolidSpec(young=1e6, poisson=0.5)
-    case = base_case(full.surface(), reduced_pressure=40.0, solid=relaxed)
+    case = base_case(full.self_affine(length=full.length), reduced_pressure=40.0, solid=relaxed)
     friction, area = measure._theory(case, rubber, (0.05,))
     own = slide(case.heights((32, 32)), rubber, velocity=0.05, mean_pressure=case.pressure, threads=1)
     assert friction[0] * case.field.rms_gradient == pytest.approx(own.friction, rel=1e-5)

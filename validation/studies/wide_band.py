@@ -125,7 +125,7 @@ def views(data: xr.Dataset) -> Views:
     solved = Panel(marks=[Line(y="area_excess", by="hurst", joined=False)], **alpha)
     middle = {"reduced_pressure": data.sizes["reduced_pressure"] // 2}
     laws = Line(y="area_excess_law", by="law", look={"marker": ""})
-    solved_alone = Line(y="area_excess", joined=False, look={"color": "black"})
+    solved_alone = Line(y="area_excess", joined=False, look={"color": "black"}, label="solved")
     beside = Panel(marks=[solved_alone, laws], at=middle, **alpha)
     at = data.isel(middle)
     load: dict[str, Any] = {"reduced_pressure": float(at.reduced_pressure)}
@@ -151,11 +151,11 @@ def views(data: xr.Dataset) -> Views:
         findings=[
             finding(
                 "comparison",
-                "At lambda_long/lambda_short = {bandwidth}, p* = {reduced_pressure}, the area lies {each}.",
-                widest,
-                item="{verdict} Persson's by {area_excess:+%} at H = {hurst}",
+                "At infinite bandwidth, p* = {reduced_pressure}, the saturating law through all bands ends {each}.",
+                at,
+                item="{verdict} the theory at H = {hurst}, by {area_excess_limit:%}",
                 over="hurst",
-                by="area_excess",
+                by="area_excess_limit",
                 **load,
             ),
             finding(
@@ -168,11 +168,11 @@ def views(data: xr.Dataset) -> Views:
             ),
             finding(
                 "comparison",
-                "At infinite bandwidth, p* = {reduced_pressure}, the saturating law through all bands ends {each}.",
-                at,
-                item="{verdict} the theory, at {area_excess_limit:%}, for H = {hurst}",
+                "At lambda_long/lambda_short = {bandwidth}, p* = {reduced_pressure}, the area lies {each}.",
+                widest,
+                item="{verdict} Persson's by {area_excess:+%} at H = {hurst}",
                 over="hurst",
-                by="area_excess_limit",
+                by="area_excess",
                 **load,
             ),
             finding(
