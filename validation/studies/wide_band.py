@@ -97,13 +97,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         area_excess_limit=(over, ends),
     )
     data = claim(data, "area_excess_law", bandwidth=xr.DataArray(blind_halves, dims=(*each, "bandwidth")))
-    size = data.area_excess_error.sel(source="size", drop=True).max("bandwidth")
-    data = claim(
-        data,
-        "area_excess_limit",
-        bandwidth=xr.DataArray(end_halves, dims=over),
-        size=size.where(data.area_excess_limit.notnull()),
-    )
+    # The size of the sample moves all bandwidths alike, and so the limit.
+    size = data.area_excess_error.sel(source="size", drop=True).max("bandwidth").transpose(*over)
+    ends_error = (xr.DataArray(end_halves, dims=over) ** 2 + size.fillna(0.0) ** 2) ** 0.5
+    data = claim(data, "area_excess_limit", bandwidth=ends_error)
     for name in ("area_excess_law", "area_excess_limit"):
         data[f"{name}_error"].attrs[LIMIT] = "bandwidth"
     judged = xr.DataArray(~narrow, dims="bandwidth")
