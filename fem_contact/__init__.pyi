@@ -14,6 +14,7 @@ from .contact import Cost as Cost
 from .contact import Residuals as Residuals
 from .contact import Status as Status
 from .contact import measure_residuals as measure_residuals
+from .creeping import creep as creep
 from .errors import FemContactError as FemContactError
 from .errors import InsufficientMemory as InsufficientMemory
 from .errors import InvalidInput as InvalidInput

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
+import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
 from fem_contact._checks import array, instance, poisson_ratio, positive, samples
@@ -103,6 +104,25 @@ class PronySolid:
     def unrelaxed(self) -> float:
         """E_inf [Pa], the modulus of a very fast strain."""
         return self.relaxed + math.fsum(self.moduli)
+
+    def creep_compliance(self, time: ArrayLike) -> Array:
+        r"""J(t) [1/Pa] at times t >= 0 [s]: the strain that a unit of stress leaves, from 1/E_inf to 1/E_0.
+
+        Notes
+        -----
+        The stresses s_k of the terms obey
+        :math:`\sum_j (\delta_{kj}/E_k + 1/E_0)\, s_j' = -s_k/(E_k \tau_k)`.
+        """
+        since = array("time", time, unit="s", power=2)
+        if since.size and since.min() < 0:
+            raise InvalidInput(f"time = {float(since.min())!r} s: must not be negative")
+        at_work = np.array(self.moduli) > 0
+        share, decay = np.array(self.moduli)[at_work] / self.relaxed, np.array(self.times)[at_work]
+        if not share.size:
+            return np.full(since.shape, 1 / self.relaxed)
+        rates, modes = scipy.linalg.eigh(np.diag(1 / (share * decay)), np.diag(1 / share) + 1.0)
+        fading = np.exp(-np.multiply.outer(since, rates)) @ modes.sum(axis=0) ** 2
+        return np.asarray((1 - fading) / self.relaxed)
 
     def modulus(self, frequency: ArrayLike) -> Complex:
         """E(omega) [Pa] for omega >= 0 [1/s]."""

@@ -16,6 +16,7 @@ from fem_contact import (
     block,
     conductance,
     contact,
+    creeping,
     extrapolation,
     graded,
     hardness,
@@ -184,13 +185,14 @@ def solver_doors() -> dict[str, Door]:
         (leak.percolates, {"open_cells": WAVE > 0, "axis": "x"}),
         (viscoelastic.PronySolid, prony),
         (viscoelastic.PronySolid.standard, {"relaxed": 1.0, "unrelaxed": 3.0, "time": 1.0}),
-        rubber.modulus,
+        *(rubber.modulus, (rubber.creep_compliance, {"time": 1.0})),
         (viscoelastic.TabulatedSolid, table),
         viscoelastic.TabulatedSolid(**table, poisson=0.3).modulus,
         (
             sliding.slide,
             {"solid": rubber, "velocity": 0.1, "mean_pressure": 0.02, "start": np.ones((12, 12))},
         ),
+        (creeping.creep, {"solid": rubber, "times": (0.0, 1.0), "mean_pressure": 0.02}),
     )
 
 

@@ -176,7 +176,7 @@ def test_all_linear_solvers_are_as_exact_unless_told_otherwise():
         name: inspect.signature(door[0]).parameters["tolerance"].default
         for name, door in FEM.items()
         if "tolerance" in getattr(inspect.signature(door[0]), "parameters", {})
-        and door[0].__module__.split(".")[1] in {"bem", "block", "hardness", "sliding"}
+        and door[0].__module__.split(".")[1] in {"bem", "block", "creeping", "hardness", "sliding"}
     }
     assert len(defaults) > 5
     assert {name for name, value in defaults.items() if value != Settings().tolerance} <= {

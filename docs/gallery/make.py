@@ -46,6 +46,7 @@ SHOWN = {
     "reference": ("reference", "reference-verdict", "reference-alpha"),
     "wide-band": ("wide-band", "wide-band-laws"),
     "sliding": ("sliding",),
+    "creep": ("creep",),
 }
 
 #: The solvers of the scorecard, where they are installed.

@@ -243,7 +243,7 @@ def sources_of(errors: xr.DataArray) -> str:
     half = dict(zip(errors.source.values.tolist(), errors.values.tolist(), strict=True))
     enter = [source for source in shown_sources(errors) if source not in errors.attrs]
     complete = not any(math.isnan(half[source]) for source in enter)
-    return "" if complete else ", ".join(source for source in SOURCES if half[source] > 0)
+    return "" if complete else ", ".join(source for source in shown_sources(errors) if half[source] > 0)
 
 
 def shown_sources(errors: xr.DataArray) -> tuple[str, ...]:

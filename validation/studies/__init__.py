@@ -64,6 +64,7 @@ GROUPS: Mapping[str, Mapping[str, str]] = {
         "conductance": "conductance and stiffness, from light to full contact",
         "leak": "does the gap percolate, how much leaks through it?",
         "sliding": "friction and contact area on rubber over the velocity",
+        "creep": "contact at rest on rubber: its growth, and its memory",
         "large-slope": "up to which slope does linear theory hold?",
     },
     "How far can the numbers be trusted?": {

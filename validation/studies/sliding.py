@@ -17,7 +17,7 @@ import xarray as xr
 from pydantic import AfterValidator, Field, model_validator
 
 from fem_contact.errors import InvalidInput
-from fem_contact.viscoelastic import PronySolid, TabulatedSolid
+from fem_contact.viscoelastic import TabulatedSolid
 from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.files import read_whole
@@ -30,9 +30,10 @@ from validation.report.estimates import claim, derive, mean, same_of_all
 from validation.report.values import Value
 from validation.report.views import Figure, Finding, Line, Panel, Table, Views, against, finding
 from validation.scenes.scene import SolidSpec
-from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions, Surfaces
+from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
+from validation.studies._rubber import RubberOptions
 from validation.studies._study import gathered
-from validation.units import Duration, Length, Positive, Pressure, Velocity, wrong
+from validation.units import Length, Positive, Velocity, wrong
 
 #: Largest file of a modulus [byte].
 _LARGEST = 10**7
@@ -40,7 +41,7 @@ _LARGEST = 10**7
 _REMEMBERED = 2.0
 
 
-class Options(StudyOptions):
+class Options(RubberOptions):
     """What slides, on what, and how fast."""
 
     why_no_scene = "its solid is viscoelastic, which no scene can say, and it makes its own surfaces"
@@ -56,20 +57,8 @@ class Options(StudyOptions):
         3.0,
     )
     """velocities v along x, rising, e.g. "1 mm/s,10 mm/s" """
-    relaxed: Pressure = 1e6
-    """E_0, Young's modulus at low frequency"""
-    unrelaxed: Pressure = 1e7
-    """E_inf of a standard solid, at high frequency"""
-    time: Duration = 1e-3
-    """retardation time tau of a standard solid"""
-    moduli: tuple[Pressure, ...] = ()
-    """moduli E_k of a Prony series, in place of the standard solid"""
-    times: tuple[Duration, ...] = ()
-    """relaxation times of the series, as many"""
     modulus_table: str | None = None
     """file of a measured modulus, in place of both: lines of omega [1/s], E' [Pa], E'' [Pa]"""
-    poisson: float = Field(default=0.5, gt=-1, le=0.5)
-    """Poisson ratio"""
     reduced_pressure: Positive = 0.1
     """p* = p0 / (E_0* h'_rms), with the relaxed modulus and the realised gradient"""
     length: Length = 1e-3
@@ -83,27 +72,17 @@ class Options(StudyOptions):
     seed: Seed = 2006
 
     @model_validator(mode="after")
-    def _one_solid(self) -> Self:
-        given = self.model_fields_set
-        series, standard = {"moduli", "times"} & given, {"unrelaxed", "time"} & given
-        if (series and standard) or (
-            self.modulus_table is not None and (series or standard or "relaxed" in given)
-        ):
-            raise wrong(
-                "give one solid: relaxed, unrelaxed, time; or relaxed, moduli, times; or modulus_table"
-            )
-        if len(self.moduli) != len(self.times):
-            raise wrong(f"moduli, times: {len(self.moduli)} and {len(self.times)} values: must be as many")
+    def _table_alone(self) -> Self:
+        series = {"relaxed", "unrelaxed", "time", "moduli", "times"}
+        if self.modulus_table is not None and series & self.model_fields_set:
+            raise wrong("give one solid: modulus_table leaves no other modulus or time")
         return self
 
     def rubber(self) -> Rubber:
         """Return the solid that was asked for."""
         if self.modulus_table is not None:
             return _table_of(Path(self.modulus_table), poisson=self.poisson)
-        solid = {"relaxed": self.relaxed, "poisson": self.poisson}
-        if self.moduli:
-            return PronySolid(moduli=self.moduli, times=self.times, **solid)
-        return PronySolid.standard(unrelaxed=self.unrelaxed, time=self.time, **solid)
+        return self.prony()
 
 
 def _table_of(path: Path, *, poisson: float) -> TabulatedSolid:

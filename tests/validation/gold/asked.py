@@ -225,6 +225,14 @@ STUDIES: dict[str, dict[str, object]] = {
     },
     "refinement on a scene": {"scene": _YIELDING, "surfaces": 2},
     "scaling": {"grids": (24, 32, 48), "points_per_wave": 4.0, "periods": 2.0, "surfaces": 2, "seed": 1306},
+    "creep": {
+        "durations": (1e-4, 1e-3),
+        "periods": 1.0,
+        "bandwidth": 3.0,
+        "surfaces": 2,
+        "steps": 3,
+        "seed": 17,
+    },
     "sliding": {
         "velocities": (0.05, 2.0),
         "periods": 1.0,

@@ -1,0 +1,44 @@
+"""Options of studies on a viscoelastic solid: a standard solid, or a Prony series."""
+
+from __future__ import annotations
+
+from typing import Any, Self
+
+from pydantic import Field, model_validator
+
+from fem_contact.viscoelastic import PronySolid
+from validation.studies._options import StudyOptions
+from validation.units import Duration, Pressure, wrong
+
+
+class RubberOptions(StudyOptions):
+    """Which solid."""
+
+    relaxed: Pressure = 1e6
+    """E_0, Young's modulus at low frequency"""
+    unrelaxed: Pressure = 1e7
+    """E_inf of a standard solid, at high frequency"""
+    time: Duration = 1e-3
+    """retardation time tau of a standard solid"""
+    moduli: tuple[Pressure, ...] = ()
+    """moduli E_k of a Prony series, in place of the standard solid"""
+    times: tuple[Duration, ...] = ()
+    """relaxation times of the series, as many"""
+    poisson: float = Field(default=0.5, gt=-1, le=0.5)
+    """Poisson ratio"""
+
+    @model_validator(mode="after")
+    def _one_solid(self) -> Self:
+        given = self.model_fields_set
+        if given & {"moduli", "times"} and given & {"unrelaxed", "time"}:
+            raise wrong("give one solid: relaxed, unrelaxed, time; or relaxed, moduli, times")
+        if len(self.moduli) != len(self.times):
+            raise wrong(f"moduli, times: {len(self.moduli)} and {len(self.times)} values: must be as many")
+        return self
+
+    def prony(self) -> PronySolid:
+        """Return the solid."""
+        solid: dict[str, Any] = {"relaxed": self.relaxed, "poisson": self.poisson}
+        if self.moduli:
+            return PronySolid(moduli=self.moduli, times=self.times, **solid)
+        return PronySolid.standard(unrelaxed=self.unrelaxed, time=self.time, **solid)

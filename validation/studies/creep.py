@@ -1,0 +1,144 @@
+"""How does a contact at rest on rubber grow in time, and how long does it remember a load that was taken off?
+
+Held under a load, a contact only grows, and its area is that of an elastic solid with E = 1/J(t): exactly, so that the theory
+needs no more than that modulus. When a part of the load is taken off, the solid remembers, and nothing simple holds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated
+
+import numpy as np
+import xarray as xr
+from pydantic import AfterValidator, Field
+
+from validation.execution.bench import Bench
+from validation.measurements.common import Rising, base_case, in_rising_order
+from validation.measurements.creep import PHASES, creeps, crept_of, moduli_of
+from validation.measurements.limits import ABSENT
+from validation.measurements.measurement import grid_for
+from validation.measurements.theory import RANKED, VARIANTS
+from validation.report.estimates import claim, derive, mean, same_of_all
+from validation.report.views import Figure, Line, Panel, Table, Views, against, finding
+from validation.scenes.scene import SolidSpec
+from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
+from validation.studies._rubber import RubberOptions
+from validation.studies._study import gathered
+from validation.units import Duration, Positive
+
+
+class Options(RubberOptions):
+    """What is held, how long, on what, and how much of the load is left after that."""
+
+    why_no_scene = "its solid is viscoelastic, which no scene can say, and it makes its own surfaces"
+
+    durations: Annotated[tuple[Duration, ...], Field(min_length=1), AfterValidator(in_rising_order)] = (
+        *(1e-5, 3e-5, 1e-4, 3e-4, 1e-3),
+    )
+    """times after the load is put on, and after a part of it is taken off, rising"""
+    load_left: float = Field(default=0.5, gt=0, le=1)
+    """share of the load that is left when the last of these times is over"""
+    steps: int = Field(default=8, ge=1)
+    """steps of the solver from one time to the next"""
+    reduced_pressure: Positive = 0.1
+    """p* = p0 / (E_0* h'_rms), with the relaxed modulus and the realised gradient"""
+    hurst: Hurst = 0.8
+    periods: Periods = 2.0
+    bandwidth: Bandwidth = 8.0
+    surfaces: Surfaces = 6
+    points_per_wave: Rising = Field(default=(4.0, 8.0), min_length=2)
+    """grids, as lambda_short/dx; the finest gives the value"""
+    seed: Seed = 2006
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Hold every surface, take off a part of its load, and hold it again.
+
+    Over (phase, instant): A/A0, that of the elastic contact with E = 1/J(t) under the same load, and the theory's.
+    """
+    rubber = options.prony()
+    solid = SolidSpec(young=rubber.relaxed, poisson=rubber.poisson)
+    base = base_case(options.self_affine(), reduced_pressure=options.reduced_pressure, solid=solid)
+    grids = tuple(grid_for(base, points) for points in options.points_per_wave)
+    history = {name: getattr(options, name) for name in ("durations", "load_left", "steps")}
+    cases = {
+        k: creeps(problem=base.further(k), rubber=rubber, grids=grids, **history)
+        for k in range(options.surfaces)
+    }
+    data = gathered(bench, cases, crept_of, "surface").assign_coords(
+        phase=list(PHASES), duration=("instant", np.array(options.durations))
+    )
+    moduli = moduli_of(rubber, np.array(options.durations)) / rubber.relaxed
+    data["creep_modulus"] = (("phase", "instant"), moduli)
+    data = derive(
+        data,
+        area_memory_each="area_each / area_crept_each - 1",
+        area_excess_each="area_each / area_persson_each - 1",
+    )
+    data = mean(data, "area", "area_crept", "area_memory", "area_excess")
+    data = same_of_all(data, *(f"area_{name}" for name in VARIANTS))
+    # Held, both contacts are one: what they differ by is the error of the steps in time.
+    steps = abs(data.area_memory.isel(phase=0, drop=True)) * data.area
+    data = claim(data, "area", **(ABSENT | {"solver": steps}))
+    attributes = {"solid": repr(rubber), "reduced_pressure": options.reduced_pressure}
+    return data.assign_attrs(methods=RANKED, load_left=options.load_left, **attributes)
+
+
+def views(data: xr.Dataset) -> Views:
+    """Area over the time in both phases, beside elastic contacts and the theory, and what is remembered."""
+    areas = ("area", "area_crept", *(f"area_{name}" for name in VARIANTS))
+    over_time = against("duration", *areas, log="x")
+    held, unloaded = (data.isel(phase=k) for k in range(2))
+    some = sorted({0, data.sizes["instant"] // 2, data.sizes["instant"] - 1})
+    return Views(
+        table=Table(
+            rows=("phase", "instant"),
+            columns=("phase", "duration", "creep_modulus", *areas, "area_memory", "area_excess"),
+        ),
+        budget=("area",),
+        figures=[
+            Figure(
+                name="creep",
+                caption="Area of real contact on a viscoelastic half-space over the time since the load was put on (left) "
+                f"and since all but {data.attrs['load_left']:g} of it was taken off (middle); what is remembered: the "
+                "area over that of an elastic contact with E = 1/J(t) under the load of that time (right).",
+                panels=[
+                    *(replace(over_time, at={"phase": k}) for k in range(len(PHASES))),
+                    Panel(marks=[Line(y="area_memory", by="phase")], x="duration", log="x"),
+                ],
+            )
+        ],
+        findings=[
+            finding(
+                "value",
+                "Held, A/A0 is {each}.",
+                held.isel(instant=some),
+                item="{area} after {duration} s",
+                over="instant",
+            ),
+            finding(
+                "comparison",
+                "Held, it is {each}.",
+                held.isel(instant=some),
+                item="{verdict} Persson's {area_persson:~} with E = 1/J = {creep_modulus:~} E_0, by {area_excess:%}",
+                over="instant",
+                by="area_excess",
+            ),
+            finding(
+                "comparison",
+                "With {load_left} of the load left, A/A0 beside a solid that never carried more is {each}.",
+                unloaded.isel(instant=some),
+                item="{area} after {duration} s ({verdict} it, by {area_memory:%})",
+                over="instant",
+                by="area_memory",
+                load_left=float(data.attrs["load_left"]),
+            ),
+            finding(
+                "cost",
+                "Held, the area must be that of the elastic contact with E = 1/J(t); the steps in time miss it by at most "
+                "{worst:%}.",
+                worst=float(abs(held.area_memory).max()),
+            ),
+        ],
+    )
