@@ -17,6 +17,7 @@ import pytest
 from small_scene import small_scene
 from typer.testing import CliRunner
 
+import validation
 from validation import files, reference
 from validation.cases.scorecard import challenge
 from validation.cli.commands import app
@@ -34,12 +35,14 @@ MADE = {
     "sweep": "run sweep.toml",
     "accuracy": "run scene.toml --accuracy 20%",
     "study": "study stress-near-zero --surfaces 2 --points-per-wave 4,8,12 --periods 2 --bandwidth 2",
+    "sliding": "study sliding --surfaces 2 --points-per-wave 4,8 --periods 1 --bandwidth 2 --velocities 0.01,1",
+    "conductance": "study conductance --reduced-pressures 0.02,0.1 --surfaces 2 --periods 1 --bandwidth 2",
     "validate": "validate units",
     "reproduce": "reproduce",
 }
 #: What reads them, and what else reads numbers.
 COMMANDS = {
-    **{f"{name} again": f"{MADE[name]} -o {name} --no-report" for name in list(MADE)[:4]},
+    **{f"{name} again": f"{MADE[name]} -o {name} --no-report" for name in list(MADE)[:-2]},
     **{f"report of {name}": f"report {name}" for name in MADE},
     **{f"compare of {name}": f"compare {name} other -o compared --no-report" for name in MADE},
     **{f"audit of {name}": f"audit {name}" for name in MADE},
@@ -47,13 +50,17 @@ COMMANDS = {
     "inspect": "surface inspect rough.nc",
     "calibration": "explain scene.toml --set hardness=20kPa",
     "reference": "reference --hurst 0.8 --bandwidth 16 --reduced-pressure 0.05",
+    "wide reference": "reference --hurst 0.8 --bandwidth 64 --reduced-pressure 0.05",
+    "score": "reference --theory persson --csv areas.csv -o scored",
 }
 #: Written by a user, who alone knows the numbers; they are read or refused.
-_BY_HAND = {"scene.toml", "sweep.toml", "pressure.npy", "answer.json"}
+_BY_HAND = {"scene.toml", "sweep.toml", "pressure.npy", "answer.json", "areas.csv"}
+#: Text of the program, which nothing verifies but who installs it.
+_SOURCES = {".py", ".pyc", ".toml", ".j2", ".js"}
 #: Opened here: in a child process, where nobody watches.
 _BY_A_CHILD = {"inspect": {"rough.nc"}}
 #: Long to make, or read by what reads the others, too.
-_LONG = re.compile("reproduce|(report|compare) of (sweep|accuracy)")
+_LONG = re.compile("reproduce|sliding|conductance|(report|compare) of (sweep|accuracy)")
 _TIMES = re.compile("second|bytes|date|when|host|cost|made|version")
 #: What is opened goes to the last of these.
 _watched: list[tuple[list[Path], set[Path]]] = []
@@ -107,8 +114,10 @@ def results(tmp_path_factory):
     """A folder in which each kind of results is made once, when a command first asks for it."""
     place = tmp_path_factory.mktemp("opened")
     scene = small_scene(grids="[12, 24]")
-    shutil.copy(Path(reference.__file__).with_name("table.nc"), place)
+    for name in ("table.nc", "wide.nc"):
+        shutil.copy(Path(reference.__file__).with_name(name), place)
     (place / "scene.toml").write_text(scene)
+    (place / "areas.csv").write_text("hurst,bandwidth,reduced_pressure,area\n0.8,16,0.05,0.1\n")
     (place / "sweep.toml").write_text(scene + '[sweep]\n"load.reduced_pressure" = [0.1, 0.2]\n')
     return place
 
@@ -168,6 +177,8 @@ def test_no_file_that_a_command_opens_is_believed_once_changed(results, name, co
     opened |= {place / path for path in _BY_A_CHILD.get(name, ())}
     inside = {path for path in opened if path.is_relative_to(place) and "compared" not in path.parts}
     assert inside - {place / path for path in _BY_HAND}, "the trace sees what is read"
+    shipped = {path.suffix for path in opened if path.is_relative_to(Path(validation.__file__).parent)}
+    assert shipped <= _SOURCES, "shipped numbers are damaged, too"
     chance, told = random.Random(17), dict.fromkeys(("refused", "the same numbers", "by hand"), 0)
     once = {path.name if path.name in _BY_HAND else path: path for path in sorted(inside)}
     for path in once.values():
