@@ -145,10 +145,17 @@ class Child:
 
     def kill(self) -> None:
         """End the process and all that it started, whatever it is at; may be called from another thread."""
-        process = self._process
+        import psutil
+
+        process, strays = self._process, []
         if process is not None and process.returncode is None:
+            with contextlib.suppress(psutil.Error):  # in sessions of their own
+                strays = psutil.Process(process.pid).children(recursive=True)
             with contextlib.suppress(OSError):
                 os.killpg(process.pid, signal.SIGKILL)
+            for stray in strays:
+                with contextlib.suppress(psutil.Error):
+                    stray.kill()
 
     def close(self) -> None:
         """End the process."""
@@ -255,14 +262,15 @@ def _serve(connection: Connection[Any, Any]) -> None:
             with _limited(seconds, memory):
                 value = function(*arguments)
             _send(connection, (value, None))
-        except Exception as error:
+        except BaseException as error:  # a SystemExit is an answer, too
             _send(connection, (None, _plain(error)))
 
 
-def _plain(error: Exception) -> Exception:
+def _plain(error: BaseException) -> Exception:
     """Return an exception that every process can make again."""
     kind = MemoryError if isinstance(error, MemoryError) else type(error)
-    if kind in vars(builtins).values() or kind in vars(errors).values():
+    known = kind in vars(builtins).values() or kind in vars(errors).values()
+    if known and issubclass(kind, Exception):
         with contextlib.suppress(TypeError):
             simple = all(isinstance(value, (int, str)) for value in error.args)
             return kind(*(error.args if simple else (str(error),)))
@@ -309,7 +317,9 @@ def main() -> None:
     # Ctrl-C is for the one that started this, which ends it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _end_with(int(sys.argv[2]))
-    _serve(Connection(int(sys.argv[1])))
+    connection: Connection[Any, Any] = Connection(int(sys.argv[1]))
+    os.register_at_fork(after_in_child=connection.close)  # whose end is that of this process alone
+    _serve(connection)
 
 
 if __name__ == "__main__":

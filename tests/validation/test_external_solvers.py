@@ -1,6 +1,7 @@
 """Solvers written elsewhere: bounded, recomputed, and never trusted."""
 
 import contextlib
+import random
 import sys
 import textwrap
 from pathlib import Path
@@ -16,6 +17,7 @@ from fem_contact.area import contact_areas
 from fem_contact.contact import Status
 from fem_contact.errors import NotConverged
 from fem_contact.solid import Solid
+from validation import sandbox
 from validation.effects import Effect, effect_kinds
 from validation.effects.base import ContactModel
 from validation.effects.hardness import Hardness
@@ -119,36 +121,114 @@ def test_a_claim_of_convergence_is_recomputed_from_the_pressure(own_module: Path
         found.checked()
 
 
+#: Right pressures, after whatever else a solver does.
+RIGHT = """
+import my_module
+return my_module.solve(heights, lengths, contact_modulus=contact_modulus, mean_pressure=mean_pressure)
+"""
+#: What a solver may do, and what is said of it; nothing where its pressures are right.
+MISDEEDS = {
+    "raises": ("raise ValueError('no such thing')", "raised ValueError: no such thing"),
+    "crashes": ("import os; os.abort()", r"crashed its process \(SIGABRT\)"),
+    "sleeps": ("import time; time.sleep(600)", "took more than 5 s"),
+    "shape": ("return np.zeros((2, 2))", r"shape \(2, 2\): must have that of the heights"),
+    "nan": ("return np.full(heights.shape, np.nan)", "pressures are not finite"),
+    "load": ("return np.full(heights.shape, 2 * mean_pressure)", "above the tolerance"),
+    "starts": (
+        "import subprocess; subprocess.Popen(['sleep', '600'])\nwhile True: pass",
+        "took more than 5 s",
+    ),
+}
+NIGHTLY_MISDEEDS = {
+    "inf": ("return np.full(heights.shape, np.inf)", "pressures are not finite"),
+    "negative": ("return -np.full(heights.shape, mean_pressure)", "above the tolerance"),
+    "empty": ("return np.empty((0, 0))", r"shape \(0, 0\)"),
+    "complex": ("return np.full(heights.shape, 1j)", "Cannot cast array data from .*complex128"),
+    "text": ("return 'converged'", "Cannot cast"),
+    "none": ("return None", "Cannot cast"),
+    "dict": ("return {'load': 3}", "Cannot cast"),
+    "objects": ("return np.full(heights.shape, object())", "Cannot cast"),
+    "ragged": ("return [[1.0], [1.0, 2.0]]", "inhomogeneous"),
+    "generator": ("return (row for row in heights)", "Cannot cast"),
+    "lines": ("raise ValueError('one\\ntwo\\nthree' * 999)", "one"),
+    "strange": ("raise type('Strange', (Exception,), {'__str__': lambda e: 1 / 0})", "crashed its process"),
+    "private": ("raise type('Private', (BaseException,), {})", "raised RuntimeError: Private"),
+    "exits": ("raise SystemExit(0)", "raised RuntimeError: SystemExit: 0"),
+    "interrupts": ("raise KeyboardInterrupt", "raised RuntimeError: KeyboardInterrupt"),
+    "ends": ("import os; os._exit(3)", r"crashed its process \(exit status 3\)"),
+    "segfaults": ("import ctypes; ctypes.string_at(0)", r"crashed its process \(SIGSEGV\)"),
+    "stops": ("import os, signal; os.kill(os.getpid(), signal.SIGSTOP)", "took more than 5 s"),
+    "recurs": ("return solve(heights, lengths, contact_modulus=1, mean_pressure=1)", "RecursionError"),
+    "takes memory": ("return np.ones(2**36)", "took more than 4096 MiB of memory"),
+    "gives much": ("return np.broadcast_to(1.0, (2**15, 2**14))", "more than"),
+    "closes files": ("import os; os.closerange(0, 99)" + RIGHT, "crashed its process"),
+    "deaf": (
+        "import signal\nsignal.signal(signal.SIGTERM, signal.SIG_IGN)\nwhile True: pass",
+        "more than 5 s",
+    ),
+    "forks": ("import os, time\nif not os.fork(): time.sleep(600)" + RIGHT, None),
+    "forks and dies": (
+        "import os, time\nif not os.fork(): time.sleep(600)\nos.abort()",
+        r"crashed .*\(SIGABRT\)",
+    ),
+    "detaches": (
+        "import subprocess as s; s.Popen(['sleep', '600'], start_new_session=True)\nwhile True: pass",
+        "took more than 5 s",
+    ),
+    "prints": ("print('x' * 2**20); import os; os.write(2, b'y' * 2**20)" + RIGHT, None),
+    "closes output": ("import os; os.close(1); os.close(2)" + RIGHT, None),
+    "changes folder": ("import os; os.chdir('/')" + RIGHT, None),
+    "changes its input": ("kept = heights.copy(); heights[:] = 0; heights = kept" + RIGHT, None),
+    "raises at errors": ("np.seterr(all='raise')" + RIGHT, None),
+    "seeds": ("import random; random.seed(1); np.random.seed(1)" + RIGHT, None),
+    "leaves threads": (
+        "import threading, time; threading.Thread(target=time.sleep, args=(600,)).start()" + RIGHT,
+        None,
+    ),
+    "clears the temporary folder": (
+        "import os, shutil, tempfile; shutil.rmtree(os.environ['TMPDIR'])" + RIGHT,
+        None,
+    ),
+}
+
+
+def started_under(mark: str) -> list[psutil.Process]:
+    """Every process that has a mark in its environment."""
+    marked = []
+    for process in psutil.process_iter():
+        with contextlib.suppress(psutil.Error):
+            marked += [process] if process.environ().get("MISDEED") == mark else []
+    return marked
+
+
 @pytest.mark.parametrize(
-    ("name", "body", "says"),
-    [
-        ("raises", "raise ValueError('no such thing')", "raised ValueError: no such thing"),
-        ("crashes", "import os; os.abort()", "crashed its process"),
-        ("sleeps", "import time; time.sleep(60)", "took more than 1 s"),
-        ("small", "return np.zeros((2, 2))", r"shape \(2, 2\): must have that of the heights"),
-        ("nan", "return np.full(heights.shape, np.nan)", None),
-        ("load", "return np.full(heights.shape, 2 * mean_pressure)", None),
-    ],
+    "name", [*MISDEEDS, *(pytest.param(name, marks=pytest.mark.nightly) for name in NIGHTLY_MISDEEDS)]
 )
-def test_what_goes_wrong_in_a_foreign_solver_is_said(
-    own_module: Path, name: str, body: str, says: str | None
+def test_what_goes_wrong_in_a_foreign_solver_is_a_line_and_its_processes_end(
+    own_module: Path, name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    solver = written(name, body)
-    with pytest.raises(NotConverged, match=says):
-        pressed(solver, seconds=1.0 if name == "sleeps" else 60.0).checked()
-
-
-def test_what_a_foreign_solver_starts_ends_with_it(own_module: Path) -> None:
-    body = f"""
-    import subprocess
-    open({str(own_module / "started")!r}, "w").write(str(subprocess.Popen(["sleep", "600"]).pid))
-    import time; time.sleep(60)
-    """
-    with pytest.raises(NotConverged, match=r"took more than 5 s"):
-        pressed(written("starts", body), seconds=5.0)
-    process = int((own_module / "started").read_text())
-    with contextlib.suppress(psutil.NoSuchProcess):
-        assert not still_running([psutil.Process(process)], seconds=2)
+    sandbox.end()  # a new process has this environment
+    (own_module / "temporary").mkdir()
+    monkeypatch.setenv("TMPDIR", str(own_module / "temporary"))
+    monkeypatch.setenv("MISDEED", str(own_module))
+    body, says = {**MISDEEDS, **NIGHTLY_MISDEEDS}[name]
+    solver = written(name.replace(" ", "_"), body)
+    before = random.getstate(), np.geterr(), Path.cwd()
+    if says is None:
+        reference = find_solver("bem").solve(job(tolerance=1e-10)).contact
+        for function in (solver, "my_module:solve"):  # nor is the next one spoilt
+            assert np.array_equal(pressed(function, seconds=60.0).checked().in_contact, reference.in_contact)
+        sandbox.end()
+    else:
+        with pytest.raises(NotConverged, match=says) as told:
+            pressed(solver, seconds=5.0).checked()
+        assert "\n" not in str(told.value)
+        assert len(str(told.value)) < 1000
+        ended = "process" in str(told.value) or "took more" in str(told.value)
+        if not ended:
+            sandbox.end()
+    assert not still_running(started_under(str(own_module)), seconds=2)
+    assert (random.getstate(), np.geterr(), Path.cwd()) == before
 
 
 def test_a_point_with_a_pressure_of_rounding_size_is_not_in_contact(own_module: Path) -> None:

@@ -35,7 +35,7 @@ MADE = {
     "sweep": "run sweep.toml",
     "accuracy": "run scene.toml --accuracy 20%",
     "study": "study stress-near-zero --surfaces 2 --points-per-wave 4,8,12 --periods 2 --bandwidth 2",
-    "sliding": "study sliding --surfaces 2 --points-per-wave 4,8 --periods 1 --bandwidth 2 --velocities 0.01,1",
+    "sliding": "study sliding --velocities 0.01,1 --surfaces 2 --points-per-wave 4,8 --periods 1",
     "conductance": "study conductance --reduced-pressures 0.02,0.1 --surfaces 2 --periods 1 --bandwidth 2",
     "validate": "validate units",
     "reproduce": "reproduce",

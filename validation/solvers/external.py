@@ -52,6 +52,8 @@ if TYPE_CHECKING:
 _PAIRS = 1000.0
 _BYTES_PER_POINT = 40 * 8
 _SECONDS, _MEMORY = 600.0, 4 * 2**30
+#: Characters of what a solver raises that are repeated.
+_MOST_WORDS = 500
 
 
 class ExternalOptions(Gridded):
@@ -267,12 +269,15 @@ def claimed_in_own_process(function: str, job: Job, *, parameters: Mapping[str, 
     except sandbox.OutOfBounds as error:
         raise NotConverged(f"{function}: {error}; allow more (seconds, memory), or a coarser grid") from None
     except Exception as error:  # whatever it raises is its answer
-        raise NotConverged(f"{function}: raised {type(error).__name__}: {error}") from None
-    pressure = np.array(answer["pressure"], dtype=float)
+        line = " ".join(str(error).split())[:_MOST_WORDS]
+        raise NotConverged(f"{function}: raised {type(error).__name__}: {line}") from None
+    pressure = np.array(answer["pressure"])
     if pressure.shape != field.shape:
         raise NotConverged(
             f"{function}: pressures of shape {pressure.shape}: must have that of the heights, {field.shape}"
         )
+    if not np.isfinite(pressure).all():
+        raise NotConverged(f"{function}: pressures are not finite")
     mask = answer["in_contact"]
     in_contact = None if mask is None or mask.shape != field.shape else mask.astype(bool)
     return Claim(**{**answer, "pressure": pressure, "in_contact": in_contact})
@@ -310,7 +315,7 @@ def serve(
     mask, iterations, converged = (_field(answer, name) for name in ("in_contact", "iterations", "converged"))
     pressure = _field(answer, "pressure")
     return {
-        "pressure": np.array(answer if pressure is None else pressure, dtype=float),
+        "pressure": np.asarray(answer if pressure is None else pressure).astype(float, casting="same_kind"),
         "in_contact": None if mask is None else np.array(mask, dtype=bool),
         "iterations": 0 if iterations is None else int(iterations),
         "converged": None if converged is None else bool(converged),
