@@ -6,42 +6,71 @@ have moved into each other for good (Persson 2006, Sec. 6).
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fem_contact import bem
-from fem_contact._checks import bound, instance, positives
+from fem_contact._checks import bound, instance, non_negative, positives
 from fem_contact._types import Array
-from fem_contact.contact import ContactResult
+from fem_contact.contact import ContactResult, Cost, Status
 from fem_contact.errors import InvalidInput
+from fem_contact.patches import find_patches
 from fem_contact.response import Response
 from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
-__all__ = ["Hardness", "YieldedContact", "press_yielding", "unload", "yielded"]
+__all__ = ["Hardness", "YieldedContact", "press_by_patches", "press_yielding", "unload", "yielded"]
+
+#: Solves after which the patches are given up on.
+_ROUNDS = 100
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Hardness:
-    """The effect: a solid cannot bear more than this pressure.
+    r"""The effect: a solid cannot bear more than this pressure.
 
     Parameters
     ----------
     pressure : float or (nx, ny) array
         Indentation hardness H [Pa], positive; a field where it differs from place to place.
+    length, exponent : float
+        l [m] and n, where small patches of contact are harder: one of area a bears at most
+
+        .. math:: H \, (1 + l/d)^n, \qquad d = 2\sqrt{a/\pi}
 
     Raises
     ------
     InvalidInput
-        For a hardness that is not positive and finite.
+        For a hardness that is not positive and finite, a length or exponent that is negative.
+
+    Notes
+    -----
+    The diameter of a patch stands for the wavelength of the theory (Persson 2006, Eq. 33): a convention.
     """
 
     pressure: float | Array
+    length: float = 0.0
+    exponent: float = 0.0
 
     def __post_init__(self) -> None:
         bound("pressure", self.pressure)
+        non_negative("length", self.length, unit="m")
+        non_negative("exponent", self.exponent)
+
+    @property
+    def sized(self) -> bool:
+        """Whether it depends on the size of a patch."""
+        return self.length > 0 and self.exponent > 0
+
+    def of_patches(self, in_contact: NDArray[np.bool_], spacing: tuple[float, float]) -> Array:
+        """Return what each point bears [Pa], (nx, ny); out of contact, what a patch of one cell would."""
+        patches = find_patches(in_contact, spacing)
+        areas = np.concatenate([[spacing[0] * spacing[1]], patches.areas])
+        factor = (1 + self.length / (2 * np.sqrt(areas / np.pi))) ** self.exponent
+        return np.asarray(self.pressure * factor[patches.labels])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -139,16 +168,59 @@ def press_yielding(
         For a mean pressure above the mean hardness, or a hardness field of another shape.
     """
     instance("hardness", hardness, Hardness, what="a `Hardness`")
-    return bem.solve(
-        surface,
-        response,
-        mean_pressure=mean_pressure,
-        pressure_bound=hardness.pressure,
-        tolerance=tolerance,
-        max_iterations=max_iterations,
-        time_limit=time_limit,
-        threads=threads,
-    )
+
+    def press(pressure_bound: float | Array) -> ContactResult:
+        return bem.solve(
+            surface,
+            response,
+            mean_pressure=mean_pressure,
+            pressure_bound=pressure_bound,
+            tolerance=tolerance,
+            max_iterations=max_iterations,
+            time_limit=time_limit,
+            threads=threads,
+        )
+
+    return press_by_patches(surface, hardness, press) if hardness.sized else press(hardness.pressure)
+
+
+def press_by_patches(
+    surface: HeightField, hardness: Hardness, press: Callable[[Array], ContactResult]
+) -> ContactResult:
+    """Press until every patch of contact bears no more than its size allows, by any solver.
+
+    The hardness begins as that of single cells. Each solve lowers it to that of the patches there are, which
+    lets them grow; it is never raised, so that this ends.
+
+    Parameters
+    ----------
+    surface : HeightField
+    hardness : Hardness
+        With a length and an exponent.
+    press : callable
+        Solves with a pressure bound (nx, ny) [Pa].
+
+    Returns
+    -------
+    ContactResult
+        That of the last solve, with the cost of all; ITERATION_LIMIT where the patches do not settle.
+    """
+    instance("surface", surface, HeightField, what="a `HeightField`")
+    instance("hardness", hardness, Hardness, what="a `Hardness`")
+    limits = hardness.of_patches(np.zeros(surface.shape, dtype=np.bool_), surface.spacing)
+    costs: list[Cost] = []
+    for _ in range(_ROUNDS):
+        result = press(limits)
+        costs.append(result.cost)
+        lower = np.minimum(limits, hardness.of_patches(result.in_contact, surface.spacing))
+        settled = bool(np.all(lower >= limits))
+        if settled or result.status is not Status.CONVERGED:
+            break
+        limits = lower
+    names = {entry.name for entry in fields(Cost)} - {"unknowns", "peak_bytes"}
+    cost = replace(result.cost, **{name: sum(getattr(c, name) for c in costs) for name in names})
+    status = result.status if settled else Status.ITERATION_LIMIT
+    return replace(result, cost=cost, status=status if result.status is Status.CONVERGED else result.status)
 
 
 def unload(

@@ -130,7 +130,7 @@ def solver_doors() -> dict[str, Door]:
         (bem.solve_displacement, {"mean_gap": 0.01, "pressure_bound": 0.2}),
         (bem.solve_displacement, {"response": layer, "offset": 0.01}),
         (bem.solve_path, {"mean_pressures": [0.01, 0.02], "pressure_bound": 0.2}),
-        (hardness.Hardness, {"pressure": 1.0}),
+        (hardness.Hardness, {"pressure": 1.0, "length": 0.1, "exponent": 0.5}),
         (hardness.press_yielding, {"hardness": hard, "mean_pressure": 0.02}),
         (hardness.unload, {"contact": yielding, "mean_pressures": [0.01]}),
         (hardness.yielded, {"contact": yielding}),

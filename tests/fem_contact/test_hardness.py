@@ -1,10 +1,13 @@
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from surfaces import rough_surface
 
-from fem_contact import bem
+from fem_contact import HeightField, Status, bem, find_patches
 from fem_contact.errors import InvalidInput
-from fem_contact.hardness import Hardness, press_yielding, unload, yielded
+from fem_contact.hardness import Hardness, press_by_patches, press_yielding, unload, yielded
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 
@@ -85,3 +88,67 @@ def test_load_equal_to_hardness_yields_everywhere_and_above_it_is_refused():
 def test_a_hardness_that_is_not_positive_and_finite_is_refused(value):
     with pytest.raises(InvalidInput, match="pressure: "):
         Hardness(pressure=value)
+
+
+SIZED = Hardness(pressure=0.045, length=0.02, exponent=0.7)
+
+
+def by_hand(contact, hardness):
+    """What each patch bears, patch by patch."""
+    patches = find_patches(contact.in_contact, contact.spacing)
+    bears = [
+        hardness.pressure * (1 + hardness.length / math.sqrt(4 * a / math.pi)) ** 0.7 for a in patches.areas
+    ]
+    return np.array([0.0, *bears])[patches.labels]
+
+
+def test_every_patch_bears_what_its_size_allows_and_not_more():
+    contact = press_yielding(rough(), ELASTIC, hardness=SIZED, mean_pressure=LOAD / 4).checked()
+    bears = by_hand(contact, SIZED)
+    assert contact.at_bound.sum() > 50
+    assert contact.pressure[contact.at_bound] == pytest.approx(bears[contact.at_bound], rel=1e-12)
+    assert (contact.pressure <= bears * (1 + 1e-9)).all()
+    assert np.unique(bears[contact.at_bound]).size == 3
+    # Harder than the bulk everywhere, softer than single cells.
+    plain, cells = (
+        yielded(
+            press_yielding(rough(), ELASTIC, hardness=Hardness(pressure=p), mean_pressure=LOAD / 4)
+        ).plastic_area
+        for p in (SIZED.pressure, SIZED.of_patches(np.zeros(contact.shape, bool), contact.spacing)[0, 0])
+    )
+    assert cells < 0.9 * yielded(contact).plastic_area < yielded(contact).plastic_area < 0.9 * plain
+    assert contact.cost.fft_pairs > 20
+
+
+def test_a_hardness_without_a_size_is_the_plain_one_and_units_change_no_bit():
+    plain = press_yielding(
+        rough(), ELASTIC, hardness=Hardness(pressure=SIZED.pressure), mean_pressure=LOAD / 4
+    )
+    for length, exponent in ((0.0, 0.7), (0.1, 0.0)):
+        same = Hardness(pressure=SIZED.pressure, length=length, exponent=exponent)
+        assert np.array_equal(
+            press_yielding(rough(), ELASTIC, hardness=same, mean_pressure=LOAD / 4).pressure, plain.pressure
+        )
+    here = press_yielding(rough(), ELASTIC, hardness=SIZED, mean_pressure=LOAD / 4)
+    other = HeightField(heights=rough().heights * 2**20, lengths=(2.0**20, 2.0**20))
+    there = Hardness(pressure=SIZED.pressure, length=SIZED.length * 2**20, exponent=0.7)
+    assert np.array_equal(
+        press_yielding(other, ELASTIC, hardness=there, mean_pressure=LOAD / 4).pressure, here.pressure
+    )
+
+
+def test_patches_that_do_not_settle_and_solves_that_fail_are_said():
+    contact = press_yielding(rough(), ELASTIC, hardness=SIZED, mean_pressure=LOAD / 4)
+    rounds = []
+
+    def endless(limits):
+        rounds.append(limits)
+        in_contact = np.zeros(contact.shape, bool)
+        in_contact.flat[: len(rounds) + 1] = True
+        return replace(contact, in_contact=in_contact)
+
+    assert press_by_patches(rough(), SIZED, endless).status is Status.ITERATION_LIMIT
+    failed = replace(contact, status=Status.STAGNATED)
+    assert press_by_patches(rough(), SIZED, lambda limits: failed).status is Status.STAGNATED
+    with pytest.raises(InvalidInput, match="length"):
+        Hardness(pressure=1.0, length=-1.0)

@@ -57,6 +57,25 @@ def test_hardness_bounds_the_pressure(with_effects):
     assert contact.at_bound.any()
 
 
+@pytest.mark.parametrize("solver", ["bem", "fem"])
+def test_hardness_by_size_bounds_every_patch_by_its_own_in_both_solvers(with_effects, solver):
+    """And beside them the theory has a number of its own."""
+    effect = HARD + 'size_wavelength = "2 um"\nsize_exponent = 0.5\n'
+    scene = with_effects(effect, theory=True, fem=True)
+    check_scene(scene, realise(scene))
+    solve = next(solve for solve in solves_of(scene) if solve.method == solver)
+    contact = solve.do(threads=1).contact.checked()
+    law = ContactModel.filled(Solid(young=2e6, poisson=0.3), scene.effects).patch_hardness
+    bears = law.of_patches(contact.in_contact, contact.spacing)
+    assert contact.at_bound.any()
+    assert contact.pressure[contact.at_bound] == pytest.approx(bears[contact.at_bound], rel=1e-9)
+    assert bears.min() > 40e3
+    sized = predict(realise(scene), scene.effects)
+    plain = predict(realise(scene), with_effects(HARD, theory=True).effects)
+    assert sized.plastic < plain.plastic
+    assert sized.area < plain.area
+
+
 def test_adhesion_pulls_beside_the_contact(with_effects):
     contact = solved(with_effects(STICKY))
     assert contact.pressure.min() < 0

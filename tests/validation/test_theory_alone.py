@@ -167,6 +167,8 @@ def test_the_hardness_of_a_wave_counts_from_its_length(scene):
     from validation.effects.base import TheoryInputs
 
     rising = TheoryInputs.by(Solid(young=1e7, poisson=0.5), [told]).hardness
+    with pytest.raises(UsageError, match="method 'tamaas' knows one hardness"):
+        hardness.check_solver("tamaas", key="effects")
     # H (1 + l/lambda)^n at lambda = l and far above.
     assert float(rising(2 * math.pi / 0.6e-6)) == pytest.approx(5e6 * 2**0.5, rel=1e-14)
     assert float(rising(0.0)) == 5e6
@@ -293,9 +295,9 @@ def test_mistakes_in_effects_are_named(scene, effect, named):
         ),
         (
             WAVES,
-            (),
+            (("reduced_pressure = 0.1", 'offset = "1 nm"'),),
             'kind = "hardness"\nhardness = "1 GPa"\nsize_wavelength = "1 um"\nsize_exponent = 0.1',
-            r"\[\[effects\]\] 1 size_wavelength = 1 um: method 'bem' knows one hardness",
+            r"\[\[effects\]\] 1 size_wavelength = 1 um: does not go with offset",
         ),
     ],
 )

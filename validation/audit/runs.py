@@ -130,7 +130,9 @@ class Run:
         kinds = [effect["kind"] for effect in self.effects]
         self.bare, self.adhesive = not kinds, "adhesion" in kinds
         #: [Pa], where there is one and no other effect.
-        self.hardness = float(self.effects[0]["hardness"]) if kinds == ["hardness"] else None
+        by_size = any("size_wavelength" in effect for effect in self.effects)
+        single = kinds == ["hardness"] and not by_size
+        self.hardness = float(self.effects[0]["hardness"]) if single else None
         # A store, which others may share, has the solves of this scene among others.
         for path in sorted(store.glob("*.nc")):
             if path.name.startswith(tuple(f"{name}-" for name in self.methods)):

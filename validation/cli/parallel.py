@@ -85,6 +85,7 @@ def _solves(scene: Scene) -> list[Press]:
     for effect in scene.effects:
         if effect.slot in ("gap law", "boundary") or type(effect).shaped is not Effect.shaped:
             raise UsageError(f"effect {effect.kind!r}: is not solved with --mpi; leave one of them out")
+        effect.check_solver("bem --mpi", key=f"effect {effect.kind!r}")
     if "bem" not in scene.methods.solvers:
         raise UsageError("--mpi: solves by boundary elements; list methods.bem")
     grids = scene.methods.options("bem").grids

@@ -15,6 +15,7 @@ from validation.units import Table
 
 if TYPE_CHECKING:
     from fem_contact.adhesion import GapLaw
+    from fem_contact.hardness import Hardness
     from validation.scenes.problem import ContactProblem
 
 SlotName = Literal["response", "pressure bound", "gap law", "spectrum", "boundary"]
@@ -37,13 +38,15 @@ class ContactModel:
     """What solvers ask for and effects fill in; a slot that no effect fills is None.
 
     `response` gives displacement from pressure, that of the half-space of the solid if None, and `body` the
-    same for methods that mesh; `pressure_bound` is the largest pressure [Pa], `gap_law` attracts.
+    same for methods that mesh; `pressure_bound` is the largest pressure [Pa], and `patch_hardness` one that
+    depends on the size of patches; `gap_law` attracts.
     """
 
     solid: Solid
     response: Response | None = None
     body: Body | None = None
     pressure_bound: float | None = None
+    patch_hardness: Hardness | None = None
     gap_law: GapLaw | None = None
 
     @classmethod

@@ -1,4 +1,4 @@
-"""Plastic yielding at a hardness, which for the theory may rise towards short waves."""
+"""Plastic yielding at a hardness, which may rise towards short waves and small patches."""
 
 from __future__ import annotations
 
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
     from validation.scenes.problem import ContactProblem
 
+#: Solvers that know a hardness by the size of a patch.
+_BY_SIZE = ("bem", "fem")
+
 #: Standard deviations of the full-contact stress beyond which points that yield are rare.
 _RARE = 4.0
 
@@ -29,7 +32,9 @@ class Hardness(Effect):
     kind: Literal["hardness"] = "hardness"
     hardness: Pressure = Field(description='indentation hardness H, e.g. "2 GPa"')
     size_wavelength: Length | None = Field(
-        default=None, description="wavelength l below which it rises, as H (1 + l/lambda)^size_exponent"
+        default=None,
+        description="length l below which it rises, as H (1 + l/lambda)^size_exponent: lambda is that of a "
+        "wave in the theory, the diameter of a patch of contact in solvers",
     )
     size_exponent: Number | None = Field(
         default=None, ge=0, le=2, description="how fast it rises towards short waves, in [0, 2], e.g. 0.5"
@@ -51,6 +56,12 @@ class Hardness(Effect):
     def fill(self, model: ContactModel) -> None:
         """Bound the pressure."""
         model.pressure_bound = self.hardness
+        if self.size_wavelength is not None:
+            from fem_contact import hardness
+
+            model.patch_hardness = hardness.Hardness(
+                pressure=self.hardness, length=self.size_wavelength, exponent=self.size_exponent or 0.0
+            )
 
     def theory(self, inputs: TheoryInputs) -> None:
         """Persson 2006, Sec. 6; Eqs. 33 and 34 where it rises towards short waves."""
@@ -65,14 +76,19 @@ class Hardness(Effect):
 
     def check_solver(self, name: str, *, key: str) -> None:
         """Refuse a hardness that depends on the size of what is pressed in."""
-        if self.size_wavelength is not None:
+        if self.size_wavelength is not None and name not in _BY_SIZE:
             raise UsageError(
                 f"{key} size_wavelength = {as_length(self.size_wavelength)}: method {name!r} knows one "
-                "hardness for all sizes; handled by: theory"
+                f"hardness for all sizes; handled by: {', '.join(_BY_SIZE)}, theory"
             )
 
     def check(self, problem: ContactProblem, grids: Sequence[Grid], *, model: ContactModel, key: str) -> None:
-        """Refuse a hardness below the nominal pressure."""
+        """Refuse a hardness below the nominal pressure, and one by size with adhesion or at a distance."""
+        if self.size_wavelength is not None and (problem.load.held or model.gap_law is not None):
+            why = "adhesion" if model.gap_law is not None else problem.load.key
+            raise UsageError(
+                f"{key} size_wavelength = {as_length(self.size_wavelength)}: does not go with {why}"
+            )
         if not problem.load.held and self.hardness < problem.pressure:
             raise UsageError(
                 f"{key} hardness = {self.hardness:.6g} Pa: must not be below the nominal pressure "

@@ -96,8 +96,8 @@ class Bem(Solver):
         if model.pressure_bound is not None:
             from fem_contact.hardness import Hardness, press_yielding
 
-            limit = Hardness(pressure=model.pressure_bound)
-            return Solved(contact=press_yielding(field, response, hardness=limit, **options))
+            hardness = model.patch_hardness or Hardness(pressure=model.pressure_bound)
+            return Solved(contact=press_yielding(field, response, hardness=hardness, **options))
         return Solved(contact=bem.solve(field, response, **options))
 
     def check(self, options: BemOptions, problem: ContactProblem, effects: Sequence[Effect]) -> None:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from pydantic import Field
 
 from fem_contact.contact import ContactResult
 from fem_contact.response import Response
-from validation.arrays import Grid
+from validation.arrays import Array, Grid
 from validation.effects.base import ContactModel, Effect, SlotName, effect_key
 from validation.errors import UsageError
 from validation.report.quantities import as_length
@@ -130,8 +131,21 @@ class Fem(Solver):
         from fem_contact import block
 
         press = block.solve if "mean_pressure" in job.load else block.solve_displacement
-        solution = press(job.field, job.model.solid, **_press_arguments(job))
-        return Solved(contact=solution.contact, block=solution)
+        arguments, solutions = _press_arguments(job), []
+
+        def pressed(**limits: Array) -> ContactResult:
+            solutions.append(press(job.field, job.model.solid, **(arguments | limits)))
+            return solutions[-1].contact
+
+        if job.model.patch_hardness is None:
+            contact = pressed()
+        else:
+            from fem_contact.hardness import press_by_patches
+
+            contact = press_by_patches(
+                job.field, job.model.patch_hardness, lambda limits: pressed(pressure_bound=limits)
+            )
+        return Solved(contact=contact, block=replace(solutions[-1], contact=contact))
 
     def felt(self, job: Job) -> Response:
         """Return the block of its mesh, reduced to the surface by the other of the two codes."""

@@ -108,7 +108,8 @@ def predict(
         area = with_effects(inputs, problem.pressure, variance=alone, spectrum=spectrum, options=options).area
         ensemble = area if np.isfinite(area) else None
     variance = _realised_variance(problem, inputs)
-    shape = problem.own_spectrum if inputs.work is not None else None
+    by_wave = inputs.work is not None or callable(inputs.hardness)
+    shape = problem.own_spectrum if by_wave else None
     realised = with_effects(inputs, problem.pressure, variance=variance, spectrum=shape, options=options)
     return replace(realised, ensemble_area=ensemble)
 
@@ -167,7 +168,7 @@ def with_effects(
     spectrum: Spectrum | None,
     options: TheoryOptions | None = None,
 ) -> Prediction:
-    """Evaluate the theory at a variance; with adhesion from C(q)."""
+    """Evaluate the theory at a variance; with adhesion, or a hardness by size, from C(q)."""
     bare = Prediction(area=math.nan, ensemble_area=None, stress_variance=variance)
     if inputs.hardness is None and inputs.work is None:
         return replace(bare, area=float(elastic.contact_area(pressure, stress_variance=variance)))
@@ -177,7 +178,14 @@ def with_effects(
         if inputs.work is None:
             from persson.hardness import constant_hardness
 
-            assert isinstance(inputs.hardness, float)
+            if callable(inputs.hardness):
+                from persson.scale import Scale
+
+                assert spectrum is not None
+                scale = Scale(spectrum, contact_modulus=inputs.felt_modulus)
+                answer = _without_adhesion(inputs, pressure, scale=scale)
+                return replace(bare, area=float(answer.area[-1]), plastic=float(answer.area_plastic[-1]))
+            assert inputs.hardness is not None
             parts = constant_hardness(pressure, stress_variance=variance, yield_stress=inputs.hardness)
             plastic = float(parts.plastic)
             return replace(bare, area=float(parts.elastic) + plastic, plastic=plastic)
@@ -223,7 +231,7 @@ def stress_distribution(
     """P(sigma) [1/Pa] per nominal area of one surface, at stresses [Pa]; None where there is no answer.
 
     Elastic contact in closed form; with a hardness or adhesion the diffusion between walls at these, up to
-    the realised variance. What has yielded, a delta at the hardness, is left out.
+    the realised variance. What has yielded, a delta at the hardness, is left out; None with one by size.
     """
     from persson.diffusion import solve_diffusion
 
@@ -233,6 +241,8 @@ def stress_distribution(
         return elastic.pressure_distribution(stress, pressure=pressure, stress_variance=variance)
     try:
         if inputs.work is None:
+            if callable(inputs.hardness):
+                return None
             diffusion = solve_diffusion([variance], pressure=pressure, yield_stress=inputs.hardness)
             return diffusion.checked().distribution(0, stress)
         from persson.scale import Scale
