@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from validation.studies._outputs import StudyOutputs
 
 #: Rows from which on a table is left to the files.
-_MANY_ROWS = 40
+_MANY_ROWS = 80
 
 
 def print_page(
@@ -42,6 +42,8 @@ def print_page(
     for table in page.tables[:1]:
         if len(table.rows) <= _MANY_ROWS:
             print_table(table, elsewhere="In the files, not here")
+        else:
+            show(f"A table of {len(table.rows)} rows: see table.csv, or the page.")
     for finding in (*page.findings, *more):
         for line in sentence_lines(f"- {finding}", width):
             show(line)

@@ -117,8 +117,8 @@ def reproduce(
     """Compute the numbers of Persson (2006) again, and say which hold.
 
     Covers the calculated figures and the numbers stated in the text: spectra, area, hardness, adhesion,
-    tire rim, PMMA, Pyrex. Claims of one system are judged under one set of conventions. Measured figures,
-    rubber friction and the cost of solvers have no row; the report says why.
+    tire rim, PMMA, Pyrex. Claims of one system are judged under one set of conventions. Measured figures
+    and the cost of solvers have no row; the report says why.
     """
     from validation.cli.progress import under_way
     from validation.cli.results import print_page

@@ -9,13 +9,13 @@ import numpy as np
 from persson import elastic
 from persson.adhesion import Interface, crossover_length
 from persson.archard import archard_hierarchy
-from persson.asperities import ring_asperities
+from persson.asperities import nayak_asperities, ring_asperities
 from persson.capillary import maximum_height
 from persson.diffusion import solve_diffusion
 from persson.flaw_tolerance import FlawTolerance, optimal_modulus
 from persson.limits import critical_roughness
 from persson.soft_structures import fibre_modulus
-from persson.spectrum import SelfAffine
+from persson.spectrum import Moments, SelfAffine
 from persson.spheres import DoubleHertz, derjaguin_pull_off, jkr_pull_off
 from persson.tensile import adhesion_load
 from persson.viscoelastic import StandardSolid, crack_dissipation
@@ -41,6 +41,15 @@ def _patches(quantity: str, load: float = 3.4e-4) -> float:
     contacts = [bumps.contact_at(p, contact_modulus=1.0) for p in loads]
     values = [math.log(float(getattr(f, quantity))) for f in contacts]
     return (values[1] - values[0]) / math.log(loads[1] / loads[0])
+
+
+def _patch_definitions(load: float = 3.4e-4) -> float:
+    contact = ring_asperities(600.0, rms_height=1 / 600.0).contact_at(load, contact_modulus=1.0)
+    return float(contact.area / contact.density / contact.patch_area)
+
+
+#: The exact summits of one wavelength, in units of it and of h_rms.
+_SUMMITS = nayak_asperities(Moments(m0=1.0, m2=1.0, m4=1.0))
 
 
 def _archard() -> float:
@@ -102,6 +111,9 @@ GENERAL = application(
         "ring_density": lambda: ring_asperities(1.0, rms_height=1.0).density,
         "gw_area": lambda: _patches("area"),
         "gw_patch": lambda: _patches("patch_area"),
+        "gw_patches": _patch_definitions,
+        "summit_height": lambda: _SUMMITS.rms_height,
+        "summit_curvature": lambda: math.sqrt(2) * _SUMMITS.radius,
         "kappa": lambda: _kappa(elastic.KAPPA_PERSSON),
         "bgt": lambda: _kappa(elastic.KAPPA_BGT),
         "linear": _linear,
@@ -125,6 +137,7 @@ GENERAL = application(
         "edge_slope": _edge_slope,
     },
     more={
+        "ring_density": {"note": f"{_SUMMITS.density:.3f} by Nayak's exact formula"},
         "gw_area": {"note": lambda: f"{_patches('area', 4.1e-3):.2f} at A/A0 of 1 %"},
         "bgt": {"stated": percent(2 / math.pi, 1e-4)},
         "killing": {

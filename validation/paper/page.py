@@ -61,7 +61,7 @@ def _views(data: xr.Dataset) -> Views:
             title="Every claim with a number",
             rows=("claim",),
             columns=(
-                *("claim", "stated", "computed", "literal", "paper_verdict", "stated_low", "stated_high"),
+                *("claim", "stated", "computed", "paper_verdict", "literal", "stated_low", "stated_high"),
                 *("stated_basis", "paper_section", "paper_convention", "paper_reason", "paper_note"),
             ),
             note="The range allowed was written down before anything was computed. All claims of a system "

@@ -71,10 +71,14 @@ class Pyrex:
     @cached_property
     def squeezed(self) -> RoughnessBarrier:
         """Adhesion before and after squeezing with 20 MPa."""
+        return self.squeezed_with(s.PYREX_PRESSURE)
+
+    def squeezed_with(self, pressure: float) -> RoughnessBarrier:
+        """Adhesion before and after squeezing with a pressure [Pa]."""
         return roughness_barrier(
             self.spectrum,
             contact_modulus=self.modulus,
-            pressure=s.PYREX_PRESSURE,
+            pressure=pressure,
             yield_stress=s.PYREX_HARDNESS,
             interface=self.interface,
         )
@@ -121,6 +125,12 @@ def _pair(pyrex: Pyrex) -> dict[str, float]:
     return {"radius": _RADIUS, "contact_modulus": pyrex.modulus}
 
 
+def _after(pyrex: Pyrex, force: float) -> float:
+    """gamma_eff(1) over Delta gamma after squeezing with a force [N]."""
+    pressure = float(hertz_pressure(force, **_pair(pyrex)))
+    return pyrex.squeezed_with(pressure).after.macroscopic_work / pyrex.work
+
+
 def _line() -> str:
     forces = [
         float(
@@ -155,6 +165,7 @@ PYREX = application(
         "half_yielded": _half_yielded,
         "yielded_region": lambda pyrex: (2 * math.pi / (_half_yielded(pyrex) * 1e-3)) ** 2,
         "work_after": lambda pyrex: pyrex.squeezed.after.macroscopic_work / pyrex.work,
+        "threshold": lambda pyrex: _after(pyrex, 1e-8),
         "area_after": lambda pyrex: pyrex.squeezed.after.real_area,
         "nominal_pressure": lambda pyrex: float(hertz_pressure(_FORCE, **_pair(pyrex))) / 1e6,
         "pull_off": lambda pyrex: float(yielded_share(_FORCE, hardness=s.PYREX_HARDNESS, **_pair(pyrex))),
@@ -170,6 +181,10 @@ PYREX = application(
                 f"{_critical(Pyrex(multiple=2.0, energy='old')):.2f}, half yielded at "
                 f"{_half_yielded(Pyrex(multiple=2.0)):.0f}"
             )
+        },
+        "threshold": {
+            "note": lambda: f"the same after 1e-4 N, one surface: {_after(_SETS[0], 1e-4):.4f}, and "
+            f"{_after(_SETS[0], 1e-8):.4f} after 1e-8 N"
         },
         "pull_off": {"note": _line},
         "range": {

@@ -53,6 +53,16 @@ def _plain_area() -> float:
     return float(elastic.contact_area(s.RIM_PRESSURE, stress_variance=variance))
 
 
+def _gain(rim: Rim) -> float:
+    """Least factor that adhesion adds, over pressures."""
+    scale, gains = s.scale_of(s.rim(), s.RIM_MODULUS), []
+    variance = elastic.stress_variance(s.rim().m2(), contact_modulus=s.RIM_MODULUS)
+    for pressure in np.geomspace(0.05e6, 1e6, 5):
+        sticking = solve_adhesion(scale, pressure=float(pressure), interface=rim.interface).checked()
+        gains.append(sticking.real_area / float(elastic.contact_area(pressure, stress_variance=variance)))
+    return min(gains)
+
+
 def _onset(rim: Rim) -> float:
     state = rim.pressed
     plain = elastic.contact_area(s.RIM_PRESSURE, stress_variance=state.variance)
@@ -112,6 +122,7 @@ RIM = application(
     },
     under={
         "area": lambda rim: rim.pressed.real_area,
+        "area_gain": _gain,
         "onset": _onset,
         "free_work": _macroscopic,
         "friction": lambda rim: 0.05 * 0.25e6 * rim.pressed.real_area / 1e3,
