@@ -183,8 +183,10 @@ PYREX = application(
             )
         },
         "threshold": {
-            "note": lambda: f"the same after 1e-4 N, one surface: {_after(_SETS[0], 1e-4):.4f}, and "
-            f"{_after(_SETS[0], 1e-8):.4f} after 1e-8 N"
+            "note": lambda: (
+                f"the same after 1e-4 N, one surface: {_after(_SETS[0], 1e-4):.4f}, and "
+                f"{_after(_SETS[0], 1e-8):.4f} after 1e-8 N"
+            )
         },
         "pull_off": {"note": _line},
         "range": {
