@@ -156,6 +156,23 @@ def test_an_output_that_is_full_is_one_line(arguments):
     assert done.stderr == "fem-contact: the output cannot be written (No space left on device)\n"
 
 
+@pytest.mark.nightly
+@pytest.mark.parametrize("arguments", [("scenes", "list"), ("run", "quickstart", "--dry-run", "--json")])
+def test_an_output_that_is_closed_is_no_traceback(arguments):
+    done = command(*arguments, shell="exec >&-;")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("arguments", [("run", "quickstart", "-q"), ("study", "heights"), ("reproduce",)])
+def test_an_output_folder_that_is_a_link_to_itself_is_one_line(arguments, tmp_path):
+    (tmp_path / "loop").symlink_to("loop")
+    done = command(*arguments, "-o", str(tmp_path / "loop"))
+    assert done.returncode == 2
+    assert done.stderr.endswith("loop': cannot be written to (File exists); name another folder\n")
+    assert done.stderr.count("\n") == 1
+
+
 def test_too_little_memory_is_one_line(tmp_path):
     done = command("run", "quickstart", "-q", "-o", str(tmp_path), shell="ulimit -v 600000;")
     assert done.returncode == 2

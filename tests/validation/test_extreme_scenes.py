@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import math
+import re
+import time
 import tomllib
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
+from typer.testing import CliRunner
 
+from validation.cli.commands import app
 from validation.comparison.explain import explain
-from validation.errors import UsageError
+from validation.errors import RunFailed, UsageError
 from validation.scenes import surfaces
 from validation.scenes.mistakes import problems
 from validation.scenes.scene import Scene, SelfAffineSurface
 from validation.scenes.surfaces import Expected, expected, height_field
-from validation.studies import find_study
+from validation.studies import find_study, studies
 
 TEXT = """
 name = "extreme"
@@ -189,6 +193,45 @@ def test_extreme_scenes_are_refused_or_explained(changes):
 def test_a_study_of_two_billion_surfaces_is_refused(name, flag):
     with pytest.raises(UsageError, match=r"= '?2147483648'?: must be (at most|less than or equal to) 10000"):
         find_study(name).options.parse([flag, "2147483648"])
+
+
+def planned(*arguments):
+    """What a study says of its plan, in how many seconds of processor time."""
+    began = time.process_time()
+    outcome = CliRunner().invoke(app, ["study", *arguments, "--dry-run"])
+    return outcome, time.process_time() - began
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ("heights --periods 1e3", "8000 shortest waves along a side: at most 2048"),
+        ("depth --points-per-wave 5e-324", "must be greater than or equal to 1"),
+        ("depth --points-per-wave 1e300", r"4e\+300 points along a side of a grid: must be 2 to 1048576"),
+        ("depth --depths 1e300", r"study depth: depth = 1e\+300: must be"),
+        ("adhesion --bandwidth 1e3", "must rise, for a limit, from above 2 periods bandwidth = 4000"),
+        ("adhesion --grids 1e3", "--grids = '1e3': must be a valid integer"),
+    ],
+)
+def test_a_plan_beyond_reason_is_refused_before_it_is_made(arguments, words):
+    outcome, seconds = planned(*arguments.split())
+    assert isinstance(outcome.exception, UsageError)
+    assert re.search(words, str(outcome.exception))
+    assert "\n" not in str(outcome.exception)
+    assert seconds < 10
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", studies())
+def test_every_option_of_a_study_at_extremes_is_planned_or_refused_in_a_line(name):
+    for flag, field in find_study(name).options.flags().items():
+        for value in ("1e-300", "5e-324", "1e300", "1e9", "1e3", "nan", "inf", "0", "-1", "", "2,2"):
+            if field.annotation is not bool:
+                outcome, seconds = planned(name, f"{flag}={value}")
+                ended = f"{name} {flag}={value}: {seconds:.0f} s: {outcome.exception!r}"
+                assert outcome.exit_code == 0 or isinstance(outcome.exception, UsageError | RunFailed), ended
+                assert "\n" not in str(outcome.exception), ended
+                assert seconds < 60, ended
 
 
 LARGE = SelfAffineSurface(

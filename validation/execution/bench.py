@@ -62,7 +62,10 @@ class Bench:
         A RunFailed when a solve fails; the others are stored.
         """
         if self.plan_only:
-            raise PlannedOnly(tuple({solve.key: solve for solve in solves}.values()), self.store)
+            plan = tuple({solve.key: solve for solve in solves}.values())
+            for solve in plan:
+                solve.predict()  # refuses what has no cost, for it cannot be done
+            raise PlannedOnly(plan, self.store)
         results = solve_all(solves, self.store, progress=self.progress, execution=self.execution)
         self._read.append(results.how)
         return results

@@ -20,6 +20,7 @@ from fem_contact.stress import density_at_zero, elastic_energy, window_slope
 from fem_contact.surface import HeightField, random_surface
 from validation.arrays import Array, Grid
 from validation.effects.base import ContactModel
+from validation.errors import UsageError
 from validation.execution.cost import dearer_by
 from validation.execution.measurement import measurement
 from validation.execution.solve import LOCATED_EDGES
@@ -51,9 +52,16 @@ def grid_for(problem: ContactProblem, points_per_wave: float) -> Grid:
     return nx, ny
 
 
+#: Points along a side that no grid has.
+_MOST_POINTS = 2**20
+
+
 def even_points(points: float) -> int:
-    """Return the smallest even number of points that is at least that."""
-    return 2 * math.ceil(points / 2 - 1e-9)
+    """Return the smallest even number of points that is at least that; a UsageError for one that no grid has."""
+    even = 2 * math.ceil(min(points, 2 * _MOST_POINTS) / 2 - 1e-9)
+    if not 2 <= even <= _MOST_POINTS:
+        raise UsageError(f"{points:.3g} points along a side of a grid: must be 2 to {_MOST_POINTS}")
+    return even
 
 
 #: Of the solver by default.

@@ -18,9 +18,12 @@ from validation.units import allowed, brief
 def problems(error: ValidationError, *, flags: bool = False) -> list[str]:
     """List one line for each mistake: key = value: what is allowed.
 
-    An array with a wrong item is not also called too short. With `flags` the keys are options of a command.
+    An array with a wrong item is not also called too short, nor its other items missing. With `flags` the
+    keys are options of a command.
     """
     items = error.errors()
+    wrong = {(*item["loc"][:-1], int) for item in items if item["type"] != "missing"}
+    items = [i for i in items if i["type"] != "missing" or (*i["loc"][:-1], type(i["loc"][-1])) not in wrong]
     within = {item["loc"][:depth] for item in items for depth in range(len(item["loc"]))}
     # A mistake of a value that stands for several items of an array is told of the array.
     alike: dict[tuple[Any, ...], list[Any]] = {}

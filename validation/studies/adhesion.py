@@ -70,8 +70,11 @@ class Options(StudyOptions):
             raise wrong(
                 f"magnifications = {values}: must lie above 1, at most bandwidth = {self.bandwidth:g}"
             )
-        if not 2 <= self.grids[0] < self.grids[1]:
-            raise wrong(f"grids = {self.grids[0]}, {self.grids[1]}: must rise, for a limit")
+        if not 2 * self.periods * self.bandwidth < self.grids[0] < self.grids[1]:
+            raise wrong(
+                f"grids = {self.grids[0]}, {self.grids[1]}: must rise, for a limit, from above "
+                f"2 periods bandwidth = {2 * self.periods * self.bandwidth:g}"
+            )
         return self
 
 
