@@ -164,10 +164,12 @@ class ContactResult:
     def __post_init__(self) -> None:
         for name in ("pressure", "gap", "displacement", "in_contact", "at_bound", "heights", "weights"):
             value = getattr(self, name)
-            if value is not None:
+            if value is not None or name != "weights":
+                instance(name, value, np.ndarray, what="an array")
                 view = value.view()
                 view.setflags(write=False)
                 object.__setattr__(self, name, view)
+        instance("provenance", self.provenance, Mapping, what="a mapping")
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
 
     def __reduce__(self) -> tuple[object, ...]:

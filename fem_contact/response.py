@@ -188,7 +188,7 @@ class GivenResponse:
 
     def __post_init__(self) -> None:
         positive("contact_modulus", self.contact_modulus, unit="Pa")
-        function("function", self.function)
+        function("function", self.function, of=("qx", "qy"))
 
     def compliance(self, qx: Array, qy: Array) -> Array:
         """Return the given C(qx, qy) [m/Pa]."""

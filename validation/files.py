@@ -13,6 +13,7 @@ import re
 import shutil
 import socket
 import stat
+import sys
 import tempfile
 import time
 import uuid
@@ -24,7 +25,7 @@ from validation.errors import RunFailed, UsageError
 
 try:
     import fcntl
-except ImportError:  # Windows, where runs into one folder are not kept apart
+except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
 __all__ = [
@@ -97,9 +98,12 @@ def locked(folder: Path, *, shared: bool = False) -> Iterator[None]:
     """Hold a results folder while dataset, record and page are written, or `shared` while they are read.
 
     The system forgets the lock with the process. A folder that is not there, or whose file system has no
-    locks, is entered without; a RunFailed where another process writes there for minutes.
+    locks, is entered without, as all are on Windows, which is said once; a RunFailed where another process
+    writes there for minutes.
     """
     place = Path(os.path.realpath(folder))
+    if fcntl is None:
+        _say_once("no locks on this system: start one run at a time into a folder")
     if fcntl is None or place in _HELD.get():
         yield
         return
@@ -123,6 +127,11 @@ def locked(folder: Path, *, shared: bool = False) -> Iterator[None]:
             yield
         finally:
             _HELD.reset(token)
+
+
+@functools.cache
+def _say_once(line: str) -> None:
+    print(f"fem-contact: {line}", file=sys.stderr)
 
 
 @contextlib.contextmanager
