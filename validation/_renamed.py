@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from importlib.abc import MetaPathFinder
 from types import ModuleType
 
-__all__ = ["install"]
-
 _NEW = {
     "validation.methods": "validation.solvers",
     "validation.solves": "validation.execution",

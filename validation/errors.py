@@ -6,8 +6,6 @@ import difflib
 import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
 
-__all__ = ["NoLimit", "RunFailed", "SceneError", "UsageError", "did_you_mean", "harmless"]
-
 
 def harmless(text: object) -> str:
     r"""Return a text with every character as its code that would change a terminal, or how a line reads.

@@ -28,24 +28,6 @@ try:
 except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
-__all__ = [
-    "NotWritten",
-    "atomic_path",
-    "digest_of",
-    "locked",
-    "prepare_folder",
-    "read_record",
-    "read_whole",
-    "reason",
-    "refusal",
-    "remove_drafts",
-    "sync_folder",
-    "system_words",
-    "write_json",
-    "write_record",
-    "write_whole",
-]
-
 #: Bytes below which a disk counts as full when a library cannot say why it failed.
 _NOTHING_LEFT = 64 * 1024
 #: A draft that nobody has written to for so long is nobody's, whichever machine began it [s].

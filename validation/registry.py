@@ -18,8 +18,6 @@ from typing import Any, TypeVar
 
 from validation.errors import UsageError, harmless
 
-__all__ = ["entries", "found_in", "with_own_folder"]
-
 T = TypeVar("T")
 
 

@@ -25,8 +25,6 @@ from typing import IO, Any, Self
 
 from validation import errors
 
-__all__ = ["ONE_THREAD", "Child", "OutOfBounds", "call", "end"]
-
 #: What makes the numerical libraries of a new process use one thread.
 ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMBA")}
 ONE_THREAD |= {"VECLIB_MAXIMUM_THREADS": "1"}

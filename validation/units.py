@@ -28,41 +28,6 @@ from validation.errors import UsageError, did_you_mean
 if TYPE_CHECKING:
     import pint
 
-__all__ = [
-    "LARGEST",
-    "SMALLEST",
-    "Duration",
-    "Force",
-    "Grid",
-    "Grids",
-    "Length",
-    "Lengths",
-    "Memory",
-    "Number",
-    "Positive",
-    "Pressure",
-    "Ratio",
-    "Table",
-    "Temperature",
-    "Tension",
-    "Velocity",
-    "Work",
-    "allowed",
-    "brief",
-    "choices_of",
-    "exactly_one",
-    "example_of",
-    "metres",
-    "plain_number",
-    "quantity",
-    "read_quantity",
-    "unit",
-    "unit_of",
-    "unit_registry",
-    "within",
-    "wrong",
-]
-
 #: Sizes of quantities in SI that are computed with: their fourth powers and products stay numbers.
 SMALLEST, LARGEST = 1e-30, 1e30
 #: Points along a side of a grid; no machine holds more on both sides.

@@ -35,7 +35,8 @@ from validation.execution.bench import Bench
 from validation.execution.press import solves_of
 from validation.measurements.measurement import grid_for, limit_over
 from validation.scenes.problem import realise
-from validation.scenes.scene import FileSurface, Load, Methods, Scene, SelfAffineSurface, SolidSpec
+from validation.scenes.scene import Methods, Scene
+from validation.scenes.tables import FileSurface, Load, SelfAffineSurface, SolidSpec
 from validation.solvers.bem import BemOptions
 
 _TRUTH = {True: (16, 24, 32), False: (24, 32, 48)}

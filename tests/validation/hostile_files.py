@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from fem_contact.surface import HeightField
-from validation.scenes.topography import write_topography
+from validation.scenes.topography.writing import write_topography
 
 Files = Iterator[tuple[str, bytes]]
 

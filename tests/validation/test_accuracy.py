@@ -28,8 +28,9 @@ from validation.measurements.statistics import pair_means
 from validation.report.estimates import mean_of
 from validation.report.words import percent
 from validation.scenes.problem import ContactProblem, realise
-from validation.scenes.scene import Load, Methods, Scene, SolidSpec, load_scene
+from validation.scenes.scene import Methods, Scene, load_scene
 from validation.scenes.sweep import load_asked
+from validation.scenes.tables import Load, SolidSpec
 from validation.solvers.bem import BemOptions
 
 MIB = 2**20

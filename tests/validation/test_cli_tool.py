@@ -337,7 +337,7 @@ def test_surfaces_are_generated_inspected_and_converted(tool, tmp_path):
     code, out, _ = tool("surface", "convert", "rough.txt", "rough.npy", "--length", "100 um", "--unit", "1 m")
     assert code == 0
     assert 'it does not say length = [0.0001, 0.0001] (m) and unit = "1 m"' in out
-    from validation.scenes.topography import read_topography
+    from validation.scenes.topography.reading import read_topography
 
     np.testing.assert_array_equal(
         np.load(tmp_path / "rough.npy"), read_topography(tmp_path / "rough.nc").heights

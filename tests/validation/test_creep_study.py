@@ -7,7 +7,7 @@ from fem_contact import PronySolid, creep
 from fem_contact.area import contact_areas
 from persson import StandardSolid, contact_area, stress_variance
 from validation.measurements.common import base_case
-from validation.scenes.scene import SolidSpec
+from validation.scenes.tables import SolidSpec
 from validation.studies import creep as study
 
 SMALL = {"durations": (1e-4, 1e-3), "periods": 1.0, "bandwidth": 3.0, "surfaces": 2, "steps": 3, "seed": 17}

@@ -22,7 +22,7 @@ from validation.report.findings import finding
 from validation.report.marks import Figure, Line, Panel, draw
 from validation.report.table import Table
 from validation.report.values import value_of
-from validation.scenes.scene import SolidSpec
+from validation.scenes.tables import SolidSpec
 from validation.studies import Study, StudyOptions
 
 NUS = (0.0, 0.45)

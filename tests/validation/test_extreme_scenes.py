@@ -18,8 +18,9 @@ from validation.comparison.explain import explain
 from validation.errors import RunFailed, UsageError
 from validation.scenes import surfaces
 from validation.scenes.mistakes import problems
-from validation.scenes.scene import Scene, SelfAffineSurface
+from validation.scenes.scene import Scene
 from validation.scenes.surfaces import Expected, expected, height_field
+from validation.scenes.tables import SelfAffineSurface
 from validation.studies import find_study, studies
 
 TEXT = """

@@ -11,7 +11,7 @@ import pytest
 from fem_contact import HeightField
 from validation import self_affine
 from validation.report.values import value_of
-from validation.scenes.topography import write_topography
+from validation.scenes.topography.writing import write_topography
 
 DOCS = Path(__file__).parents[2] / "docs"
 

@@ -13,7 +13,7 @@ from validation.measurements.control_variates import unsolved_pairs
 from validation.measurements.measurement import limit_over
 from validation.measurements.pairs import Areas, area_pairs
 from validation.scenes.problem import ContactProblem
-from validation.scenes.scene import Load, SolidSpec
+from validation.scenes.tables import Load, SolidSpec
 
 GRIDS = ((24, 24), (36, 36))
 

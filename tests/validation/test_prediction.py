@@ -13,7 +13,7 @@ import pytest
 from validation.execution.press import Press
 from validation.sandbox import ONE_THREAD
 from validation.scenes.problem import ContactProblem
-from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
+from validation.scenes.tables import Load, SelfAffineSurface, SolidSpec
 
 #: method, points along a side, p*, settings
 LIST = [

@@ -29,8 +29,9 @@ from validation.execution.running import solve_all
 from validation.execution.store import Store
 from validation.files import prepare_folder
 from validation.report.words import mathematics
-from validation.scenes.scene import Load, load_scene
+from validation.scenes.scene import load_scene
 from validation.scenes.surfaces import height_field
+from validation.scenes.tables import Load
 
 
 def _scene(run):

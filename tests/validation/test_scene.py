@@ -165,7 +165,7 @@ def test_units_are_converted_exactly(write_scene):
 
 @given(exponent=st.integers(-9, 9), digits=st.integers(1, 9999))
 def test_a_quantity_is_the_correctly_rounded_number_in_si(exponent, digits):
-    from validation.scenes.scene import SolidSpec
+    from validation.scenes.tables import SolidSpec
 
     found = SolidSpec.model_validate({"young": f"{digits}e{exponent} kPa", "poisson": 0.2}).young
     assert found == float(f"{digits}e{exponent + 3}")

@@ -7,7 +7,7 @@ from validation.errors import UsageError
 from validation.measurements import sliding as measure
 from validation.measurements.common import base_case
 from validation.measurements.measurement import grid_for
-from validation.scenes.scene import SolidSpec
+from validation.scenes.tables import SolidSpec
 from validation.studies import find_study, sliding
 
 SMALL = {

@@ -13,7 +13,8 @@ from validation.measurements.common import base_case, base_surface
 from validation.measurements.measurement import grid_for, press_on_grids, truncated_heights
 from validation.scenes import surfaces
 from validation.scenes.problem import ContactProblem
-from validation.scenes.scene import SolidSpec, load_scene
+from validation.scenes.scene import load_scene
+from validation.scenes.tables import SolidSpec
 from validation.studies import cross, find_study
 
 SOLID = SolidSpec(young=3e8, poisson=0.25)

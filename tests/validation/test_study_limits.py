@@ -25,8 +25,8 @@ from validation.measurements.limits import grid_drift
 from validation.measurements.measurement import grid_for, press_on_grids
 from validation.measurements.theory import WITH_ENERGY, Waves, ensemble_area, modes_finding
 from validation.report.estimates import claim, mean
-from validation.scenes.scene import SolidSpec
 from validation.scenes.surfaces import height_field, spectrum_of
+from validation.scenes.tables import SolidSpec
 from validation.studies import stress_near_zero
 
 SOLID = SolidSpec(young=3e8, poisson=0.25)

@@ -30,9 +30,10 @@ from validation.measurements.statistics import order_of_convergence
 from validation.measurements.theory import Waves, ensemble_stress_variance
 from validation.measurements.yielding import remaining_by_theory
 from validation.report.estimates import claim, total_error
-from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
-from validation.scenes.topography import read_topography, write_topography
+from validation.scenes.tables import SelfAffineSurface
+from validation.scenes.topography.reading import read_topography
+from validation.scenes.topography.writing import write_topography
 from validation.studies import (
     graded,
     magnification,

@@ -22,16 +22,13 @@ from validation.comparison.run import run_scene
 from validation.errors import UsageError
 from validation.scenes.scene import load_scene
 from validation.scenes.surfaces import measured_spectrum, measured_surface
-from validation.scenes.topography import (
-    Topography,
-    file_says,
-    measured,
-    read_topography,
-    reading,
-    write_topography,
-)
+from validation.scenes.topography import reading
 from validation.scenes.topography.formats import read_plain
+from validation.scenes.topography.measured import measured
+from validation.scenes.topography.patch import Topography
+from validation.scenes.topography.reading import file_says, read_topography
 from validation.scenes.topography.statistics import height_statistics
+from validation.scenes.topography.writing import write_topography
 
 LENGTH = 1e-5
 SPECTRUM = SelfAffine.from_rms_gradient(

@@ -6,10 +6,7 @@ import numpy as np
 import pytest
 
 from validation.errors import UsageError
-from validation.scenes.topography import (
-    file_says,
-    read_topography,
-)
+from validation.scenes.topography.reading import file_says, read_topography
 
 NUMBERS = np.round(np.random.default_rng(15).normal(size=(5, 4)), 3)
 

@@ -16,8 +16,7 @@ from validation.report.quantities import as_length
 
 if TYPE_CHECKING:
     from fem_contact.surface import HeightField
-    from validation.scenes.scene import FileSurface
-    from validation.scenes.tables import Surface
+    from validation.scenes.tables import FileSurface, Surface
 
 surface_app = typer.Typer(no_args_is_help=True, help="Surfaces: generate, inspect, convert.")
 
@@ -52,8 +51,9 @@ def generate(
     force: ForceOption = False,
 ) -> None:
     """Write the surface of a scene to a file."""
-    from validation.scenes.scene import FileSurface, load_scene
+    from validation.scenes.scene import load_scene
     from validation.scenes.surfaces import check_fits, height_field
+    from validation.scenes.tables import FileSurface
 
     surface = load_scene(scene).surface
     if realisation and isinstance(surface, FileSurface):
@@ -142,7 +142,8 @@ def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatme
     from pydantic import ValidationError
 
     from validation.scenes.mistakes import problems
-    from validation.scenes.scene import FileSurface, sized
+    from validation.scenes.scene import sized
+    from validation.scenes.tables import FileSurface
     from validation.units import plain_number
 
     table = {"kind": "file", "path": str(path), **treatment}
@@ -171,7 +172,7 @@ def _inspected(
     from fem_contact.surface.spectra import estimate_spectrum
     from validation.scenes.scene import builtin_scenes, load_scene
     from validation.scenes.surfaces import height_field, measured_surface
-    from validation.scenes.topography import fault_lines
+    from validation.scenes.topography.measured import fault_lines
     from validation.scenes.topography.statistics import GAUSSIAN_STEEP_SHARE, height_statistics
 
     facts: dict[str, Any] = {}
@@ -235,7 +236,7 @@ def _inspected(
 
 
 def _write(field: HeightField, target: Path, *, force: bool) -> None:
-    from validation.scenes.topography import write_topography
+    from validation.scenes.topography.writing import write_topography
 
     if target.exists() and not force:
         raise UsageError(f"{target}: is there already; name another file or say --force")

@@ -16,7 +16,8 @@ from validation.comparison.subsurface_stress import planes
 from validation.execution.press import Press
 from validation.report.quantities import labelled
 from validation.scenes.problem import ContactProblem
-from validation.scenes.scene import Load, Scene
+from validation.scenes.scene import Scene
+from validation.scenes.tables import Load
 from validation.solvers.theory import stress_distribution
 
 #: Pressures over E* h'_rms up to which the distribution near zero is shown.

@@ -27,7 +27,8 @@ from validation.measurements.measurement import TOLERANCES_LEFT, limit_over
 from validation.report.estimates import NORMAL, derive, error_of, gather, mean
 from validation.report.quantities import as_length, labelled
 from validation.scenes.problem import ContactProblem
-from validation.scenes.scene import Load, Scene
+from validation.scenes.scene import Scene
+from validation.scenes.tables import Load
 from validation.solvers import find_method
 from validation.solvers.theory import predict
 

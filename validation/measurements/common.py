@@ -11,8 +11,8 @@ from pydantic import AfterValidator, Field, ValidationInfo
 from persson import elastic
 from validation.errors import UsageError
 from validation.scenes.problem import ContactProblem
-from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
 from validation.scenes.surfaces import spectrum_of
+from validation.scenes.tables import Load, SelfAffineSurface, SolidSpec
 from validation.units import Positive, wrong
 
 if TYPE_CHECKING:

@@ -30,8 +30,8 @@ from validation.report.estimates import (
     solved_places,
     total_error,
 )
-from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
+from validation.scenes.tables import SelfAffineSurface
 
 #: Order in lambda_long/L: the number of long waves on a period grows like (L/lambda_long)^2, and corrections to the
 #: mean of anything that depends on them fall with that number.

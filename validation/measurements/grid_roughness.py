@@ -17,8 +17,8 @@ from validation.execution.measurement import measurement
 from validation.execution.solve import Prediction
 from validation.measurements.common import reduced_load
 from validation.scenes.problem import ContactProblem
-from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
+from validation.scenes.tables import SelfAffineSurface
 
 
 def _recipe(made: dict[str, Any], method: str) -> dict[str, Any]:

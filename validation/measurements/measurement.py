@@ -27,8 +27,9 @@ from validation.execution.solve import LOCATED_EDGES
 from validation.measurements.common import LEAST_POINTS_PER_WAVE, SHIFTS, reduced_load
 from validation.measurements.distributions import histograms_of
 from validation.scenes.problem import ContactProblem
-from validation.scenes.scene import EffectSpec, FileSurface
+from validation.scenes.scene import EffectSpec
 from validation.scenes.surfaces import spectrum_of
+from validation.scenes.tables import FileSurface
 from validation.solvers import find_solver
 from validation.solvers.base import Job
 

@@ -21,7 +21,7 @@ from validation.measurements.budgets import Memory, Pressed, diffused_area, flow
 from validation.measurements.common import reduced_load
 from validation.scenes import surfaces
 from validation.scenes.problem import ContactProblem
-from validation.scenes.scene import SelfAffineSurface
+from validation.scenes.tables import SelfAffineSurface
 
 #: What limits of the area are made of, as `validation.measurements.measurement` has them.
 AREAS = ("pixel", "perimeter", "edge_fraction", "subcell")

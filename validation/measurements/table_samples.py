@@ -22,8 +22,8 @@ from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import TOLERANCES_LEFT, area_limits, grid_for, press_on_grids
 from validation.report.estimates import LIMIT, claim, error_of
 from validation.scenes.problem import ContactProblem
-from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
+from validation.scenes.tables import SelfAffineSurface
 
 #: What is averaged beside the area, and how it is read off a surface on one grid of a period of so many long waves.
 _READ: dict[str, Callable[[xr.Dataset, float], xr.DataArray]] = {

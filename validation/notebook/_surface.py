@@ -31,7 +31,8 @@ from validation.scenes import surfaces
 from validation.scenes.scene import sized
 from validation.scenes.tables import FileSurface, SelfAffineSurface
 from validation.scenes.tables import Surface as SurfaceTable
-from validation.scenes.topography import Measured, Topography
+from validation.scenes.topography.measured import Measured
+from validation.scenes.topography.patch import Topography
 from validation.scenes.topography.raw import check_shape, real
 from validation.units import metres, unit_of
 

@@ -90,7 +90,7 @@ def _waves(surface: object, folder: Path) -> dict[str, Any]:
         return {}
     if not isinstance(table, FileSurface):
         return {"lengths": table.length, "shortest": table.lambda_short}
-    from validation.scenes.topography import file_says
+    from validation.scenes.topography.reading import file_says
 
     points = file_says(folder / table.path).heights.shape
     spacing = (length / n for length, n in zip(table.length, points, strict=True))

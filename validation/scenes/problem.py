@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from persson.spectrum import SelfAffine
     from persson.stretched import Stretched
     from persson.tabulated import Tabulated
-    from validation.scenes.topography import Measured, Topography
+    from validation.scenes.topography.measured import Measured
+    from validation.scenes.topography.patch import Topography
 
 
 @dataclass(frozen=True, kw_only=True)

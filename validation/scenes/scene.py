@@ -25,12 +25,9 @@ from validation.scenes.quantities import Quantities, Subsurface
 from validation.scenes.run_options import RunOptions
 from validation.scenes.tables import (
     NAME,
-    CapillarySurface,
     Ensemble,
     FileSurface,
     Load,
-    RandomSurface,
-    SelfAffineSurface,
     SolidSpec,
     SpectrumSurface,
     SpectrumUnits,
@@ -38,31 +35,7 @@ from validation.scenes.tables import (
     Title,
 )
 from validation.solvers import Method, Solver, methods
-from validation.units import MOST_POINTS, Table, unit_registry, wrong
-
-__all__ = [
-    "CapillarySurface",
-    "EffectSpec",
-    "Ensemble",
-    "FileSurface",
-    "Load",
-    "MethodTables",
-    "Methods",
-    "Quantities",
-    "RandomSurface",
-    "RunOptions",
-    "Scene",
-    "SelfAffineSurface",
-    "SolidSpec",
-    "builtin_scenes",
-    "checked_scene",
-    "load_scene",
-    "parsed_toml",
-    "scene_text",
-    "sized",
-    "unit_registry",
-]
-
+from validation.units import MOST_POINTS, Table, wrong
 
 #: Tables whose grids `run --accuracy` chooses, and the context in which they are then read.
 _CHOSEN, _GRIDS_CHOSEN = ("methods.bem", "ensemble"), {"grids": "chosen"}
@@ -290,7 +263,9 @@ def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
             raise SceneError(scene, [str(error)]) from None
     if surface.get("kind") != "file":
         return data
-    from validation.scenes.topography import Topography, fault_lines, file_says
+    from validation.scenes.topography.measured import fault_lines
+    from validation.scenes.topography.patch import Topography
+    from validation.scenes.topography.reading import file_says
 
     try:
         says = file_says(folder / path)

@@ -20,7 +20,7 @@ from validation.scenes.tables import (
     Surface,
 )
 from validation.scenes.tabulated import spectrum_between
-from validation.scenes.topography import Measured, measured
+from validation.scenes.topography.measured import Measured, measured
 
 if TYPE_CHECKING:
     from persson.capillary import CapillaryWaves

@@ -13,7 +13,8 @@ from pydantic.fields import FieldInfo
 from validation.errors import UsageError, did_you_mean
 from validation.measurements.common import base_surface, truncated_surface
 from validation.scenes.mistakes import problems
-from validation.scenes.scene import Scene, SelfAffineSurface
+from validation.scenes.scene import Scene
+from validation.scenes.tables import SelfAffineSurface
 from validation.solvers import chosen_solver
 from validation.units import Table, unit_of, wrong
 

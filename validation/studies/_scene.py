@@ -16,8 +16,8 @@ from validation.measurements.common import BASE_SOLID, base_case
 from validation.measurements.measurement import grid_for
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import ContactProblem, realise
-from validation.scenes.scene import EffectSpec, Load, Scene, load_scene
-from validation.scenes.tables import FileSurface
+from validation.scenes.scene import EffectSpec, Scene, load_scene
+from validation.scenes.tables import FileSurface, Load
 from validation.solvers import chosen_solver, find_solver
 from validation.solvers.base import Settings
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions, Surfaces

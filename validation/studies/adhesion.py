@@ -26,7 +26,7 @@ from validation.measurements.common import base_case
 from validation.measurements.limits import ABSENT, straight_limit
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
 from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding, of_one_surface
-from validation.scenes.scene import SolidSpec
+from validation.scenes.tables import SolidSpec
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions
 from validation.units import Positive, wrong
 

@@ -32,7 +32,7 @@ from validation.measurements.limits import ABSENT, solved, straight_limit
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
 from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding
 from validation.scenes.problem import ContactProblem
-from validation.scenes.scene import SolidSpec
+from validation.scenes.tables import SolidSpec
 from validation.studies._options import Hurst, Periods, Seed, StudyOptions, Surfaces
 from validation.units import Positive
 

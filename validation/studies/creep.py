@@ -21,7 +21,7 @@ from validation.measurements.measurement import grid_for
 from validation.measurements.theory import RANKED, VARIANTS
 from validation.report.estimates import claim, derive, mean, same_of_all
 from validation.report.views import Figure, Line, Panel, Table, Views, against, finding
-from validation.scenes.scene import SolidSpec
+from validation.scenes.tables import SolidSpec
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
 from validation.studies._rubber import RubberOptions
 from validation.studies._study import gathered

@@ -16,7 +16,7 @@ from validation.measurements.limits import read_off
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim
 from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding
-from validation.scenes.scene import SolidSpec
+from validation.scenes.tables import SolidSpec
 from validation.studies._options import Element, ReducedPressure, Seed, StudyOptions
 from validation.studies._study import gathered
 

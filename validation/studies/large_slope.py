@@ -18,7 +18,7 @@ from validation.measurements.measurement import grid_for
 from validation.measurements.slopes import CHANGES, changes_of, steepened, with_differences
 from validation.report.estimates import claim
 from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding
-from validation.scenes.scene import SolidSpec
+from validation.scenes.tables import SolidSpec
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions, Surfaces
 from validation.studies._study import gathered
 

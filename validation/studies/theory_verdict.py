@@ -20,7 +20,7 @@ from validation.measurements.theory import RANKED, modes_finding
 from validation.report.estimates import claim, derive
 from validation.report.values import value_of
 from validation.report.views import Figure, Finding, Panel, Table, Views, finding, ranking
-from validation.scenes.scene import Load
+from validation.scenes.tables import Load
 from validation.studies import pressure, stress_near_zero
 from validation.theories import Rough, Theory, find_theory
 from validation.theories.persson_variants import Persson, persson_variants
