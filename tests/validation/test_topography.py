@@ -21,10 +21,9 @@ from validation.comparison.explain import explain
 from validation.comparison.run import run_scene
 from validation.errors import UsageError
 from validation.scenes.scene import load_scene
-from validation.scenes.surfaces import measured_spectrum, measured_surface
 from validation.scenes.topography import reading
 from validation.scenes.topography.formats import read_plain
-from validation.scenes.topography.measured import measured
+from validation.scenes.topography.measured import Measured
 from validation.scenes.topography.patch import Topography
 from validation.scenes.topography.reading import file_says, read_topography
 from validation.scenes.topography.statistics import height_statistics
@@ -279,7 +278,7 @@ def test_a_measured_topography_goes_through_theory_and_solvers(tmp_path):
     for words in ("plane taken out", "filled: harmonic", "tukey taper"):
         assert any(words in step for step in treatment)
     # The estimate from the untapered patch, and the surface that was pressed, are of one roughness.
-    estimated = measured_spectrum(measured_surface(scene.surface)).moments().rms_gradient
+    estimated = Measured.read(scene.surface).spectrum.moments().rms_gradient
     slopes = np.gradient(patch(), LENGTH / 96, edge_order=2)
     assert estimated == pytest.approx(float(np.hypot(np.std(slopes[0]), np.std(slopes[1]))), rel=0.1)
     assert float(c.rms_gradient) == pytest.approx(estimated, rel=0.25)
@@ -296,7 +295,7 @@ def test_a_file_that_says_its_size_needs_no_length_in_the_scene(tmp_path):
     (tmp_path / "scene.toml").write_text(SCENE.format(path="scan.nc", length=""))
     surface = load_scene(str(tmp_path / "scene.toml")).surface
     np.testing.assert_allclose(surface.length, field.lengths, rtol=1e-14)
-    assert measured_surface(surface).period.height_field().shape == (24, 24)
+    assert Measured.read(surface).period.height_field().shape == (24, 24)
 
 
 def test_one_length_for_a_map_that_is_not_square_is_refused_and_oblong_cells_are_said(tmp_path):
@@ -309,7 +308,7 @@ def test_one_length_for_a_map_that_is_not_square_is_refused_and_oblong_cells_are
         load_scene(str(tmp_path / "scene.toml"))
     (tmp_path / "scene.toml").write_text(text.replace('"10 um"', '["10 um", "10 um"]'))
     surface = load_scene(str(tmp_path / "scene.toml")).surface
-    assert "oblong cells of 416.7 nm x 555.6 nm" in measured_surface(surface).period.history[0]
+    assert "oblong cells of 416.7 nm x 555.6 nm" in Measured.read(surface).period.history[0]
     assert "oblong" not in read_topography(tmp_path / "scan.npy", lengths=(4.0, 3.0), unit=1.0).history[0]
 
 
@@ -325,12 +324,12 @@ def test_a_file_is_read_once_until_it_changes(tmp_path, monkeypatch):
         SCENE.format(path="scan.npy", length='length = "2.5 um"\nunit = "1 nm"')
     )
     surface = load_scene(str(tmp_path / "scene.toml")).surface
-    first = measured(surface)
-    np.testing.assert_array_equal(measured(surface).raw.heights, first.raw.heights)
+    first = Measured.read(surface)
+    np.testing.assert_array_equal(Measured.read(surface).raw.heights, first.raw.heights)
     assert first.digest == hashlib.sha256(path.read_bytes()).hexdigest()
     assert len(calls) == 1
     np.save(path, patch()[:24, :24][::-1] * 1e9)
-    second = measured(surface)
+    second = Measured.read(surface)
     assert second.digest != first.digest
     np.testing.assert_array_equal(second.raw.heights, first.raw.heights[::-1])
     assert len(calls) == 2
@@ -442,7 +441,7 @@ def test_a_tilt_and_a_hole_come_at_once_with_the_table_that_mends_them(tmp_path)
     assert "edges" not in said
     pasted = said[said.index("[surface]") :] + text.partition('"afm.txt"')[2]
     (tmp_path / "scene.toml").write_text(pasted + REST)
-    found = measured_surface(load_scene(str(tmp_path / "scene.toml")).surface)
+    found = Measured.read(load_scene(str(tmp_path / "scene.toml")).surface)
     assert found.period.missing == 0
     assert found.faults == {}
     # Without a size all faults come before the first is mended.
@@ -511,13 +510,13 @@ def test_the_page_says_the_budget_and_that_the_premise_is_judged(treated):
 def test_without_its_last_octave_a_map_has_no_waves_of_it(treated):
     folder, _ = treated
     surface = load_scene(str(folder / "scene.toml")).surface
-    full = measured_surface(surface)
+    full = Measured.read(surface)
     half = full.variations["without the last octave of waves"]
     assert half.shortest == pytest.approx(2 * full.shortest, rel=1e-12)
     rings = estimate_spectrum(half.period.heights, half.period.lengths, window="none")
     beyond = rings.q > 1.02 * 2 * math.pi / half.shortest
     assert rings.power[beyond].max() < 1e-20 * rings.power.max()
-    assert measured_spectrum(half).q_short <= 2 * math.pi / half.shortest * (1 + 1e-9)
+    assert half.spectrum.q_short <= 2 * math.pi / half.shortest * (1 + 1e-9)
 
 
 def test_the_map_of_the_docs_is_made_and_gets_the_table_that_they_show(tmp_path, monkeypatch):
@@ -543,7 +542,7 @@ def test_a_plane_under_a_taper_is_said(tmp_path):
     text = tilted_map(tmp_path) + 'missing = "nearest"\nedges = "tukey"\n'
     for tilt in ("", 'tilt = "keep"\n', 'tilt = "plane"\n'):
         (tmp_path / "scene.toml").write_text(text + tilt + REST)
-        history = measured_surface(load_scene(str(tmp_path / "scene.toml")).surface).period.history
+        history = Measured.read(load_scene(str(tmp_path / "scene.toml")).surface).period.history
         warned = any("a plane that was not taken out holds" in words for words in history)
         assert warned == ("plane" not in tilt)
 

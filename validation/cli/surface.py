@@ -122,12 +122,12 @@ def convert(
     table = _file_surface(
         source, length=length, unit=unit, tilt=tilt, missing=missing, edges=edges, margin=margin
     )
-    from validation.scenes.surfaces import check_fits, measured_surface, naming
+    from validation.scenes.surfaces import check_fits
+    from validation.scenes.topography.measured import Measured
 
     # Without a taper a conversion leaves the edges as they are, and does not ask whether they match.
-    measured = measured_surface(table)
-    with naming(table):
-        measured.check("missing")
+    measured = Measured.read(table)
+    measured.check("missing")
     patch = measured.patch if edges is None else measured.period
     for words in patch.history:
         typer.echo(words, err=True)
@@ -171,8 +171,8 @@ def _inspected(
     from fem_contact.surface import Patch, measured_lay
     from fem_contact.surface.spectra import estimate_spectrum
     from validation.scenes.scene import builtin_scenes, load_scene
-    from validation.scenes.surfaces import height_field, measured_surface
-    from validation.scenes.topography.measured import fault_lines
+    from validation.scenes.surfaces import height_field
+    from validation.scenes.topography.measured import Measured, fault_lines
     from validation.scenes.topography.statistics import GAUSSIAN_STEEP_SHARE, height_statistics
 
     facts: dict[str, Any] = {}
@@ -182,7 +182,7 @@ def _inspected(
     else:
         surface = _file_surface(Path(source), length=length, unit=unit, tilt=tilt, missing=missing)
     if surface.kind == "file":
-        measured = measured_surface(surface)
+        measured = Measured.read(surface)
         # Its numbers need heights everywhere, and are those of no plane.
         remedies = {key: remedy for key, (_, remedy) in measured.faults.items() if key != "edges"}
         raw, patch = measured.raw, replace(measured, surface=surface.model_copy(update=remedies)).patch

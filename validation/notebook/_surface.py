@@ -73,7 +73,7 @@ class Surface:
     def field(self) -> HeightField:
         """Heights on the smallest grid that resolves them, or as they were measured."""
         if self.given is not None:
-            return surfaces.measured_field(self.given)
+            return self.given.field
         return surfaces.height_field(self.table, None)
 
     @property
@@ -218,7 +218,7 @@ def measured(
         options = {"kind": "file", "path": str(heights), "length": length, "unit": unit, **treatment}
         tables = {"surface": {name: plain(value) for name, value in options.items() if value is not None}}
         on_file = checked(FileSurface, "measured", sized(tables, Path(), "measured")["surface"])
-        return Surface(table=on_file, given=surfaces.measured_surface(on_file))
+        return Surface(table=on_file, given=Measured.read(on_file))
     values, own_length, own_unit, words = _told_by(heights)
     if length is None and own_length is None:
         raise UsageError('measured: length is missing; give the size of the patch, as length="100 um"')

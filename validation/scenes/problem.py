@@ -15,13 +15,13 @@ from validation.report.quantities import as_length
 from validation.scenes import surfaces
 from validation.scenes.tables import FileSurface, Load, SolidSpec, SpectrumSurface, Surface
 from validation.scenes.tabulated import read_spectrum
+from validation.scenes.topography.measured import Measured
 
 if TYPE_CHECKING:
     from persson.capillary import CapillaryWaves
     from persson.spectrum import SelfAffine
     from persson.stretched import Stretched
     from persson.tabulated import Tabulated
-    from validation.scenes.topography.measured import Measured
     from validation.scenes.topography.patch import Topography
 
 
@@ -69,7 +69,7 @@ class ContactProblem:
         """The measured surface, read and hashed once; None for a random one."""
         if self.given is not None:
             return self.given
-        return surfaces.measured_surface(self.surface) if isinstance(self.surface, FileSurface) else None
+        return Measured.read(self.surface) if isinstance(self.surface, FileSurface) else None
 
     @property
     def topography(self) -> Topography | None:
@@ -83,7 +83,7 @@ class ContactProblem:
         Where no surface is drawn, the moments of C(q) in place of it.
         """
         if self.measured is not None:
-            return self._signed(surfaces.measured_field(self.measured))
+            return self._signed(self.measured.field)
         assert not isinstance(self.surface, FileSurface)
         if not self.drawn:
             return surfaces.expected(self.surface)  # type: ignore[return-value]
@@ -104,20 +104,16 @@ class ContactProblem:
     @cached_property
     def spectrum(self) -> SelfAffine | Stretched | CapillaryWaves | Tabulated | None:
         """C(q) of the scene, estimated for a measured patch with tapered edges; None for one period."""
-        if not isinstance(self.surface, FileSurface):
-            return surfaces.spectrum_of(self.surface)
-        return self._estimate if self.surface.edges in ("tukey", "hann") else None
-
-    @cached_property
-    def _estimate(self) -> Tabulated:
-        """C(q) of a measured surface, whatever its edges."""
-        assert self.measured is not None
-        return surfaces.measured_spectrum(self.measured)
+        period = isinstance(self.surface, FileSurface) and self.surface.edges not in ("tukey", "hann")
+        return None if period else self.spectrum_shape
 
     @cached_property
     def spectrum_shape(self) -> SelfAffine | Stretched | CapillaryWaves | Tabulated:
         """C(q) whose scale may be another: for a measured surface an estimate, whatever its edges."""
-        return self._estimate if self.spectrum is None else self.spectrum
+        if isinstance(self.surface, FileSurface):
+            assert self.measured is not None
+            return self.measured.spectrum
+        return surfaces.spectrum_of(self.surface)
 
     @cached_property
     def own_spectrum(self) -> SelfAffine | Stretched | CapillaryWaves | Tabulated:
@@ -246,7 +242,7 @@ class ContactProblem:
 
 
 #: What is made of the surface alone, whatever the solid and the load.
-_OF_THE_SURFACE = ("_waves", "measured", "field", "spectrum", "_estimate")
+_OF_THE_SURFACE = ("_waves", "measured", "field", "spectrum")
 
 
 class _Scene(Protocol):

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, overload
 
-from fem_contact.surface import HeightField, Patch, RandomWaves, random_waves
+from fem_contact.surface import HeightField, RandomWaves, random_waves
 from validation.errors import UsageError
 from validation.report.quantities import as_length
 from validation.scenes.tables import (
@@ -20,7 +19,7 @@ from validation.scenes.tables import (
     Surface,
 )
 from validation.scenes.tabulated import spectrum_between
-from validation.scenes.topography.measured import Measured, measured
+from validation.scenes.topography.measured import Measured
 
 if TYPE_CHECKING:
     from persson.capillary import CapillaryWaves
@@ -130,7 +129,7 @@ def height_field(
     Without a grid on the smallest that resolves it, so that its moments are the surface's own.
     """
     if isinstance(surface, FileSurface):
-        field = measured_field(measured_surface(surface))
+        field = Measured.read(surface).field
         field = field if grid is None else field.resampled(grid)
         return field if shift == (0.0, 0.0) else field.shifted(shift)
     if grid is None:
@@ -218,49 +217,3 @@ def expected(surface: RandomSurface) -> Expected:
 def too_large_to_look_at(surface: RandomSurface) -> bool:
     """Whether a surface has too many points to be made only to be looked at."""
     return math.prod(surface.resolving_grid) > _SURVEYED_POINTS
-
-
-@contextlib.contextmanager
-def naming(surface: FileSurface) -> Iterator[None]:
-    """Name the key in a complaint about a file or its treatment."""
-    try:
-        yield
-    except UsageError as error:
-        raise UsageError(f"surface.path = {str(surface.path)!r}: {error}") from None
-
-
-def measured_surface(surface: FileSurface) -> Measured:
-    """Read a measured surface; it is levelled, filled and made periodic when first asked for."""
-    with naming(surface):
-        return measured(surface)
-
-
-def measured_spectrum(measured: Measured) -> Tabulated:
-    """C(q) of a measured surface, estimated from the patch before its edges were tapered.
-
-    A patch that is one period needs no window; any other gets a Hann window, with its loss made up for.
-    """
-    from fem_contact.surface.spectra import estimate_spectrum
-    from persson.tabulated import Tabulated
-
-    with naming(measured.surface):
-        patch = measured.patch
-    periodic = measured.surface.edges in (None, "periodic")
-    rings = estimate_spectrum(patch.heights, patch.lengths, window="none" if periodic else "hann")
-    cut = 2 * math.pi / measured.shortest if measured.surface.lambda_short else math.inf
-    rough = (rings.power > 0) & (rings.q <= cut * (1 + 1e-9))
-    return Tabulated(wavevectors=rings.q[rough], power=rings.power[rough])
-
-
-def measured_field(measured: Measured) -> HeightField:
-    """Heights of a measured surface as one period; they must be rough, since every p* divides by h'_rms."""
-    with naming(measured.surface):
-        field = measured.period.height_field()
-        if measured.surface.edges == "free":
-            field = Patch(heights=field.heights, lengths=field.lengths)
-    if not field.rms_gradient > 0:
-        raise UsageError(
-            f"surface.path = {str(measured.surface.path)!r}: is flat (h'_rms = 0); "
-            "a scene needs a rough surface"
-        )
-    return field

@@ -16,15 +16,28 @@ from typing import Any
 
 import numpy as np
 
+from validation.arrays import Array
 from validation.errors import UsageError, harmless
 from validation.scenes.topography.netcdf import read_netcdf
-from validation.scenes.topography.raw import MOST_BYTES, MOST_POINTS, Raw, check_shape, plain_attribute, real
+from validation.scenes.topography.raw import (
+    MOST_BYTES,
+    MOST_POINTS,
+    FileSays,
+    Raw,
+    check_shape,
+    plain_attribute,
+    real,
+)
 from validation.scenes.topography.text import NotText, read_text
 from validation.units import metres
 
+#: Heights farther from the median than this many times the distance of the quartiles are called spikes;
+#: these are taken from so many heights, at least.
+_FAR, _SAMPLED = 100.0, 2**16
 
-def read_plain(path: str) -> dict[str, Any]:
-    """Return what a file says, in metres, as plain values and one array; what goes wrong is a UsageError.
+
+def read_plain(path: str) -> FileSays:
+    """Return what a file says, in metres; what goes wrong is a UsageError.
 
     A MemoryError passes: the bounds make a sentence of it.
     """
@@ -45,14 +58,30 @@ def read_plain(path: str) -> dict[str, Any]:
     except Exception as error:  # a reader of damaged bytes raises whatever they lead to
         reason = one_line(error) or type(error).__name__
         raise UsageError(f"is no topography of its kind ({reason})") from None
-    return {
-        "heights": np.ascontiguousarray(raw.heights, dtype=float),
-        "lengths": lengths if scales else None,
-        "ratio": ratio,
-        "unit": unit,
-        "notes": raw.notes,
-        "digest": hashlib.sha256(data).hexdigest(),
-    }
+    return FileSays(
+        heights=np.ascontiguousarray(raw.heights, dtype=float),
+        lengths=(lengths[0], lengths[1]) if scales else None,
+        ratio=ratio,
+        unit=unit,
+        notes=(*raw.notes, *_spikes(raw.heights)),
+        digest=hashlib.sha256(data).hexdigest(),
+    )
+
+
+def _spikes(heights: Array) -> tuple[str, ...]:
+    """Say that some heights belong to no surface; a format without checksums shows no other damage."""
+    known = heights[np.isfinite(heights)]
+    if not known.size:
+        return ()
+    with np.errstate(over="ignore"):
+        low, middle, high = np.percentile(known[:: max(1, known.size // _SAMPLED)], (25, 50, 75))
+        far = int(np.count_nonzero(np.abs(known - middle) > _FAR * (high - low)))
+    if not far or high == low:
+        return ()
+    return (
+        f"{far} of {known.size} heights lie more than {_FAR:.0f} times the height of the middle half away "
+        "from it: spikes, or a damaged file",
+    )
 
 
 def one_line(words: object) -> str:

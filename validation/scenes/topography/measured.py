@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem_contact.surface import HeightField, Patch
 from validation.errors import UsageError
 from validation.scenes.topography.patch import MOST_HOLES, REMOVABLE, Topography
 from validation.scenes.topography.reading import read_topography
 
 if TYPE_CHECKING:
+    from persson.tabulated import Tabulated
     from validation.scenes.tables import FileSurface
 
 
@@ -24,6 +28,15 @@ class Measured:
 
     surface: FileSurface
     raw: Topography
+
+    @classmethod
+    def read(cls, surface: FileSurface) -> Measured:
+        """Read a measured surface; a UsageError for a file that gives none."""
+        with _naming(surface):
+            return cls(
+                surface=surface,
+                raw=read_topography(surface.path, lengths=surface.length, unit=surface.unit),
+            )
 
     @property
     def digest(self) -> str:
@@ -47,10 +60,11 @@ class Measured:
 
     def check(self, *keys: str) -> None:
         """Raise a UsageError of all that keeps it from being pressed, or of what these keys mend."""
-        faults = {k: fault for k, fault in self.faults.items() if not keys or k in keys}
-        if faults:
-            table = {"path": str(self.surface.path)}
-            raise UsageError("\n".join(("cannot be pressed as it is", *fault_lines(faults, table))))
+        with _naming(self.surface):
+            faults = {k: fault for k, fault in self.faults.items() if not keys or k in keys}
+            if faults:
+                table = {"path": str(self.surface.path)}
+                raise UsageError("\n".join(("cannot be pressed as it is", *fault_lines(faults, table))))
 
     @cached_property
     def faults(self) -> dict[str, tuple[str, str]]:
@@ -69,6 +83,32 @@ class Measured:
         if self.surface.edges != "free":
             period = replace(period, heights=period.heights - np.mean(period.heights))
         return _frozen(period.smoothed(self.surface.lambda_short))
+
+    @cached_property
+    def field(self) -> HeightField:
+        """Its heights as one period, or a patch with edges; they are rough, since p* divides by h'_rms."""
+        field = self.period.height_field()
+        if self.surface.edges == "free":
+            field = Patch(heights=field.heights, lengths=field.lengths)
+        if not field.rms_gradient > 0:
+            with _naming(self.surface):
+                raise UsageError("is flat (h'_rms = 0); a scene needs a rough surface")
+        return field
+
+    @cached_property
+    def spectrum(self) -> Tabulated:
+        """C(q), estimated from the patch before its edges were tapered.
+
+        A patch that is one period needs no window; any other gets a Hann window, with its loss made up for.
+        """
+        from fem_contact.surface.spectra import estimate_spectrum
+        from persson.tabulated import Tabulated
+
+        periodic, patch = self.surface.edges in (None, "periodic"), self.patch
+        rings = estimate_spectrum(patch.heights, patch.lengths, window="none" if periodic else "hann")
+        cut = 2 * math.pi / self.shortest if self.surface.lambda_short else math.inf
+        rough = (rings.power > 0) & (rings.q <= cut * (1 + 1e-9))
+        return Tabulated(wavevectors=rings.q[rough], power=rings.power[rough])
 
     @property
     def shortest(self) -> float:
@@ -125,8 +165,10 @@ def _frozen(topography: Topography) -> Topography:
     return topography
 
 
-def measured(surface: FileSurface) -> Measured:
-    """Read a measured surface; a UsageError for a file that gives none."""
-    return Measured(
-        surface=surface, raw=read_topography(surface.path, lengths=surface.length, unit=surface.unit)
-    )
+@contextlib.contextmanager
+def _naming(surface: FileSurface) -> Iterator[None]:
+    """Name the key in a complaint about a file or its treatment."""
+    try:
+        yield
+    except UsageError as error:
+        raise UsageError(f"surface.path = {str(surface.path)!r}: {error}") from None

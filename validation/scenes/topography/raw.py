@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from validation.arrays import Array
+from validation.errors import UsageError
 
 #: Heights that are read: 8192 x 8192, half a gigabyte as numbers.
 MOST_POINTS = 2**26
@@ -16,6 +17,8 @@ MOST_POINTS = 2**26
 MOST_BYTES = 2**31
 #: Share of a step by which positions may be off an even spacing; files round them.
 _UNEVEN = 0.02
+#: Cells are called oblong, and lengths at odds with a file, when ratios are off by more than this.
+RATIO = 0.02
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,6 +35,30 @@ class Raw:
     unit: str | None = None
     notes: tuple[str, ...] = ()
     header: str = ""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FileSays:
+    """What a file of heights says of itself: heights in its own unit, NaN where there are none; sizes [m].
+
+    Of sizes without a unit it says the ratio Lx/Ly alone.
+    """
+
+    heights: Array
+    lengths: tuple[float, float] | None
+    ratio: float | None
+    unit: float | None
+    digest: str
+    notes: tuple[str, ...]
+
+    def check_square(self, key: str) -> None:
+        """Refuse one length for both sides if points along them differ in number and no size is known."""
+        nx, ny = self.heights.shape
+        if self.lengths is None and abs(nx / ny - 1) > RATIO:
+            raise UsageError(
+                f"{key}: one length for {nx} x {ny} points makes oblong cells; give both sides, [Lx, Ly], x "
+                "along the first of the two numbers of points"
+            )
 
 
 def check_shape(shape: tuple[int, ...]) -> None:

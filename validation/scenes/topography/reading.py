@@ -6,7 +6,6 @@ import functools
 import os
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +16,7 @@ from validation.errors import UsageError
 from validation.report.quantities import as_length
 from validation.scenes.topography.formats import one_line, read_plain
 from validation.scenes.topography.patch import Topography, rms
-from validation.scenes.topography.raw import MOST_POINTS
+from validation.scenes.topography.raw import MOST_POINTS, RATIO, FileSays
 from validation.units import LARGEST
 
 Lengths = tuple[float, float]
@@ -26,41 +25,11 @@ Lengths = tuple[float, float]
 _SECONDS, _BYTES_PER_SECOND = 60.0, 2e6
 #: Memory to read a file: that of the largest map in a few copies, and more for the text of it.
 _MEMORY, _COPIES = 2**31 + 2**30, 4
-#: Cells are called oblong, and lengths at odds with a file, when ratios are off by more than this.
-_RATIO = 0.02
-#: Heights farther from the median than this many times the distance of the quartiles are called spikes.
-_FAR = 100.0
 #: Sides of a patch and of its cells [m], and root mean square slopes, that no instrument goes beyond.
 _LARGEST_PATCH, _SMALLEST_CELL, _STEEPEST = 1.0, 1e-12, 10.0
-#: Heights that the quartiles are taken from, at least.
-_SAMPLED = 2**16
 #: A file that was changed less than this before it was read is read again: a later change may have the same
 #: time [s].
 _SETTLED = 1.0
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class FileSays:
-    """What a file of heights says of itself: heights in its own unit, NaN where there are none; sizes [m].
-
-    Of sizes without a unit it says the ratio Lx/Ly alone.
-    """
-
-    heights: Array
-    lengths: Lengths | None
-    ratio: float | None
-    unit: float | None
-    digest: str
-    notes: tuple[str, ...]
-
-    def check_square(self, key: str) -> None:
-        """Refuse one length for both sides if points along them differ in number and no size is known."""
-        nx, ny = self.heights.shape
-        if self.lengths is None and abs(nx / ny - 1) > _RATIO:
-            raise UsageError(
-                f"{key}: one length for {nx} x {ny} points makes oblong cells; give both sides, [Lx, Ly], x "
-                "along the first of the two numbers of points"
-            )
 
 
 def file_says(path: Path) -> FileSays:
@@ -83,7 +52,7 @@ def _read(name: str, size: int = 0, content: tuple[int, ...] = ()) -> FileSays:
     """Read a file of a size; what tells its content tells whether it is read again."""
     del content
     try:
-        contents = sandbox.call(
+        says: FileSays = sandbox.call(
             read_plain,
             name,
             seconds=_SECONDS + size / _BYTES_PER_SECOND,
@@ -92,23 +61,7 @@ def _read(name: str, size: int = 0, content: tuple[int, ...] = ()) -> FileSays:
         )
     except sandbox.OutOfBounds as error:
         raise UsageError(f"cannot be read: its reader {error}") from None
-    return FileSays(**{**contents, "notes": (*contents["notes"], *_spikes(contents["heights"]))})
-
-
-def _spikes(heights: Array) -> tuple[str, ...]:
-    """Say that some heights belong to no surface; a format without checksums shows no other damage."""
-    known = heights[np.isfinite(heights)]
-    if not known.size:
-        return ()
-    with np.errstate(over="ignore"):
-        low, middle, high = np.percentile(known[:: max(1, known.size // _SAMPLED)], (25, 50, 75))
-        far = int(np.count_nonzero(np.abs(known - middle) > _FAR * (high - low)))
-    if not far or high == low:
-        return ()
-    return (
-        f"{far} of {known.size} heights lie more than {_FAR:.0f} times the height of the middle half away "
-        "from it: spikes, or a damaged file",
-    )
+    return says
 
 
 def read_topography(path: Path, *, lengths: Lengths | None = None, unit: float | None = None) -> Topography:
@@ -128,7 +81,7 @@ def read_topography(path: Path, *, lengths: Lengths | None = None, unit: float |
     scale = unit if unit is not None else says.unit
     if scale is None:
         raise UsageError('does not say the unit of its heights: give unit, such as "1 nm"')
-    if says.lengths is None and says.ratio is not None and abs(size[0] / size[1] / says.ratio - 1) > _RATIO:
+    if says.lengths is None and says.ratio is not None and abs(size[0] / size[1] / says.ratio - 1) > RATIO:
         raise UsageError(
             f"its sides are in the ratio {says.ratio:.4g}, and length = [{size[0]:.4g}, {size[1]:.4g}] m "
             f"says {size[0] / size[1]:.4g}: give both sides, [Lx, Ly]"
@@ -141,10 +94,10 @@ def read_topography(path: Path, *, lengths: Lengths | None = None, unit: float |
     heights.setflags(write=False)
     nx, ny = heights.shape
     words = f"{one_line(path.name)}: {nx} x {ny} points, {_sides(size)}"
-    if any(abs(a / b - 1) > _RATIO for a, b in zip(size, says.lengths or size, strict=True)):
+    if any(abs(a / b - 1) > RATIO for a, b in zip(size, says.lengths or size, strict=True)):
         words += f" (its own: {_sides(says.lengths or size)})"
     cells = size[0] / nx, size[1] / ny
-    if abs(cells[0] / cells[1] - 1) > _RATIO:
+    if abs(cells[0] / cells[1] - 1) > RATIO:
         words += f", oblong cells of {_sides(cells)}"
     notes = (words, *_impossible(heights, size), *says.notes)
     return Topography(heights=heights, lengths=size, history=notes, unit=scale, digest=says.digest)
