@@ -5,7 +5,7 @@ the words, ``--tests PATH ...`` against other tests than the catalogue names, to
 *killed* where a test that it names fails, *survived* where all pass, *broken* where pytest could not run
 them. ``--by validate`` and ``--by quick`` ask instead whether the cases of ``fem-contact validate`` notice by
 themselves: those that call the faulty function, or all where the fault stands outside of functions or in
-compiled code.
+compiled code. ``--by checks`` counts which of their checks some fault breaks, and names those that none does.
 """
 
 from __future__ import annotations
@@ -148,6 +148,7 @@ class Cases:
 
     reached: dict[str, frozenset[tuple[str, int]]]
     seconds: dict[str, float]
+    checks: dict[str, frozenset[str]]
 
     @classmethod
     def recorded(cls, tree: Path, *, quick: bool) -> Cases:
@@ -160,6 +161,7 @@ class Cases:
         return cls(
             reached={name: frozenset(map(tuple, one["functions"])) for name, one in found.items()},
             seconds={name: one["seconds"] for name, one in found.items()},
+            checks={name: frozenset(one["checks"]) for name, one in found.items()},
         )
 
     def that_call(self, mutant: Mutant, text: str) -> list[str]:
@@ -208,6 +210,34 @@ def judge(mutant: Mutant, tree: Path, *, tests: Sequence[str] = (), cases: Cases
     )
 
 
+def broken_checks(mutants: Sequence[Mutant], *, only: Sequence[str] = ()) -> Iterator[str]:
+    """Break what can be broken, fault by fault; yield a line for each that breaks a check no other did.
+
+    Last those that none breaks: a check that cannot fail is worth nothing.
+    """
+    with copied_tree() as tree:
+        cases = Cases.recorded(tree, quick=True)
+        left = {(c, q) for c, named in cases.checks.items() for q in named if not only or c in only}
+        count = len(left)
+        for mutant in sorted(mutants, key=lambda m: m.kernel):
+            path = tree / mutant.file
+            sound = path.read_text(encoding="utf-8")
+            chosen = [name for name in cases.that_call(mutant, sound) if name in {c for c, _ in left}]
+            if not chosen:
+                continue
+            path.write_text(mutant.applied(sound), encoding="utf-8")
+            cache = tree.parent / ("fresh-cache" if mutant.kernel else "cache")
+            _, output = _run(tree, [str(_CASES), "every", *chosen], cache=cache, limit=1200)
+            path.write_text(sound, encoding="utf-8")
+            shutil.rmtree(tree.parent / "fresh-cache", ignore_errors=True)
+            broken = {tuple(json.loads(line)) for line in re.findall(r"^BROKEN (.*)$", output, flags=re.M)}
+            if broken & left:
+                yield f"{len(broken & left):4d} more  {mutant.file}: {mutant.name}"
+            left -= broken
+        yield f"{count - len(left)} of {count} checks are broken by a fault of the catalogue"
+        yield from (f"by none: {case}, {quantity}" for case, quantity in sorted(left))
+
+
 def run_all(
     mutants: Sequence[Mutant], *, workers: int, tests: Sequence[str] = (), by: str = "tests"
 ) -> Iterator[Outcome]:
@@ -239,10 +269,16 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--only", nargs="+", default=[""], help="words of the name or file, any of them")
     parser.add_argument("--tests", nargs="+", default=[], help="run these instead of the named ones")
-    parser.add_argument("--by", choices=("tests", "validate", "quick"), default="tests")
+    parser.add_argument("--by", choices=("tests", "validate", "quick", "checks"), default="tests")
     parser.add_argument("--workers", type=int, default=2)
     asked = parser.parse_args()
     chosen = [m for m in catalogue() if any(word in m.name or word in m.file for word in asked.only)]
+    if asked.by == "checks":
+        lines = []
+        for line in broken_checks(chosen, only=asked.tests):
+            print(line, flush=True)
+            lines.append(line)
+        return int(any(line.startswith("by none") for line in lines))
     counts: dict[str, int] = {}
     unexpected = 0
     for outcome in run_all(chosen, workers=asked.workers, tests=asked.tests, by=asked.by):

@@ -1,7 +1,8 @@
 """What `fem-contact validate` notices: which functions its cases call, and whether any of them fails.
 
-``validate_cases.py record FILE`` writes the functions that each case calls, ``... run NAME ...``
-runs cases until one fails, names it and exits with 1. Both import the packages that PYTHONPATH names.
+``validate_cases.py record FILE`` writes the functions that each case calls and the checks it makes, ``...
+run NAME ...`` runs cases until one fails, names it and exits with 1, ``... every NAME ...`` runs all, naming
+each check that fails. They import the packages that PYTHONPATH names.
 """
 
 from __future__ import annotations
@@ -39,7 +40,9 @@ def _called(case: Any, tree: str) -> dict[str, Any]:
             if code.co_filename.startswith(tree)
         }
     )
-    return {"seconds": time.perf_counter() - began, "quick": case.quick, "functions": functions}
+    checks = [check.quantity for check in verdict.checks]
+    seconds = time.perf_counter() - began
+    return {"seconds": seconds, "quick": case.quick, "functions": functions, "checks": checks}
 
 
 def record(file: Path) -> None:
@@ -77,6 +80,18 @@ def run(names: Sequence[str]) -> int:
     return 0
 
 
+def every(names: Sequence[str]) -> int:
+    """Run cases, and name all checks that fail; what raises has made no check."""
+    from validation.cases import all_cases, run_cases
+
+    known = {case.name: case for case in all_cases()}
+    for verdict in run_cases(known[name] for name in names):
+        for check in verdict.checks:
+            if not check.passed:
+                print("BROKEN", json.dumps([verdict.case, check.quantity]), flush=True)
+    return 0
+
+
 if __name__ == "__main__":
     verb, *rest = sys.argv[1:]
-    sys.exit(record(Path(rest[0])) if verb == "record" else run(rest))
+    sys.exit(record(Path(rest[0])) if verb == "record" else {"run": run, "every": every}[verb](rest))
