@@ -14,9 +14,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import fem_contact as fc
 from fem_contact.surface import HeightField, radial_spectrum, random_surface
 from fem_contact.surface.spectra import estimate_spectrum, window_weights
 from persson.spectrum import SelfAffine
+from validation.audit.reading import audit
 from validation.comparison.explain import explain
 from validation.comparison.run import run_scene
 from validation.errors import UsageError
@@ -287,6 +289,32 @@ def test_a_measured_topography_goes_through_theory_and_solvers(tmp_path):
     report = (tmp_path / "results" / "report.html").read_text()
     assert "The measured surface" in report
     assert "tukey taper" in report
+
+
+def test_two_measured_bodies_are_the_map_of_their_sum_with_one_turned_over(tmp_path):
+    first, second = patch(48, seed=31), patch(48, seed=32) / 2
+    np.save(tmp_path / "a.npy", first * 1e9)
+    np.save(tmp_path / "b.npy", second * 1e9)
+    np.save(tmp_path / "sum.npy", (first + second[::-1]) * 1e9)
+    text = SCENE[: SCENE.index("[methods.bem]")] + "[methods.bem]\ngrids = [48, 72]\n"
+    unit, areas = 'length = "10 um"\nunit = "nm"\n', {}
+    for name, line in {"both": 'path = "a.npy"\nsecond_path = "b.npy"', "sum": 'path = "sum.npy"'}.items():
+        scene = text.replace('path = "{path}"', line).format(length=unit)
+        (tmp_path / f"{name}.toml").write_text(scene)
+        outputs = run_scene(load_scene(str(tmp_path / f"{name}.toml")), tmp_path / name, report=False)
+        areas[name] = float(outputs.data.area_own)
+        assert ("facing b.npy" in outputs.data.attrs["treatment"]) == (name == "both")
+        assert not audit(tmp_path / name).wrong
+    assert areas["both"] == pytest.approx(areas["sum"], rel=1e-9)
+    options = {"length": "10 um", "unit": "nm", "second_path": str(tmp_path / "b.npy")}
+    for heights in (str(tmp_path / "a.npy"), first * 1e9):
+        raw = fc.measured(heights, **options).given.raw.heights
+        np.testing.assert_allclose(raw, first + second[::-1], rtol=0, atol=1e-18)
+    np.save(tmp_path / "b.npy", second[:40])
+    with pytest.raises(
+        UsageError, match=r"surface.second_path = .*: has 40 x 48 points, the first body 48 x"
+    ):
+        Measured.read(load_scene(str(tmp_path / "both.toml")).surface)
 
 
 def test_a_file_that_says_its_size_needs_no_length_in_the_scene(tmp_path):

@@ -47,6 +47,8 @@ def audit_run(result: Result) -> tuple[Ledger, list[Run]]:
         if not run.methods:
             raise LookupError("a scene of the theory alone stores no field")
         here = {name: variable.isel(at, missing_dims="ignore") for name, variable in result.data.items()}
+        if run.measured and "wave_short" in here:  # two points of a file that is not read here
+            run.shortest = float(here["wave_short"].values)
         judged |= _judge(run, here, words, ledger, record["asked"].get("accuracy"))
         runs.append(run)
     ledger.unread += [
@@ -146,8 +148,8 @@ class Run:
         said, surface = _without_none(recipe), dict(_without_none(recipe["surface"]))
         asked = dict(self.surface)
         k = 0
-        if "path" in asked:  # the recipe holds the digest of the file in place of its path
-            surface["path"] = asked["path"]
+        # The recipe holds the digest of a file in place of its path.
+        surface |= {key: asked[key] for key in ("path", "second_path") if key in asked and key in surface}
         if self.measured:  # it names no usual treatment of later versions
             surface = {"spikes": "keep", **surface}
             surface.pop("heights", None)

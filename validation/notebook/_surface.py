@@ -247,7 +247,7 @@ def measured(
             repr(values.shape).encode() + np.ascontiguousarray(values).tobytes()
         ).hexdigest(),
     )
-    return Surface(table=in_memory, given=Measured(surface=in_memory, raw=raw))
+    return Surface(table=in_memory, given=Measured.of(in_memory, raw))
 
 
 def _told_by(heights: Any) -> tuple[Any, tuple[float, float] | None, float | None, str]:

@@ -224,7 +224,9 @@ class ContactProblem:
             surface |= {"path": self.measured.digest, "tilt": surface["tilt"] or "keep"}
             if surface["edges"] != "free":  # solves of before counted from the zero of the file
                 surface["heights"] = "over the mean plane"
-            usual = {"treatment": surface["treatment"], "spikes": "keep", "lambda_short": None}
+            surface["second_path"] = self.measured.raw.second_digest or None
+            usual = {"treatment": surface["treatment"], "spikes": "keep"}
+            usual |= dict.fromkeys(("lambda_short", "second_path"))
             surface = {k: v for k, v in surface.items() if k not in usual or v != usual[k]}
         else:
             assert not isinstance(self.surface, FileSurface)

@@ -245,8 +245,9 @@ def checked_scene(data: Mapping[str, Any], folder: Path, scene: str, *, grids_ch
         raise SceneError(scene, [str(error)]) from None
     if isinstance(checked.surface, FileSurface | SpectrumSurface):
         # Absolute, because a worker may stand in another folder.
-        surface = checked.surface.model_copy(update={"path": (folder / checked.surface.path).resolve()})
-        checked = checked.model_copy(update={"surface": surface})
+        named = {key: getattr(checked.surface, key, None) for key in ("path", "second_path")}
+        paths = {key: (folder / path).resolve() for key, path in named.items() if path is not None}
+        checked = checked.model_copy(update={"surface": checked.surface.model_copy(update=paths)})
     return checked
 
 

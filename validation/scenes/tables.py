@@ -189,6 +189,11 @@ class FileSurface(Table):
 
     kind: Literal["file"] = Field(description=_KIND)
     path: Path = Field(description='file of heights, relative to the scene file, e.g. "afm.txt"')
+    second_path: Path | None = Field(
+        default=None,
+        description="file of the other body as it was measured, of the same size and points, which is turned "
+        'over along x and added, e.g. "seat.txt"; default: the other body is smooth',
+    )
     length: Lengths = Field(description='size L, or [Lx, Ly], e.g. "100 um"; default: what the file says')
     unit: Annotated[Length | None, BeforeValidator(_one_of_unit)] = Field(
         default=None, description='unit of the heights, e.g. "nm"; default: what the file says'

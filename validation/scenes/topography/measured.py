@@ -33,10 +33,17 @@ class Measured:
     def read(cls, surface: FileSurface) -> Measured:
         """Read a measured surface; a UsageError for a file that gives none."""
         with _naming(surface):
-            return cls(
-                surface=surface,
-                raw=read_topography(surface.path, lengths=surface.length, unit=surface.unit),
-            )
+            raw = read_topography(surface.path, lengths=surface.length, unit=surface.unit)
+        return cls.of(surface, raw)
+
+    @classmethod
+    def of(cls, surface: FileSurface, raw: Topography) -> Measured:
+        """Return heights with those of the other body, where there is one."""
+        if surface.second_path is None:
+            return cls(surface=surface, raw=raw)
+        with _naming(surface, "second_path"):
+            second = read_topography(surface.second_path, lengths=surface.length, unit=surface.unit)
+            return cls(surface=surface, raw=raw.facing(second))
 
     @property
     def digest(self) -> str:
@@ -166,9 +173,9 @@ def _frozen(topography: Topography) -> Topography:
 
 
 @contextlib.contextmanager
-def _naming(surface: FileSurface) -> Iterator[None]:
+def _naming(surface: FileSurface, key: str = "path") -> Iterator[None]:
     """Name the key in a complaint about a file or its treatment."""
     try:
         yield
     except UsageError as error:
-        raise UsageError(f"surface.path = {str(surface.path)!r}: {error}") from None
+        raise UsageError(f"surface.{key} = {str(getattr(surface, key))!r}: {error}") from None

@@ -34,7 +34,8 @@ MOST_HOLES = 2**20
 class Topography:
     """A measured patch: heights [m], NaN where there are none; size [m], number of points times spacing.
 
-    Beside it what was done to it, in words, the unit [m] of its heights in the file, and the file's SHA-256.
+    Beside it what was done to it, in words, the unit [m] of its heights in the file, and the SHA-256 of the
+    file and of that of the other body.
     """
 
     heights: Array
@@ -42,6 +43,20 @@ class Topography:
     history: tuple[str, ...] = ()
     unit: float = 1.0
     digest: str = ""
+    second_digest: str = ""
+
+    def facing(self, other: Topography) -> Topography:
+        """Add the heights of another body that was turned over along x to face this one."""
+        if other.heights.shape != self.heights.shape or other.lengths != self.lengths:
+            (nx, ny), (mx, my) = self.heights.shape, other.heights.shape
+            raise UsageError(f"has {mx} x {my} points, the first body {nx} x {ny}: they must be alike")
+        words = f"facing {other.history[0]}, turned over along x" if other.history else "facing another"
+        return replace(
+            self,
+            heights=self.heights + other.heights[::-1],
+            history=(*self.history, words, *other.history[1:]),
+            second_digest=other.digest,
+        )
 
     @property
     def missing(self) -> int:
