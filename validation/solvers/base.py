@@ -21,7 +21,7 @@ from fem_contact.surface import HeightField
 from validation.arrays import Grid
 from validation.effects.base import ContactModel, Effect, SlotName, effect_key
 from validation.errors import UsageError
-from validation.units import Grids, Number, Table
+from validation.units import Grids, Length, Number, Table
 
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
@@ -44,6 +44,15 @@ class Gridded(Table):
     )
     under_resolved: StrictBool = Field(
         default=False, description="run grids with lambda_short <= 2 dx, labelled"
+    )
+
+
+class Blocks(Gridded):
+    """Options of every method whose body is a block of finite elements."""
+
+    depth: Length | None = Field(default=None, description="depth of the block; default: the longer period")
+    growth: Number = Field(
+        default=1.2, ge=1, le=4, description="ratio of the thicknesses of successive layers"
     )
 
 

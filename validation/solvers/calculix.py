@@ -6,15 +6,17 @@ of a node are the pressures. A number of a deck has at most twenty characters.
 
 from __future__ import annotations
 
+import math
 import os
+import re
 import shutil
 import subprocess
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -25,11 +27,11 @@ from fem_contact.errors import NotConverged
 from fem_contact.response import Response
 from validation.arrays import Array
 from validation.effects.base import Effect, SlotName
-from validation.solvers.base import Claim, Cost, Gridded, Job, Size, Solved, Solver, check_bodies
+from validation.solvers.base import Blocks, Claim, Cost, Job, Size, Solved, Solver, check_bodies
 from validation.solvers.bem import FIXED_BYTES, FIXED_PAIRS
 from validation.solvers.external import verified
 from validation.solvers.fem import block_response, planned, unknowns_of
-from validation.units import Duration, Length, Number, Table
+from validation.units import Duration, Table
 
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
@@ -48,15 +50,11 @@ _SECONDS, _ACCEPTED = 600.0, 1e-5
 _PAIRS, _BYTES = 3e-4, 40.0
 
 
-class CalculixOptions(Gridded):
+class CalculixOptions(Blocks):
     """The block by CalculiX on these surface grids; direct linear solves, so that 32 x 32 is large."""
 
     tolerance: Annotated[float, Field(gt=0, lt=1e-1)] = Field(
         default=_ACCEPTED, description="largest residual that is accepted; its files carry seven digits"
-    )
-    depth: Length | None = Field(default=None, description="depth of the block; default: the longer period")
-    growth: Number = Field(
-        default=1.2, ge=1, le=4, description="ratio of the thicknesses of successive layers"
     )
     seconds: Duration | None = Field(default=None, description="time one solve may take; default: 10 min")
 
@@ -114,22 +112,31 @@ class Calculix(Solver):
 
         A NotConverged when it fails, takes too long, or prints no answer.
         """
-        deck = _Deck.of(job)
         clock, began = os.times(), time.perf_counter()
-        forces, rises = deck.run(float(job.settings.get("seconds", _SECONDS)))
-        spent = os.times()
+        field, young = job.field, job.model.solid.young
+        longest = max(field.lengths)
+        shrink = _RANGE / max(float(np.ptp(field.heights)) / longest, job.mean_pressure / young)
+        # Pa and m for one unit of pressure and displacement of the deck.
+        stress, length = young / (_YOUNG * shrink), longest / shrink
+        planes = planned(job).edges[::-1] * field.spacing[0] / longest
+        sides = (field.lengths[0] / longest, field.lengths[1] / longest)
+        load = job.mean_pressure / stress
+        deck = _deck(
+            field.heights * (shrink / longest), sides, planes, poisson=job.model.solid.poisson, load=load
+        )
+        forces, rises = _run(deck, field.shape, seconds=float(job.settings.get("seconds", _SECONDS)))
         claim = Claim(
-            pressure=np.asarray(-forces / deck.cell * deck.stress),
+            pressure=np.asarray(-forces / (sides[0] * sides[1] / field.heights.size) * stress),
             in_contact=None,
             iterations=0,
             wall_seconds=time.perf_counter() - began,
-            cpu_seconds=spent.children_user - clock.children_user,
+            cpu_seconds=os.times().children_user - clock.children_user,
             peak_bytes=0,
         )
         accepted_job = replace(job, settings={"tolerance": _ACCEPTED, **job.settings})
-        rise = np.asarray(-rises * deck.length)
+        rise = np.asarray(-rises * length)
         contact = verified(claim, accepted_job, method=self.label, element="Hex1", displacement=rise)
-        unknowns = 3 * job.field.heights.size * (deck.planes.size - 1)
+        unknowns = 3 * field.heights.size * (planes.size - 1)
         return Solved(contact=replace(contact, cost=replace(contact.cost, unknowns=unknowns)))
 
     def edge_constant(self, result: ContactResult) -> float:
@@ -137,147 +144,92 @@ class Calculix(Solver):
         return EDGE_CONSTANTS["Hex1"]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Deck:
-    """One problem in the units of the deck: longer period 1, heights of `_RANGE`, modulus `_YOUNG`."""
+def _run(deck: Iterable[str], shape: tuple[int, int], *, seconds: float) -> tuple[Array, Array]:
+    """Run ccx in a folder of its own; return forces on the rigid nodes, and rises of the surface."""
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder, "block.inp").write_text("\n".join(deck) + "\n", encoding="ascii")
+        try:
+            done = subprocess.run(
+                ["ccx", "block"],
+                cwd=folder,
+                capture_output=True,
+                text=True,
+                timeout=seconds,
+                check=False,
+                env={**os.environ, "OMP_NUM_THREADS": "1"},
+            )
+        except subprocess.TimeoutExpired:
+            raise NotConverged(f"ccx: took more than {seconds:.3g} s: allow more `seconds`") from None
+        printed = Path(folder, "block.dat")
+        text = printed.read_text(encoding="ascii") if printed.exists() else ""
+    # The vertical components of each table of node, x, y, z; a heading is no number.
+    tables = (
+        re.findall(r"(?m)^ *\d+ +\S+ +\S+ +(\S+) *$", part) for part in re.split(r"(?m)^ *[^\d\s].*$", text)
+    )
+    blocks = [block for block in tables if len(block) == math.prod(shape)]
+    if done.returncode != 0 or len(blocks) < 2:
+        errors = [line.strip() for line in done.stdout.splitlines() if "ERROR" in line]
+        raise NotConverged(f"ccx: {errors[0] if errors else 'ended without an answer'}")
+    forces, rises = (np.array(block, dtype=float).reshape(shape) for block in blocks[-2:])
+    return forces, rises
 
-    heights: Array
-    sides: tuple[float, float]
-    #: z of the planes of nodes, from 0 downwards.
-    planes: Array
-    poisson: float
-    #: Mean pressure.
-    load: float
-    #: Pa and m for one unit of pressure and displacement of the deck.
-    stress: float
-    length: float
 
-    @classmethod
-    def of(cls, job: Job) -> _Deck:
-        """Scale a problem."""
-        field, young = job.field, job.model.solid.young
-        longest = max(field.lengths)
-        rise = float(np.ptp(field.heights)) / longest
-        shrink = _RANGE / max(rise, job.mean_pressure / young)
-        edges = planned(job).edges * field.spacing[0] / longest
-        stress = young / (_YOUNG * shrink)
-        return cls(
-            heights=field.heights * (shrink / longest),
-            sides=(field.lengths[0] / longest, field.lengths[1] / longest),
-            planes=edges[::-1],
-            poisson=job.model.solid.poisson,
-            load=job.mean_pressure / stress,
-            stress=stress,
-            length=longest / shrink,
-        )
+def _deck(
+    heights: Array, sides: tuple[float, float], planes: Array, *, poisson: float, load: float
+) -> Iterator[str]:
+    """Yield the lines of the deck: longer period 1, heights of `_RANGE`, modulus `_YOUNG`.
 
-    @property
-    def cell(self) -> float:
-        """Area of a node."""
-        return self.sides[0] * self.sides[1] / self.heights.size
+    `planes` are the z of the planes of nodes, from 0 downwards. The highest point of the profile touches.
+    """
+    nx, ny = (int(n) for n in heights.shape)
+    count, layers = (nx + 1) * (ny + 1), int(planes.size) - 1
+    spacing = sides[0] / nx, sides[1] / ny
 
-    def run(self, seconds: float) -> tuple[Array, Array]:
-        """Run ccx in a folder of its own; return forces on the rigid nodes, and rises of the surface."""
-        nx, ny = self.heights.shape
-        with tempfile.TemporaryDirectory() as folder:
-            Path(folder, "block.inp").write_text("\n".join(self.lines()) + "\n", encoding="ascii")
-            try:
-                done = subprocess.run(
-                    ["ccx", "block"],
-                    cwd=folder,
-                    capture_output=True,
-                    text=True,
-                    timeout=seconds,
-                    check=False,
-                    env={**os.environ, "OMP_NUM_THREADS": "1"},
-                )
-            except subprocess.TimeoutExpired:
-                raise NotConverged(f"ccx: took more than {seconds:.3g} s: allow more `seconds`") from None
-            try:
-                printed = Path(folder, "block.dat").read_text(encoding="ascii")
-            except OSError:
-                printed = ""
-            blocks = [block for block in _blocks(printed) if len(block) == nx * ny]
-        if done.returncode != 0 or len(blocks) < 2:
-            errors = [line.strip() for line in done.stdout.splitlines() if "ERROR" in line]
-            raise NotConverged(f"ccx: {errors[0] if errors else 'ended without an answer'}")
-        forces, rises = (np.array(block).reshape(nx, ny) for block in blocks[-2:])
-        return forces, rises
+    def node(i: int, j: int, k: int) -> int:
+        return 1 + i * (ny + 1) + j + count * k
 
-    def lines(self) -> Iterator[str]:
-        """Yield the lines of the deck."""
-        nx, ny = (int(n) for n in self.heights.shape)
-        count, layers = (nx + 1) * (ny + 1), int(self.planes.size) - 1
-        spacing = self.sides[0] / nx, self.sides[1] / ny
+    def rigid(i: int, j: int) -> int:
+        return 1 + count * (layers + 1) + i * ny + j
 
-        def node(i: int, j: int, k: int) -> int:
-            return 1 + i * (ny + 1) + j + count * k
-
-        def rigid(i: int, j: int) -> int:
-            return 1 + count * (layers + 1) + i * ny + j
-
-        columns = [(i, j) for i in range(nx) for j in range(ny)]
-        corners = [(i, j) for i in range(nx + 1) for j in range(ny + 1)]
-        yield "*NODE,NSET=ALL"
-        for k, z in enumerate(self.planes):
-            for i, j in corners:
-                yield f"{node(i, j, k)},{i * spacing[0]:.13g},{j * spacing[1]:.13g},{z:.13g}"
+    columns = [(i, j) for i in range(nx) for j in range(ny)]
+    corners = [(i, j) for i in range(nx + 1) for j in range(ny + 1)]
+    yield "*NODE,NSET=ALL"
+    for k, z in enumerate(planes):
+        for i, j in corners:
+            yield f"{node(i, j, k)},{i * spacing[0]:.13g},{j * spacing[1]:.13g},{z:.13g}"
+    for i, j in columns:
+        yield f"{rigid(i, j)},{i * spacing[0]:.13g},{j * spacing[1]:.13g},{spacing[0]:.13g}"
+    yield "*ELEMENT,TYPE=C3D8,ELSET=BLOCK"
+    around = ((0, 0), (1, 0), (1, 1), (0, 1))
+    for k in range(layers):
         for i, j in columns:
-            yield f"{rigid(i, j)},{i * spacing[0]:.13g},{j * spacing[1]:.13g},{spacing[0]:.13g}"
-        yield "*ELEMENT,TYPE=C3D8,ELSET=BLOCK"
-        around = ((0, 0), (1, 0), (1, 1), (0, 1))
-        for k in range(layers):
-            for i, j in columns:
-                nodes = [node(i + a, j + b, below) for below in (k + 1, k) for a, b in around]
-                yield f"{1 + k * nx * ny + i * ny + j},{','.join(map(str, nodes))}"
-        yield from self._gaps(columns, node, rigid, first=1 + layers * nx * ny)
-        yield from ("*MATERIAL,NAME=SOLID", "*ELASTIC", f"{_YOUNG:.13g},{self.poisson:.13g}")
-        yield "*SOLID SECTION,ELSET=BLOCK,MATERIAL=SOLID"
-        yield "*EQUATION"
-        for k in range(layers):  # the base is held already
-            for i, j in corners:
-                if i == nx or j == ny:
-                    for axis in (1, 2, 3):
-                        yield "2"
-                        yield f"{node(i, j, k)},{axis},1.,{node(i % nx, j % ny, k)},{axis},-1."
-        for i, j in columns[1:]:
-            yield "2"
-            yield f"{rigid(i, j)},3,1.,{rigid(0, 0)},3,-1."
-        yield "*NSET,NSET=BASE"
-        yield from (str(node(i, j, layers)) for i, j in corners)
-        yield "*NSET,NSET=TOP"
-        yield from (str(node(i, j, 0)) for i, j in columns)
-        yield "*NSET,NSET=RIGID"
-        yield from (str(rigid(i, j)) for i, j in columns)
-        yield from ("*BOUNDARY", "BASE,1,3", "RIGID,1,2")
-        yield from ("*STEP,NLGEOM,INC=1000", "*STATIC,SOLVER=SPOOLES", "1.,1.")
-        yield from ("*CLOAD", f"{rigid(0, 0)},3,{-self.load * self.sides[0] * self.sides[1]:.12e}")
-        yield from ("*NODE PRINT,NSET=RIGID", "RF", "*NODE PRINT,NSET=TOP", "U", "*END STEP")
-
-    def _gaps(
-        self, columns: Sequence[tuple[int, int]], node: Any, rigid: Any, *, first: int
-    ) -> Iterator[str]:
-        """Yield a gap element over each node of the surface; the highest point of the profile touches."""
-        open_by = self.heights.max() - self.heights
-        stiffness = _STIFF * _YOUNG * self.sides[0] / self.heights.shape[0]
-        force = _OPEN * self.load * self.cell
-        for k, (i, j) in enumerate(columns):
-            yield f"*ELEMENT,TYPE=GAPUNI,ELSET=G{k}"
-            yield f"{first + k},{node(i, j, 0)},{rigid(i, j)}"
-            yield f"*GAP,ELSET=G{k}"
-            yield f"{open_by[i, j]:.12e},0.,0.,1.,,{stiffness:.8e},{force:.8e}"
-
-
-def _blocks(text: str) -> Iterator[list[float]]:
-    """Yield the vertical components of each table that ccx printed."""
-    rows: list[float] = []
-    for line in text.splitlines():
-        parts = line.split()
-        if parts and not parts[0].isdigit():
-            if rows:
-                yield rows
-            rows = []
-        elif len(parts) == 4:
-            rows.append(float(parts[3]))
-    if rows:
-        yield rows
+            nodes = [node(i + a, j + b, below) for below in (k + 1, k) for a, b in around]
+            yield f"{1 + k * nx * ny + i * ny + j},{','.join(map(str, nodes))}"
+    stiffness, force = _STIFF * _YOUNG * spacing[0], _OPEN * load * spacing[0] * spacing[1]
+    for k, (i, j) in enumerate(columns):
+        yield f"*ELEMENT,TYPE=GAPUNI,ELSET=G{k}"
+        yield f"{1 + layers * nx * ny + k},{node(i, j, 0)},{rigid(i, j)}"
+        yield f"*GAP,ELSET=G{k}"
+        yield f"{heights.max() - heights[i, j]:.12e},0.,0.,1.,,{stiffness:.8e},{force:.8e}"
+    yield from ("*MATERIAL,NAME=SOLID", "*ELASTIC", f"{_YOUNG:.13g},{poisson:.13g}")
+    yield "*SOLID SECTION,ELSET=BLOCK,MATERIAL=SOLID"
+    yield "*EQUATION"
+    for k in range(layers):  # the base is held already
+        for i, j in corners:
+            if i == nx or j == ny:
+                for axis in (1, 2, 3):
+                    yield "2"
+                    yield f"{node(i, j, k)},{axis},1.,{node(i % nx, j % ny, k)},{axis},-1."
+    for i, j in columns[1:]:
+        yield "2"
+        yield f"{rigid(i, j)},3,1.,{rigid(0, 0)},3,-1."
+    yield "*NSET,NSET=BASE"
+    yield from (str(node(i, j, layers)) for i, j in corners)
+    yield "*NSET,NSET=TOP"
+    yield from (str(node(i, j, 0)) for i, j in columns)
+    yield "*NSET,NSET=RIGID"
+    yield from (str(rigid(i, j)) for i, j in columns)
+    yield from ("*BOUNDARY", "BASE,1,3", "RIGID,1,2")
+    yield from ("*STEP,NLGEOM,INC=1000", "*STATIC,SOLVER=SPOOLES", "1.,1.")
+    yield from ("*CLOAD", f"{rigid(0, 0)},3,{-load * sides[0] * sides[1]:.12e}")
+    yield from ("*NODE PRINT,NSET=RIGID", "RF", "*NODE PRINT,NSET=TOP", "U", "*END STEP")

@@ -29,7 +29,7 @@ from fem_contact.errors import NotConverged
 from fem_contact.response import BondedLayer, Response
 from validation import sandbox
 from validation.arrays import Array
-from validation.effects.base import ContactModel, Effect
+from validation.effects.base import Effect
 from validation.solvers.base import (
     Claim,
     Cost,
@@ -121,16 +121,52 @@ class ExternalSolver(Solver):
         return settings + self.source(dict(settings))
 
     def claim(self, job: Job) -> Claim:
-        """Return what the solver says, unjudged.
+        """Return what the solver says, unjudged; the settings bound its ``seconds`` and ``memory`` [bytes].
 
         A NotConverged when it raised, crashed, took too much time or memory, or returned no pressures.
         """
         function, more = self.call(job.settings)
-        controls = {name: job.settings[name] for name in self.controls if name in job.settings}
-        tolerance = job.settings.get("tolerance", self.accepted)
-        return claimed_in_own_process(
-            function, job, parameters={"tolerance": tolerance, **controls, **_effects(job.model), **more}
-        )
+        field, model, settings, load = job.field, job.model, job.settings, dict(job.load)
+        given = {
+            "contact_modulus": model.solid.contact_modulus,
+            "mean_pressure": load.pop("mean_pressure", None),
+        }
+        parameters = {"tolerance": settings.get("tolerance", self.accepted)}
+        parameters |= {name: settings[name] for name in self.controls if name in settings}
+        if model.pressure_bound is not None:
+            parameters["hardness"] = model.pressure_bound
+        if isinstance(model.response, BondedLayer):
+            parameters |= {"thickness": model.response.thickness, "poisson": model.solid.poisson}
+        parameters |= {**more, **load}
+        try:
+            answer = sandbox.call(
+                serve,
+                function,
+                str(Path.cwd()),
+                field.heights,
+                field.lengths,
+                given,
+                parameters,
+                seconds=float(settings.get("seconds", _SECONDS)),
+                memory=int(settings.get("memory", _MEMORY)),
+            )
+        except sandbox.OutOfBounds as error:
+            raise NotConverged(
+                f"{function}: {error}; allow more (seconds, memory), or a coarser grid"
+            ) from None
+        except Exception as error:  # whatever it raises is its answer
+            line = " ".join(str(error).split())[:_MOST_WORDS]
+            raise NotConverged(f"{function}: raised {type(error).__name__}: {line}") from None
+        pressure, mask = np.array(answer["pressure"]), answer["in_contact"]
+        if pressure.shape != field.shape:
+            raise NotConverged(
+                f"{function}: pressures of shape {pressure.shape}: must have that of the heights, "
+                f"{field.shape}"
+            )
+        if not np.isfinite(pressure).all():
+            raise NotConverged(f"{function}: pressures are not finite")
+        in_contact = None if mask is None or mask.shape != field.shape else mask.astype(bool)
+        return Claim(**{**answer, "pressure": pressure, "in_contact": in_contact})
 
     def solve(self, job: Job) -> Solved:
         """Ask the solver, and judge its pressures; its process has one thread."""
@@ -154,16 +190,6 @@ class ExternalSolver(Solver):
     def edge_constant(self, result: ContactResult) -> float:
         """Return that of boundary elements: the residuals say that it is the same discrete problem."""
         return EDGE_CONSTANTS["bem"]
-
-
-def _effects(model: ContactModel) -> dict[str, float]:
-    """Return what effects filled in, in numbers."""
-    parameters = {}
-    if model.pressure_bound is not None:
-        parameters["hardness"] = model.pressure_bound
-    if isinstance(model.response, BondedLayer):
-        parameters |= {"thickness": model.response.thickness, "poisson": model.solid.poisson}
-    return parameters
 
 
 def verified(
@@ -240,47 +266,6 @@ def verified(
             "tolerance": repr(tolerance),
         },
     )
-
-
-def claimed_in_own_process(function: str, job: Job, *, parameters: Mapping[str, Any]) -> Claim:
-    """Call a solver in a child process and return what it says.
-
-    `function` is ``module:name``, also of a module in the folder the command was started in; it is given what
-    it takes of `parameters`. The settings of the job bound the call: ``seconds`` and ``memory`` [bytes].
-    A NotConverged when nothing comes of it, with what happened.
-    """
-    field, load = job.field, dict(job.load)
-    given = {
-        "contact_modulus": job.model.solid.contact_modulus,
-        "mean_pressure": load.pop("mean_pressure", None),
-    }
-    try:
-        answer = sandbox.call(
-            serve,
-            function,
-            str(Path.cwd()),
-            field.heights,
-            field.lengths,
-            given,
-            {**parameters, **load},
-            seconds=float(job.settings.get("seconds", _SECONDS)),
-            memory=int(job.settings.get("memory", _MEMORY)),
-        )
-    except sandbox.OutOfBounds as error:
-        raise NotConverged(f"{function}: {error}; allow more (seconds, memory), or a coarser grid") from None
-    except Exception as error:  # whatever it raises is its answer
-        line = " ".join(str(error).split())[:_MOST_WORDS]
-        raise NotConverged(f"{function}: raised {type(error).__name__}: {line}") from None
-    pressure = np.array(answer["pressure"])
-    if pressure.shape != field.shape:
-        raise NotConverged(
-            f"{function}: pressures of shape {pressure.shape}: must have that of the heights, {field.shape}"
-        )
-    if not np.isfinite(pressure).all():
-        raise NotConverged(f"{function}: pressures are not finite")
-    mask = answer["in_contact"]
-    in_contact = None if mask is None or mask.shape != field.shape else mask.astype(bool)
-    return Claim(**{**answer, "pressure": pressure, "in_contact": in_contact})
 
 
 def _imported(function: str, folder: str) -> Any:

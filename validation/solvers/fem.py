@@ -16,8 +16,8 @@ from validation.effects.base import ContactModel, Effect, SlotName, effect_key
 from validation.errors import UsageError
 from validation.report.quantities import as_length
 from validation.solvers.base import (
+    Blocks,
     Cost,
-    Gridded,
     Job,
     Size,
     Solved,
@@ -26,7 +26,7 @@ from validation.solvers.base import (
     example_job,
 )
 from validation.solvers.bem import BYTES_PER_POINT, FIXED_BYTES, FIXED_PAIRS
-from validation.units import Length, Number, Table
+from validation.units import Table
 
 if TYPE_CHECKING:
     from fem_contact.block.mesh import BlockMesh
@@ -48,15 +48,11 @@ _LOCKING = 0.49
 _MOST_LAYERS = 4096
 
 
-class FemOptions(Gridded):
+class FemOptions(Blocks):
     """Finite-element block on these surface grids."""
 
     method: Literal["full", "reduced"] = Field(
         default="full", description="the whole system, or its exact reduction to the surface"
-    )
-    depth: Length | None = Field(default=None, description="depth of the block; default: the longer period")
-    growth: Number = Field(
-        default=1.2, ge=1, le=4, description="ratio of the thicknesses of successive layers"
     )
 
 
@@ -131,19 +127,24 @@ class Fem(Solver):
         from fem_contact import block
 
         press = block.solve if "mean_pressure" in job.load else block.solve_displacement
-        arguments, solutions = _press_arguments(job), []
+        model, solutions = job.model, []
+        arguments = {"method": "full", **job.load, **job.settings, **_mesh(job.settings, model)}
+        if model.body is not None and model.body.modulus is not None:
+            arguments["modulus"] = model.body.modulus
+        if model.pressure_bound is not None:
+            arguments["pressure_bound"] = model.pressure_bound
 
         def pressed(**limits: Array) -> ContactResult:
-            solutions.append(press(job.field, job.model.solid, **(arguments | limits)))
+            solutions.append(press(job.field, model.solid, **(arguments | limits)))
             return solutions[-1].contact
 
-        if job.model.patch_hardness is None:
+        if model.patch_hardness is None:
             contact = pressed()
         else:
             from fem_contact.hardness import press_by_patches
 
             contact = press_by_patches(
-                job.field, job.model.patch_hardness, lambda limits: pressed(pressure_bound=limits)
+                job.field, model.patch_hardness, lambda limits: pressed(pressure_bound=limits)
             )
         return Solved(contact=contact, block=replace(solutions[-1], contact=contact))
 
@@ -216,17 +217,6 @@ def planned(job: Job) -> BlockMesh:
     from fem_contact.block import plan_mesh
 
     return plan_mesh(job.field.shape, job.field.lengths, **_mesh(job.settings, job.model))
-
-
-def _press_arguments(job: Job) -> dict[str, Any]:
-    """Return what a block is told: the whole system unless said otherwise, and the body of an effect."""
-    model = job.model
-    options: dict[str, Any] = {"method": "full", **job.load, **job.settings, **_mesh(job.settings, model)}
-    if model.body is not None and model.body.modulus is not None:
-        options["modulus"] = model.body.modulus
-    if model.pressure_bound is not None:
-        options["pressure_bound"] = model.pressure_bound
-    return options
 
 
 def block_response(job: Job) -> Response:

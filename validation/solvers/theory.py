@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from persson.scale import Scale
     from persson.spectrum import Spectrum
     from validation.scenes.problem import ContactProblem
-
-Modulus = float | Callable[[Any], Array]
 
 
 class TheoryOptions(Table):
@@ -104,7 +102,12 @@ def predict(
     """Return what the theory says of one surface with the effects of its scene."""
     inputs, spectrum, ensemble = TheoryInputs.by(problem.elastic, effects), problem.spectrum, None
     if spectrum is not None:
-        alone = _spectral_variance(spectrum, inputs.felt_modulus)
+        modulus = inputs.felt_modulus
+        if callable(modulus):
+            scale = _scale(spectrum, inputs)
+            alone = float(scale.variance(scale.q_short))
+        else:
+            alone = float(elastic.stress_variance(spectrum.m2(), contact_modulus=modulus))
         area = with_effects(inputs, problem.pressure, variance=alone, spectrum=spectrum, options=options).area
         ensemble = area if np.isfinite(area) else None
     variance = _realised_variance(problem, inputs)
@@ -112,6 +115,12 @@ def predict(
     shape = problem.own_spectrum if by_wave else None
     realised = with_effects(inputs, problem.pressure, variance=variance, spectrum=shape, options=options)
     return replace(realised, ensemble_area=ensemble)
+
+
+def _scale(spectrum: Spectrum, inputs: TheoryInputs) -> Scale:
+    from persson.scale import Scale
+
+    return Scale(spectrum, contact_modulus=inputs.felt_modulus)
 
 
 def _realised_variance(problem: ContactProblem, inputs: TheoryInputs) -> float:
@@ -122,16 +131,6 @@ def _realised_variance(problem: ContactProblem, inputs: TheoryInputs) -> float:
         )
     felt = inputs.modulus
     return problem.field.spectral_sum(lambda q: (felt(q) * q / 2) ** 2)
-
-
-def _spectral_variance(spectrum: Spectrum, modulus: Modulus) -> float:
-    """Full-contact stress variance of C(q) [Pa^2], on a solid whose modulus may depend on the wave."""
-    if not callable(modulus):
-        return float(elastic.stress_variance(spectrum.m2(), contact_modulus=modulus))
-    from persson.scale import Scale
-
-    scale = Scale(spectrum, contact_modulus=modulus)
-    return float(scale.variance(scale.q_short))
 
 
 #: What each reading of the elastic energy is.
@@ -145,19 +144,14 @@ def theory_words(inputs: TheoryInputs, options: TheoryOptions | None = None) -> 
     >>> theory_words(TheoryInputs(solid=Solid(young=1e9, poisson=0.3)))
     'Persson 2006, elastic, without adhesion'
     """
-    energy = _ENERGIES[(options or TheoryOptions()).energy]
-    match (inputs.work is not None, inputs.hardness is not None):
-        case (True, True):
-            return f"Persson 2006, Sec. 9: adhesion (energy of {energy}, no range) with a hardness"
-        case (True, False):
-            return f"Persson 2006, Sec. 8: adhesion (energy of {energy}, no range)"
-        case (False, True):
-            return (
-                "Persson 2006, Sec. 6: a hardness that rises towards short waves"
-                if callable(inputs.hardness)
-                else "Persson 2006, Sec. 6: one hardness, in closed form"
-            )
-    return "Persson 2006, elastic, without adhesion"
+    if inputs.work is not None:
+        section, hard = (8, "") if inputs.hardness is None else (9, " with a hardness")
+        energy = _ENERGIES[(options or TheoryOptions()).energy]
+        return f"Persson 2006, Sec. {section}: adhesion (energy of {energy}, no range){hard}"
+    if inputs.hardness is None:
+        return "Persson 2006, elastic, without adhesion"
+    by_size = "a hardness that rises towards short waves"
+    return f"Persson 2006, Sec. 6: {by_size if callable(inputs.hardness) else 'one hardness, in closed form'}"
 
 
 def with_effects(
@@ -175,34 +169,27 @@ def with_effects(
     options = options or TheoryOptions()
     bare = replace(bare, note=theory_words(inputs, options))
     try:
-        if inputs.work is None:
+        if inputs.work is None and not callable(inputs.hardness):
             from persson.hardness import constant_hardness
 
-            if callable(inputs.hardness):
-                from persson.scale import Scale
-
-                assert spectrum is not None
-                scale = Scale(spectrum, contact_modulus=inputs.felt_modulus)
-                answer = _without_adhesion(inputs, pressure, scale=scale)
-                return replace(bare, area=float(answer.area[-1]), plastic=float(answer.area_plastic[-1]))
             assert inputs.hardness is not None
             parts = constant_hardness(pressure, stress_variance=variance, yield_stress=inputs.hardness)
             plastic = float(parts.plastic)
             return replace(bare, area=float(parts.elastic) + plastic, plastic=plastic)
-        from persson.scale import Scale
-
         assert spectrum is not None
-        scale = Scale(spectrum, contact_modulus=inputs.felt_modulus)
-        contact = _adhesive(inputs, pressure, options, scale=scale)
+        scale = _scale(spectrum, inputs)
+        answer = _answer(inputs, pressure, options, scale=scale)
     except PerssonError as error:
         return replace(bare, note=f"no answer: {error}")
-    another = options.model_copy(update={"energy": "improved" if options.energy == "old" else "old"})
-    try:
-        other = _adhesive(inputs, pressure, another, scale=scale).real_area
-    except PerssonError:
-        other = math.nan
-    plastic_area = None if inputs.hardness is None else float(contact.area_plastic[-1])
-    return replace(bare, area=contact.real_area, plastic=plastic_area, other=other)
+    other = None
+    if inputs.work is not None:
+        another = options.model_copy(update={"energy": "improved" if options.energy == "old" else "old"})
+        try:
+            other = _adhesive(inputs, pressure, another, scale=scale).real_area
+        except PerssonError:
+            other = math.nan
+    yielded = None if inputs.hardness is None else float(answer.area_plastic[-1])
+    return replace(bare, area=float(answer.area[-1]), plastic=yielded, other=other)
 
 
 def _adhesive(
@@ -245,9 +232,7 @@ def stress_distribution(
                 return None
             diffusion = solve_diffusion([variance], pressure=pressure, yield_stress=inputs.hardness)
             return diffusion.checked().distribution(0, stress)
-        from persson.scale import Scale
-
-        scale = Scale(problem.own_spectrum, contact_modulus=inputs.felt_modulus)
+        scale = _scale(problem.own_spectrum, inputs)
         contact = _adhesive(inputs, pressure, options or TheoryOptions(), scale=scale)
         onset = contact.variance[np.flatnonzero(contact.tensile_limit > 0)[:1]]
 
@@ -285,71 +270,56 @@ def against_magnification(
     problem: ContactProblem, effects: Sequence[Effect], options: TheoryOptions
 ) -> tuple[Answer, ...]:
     """Return what the theory says of a scene from C(q) alone, at each of its loads."""
-    from persson.scale import Scale
-
     inputs = TheoryInputs.by(problem.elastic, effects)
     spectrum: Spectrum = problem.own_spectrum
     if inputs.smoothing is not None:
         spectrum = _smoothed(spectrum, inputs)
-    scale = Scale(spectrum, contact_modulus=inputs.felt_modulus)
-    return tuple(_answer(inputs, pressure, options, scale=scale) for pressure in problem.pressures)
+    scale, answers = _scale(spectrum, inputs), []
+    for pressure in problem.pressures:
+        try:
+            answers.append(_answer(inputs, pressure, options, scale=scale))
+        except PerssonError as error:
+            none = np.empty(0)
+            answers.append(
+                Answer(pressure=pressure, wavevectors=none, area=none, area_plastic=none, note=str(error))
+            )
+    return tuple(answers)
 
 
 def _smoothed(spectrum: Spectrum, inputs: TheoryInputs) -> Spectrum:
     """C(q) after an earlier squeezing (Persson 2006, Sec. 10.2)."""
     from persson.hardness import constant_hardness
-    from persson.scale import Scale
     from persson.tabulated import smoothed
 
     assert inputs.smoothing is not None
     pressure, hardness = inputs.smoothing["pressure"], inputs.smoothing["hardness"]
-    scale = Scale(spectrum, contact_modulus=inputs.felt_modulus)
     q = np.geomspace(max(spectrum.q_min, spectrum.q_long * 1e-6), spectrum.q_short, 400)
-    areas = constant_hardness(pressure, stress_variance=scale.variance(q), yield_stress=hardness)
+    variance = _scale(spectrum, inputs).variance(q)
+    areas = constant_hardness(pressure, stress_variance=variance, yield_stress=hardness)
     yielded = np.minimum(areas.plastic * (hardness / pressure), 1.0)
     return smoothed(spectrum, wavevectors=q, yielded=yielded, form=inputs.smoothing["form"])
 
 
 def _answer(inputs: TheoryInputs, pressure: float, options: TheoryOptions, *, scale: Scale) -> Answer:
-    """Evaluate one load; where the theory has no answer, say why."""
-    try:
-        if inputs.work is not None:
-            answer = _adhesive(inputs, pressure, options, scale=scale)
-            return Answer(
-                pressure=pressure,
-                wavevectors=answer.wavevectors,
-                area=answer.area,
-                area_plastic=answer.area_plastic,
-                work=answer.work,
-                macroscopic_work=answer.macroscopic_work,
-                error_estimate=answer.error_estimate,
-            )
-        return _without_adhesion(inputs, pressure, scale=scale)
-    except PerssonError as error:
-        none = np.empty(0)
-        return Answer(pressure=pressure, wavevectors=none, area=none, area_plastic=none, note=str(error))
-
-
-def _without_adhesion(inputs: TheoryInputs, pressure: float, *, scale: Scale) -> Answer:
+    """Evaluate one load up to each wave."""
+    if inputs.work is not None:
+        adhesive = _adhesive(inputs, pressure, options, scale=scale)
+        names = ("wavevectors", "area", "area_plastic", "work", "macroscopic_work", "error_estimate")
+        return Answer(pressure=pressure, **{name: getattr(adhesive, name) for name in names})
     # The first wave that counts: below it contact is complete.
     q = np.geomspace(scale.q_min * (1 + 1e-3), scale.q_short, 200)
-    variance, hardness = scale.variance(q), inputs.hardness
+    hardness, error = inputs.hardness, 0.0
     if hardness is None:
-        area = elastic.contact_area(pressure, stress_variance=variance)
-        return Answer(pressure=pressure, wavevectors=q, area=area, area_plastic=np.zeros_like(q))
-    if not callable(hardness):
+        area = elastic.contact_area(pressure, stress_variance=scale.variance(q))
+        plastic = np.zeros_like(q)
+    elif callable(hardness):
+        from persson.hardness import size_dependent_hardness
+
+        solved = size_dependent_hardness(scale, pressure=pressure, yield_stress=hardness, wavevectors=q)
+        area, plastic, error = solved.checked().area, solved.area_plastic, solved.error_estimate
+    else:
         from persson.hardness import constant_hardness
 
-        parts = constant_hardness(pressure, stress_variance=variance, yield_stress=hardness)
-        area = parts.elastic + parts.plastic
-        return Answer(pressure=pressure, wavevectors=q, area=area, area_plastic=parts.plastic)
-    from persson.hardness import size_dependent_hardness
-
-    solved = size_dependent_hardness(scale, pressure=pressure, yield_stress=hardness, wavevectors=q).checked()
-    return Answer(
-        pressure=pressure,
-        wavevectors=q,
-        area=solved.area,
-        area_plastic=solved.area_plastic,
-        error_estimate=solved.error_estimate,
-    )
+        parts = constant_hardness(pressure, stress_variance=scale.variance(q), yield_stress=hardness)
+        area, plastic = parts.elastic + parts.plastic, parts.plastic
+    return Answer(pressure=pressure, wavevectors=q, area=area, area_plastic=plastic, error_estimate=error)
