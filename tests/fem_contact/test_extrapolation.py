@@ -8,7 +8,13 @@ import pytest
 from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.bem import solve
 from fem_contact.errors import InvalidInput
-from fem_contact.extrapolation import PlannedGrid, located_limit, predicted_uncertainty, too_small
+from fem_contact.extrapolation import (
+    PlannedGrid,
+    located_limit,
+    perimeter_limit,
+    predicted_uncertainty,
+    too_small,
+)
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
@@ -45,15 +51,44 @@ def areas_on(
 GRIDS = (48, 64, 96, 128, 192, 256)
 
 
-@pytest.mark.parametrize("terms", [{1.0: 4e-4}, {1.0: 4e-4, 1.5: 6e-4}, {1.0: 2e-4, 2.0: 4e-4, 3.0: 2e-4}])
-def test_the_limit_finds_what_a_law_of_several_orders_hides(terms):
-    # With little noise: of so many patches that what they share differs by .4 of what 80 of them do.
-    terms = {power: 0.4 * c for power, c in terms.items()}
-    limit = located_limit([areas_on(n, terms=terms, repeats=100) for n in GRIDS])
-    assert abs(limit.value - 0.1) < 2 * limit.uncertainty
-    # What real grids are off by each, and these not, keeps the fit from following them to the last digit.
-    assert abs(limit.value - 0.1) < 0.5 * abs(areas_on(256, terms=terms).subcell - 0.1)
-    assert (limit.definition, limit.grids) == ("subcell", 6)
+#: Deviations of coefficients by power of the width, of 80 patches; noise a, b z; each grid anew.
+LAWS = {
+    "subcell": (
+        {0.0: 0.00011, 1.0: 0.0003, 1.5: 0.00055, 2.0: 0.00015, 3.0: 0.00025},
+        (0.006, 0.026),
+        0.0005,
+    ),
+    "perimeter": ({0.0: 0.025, 1.0: 0.01}, (0.23, 0.0), 0.0),
+}
+
+
+@pytest.mark.parametrize("definition", LAWS)
+@pytest.mark.parametrize("grids", [(96,), (48, 96), (48, 64, 96)])
+def test_limits_hold_what_was_planted_as_often_as_they_say(definition, grids):
+    """Errors f z^k of a surface and noise of each grid, drawn 1000 times by the law."""
+    generator, plants = np.random.default_rng(len(grids)), 1000
+    deviations, noise, odd = LAWS[definition]
+    width = 6 / np.array(grids) / (0.1 * 0.9**1.25)
+    # 6^2 / (.1 .9^1.25) / 20 patches: fewer than 80 differ by more.
+    spread = (80 * 20 * 0.1 * 0.9**1.25 / 36) ** 0.25 if definition == "subcell" else 1.0
+    held = 0
+    for _ in range(plants):
+        terms = {k: (spread if k else 1) * s * generator.standard_normal() for k, s in deviations.items()}
+        areas = []
+        for n, z in zip(grids, width, strict=True):
+            scatter = (6 / n) ** 0.5 / n * np.hypot(noise[0], noise[1] * z)
+            off = np.hypot(scatter, odd * spread * 6 / n * z**2) * generator.standard_normal()
+            area = areas_on(n, terms=terms)
+            if definition == "perimeter":
+                off += 0.1 - area.perimeter + sum(c * 6 / n * z**k for k, c in terms.items())
+            areas.append(dataclasses.replace(area, **{definition: getattr(area, definition) + off}))
+        limit = (located_limit if definition == "subcell" else perimeter_limit)(areas)
+        held += abs(limit.value - 0.1) <= 1.96 * limit.uncertainty
+    # Intervals are a tenth wider on one grid, and where grids disagree by more than the law, by that factor.
+    x, rest = generator.standard_normal(10**6), generator.chisquare(max(len(grids) - 1, 1), 10**6)
+    factor = np.sqrt(np.maximum(1, rest / (len(grids) - 1))) if len(grids) > 1 else 1.1
+    expected = np.mean(abs(x) <= 1.96 * factor)
+    assert held / plants == pytest.approx(expected, abs=3 * (expected * (1 - expected) / plants) ** 0.5)
 
 
 def test_what_is_predicted_from_a_coarse_grid_is_what_fine_ones_claim():
