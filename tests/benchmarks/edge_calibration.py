@@ -91,7 +91,9 @@ def elements(places: int) -> None:
 
 
 def main(method: str = "bem", cases: int = 100) -> None:
-    """Print constants and the errors they leave."""
+    """Print constants and the errors they leave; from three cases on there is a wave among them."""
+    if cases < 3:
+        raise SystemExit(f"{cases} cases: at least 3")
     if method == "elements":
         elements(cases)
         return
