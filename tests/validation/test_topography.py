@@ -317,6 +317,36 @@ def test_two_measured_bodies_are_the_map_of_their_sum_with_one_turned_over(tmp_p
         Measured.read(load_scene(str(tmp_path / "both.toml")).surface)
 
 
+def test_several_maps_of_a_surface_are_an_ensemble(tmp_path):
+    """Its mean is that of the maps pressed one by one, each under p* by its own gradient."""
+    for name, seed in (("a", 31), ("b", 32), ("c", 33)):
+        np.save(tmp_path / f"{name}.npy", patch(40, seed=seed) * 1e9)
+    head = SCENE[: SCENE.index("[methods.bem]")] + "[methods.bem]\ngrids = [80, 120]\n"
+    head = head.format(path="{path}", length='length = "10 um"\nunit = "nm"\n{more}')
+    more = 'more_paths = ["b.npy", "c.npy"]\ntreatment = false'
+    ensemble = "[ensemble]\nrealisations = {}\ngrids = [80, 120]\n"
+    scene = tmp_path / "all.toml"
+    scene.write_text(head.format(path="a.npy", more=more) + ensemble.format(3))
+    data = run_scene(load_scene(str(scene)), tmp_path / "all").data
+    for k, name in enumerate("abc"):
+        (tmp_path / f"{name}.toml").write_text(head.format(path=f"{name}.npy", more="treatment = false"))
+        alone = run_scene(load_scene(str(tmp_path / f"{name}.toml")), tmp_path / name, report=False).data
+        assert float(data.area_each[k]) == pytest.approx(float(alone.area_own), rel=1e-9)
+        assert float(data.area_persson_each[k]) == pytest.approx(float(alone.area_persson_own), rel=1e-9)
+    assert float(data.area) == pytest.approx(float(data.area_each.mean()), rel=1e-12)
+    assert not audit(tmp_path / "all").wrong
+    assert "Over 3 maps the mean is" in (tmp_path / "all" / "report.html").read_text()
+    broken = {ensemble.format(4): "has 3 maps; say realisations = 3", "": "add .ensemble. with"}
+    for table, words in broken.items():
+        scene.write_text(head.format(path="a.npy", more=more) + table)
+        with pytest.raises(UsageError, match=words):
+            load_scene(str(scene))
+    np.save(tmp_path / "c.npy", np.ones((8, 8)))
+    scene.write_text(head.format(path="a.npy", more=more) + ensemble.format(3))
+    with pytest.raises(UsageError, match=r"surface.path = .*c.npy.*: is flat"):
+        run_scene(load_scene(str(scene)), tmp_path / "flat")
+
+
 def test_a_file_that_says_its_size_needs_no_length_in_the_scene(tmp_path):
     field = HeightField(heights=patch()[:24, :24], lengths=(LENGTH / 4, LENGTH / 4))
     write_topography(tmp_path / "scan.nc", field)

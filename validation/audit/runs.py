@@ -153,8 +153,9 @@ class Run:
         if self.measured:  # it names no usual treatment of later versions
             surface = {"spikes": "keep", **surface}
             surface.pop("heights", None)
+            k = surface.pop("more_paths", 0)
             asked = {"tilt": "keep", "spikes": "keep", **asked}
-            asked.pop("treatment", None)
+            asked = {key: value for key, value in asked.items() if key not in ("treatment", "more_paths")}
         else:
             k = surface.pop("seed") - asked.pop("seed")
         same = (
@@ -427,7 +428,8 @@ def _of_ensemble(run: Run) -> Expected:
     for k, area in enumerate(areas):
         theory = run.own_theory(k)[0]
         yield "area_each", area, {"surface": k}
-        yield "area_ratio_each", area if math.isnan(theory) else area / theory, {"surface": k}
+        if not (run.measured and math.isnan(theory)):  # whose gradient is not made here
+            yield "area_ratio_each", area if math.isnan(theory) else area / theory, {"surface": k}
     mean = math.fsum(areas) / count
     deviation = math.sqrt(math.fsum((a - mean) ** 2 for a in areas) / (count - 1))
     half = float(stdtrit(count - 1, 0.975)) * deviation / math.sqrt(count)

@@ -261,9 +261,9 @@ def _area(data: xr.Dataset) -> Iterator[Finding]:
     no_limit = " No limit over the grids: {no_limit}." if str(data.no_limit.item()) else ""
     yield finding("value", text + no_limit, derived)
     if float(data.surfaces) > 1:
+        which = "maps" if data.attrs.get("treatment") else "surfaces of this spectrum"
         text = (
-            "Over {surfaces} surfaces of this spectrum the mean is A/A0 = {area}; single ones scatter "
-            "by {scatter:.2%}."
+            f"Over {{surfaces}} {which} the mean is A/A0 = {{area}}; single ones scatter by {{scatter:.2%}}."
         )
         yield finding("value", text, data)
     elif "treatment" in data.attrs and not data.attrs["treatment"]:

@@ -212,6 +212,8 @@ def measured(
     UsageError
         For what gives no surface, or says too little of it.
     """
+    if "more_paths" in treatment:
+        raise UsageError("measured: more_paths is of an ensemble, which a scene has; measure each by itself")
     if not treatment.keys() <= FileSurface.model_fields.keys():
         checked(FileSurface, "measured", {"kind": "file", **treatment})  # which names the unknown key
     if isinstance(heights, (str, os.PathLike)):

@@ -17,7 +17,8 @@ def check_scene(scene: Scene, problem: ContactProblem) -> None:
 
     A UsageError names the key, the method, and what is allowed.
     """
-    _ = problem.field  # a surface that cannot be made is refused here, by name
+    for k in range(1 + len(getattr(scene.surface, "more_paths", ()))):
+        _ = problem.further(k).field  # a surface that cannot be made is refused here, by name
     asked = scene.methods.chosen
     check_effects_handled(asked, scene.effects, methods())
     for name, method in asked.items():

@@ -69,7 +69,9 @@ class ContactProblem:
         """The measured surface, read and hashed once; None for a random one."""
         if self.given is not None:
             return self.given
-        return Measured.read(self.surface) if isinstance(self.surface, FileSurface) else None
+        if not isinstance(self.surface, FileSurface):
+            return None
+        return Measured.read(self.surface, self.realisation)
 
     @property
     def topography(self) -> Topography | None:
@@ -225,8 +227,9 @@ class ContactProblem:
             if surface["edges"] != "free":  # solves of before counted from the zero of the file
                 surface["heights"] = "over the mean plane"
             surface["second_path"] = self.measured.raw.second_digest or None
+            surface["more_paths"] = self.realisation  # which of the maps it is
             usual = {"treatment": surface["treatment"], "spikes": "keep"}
-            usual |= dict.fromkeys(("lambda_short", "second_path"))
+            usual |= {"lambda_short": None, "second_path": None, "more_paths": 0}
             surface = {k: v for k, v in surface.items() if k not in usual or v != usual[k]}
         else:
             assert not isinstance(self.surface, FileSurface)

@@ -138,8 +138,12 @@ class Scene(Title):
         if self.quantities is not None and not solvers:
             yield "quantities: are read off a contact; add the table of a method that presses"
         if isinstance(surface, FileSurface):
-            if ensemble is not None:
-                yield "ensemble: a measured surface has one realisation; remove the table"
+            maps = 1 + len(surface.more_paths)
+            if ensemble is not None and ensemble.realisations != maps:
+                remedy = "remove the table, or give more_paths" if maps == 1 else f"say realisations = {maps}"
+                yield f"ensemble: the measured surface has {maps} map{'s' * (maps > 1)}; {remedy}"
+            if maps > 1 and ensemble is None:
+                yield f"surface.more_paths: is of an ensemble; add [ensemble] with realisations = {maps}"
             return
         if solvers and surface.seed is None:
             yield (
@@ -246,7 +250,11 @@ def checked_scene(data: Mapping[str, Any], folder: Path, scene: str, *, grids_ch
     if isinstance(checked.surface, FileSurface | SpectrumSurface):
         # Absolute, because a worker may stand in another folder.
         named = {key: getattr(checked.surface, key, None) for key in ("path", "second_path")}
-        paths = {key: (folder / path).resolve() for key, path in named.items() if path is not None}
+        paths: dict[str, Any] = {
+            k: (folder / path).resolve() for k, path in named.items() if path is not None
+        }
+        if more := getattr(checked.surface, "more_paths", ()):
+            paths["more_paths"] = tuple((folder / path).resolve() for path in more)
         checked = checked.model_copy(update={"surface": checked.surface.model_copy(update=paths)})
     return checked
 

@@ -189,6 +189,11 @@ class FileSurface(Table):
 
     kind: Literal["file"] = Field(description=_KIND)
     path: Path = Field(description='file of heights, relative to the scene file, e.g. "afm.txt"')
+    more_paths: tuple[Path, ...] = Field(
+        default=(),
+        description="files of further maps of the same surface, of the same size, which an ensemble presses, "
+        'too, e.g. ["b.txt"]; default: none',
+    )
     second_path: Path | None = Field(
         default=None,
         description="file of the other body as it was measured, of the same size and points, which is turned "

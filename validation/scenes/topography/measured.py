@@ -30,8 +30,10 @@ class Measured:
     raw: Topography
 
     @classmethod
-    def read(cls, surface: FileSurface) -> Measured:
-        """Read a measured surface; a UsageError for a file that gives none."""
+    def read(cls, surface: FileSurface, number: int = 0) -> Measured:
+        """Read a measured surface, or a further map of it; a UsageError for a file that gives none."""
+        path = (surface.path, *surface.more_paths)[number]
+        surface = surface.model_copy(update={"path": path, "more_paths": ()})
         with _naming(surface):
             raw = read_topography(surface.path, lengths=surface.length, unit=surface.unit)
         return cls.of(surface, raw)
@@ -97,7 +99,9 @@ class Measured:
         field = self.period.height_field()
         if self.surface.edges == "free":
             field = Patch(heights=field.heights, lengths=field.lengths)
-        if not field.rms_gradient > 0:
+        # What rounding leaves of a plane is no roughness.
+        noise = 1e-13 * float(np.nanmax(np.abs(self.raw.heights)))
+        if not (field.rms_gradient > 0 and field.rms_height > noise):
             with _naming(self.surface):
                 raise UsageError("is flat (h'_rms = 0); a scene needs a rough surface")
         return field
