@@ -63,7 +63,7 @@ def test_answers_that_are_wrong_by_a_factor_are_named(answered: Path, tmp_path: 
     assert outcome.exit_code == 1
     (card,) = json.loads(outcome.stdout.partition("\nfem-contact:")[0])["scorecards"]
     failed = {row["case"] for row in card["rows"] if not row["passed"]}
-    assert {"tension", "factor", "honesty"} <= failed
+    assert {"tension", "full-contact", "honesty"} <= failed
 
 
 def test_what_is_not_answered_is_left_out_and_said_so(answered: Path, tmp_path: Path) -> None:

@@ -208,7 +208,7 @@ PLANTS = {
         "the iteration ends before its tolerance is met",
     ),
 }
-TOLD = {"finite", "repeatable", "tension", "full-contact", "load", "contact-set", "honesty", "symmetry"}
+TOLD = {"repeatable", "tension", "full-contact", "load", "contact-set", "honesty", "symmetry"}
 
 
 def verdicts_of(subject: Subject) -> dict[str, str]:

@@ -191,7 +191,7 @@ def test_a_solver_that_never_returns_costs_its_budget_and_gets_a_card(
     # A child process starts once for each call that was ended.
     assert time.monotonic() - began < 60
     assert sum(card.subject.asked_seconds) < 8
-    assert {"finite", "tension", "honesty"} <= {verdict.case for verdict in card.failed}
+    assert {"load", "tension", "honesty"} <= {verdict.case for verdict in card.failed}
     assert card.left_out["hertz"].startswith("not tried: ")
     assert card.diagnosis.startswith("it gives no answer: endless_toy:solve")
 
@@ -212,7 +212,7 @@ class Dear(Bem):
 def test_what_would_take_too_long_is_not_tried_and_said_so() -> None:
     card = score(Subject(name="dear", solver=Dear(), settings={}, seconds=60.0))
     assert card.failed == ()
-    assert {"tension", "factor", "honesty", "hertz"} <= {verdict.case for verdict in card.verdicts}
+    assert {"tension", "full-contact", "honesty", "hertz"} <= {verdict.case for verdict in card.verdicts}
     assert card.left_out["rough-4"].startswith("not tried: 64 x 64 points would take some ")
     assert sum(card.subject.asked_seconds) <= 60.0
     assert set(claims_dataset(card.verdicts, [card]).verdict.values.ravel()) == {"holds", "not judged"}

@@ -48,24 +48,13 @@ class NotJudged(Exception):
 
 @dataclass(frozen=True, kw_only=True)
 class Check:
-    """One number beside its reference.
+    """One number beside its reference."""
 
-    Attributes
-    ----------
-    quantity : str
-        What was computed, with its unit if it has one.
-    computed, reference : float
-    tolerance : float
-        Largest difference that counts as agreement, in the unit of the quantity.
-    ladder : tuple of (float, float)
-        Resolution and error, where the number is the order read off them.
-    """
-
-    quantity: str
+    quantity: str  # What was computed, with its unit if it has one
     computed: float
     reference: float
-    tolerance: float
-    ladder: tuple[tuple[float, float], ...] = ()
+    tolerance: float  # Largest difference that counts as agreement, in the unit of the quantity
+    ladder: tuple[tuple[float, float], ...] = ()  # Resolution and error, where the number is their order
 
     @property
     def used(self) -> float:
@@ -109,22 +98,11 @@ def holds(quantity: str, condition: object) -> Check:
 
 
 def order(
-    quantity: str,
-    resolutions: Sequence[float],
-    errors: Sequence[float],
-    *,
-    expected: float,
-    tolerance: float,
+    quantity: str, resolutions: Sequence[float], errors: Sequence[float], *, expected: float, tolerance: float
 ) -> Check:
-    """Return a check of the order at which errors fall as points along a side (or steps) grow.
+    """Return a check of the order at which errors, positive, fall as points along a side (or steps) grow.
 
-    Parameters
-    ----------
-    quantity : str
-    resolutions, errors : sequences of float
-        Of one another, coarse to fine; errors positive.
-    expected, tolerance : float
-        The order that is known beforehand, and how far these resolutions may be from its limit.
+    The tolerance is how far these resolutions, coarse to fine, may be from the limit in which it holds.
     """
     sizes = 1 / np.asarray(resolutions)
     slope = order_of_convergence(sizes, errors) if min(errors) > 0 else math.nan

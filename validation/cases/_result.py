@@ -52,30 +52,23 @@ _FINDINGS = 5
 def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard] = ()) -> xr.Dataset:
     """Return verdicts over (claim, solver), numbers over `check`, orders over `ladder`, costs over `solver`.
 
-    Parameters
-    ----------
-    verdicts : sequence of Verdict
-        In the order in which claims are shown.
-    cards : sequence of Scorecard
-        Of these solvers: what is wrong with each, and what a digit costs.
+    Claims stand in the order of the verdicts; `cards` have what is wrong with a solver, and its costs.
     """
     import xarray as xr
 
     claims = list(dict.fromkeys(verdict.row for verdict in verdicts))
-    solvers = list(dict.fromkeys(map(_solver, verdicts)))
     by_place = {(verdict.row, _solver(verdict)): verdict for verdict in verdicts}
+    solvers = list(dict.fromkeys(solver for _, solver in by_place))
     of_claim = {verdict.row: verdict for verdict in reversed(verdicts)}
     scored = [verdict for verdict in verdicts if not verdict.left_out]
     checks = [(verdict, check) for verdict in scored for check in verdict.checks]
 
     def placed(value: Callable[[Verdict], Any], empty: Any) -> tuple[tuple[str, str], list[list[Any]]]:
-        rows = ([by_place.get((claim, solver)) for solver in solvers] for claim in claims)
-        return ("claim", "solver"), [
-            [empty if verdict is None else value(verdict) for verdict in row] for row in rows
-        ]
+        values = {place: value(verdict) for place, verdict in by_place.items()}
+        return ("claim", "solver"), [[values.get((c, s), empty) for s in solvers] for c in claims]
 
-    def by_check(value: Callable[[Verdict, Check], str]) -> tuple[str, Array]:
-        return "check", np.array([value(*pair) for pair in checks], str)
+    def by_check(value: Callable[[Verdict, Check], Any], kind: type = str) -> tuple[str, Array]:
+        return "check", np.array([value(*pair) for pair in checks], kind)
 
     data = xr.Dataset(
         {
@@ -90,9 +83,9 @@ def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard] = ())
             "check_solver": by_check(lambda verdict, _: _solver(verdict)),
             "check_quantity": by_check(lambda _, check: check.quantity),
             "check_verdict": by_check(lambda _, check: "holds" if check.passed else "FAILS"),
-            "check_value": ("check", [check.computed for _, check in checks]),
-            "check_reference": ("check", [check.reference for _, check in checks]),
-            "check_tolerance": ("check", [check.tolerance for _, check in checks]),
+            "check_value": by_check(lambda _, check: check.computed, float),
+            "check_reference": by_check(lambda _, check: check.reference, float),
+            "check_tolerance": by_check(lambda _, check: check.tolerance, float),
             "claims_judged": float(len(scored)),
             "claims_failed": float(sum(not verdict.passed for verdict in scored)),
             "checks_made": float(len(checks)),
@@ -216,11 +209,7 @@ def claims_views(data: xr.Dataset) -> Views:
     )
     return Views(
         table=verdicts,
-        more=(
-            numbers,
-            *((costs,) if "seconds_needed" in data else ()),
-            *((orders,) if "ladder" in data else ()),
-        ),
+        more=tuple(table for table in (numbers, costs, orders) if table.columns[-1] in data),
         figures=_ladder_figures(data) if "ladder" in data else [],
         findings=list(_findings(data)),
         cards=list(_cards(data)),
@@ -234,19 +223,12 @@ def _ladder_figures(data: xr.Dataset) -> list[Figure]:
         solver: {"color": COLOURS[k % len(COLOURS)], "marker": SYMBOLS[k % len(SYMBOLS)]}
         for k, solver in enumerate(data.solver.values.tolist())
     }
-    line = Line(y="ladder_miss", by="ladder", label="{ladder_solver}")
-    panels = [
-        Panel(
-            marks=[
-                replace(line, where={"ladder_claim": claim, "ladder_solver": solver}, look=look)
-                for solver, look in looks.items()
-            ],
-            x="ladder_points",
-            log="xy",
-            title=claim.replace(": observed order of", "\n"),
-        )
-        for claim in claims
-    ]
+    line, panels = Line(y="ladder_miss", by="ladder", label="{ladder_solver}"), []
+    for claim in claims:
+        places = {solver: {"ladder_claim": claim, "ladder_solver": solver} for solver in looks}
+        marks = [replace(line, where=places[solver], look=look) for solver, look in looks.items()]
+        title = claim.replace(": observed order of", "\n")
+        panels.append(Panel(marks=marks, x="ladder_points", log="xy", title=title))
     return [
         Figure(
             name=f"error-against-resolution-{k // 3 + 1}",
@@ -260,24 +242,18 @@ def _ladder_figures(data: xr.Dataset) -> list[Figure]:
 
 def _cards(data: xr.Dataset) -> list[Card]:
     failed = float(data.claims_failed) > 0
-    answer = "no: {claims_failed} of {claims_judged} fail" if failed else "yes"
+    words = "no: {claims_failed} of {claims_judged} fail" if failed else "yes"
     basis = finding("value", "{claims_judged} claims with {checks_made} numbers", data)
-    cards = [
-        Card(question="Does everything hold?", answer=finding("value", answer, data), basis=basis),
-    ]
+    cards = [Card(question="Does everything hold?", answer=finding("value", words, data), basis=basis)]
     first = data.isel(solver=0)
     if "diagnosis" in data and str(first.diagnosis.item()):
         cards.append(Card(question="What is wrong?", answer=finding("value", "{diagnosis}", first)))
     if "seconds_needed" in data and bool(first.seconds_needed.notnull().any()):
         cost = first.sel(area_accuracy=0.01)
         words = "{seconds_needed:u}" if np.isfinite(cost.seconds_needed) else "not reached"
-        cards.append(
-            Card(
-                question="Processor time to 1 % of the area",
-                answer=finding("cost", words, cost),
-                basis=note("of one rough surface, lambda_long/lambda_short = 4"),
-            )
-        )
+        answer = finding("cost", words, cost)
+        basis = note("of one rough surface, lambda_long/lambda_short = 4")
+        cards.append(Card(question="Processor time to 1 % of the area", answer=answer, basis=basis))
     return cards
 
 

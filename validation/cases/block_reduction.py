@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 from persson.spectrum import SelfAffine
 from validation.arrays import Array
-from validation.cases import Case, Check, below, order
+from validation.cases import Case, Check, below, case, order
 
 __all__ = ["CASES"]
 
@@ -41,18 +42,18 @@ def _both_ways(element: str, shape: tuple[int, int], poisson: float) -> Iterator
     yield below("forces that nothing balances, reduced", reduced.equilibrium().residual, 1e-9)
 
 
+@case(
+    "block-assembled",
+    "scikit-fem's assembled matrix and pyamg find the same field under the contact forces.",
+    source=_SAME,
+    tolerance="solver",
+)
 def _assembled() -> Iterator[Check]:
     for element, poisson, shape in (("Hex1", 0.3, (24, 24)), ("Hex2/P1disc", 0.45, (16, 16))):
         surface, solid = _rough(shape), Solid(young=1.0, poisson=poisson)
-        contact = block.solve(
-            surface,
-            solid,
-            mean_pressure=0.05 * solid.contact_modulus * surface.rms_gradient,
-            method="full",
-            element=element,
-            modulus=partial(_particle, surface),
-            tolerance=1e-11,
-        )
+        load = 0.05 * solid.contact_modulus * surface.rms_gradient
+        options: dict[str, Any] = {"element": element, "modulus": partial(_particle, surface)}
+        contact = block.solve(surface, solid, mean_pressure=load, method="full", tolerance=1e-11, **options)
         again = block.assembled_field(contact, tolerance=1e-11)
         difference = np.max(np.abs(again - contact.field)) / np.max(np.abs(contact.field))
         yield below(f"largest difference of displacement, {element}", difference, 1e-9)
@@ -72,6 +73,12 @@ _WAVES = (
 )
 
 
+@case(
+    "block-waves",
+    "Every element meets the compliance of the bonded layer, to the accuracy it is chosen for.",
+    source=_LAYER,
+    tolerance="grid",
+)
 def _waves() -> Iterator[Check]:
     for element, poisson, growth, nodes, axis, diagonal in _WAVES:
         (errors,) = block.wave_errors(
@@ -82,6 +89,12 @@ def _waves() -> Iterator[Check]:
         yield below(f"error along the diagonal: {name}", errors.along_diagonal, diagonal)
 
 
+@case(
+    "block-order",
+    "With growth - 1 in proportion to the cell the finite-element limit is the elastic limit.",
+    source=_LAYER,
+    tolerance="grid",
+)
 def _orders() -> Iterator[Check]:
     for element, poisson, expected in (("Hex1", 0.3, 2), ("Hex1/P0", 0.49, 2), ("Hex2", 0.3, 4)):
         sizes, errors = (32, 64, 128), []
@@ -100,44 +113,21 @@ def _particle(surface: HeightField, x: Array, y: Array, z: Array) -> Array:
     return np.where(inside, 10.0, 1.0)
 
 
-CASES = (
-    *(
-        Case(
-            name=f"block-reduction-{name}",
-            claim=f"The reduced and the full block have one solution: {element}, nu = {nu}.",
-            run=partial(_both_ways, element, shape, nu),
-            source=_SAME,
-            quick=quick,
-            tolerance="solver",
-        )
-        for name, element, shape, nu, quick in (
-            ("hex1", "Hex1", (32, 32), 0.3, False),
-            ("hex1-rectangle", "Hex1", (15, 22), 0.3, True),
-            ("hex2", "Hex2", (16, 16), 0.3, False),
-            ("hex2-fine", "Hex2", (32, 32), 0.3, False),
-            ("p0", "Hex1/P0", (16, 16), 0.4999, False),
-            ("p1disc", "Hex2/P1disc", (12, 12), 0.4999, True),
-        )
-    ),
+CASES = tuple(
     Case(
-        name="block-assembled",
-        claim="scikit-fem's assembled matrix and pyamg find the same field under the contact forces.",
-        run=_assembled,
+        name=f"block-reduction-{name}",
+        claim=f"The reduced and the full block have one solution: {element}, nu = {nu}.",
+        run=partial(_both_ways, element, shape, nu),
         source=_SAME,
+        quick=quick,
         tolerance="solver",
-    ),
-    Case(
-        name="block-waves",
-        claim="Every element meets the compliance of the bonded layer, to the accuracy it is chosen for.",
-        run=_waves,
-        source=_LAYER,
-        tolerance="grid",
-    ),
-    Case(
-        name="block-order",
-        claim="With growth - 1 in proportion to the cell the finite-element limit is the elastic limit.",
-        run=_orders,
-        source=_LAYER,
-        tolerance="grid",
-    ),
+    )
+    for name, element, shape, nu, quick in (
+        ("hex1", "Hex1", (32, 32), 0.3, False),
+        ("hex1-rectangle", "Hex1", (15, 22), 0.3, True),
+        ("hex2", "Hex2", (16, 16), 0.3, False),
+        ("hex2-fine", "Hex2", (32, 32), 0.3, False),
+        ("p0", "Hex1/P0", (16, 16), 0.4999, False),
+        ("p1disc", "Hex2/P1disc", (12, 12), 0.4999, True),
+    )
 )

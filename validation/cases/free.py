@@ -14,6 +14,7 @@ from fem_contact.response import FreeHalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import Patch
 from validation.cases import Check, below, case, order
+from validation.cases._closed_forms import HertzInPeriod
 
 _FREE = FreeHalfSpace(solid=Solid(young=1.0, poisson=0.3))
 #: Side of the patch over the contact radius: little more than the contact itself.
@@ -31,17 +32,17 @@ _SQUARE = 0.3667892
 )
 def _hertz() -> Iterator[Check]:
     """Press a ball of radius 1 to a contact of radius .1; no grid point is its apex."""
-    a, modulus = 0.1, _FREE.contact_modulus
-    force, peak, side = 4 * modulus * a**3 / 3, 2 * modulus * a / math.pi, _SIDE * a
+    a, side = 0.1, _SIDE * 0.1
+    hertz = HertzInPeriod(radius=a, contact_modulus=_FREE.contact_modulus)
     sizes, approaches, pressures, radii = (32, 64, 128, 256), [], [], []
     for n in sizes:
         x = (np.arange(n) + 0.25) * side / n - side / 2
         r = np.hypot(x[:, None], x[None, :])
         surface = Patch(heights=-(r**2) / 2, lengths=(side, side))
-        result = bem.solve(surface, _FREE, mean_pressure=force / side**2, tolerance=1e-9).checked()
-        exact = peak * np.sqrt(np.maximum(1 - (r / a) ** 2, 0))
+        result = bem.solve(surface, _FREE, mean_pressure=hertz.load / side**2, tolerance=1e-9).checked()
         approaches.append(abs(-result.offset / a**2 - 1))
-        pressures.append(float(np.max(np.abs(result.pressure - exact)[r < 0.8 * a])) / peak)
+        off = np.abs(result.pressure - hertz.pressure(r)) / hertz.peak
+        pressures.append(float(np.max(off[r < 0.8 * a])))
         area = subcell_area(result, edge_map=EDGE_MAPS["bem"]) * side**2
         radii.append(abs(math.sqrt(area / math.pi) / a - 1))
     yield below(f"error of the approach a^2/R at n = {sizes[-1]}", approaches[-1], 1e-3)

@@ -31,7 +31,7 @@ def _moment(power: Callable[[float], float], k: int, edges: tuple[float, ...]) -
     )
 
 
-def _judged(
+def _compared(
     name: str, spectrum: Spectrum, power: Callable[[float], float], edges: tuple[float, ...]
 ) -> Iterator[Check]:
     """Compare a spectrum and its moments with C(q) as its definition has it."""
@@ -58,15 +58,9 @@ def _self_affine() -> Iterator[Check]:
         "smooth": (lambda q: ((1 + (q / _LONG) ** 2) / 2) ** (exponent / 2), (_LEAST, _LONG, _SHORT)),
     }
     for rolloff, (power, edges) in shapes.items():
-        spectrum = SelfAffine(
-            hurst=_HURST,
-            q_long=_LONG,
-            q_short=_SHORT,
-            amplitude=1.0,
-            rolloff=rolloff,  # type: ignore[arg-type]
-            q_min=edges[0],
-        )
-        yield from _judged(f"{rolloff} roll-off", spectrum, power, edges)
+        waves = {"q_long": _LONG, "q_short": _SHORT, "q_min": edges[0]}
+        spectrum = SelfAffine(hurst=_HURST, amplitude=1.0, rolloff=rolloff, **waves)  # type: ignore[arg-type]
+        yield from _compared(f"{rolloff} roll-off", spectrum, power, edges)
 
 
 @case(
@@ -91,14 +85,13 @@ def _capillary() -> Iterator[Check]:
         q_min=edges[0],
         q_short=edges[-1],
     )
-    yield from _judged("capillary waves", waves, power, edges)
+    yield from _compared("capillary waves", waves, power, edges)
     low = 2e6
     yield relative("C(q) where gravity acts", waves(low), power(low), 1e-12)
     for points in (1e4, 1e8):
         ratio = maximum_height(points)
-        argument = 2 * math.log(points / ratio / math.sqrt(2 * math.pi))
-        name = f"h_1 / h_rms of {points:g} points"
-        yield relative(name, ratio, math.sqrt(argument), 1e-12)
+        exact = math.sqrt(2 * math.log(points / ratio / math.sqrt(2 * math.pi)))
+        yield relative(f"h_1 / h_rms of {points:g} points", ratio, exact, 1e-12)
 
 
 _STRAIGHT = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=16 * math.pi, q_short=128 * math.pi)

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from fem_contact.contact import ContactResult
 from fem_contact.response import Response
-from validation.arrays import Array, Grid
+from validation.arrays import Array
 from validation.effects.base import ContactModel, Effect, SlotName, effect_key
 from validation.errors import UsageError
 from validation.report.quantities import as_length
@@ -82,8 +82,16 @@ class Fem(Solver):
 
     def check(self, options: FemOptions, problem: ContactProblem, effects: Sequence[Effect]) -> None:
         """Refuse elements that lock, two depths, and a solid that is no clamped body."""
+        depth, growth = options.depth or max(problem.lengths), options.growth
         for grid in options.grids:
-            _check_layers(options, grid, problem.lengths)
+            ratio = depth / max(length / n for length, n in zip(problem.lengths, grid, strict=True))
+            layers = ratio if growth == 1 else math.log1p(ratio * (growth - 1)) / math.log(growth)
+            if layers > _MOST_LAYERS:
+                raise UsageError(
+                    f"methods.fem.growth = {growth:.6g}: makes {layers:.3g} layers over a depth of "
+                    f"{as_length(depth, 3)}; at most {_MOST_LAYERS} are solved: raise the growth or lower "
+                    "the depth"
+                )
         if options.method == "full" and problem.solid.poisson > _LOCKING:
             raise UsageError(
                 f"solid.poisson = {problem.solid.poisson!r}: method 'fem' locks above {_LOCKING} with "
@@ -224,17 +232,3 @@ def block_response(job: Job) -> Response:
     from fem_contact.block import BlockResponse
 
     return BlockResponse(mesh=planned(job), solid=job.model.solid, width=job.field.spacing[0])
-
-
-def _check_layers(options: FemOptions, grid: Grid, lengths: tuple[float, float]) -> None:
-    """Refuse a block of more layers than are solved."""
-    depth = options.depth or max(lengths)
-    first = max(length / n for length, n in zip(lengths, grid, strict=True))
-    faster = math.log(options.growth)
-    ratio = depth / first
-    layers = ratio if faster == 0 else math.log1p(ratio * (options.growth - 1)) / faster
-    if layers > _MOST_LAYERS:
-        raise UsageError(
-            f"methods.fem.growth = {options.growth:.6g}: makes {layers:.3g} layers over a depth of "
-            f"{as_length(depth, 3)}; at most {_MOST_LAYERS} are solved: raise the growth or lower the depth"
-        )

@@ -32,23 +32,12 @@ _OWN: dict[str, tuple[str, dict[str, Any]]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class Scorecard:
-    """How a solver did.
-
-    Attributes
-    ----------
-    subject : Subject
-    verdicts : tuple of Verdict
-        Of all rows, the worst failure first; what was not judged says why.
-    cost : tuple of CostRow
-        Of one rough surface; empty where rough surfaces were not solved.
-    diagnosis : str
-        What is wrong, in words; empty where its answers do not tell.
-    """
+    """How a solver did."""
 
     subject: Subject
-    verdicts: tuple[Verdict, ...]
-    cost: tuple[CostRow, ...]
-    diagnosis: str = ""
+    verdicts: tuple[Verdict, ...]  # Of all rows, the worst failure first; what was not judged says why
+    cost: tuple[CostRow, ...]  # Of one rough surface; empty where rough surfaces were not solved
+    diagnosis: str = ""  # What is wrong, in words; empty where its answers do not tell
 
     @property
     def counted(self) -> tuple[Verdict, ...]:
@@ -119,14 +108,7 @@ def own_cases() -> tuple[Case, ...]:
 
 
 def score(subject: Subject, *, tell: Callable[[str], None] | None = None) -> Scorecard:
-    """Run every row; one that raises has failed, and the others go on.
-
-    Parameters
-    ----------
-    subject : Subject
-    tell : callable, optional
-        Given a line for every row.
-    """
+    """Run every row and `tell` its line; one that raises has failed, and the others go on."""
     subject.warm_up()
     verdicts = sorted(
         run_cases(rows(subject), tell=tell),

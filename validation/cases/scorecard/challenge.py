@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 
-from validation.arrays import Array
 from validation.cases import NotJudged
 from validation.cases.scorecard import Scorecard, ladder, rows, score
 from validation.cases.scorecard.subject import Subject
@@ -73,42 +72,18 @@ class _Answers(_Posed):
         """Nothing is compiled."""
 
     def claim(self, job: Job) -> Claim:
-        """Read the answer of a problem.
-
-        Raises
-        ------
-        NotJudged
-            Where there is none.
-        """
+        """Read the answer of a problem; a NotJudged where there is none."""
         folder = self.folders.get(_key(job))
         if folder is None:
             raise NotJudged("a problem that was not exported")
-        seconds, iterations = _effort(folder / "answer.json")
-        return Claim(
-            pressure=_pressure(folder, job.field.shape),
-            in_contact=None,
-            iterations=iterations,
-            wall_seconds=seconds,
-            cpu_seconds=seconds,
-            peak_bytes=0,
-        )
+        return _claim(folder, job.field.shape)
 
 
 def export(folder: Path, *, points: int, tolerance: float) -> int:
     """Write the problems of a scorecard into a folder, without their answers; return how many.
 
-    Parameters
-    ----------
-    folder : Path
-    points : int
-        Along a side of the coarsest grid of a ladder.
-    tolerance : float
-        Of the residuals.
-
-    Raises
-    ------
-    UsageError
-        For a folder that holds one.
+    `points` are those along a side of the coarsest grid of a ladder, `tolerance` is that of the residuals.
+    A UsageError for a folder that holds one.
     """
     if (folder / _INDEX).exists():
         raise UsageError(f"{folder}: holds a challenge already; score it, or export into another folder")
@@ -124,10 +99,7 @@ def export(folder: Path, *, points: int, tolerance: float) -> int:
 def score_folder(folder: Path, *, tell: Callable[[str], None] | None = None) -> Scorecard:
     """Score the answers of a folder; rows whose problems have none are left out.
 
-    Raises
-    ------
-    UsageError
-        For a folder that is no challenge, holds no answer, or one that cannot be read.
+    A UsageError for a folder that is no challenge, holds no answer, or one that cannot be read.
     """
     try:
         index = read_record(folder / _INDEX)
@@ -144,8 +116,7 @@ def score_folder(folder: Path, *, tell: Callable[[str], None] | None = None) -> 
     if not answered:
         raise UsageError(f"{folder}: no answer; write pressure.npy or pressure.txt beside the heights")
     for place in answered:
-        _pressure(place, problems[place].field.shape)
-        _effort(place / "answer.json")
+        _claim(place, problems[place].field.shape)
     subject = Subject(
         name=folder.resolve().name,
         solver=_Answers(problems, points),
@@ -200,7 +171,8 @@ def _answer(folder: Path) -> Path | None:
     )
 
 
-def _pressure(folder: Path, shape: tuple[int, int]) -> Array:
+def _claim(folder: Path, shape: tuple[int, int]) -> Claim:
+    """Read pressures, and the processor time and iterations that an answer tells; NaN and 0 without one."""
     file = _answer(folder)
     if file is None:
         raise NotJudged(f"{folder.name} has no answer")
@@ -213,13 +185,17 @@ def _pressure(folder: Path, shape: tuple[int, int]) -> Array:
         raise UsageError(f"{file}: cannot be read: {problem}; write it again") from None
     if pressure.shape != shape:
         raise UsageError(f"{file}: shape {pressure.shape}: must be that of the heights, {shape}")
-    return np.array(pressure, dtype=np.float64)
-
-
-def _effort(file: Path) -> tuple[float, int]:
-    """Return the processor time and iterations that an answer tells; NaN and 0 without one."""
+    file = folder / "answer.json"
     try:
         answer = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
-        return float(answer.get("seconds", np.nan)), int(answer.get("iterations", 0))
+        seconds, iterations = float(answer.get("seconds", np.nan)), int(answer.get("iterations", 0))
     except (OSError, ValueError, TypeError, AttributeError, OverflowError, RecursionError) as problem:
         raise UsageError(f"{file}: cannot be read: {problem}; write it again, or remove it") from None
+    return Claim(
+        pressure=pressure,
+        in_contact=None,
+        iterations=iterations,
+        wall_seconds=seconds,
+        cpu_seconds=seconds,
+        peak_bytes=0,
+    )

@@ -46,10 +46,7 @@ _PLATEAU = 0.005
 def diagnose(subject: Subject) -> str:
     """Return what is wrong with a solver, in words; nothing where its answers do not tell.
 
-    Parameters
-    ----------
-    subject : Subject
-        Its time may be used up: then only what it answered is read.
+    Its time may be used up: then only what it answered is read.
     """
     try:
         return _diagnosed(subject)
@@ -152,18 +149,11 @@ def _of_rough(subject: Subject) -> str:
         return f"the load is {Value(value=float(shares.mean()))} times the one asked for" if alike else ""
     if np.mean(pressure > highest * (1 - 1e-9)) > _PLATEAU:
         return "the highest pressures are cut off"
-    if all(check.passed for check in honesty.run(subject)):
-        return _of_contact_set(subject)
-    return "the iteration ends before its tolerance is met" if residuals_fall(subject) else ""
-
-
-def _of_contact_set(subject: Subject) -> str:
-    """Say which points are called contact, of a solver whose pressures are right."""
+    if not all(check.passed for check in honesty.run(subject)):
+        return "the iteration ends before its tolerance is met" if residuals_fall(subject) else ""
     missed = [check for check in contact_set.run(subject) if not check.passed]
-    if not missed:
-        return ""
-    if all(check.computed > 1 for check in missed):
+    if missed and all(check.computed > 1 for check in missed):
         return "points are called contact that carry no load"
-    if all(check.computed < 1 for check in missed):
+    if missed and all(check.computed < 1 for check in missed):
         return "points that carry load are not called contact"
     return ""

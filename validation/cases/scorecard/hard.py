@@ -10,7 +10,7 @@ import numpy as np
 
 from fem_contact.area import subcell_area
 from fem_contact.errors import NotConverged
-from validation.cases import Case, Check, below, case, near, relative
+from validation.cases import Check, below, case, near, relative
 from validation.cases._closed_forms import EGG_BOX_DEPTH, EGG_BOX_FLAT, HertzInPeriod, egg_box
 from validation.cases.scorecard.elementary import judge_residuals
 from validation.cases.scorecard.known import mean_inside, strip
@@ -30,16 +30,13 @@ _FEW = 2
 )
 def near_full(subject: Subject) -> Iterator[Check]:
     n = subject.ladder[-1]
-    found = subject.press(egg_box(n), 1.0001 * EGG_BOX_FLAT)
+    flat = subject.press(egg_box(n), 1.0001 * EGG_BOX_FLAT)
     exact = 1.0001 * EGG_BOX_FLAT + EGG_BOX_FLAT * egg_box(n).heights / EGG_BOX_DEPTH
     # A discretisation of second order errs by (q dx)^2 / 4, and by the tolerance.
     allowed = (2 * math.pi * math.sqrt(2) / n) ** 2 / 4 + subject.pressure_error
-    yield below(
-        "error of the pressure over the mean, at 1.0001 of the flattening load",
-        float(np.abs(found.claim.pressure - exact).max()) / EGG_BOX_FLAT,
-        allowed,
-    )
-    yield near("A/A0 at it", found.result.in_contact.mean(), 1.0, 0.0)
+    error = np.abs(flat.claim.pressure - exact).max() / EGG_BOX_FLAT
+    yield below("error of the pressure over the mean, at 1.0001 of the flattening load", error, allowed)
+    yield near("A/A0 at it", flat.result.in_contact.mean(), 1.0, 0.0)
     for miss in (0.02, 0.04):
         pressed = subject.press(egg_box(n), (1 - miss) * EGG_BOX_FLAT).result
         open_share = 3 / (2 * math.pi) * miss
@@ -56,14 +53,10 @@ def near_full(subject: Subject) -> Iterator[Check]:
 )
 def one_cell(subject: Subject) -> Iterator[Check]:
     n = 2 * subject.points
-    mean = 0.02 / n / n**2
-    pressed = subject.press(HertzInPeriod(radius=1e-3).surface(n, (0.0, 0.0)), mean)
-    yield relative(
-        "largest pressure over the load",
-        pressed.claim.pressure.max() / (mean * n**2),
-        1.0,
-        10 * subject.tolerance,
-    )
+    load = 0.02 / n
+    pressed = subject.press(HertzInPeriod(radius=1e-3).surface(n, (0.0, 0.0)), load / n**2)
+    share = pressed.claim.pressure.max() / load
+    yield relative("largest pressure over the load", share, 1.0, 10 * subject.tolerance)
     yield near("points that touch", np.count_nonzero(pressed.result.in_contact), 1.0, 0.0)
 
 
@@ -73,11 +66,8 @@ def elongated(subject: Subject) -> Iterator[Check]:
     # Cells are four times as long as wide: of second order where they are coarse.
     allowed = 0.02 * max(1.0, (32 / n) ** 2)
     for axis, words in ((0, "1 x 4"), (1, "4 x 1")):
-        yield below(
-            f"mean error of p over the peak, period {words}",
-            mean_inside(strip(subject, n, across=(n, 4.0), axis=axis)[1]),
-            allowed,
-        )
+        error = mean_inside(strip(subject, n, across=(n, 4.0), axis=axis)[1])
+        yield below(f"mean error of p over the peak, period {words}", error, allowed)
 
 
 @case("odd-axes", "Odd numbers of points are solved as well.", source="definition", tolerance="solver")
@@ -111,18 +101,11 @@ def _asked_back(subject: Subject, *, load: float) -> Sequence[Check]:
     return judge_residuals(subject, checks)
 
 
-offset, offset_near_full = (
-    Case(
-        name=name,
-        claim=claim,
-        run=partial(_asked_back, load=load),
-        source="uniqueness of the elastic solution",
-        tolerance="solver",
-    )
-    for name, claim, load in (
-        ("offset", "An offset leads to the pressures of the load that it belongs to.", _LIGHT),
-        ("offset-near-full", "So it does near full contact.", _NEAR_FULL),
-    )
+_UNIQUE = {"source": "uniqueness of the elastic solution", "tolerance": "solver"}
+_WORDS = "An offset leads to the pressures of the load that it belongs to."
+offset = case("offset", _WORDS, **_UNIQUE)(partial(_asked_back, load=_LIGHT))
+near_full_offset = case("offset-near-full", "So it does near full contact.", **_UNIQUE)(
+    partial(_asked_back, load=_NEAR_FULL)
 )
 
 

@@ -48,31 +48,16 @@ class Pressed:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Subject:
-    """A solver to be scored.
+    """A solver to be scored."""
 
-    Attributes
-    ----------
-    name : str
-        By which it was asked for.
-    solver : Solver
-    settings : mapping
-        What it is told beyond surface, solid and load.
-    tolerance : float
-        Of the residuals it is asked for.
-    quick : bool
-        Whether small grids do.
-    seconds : float
-        That all its solves together may take: processor time, or time on the clock where nothing came of one.
-    built_in : bool
-        Whether it is one of ours, of which more is asked: units change no bit, waves are exact.
-    """
-
-    name: str
+    name: str  # By which it was asked for
     solver: Solver
-    settings: Mapping[str, Any]
-    tolerance: float = 1e-6
-    quick: bool = True
+    settings: Mapping[str, Any]  # What it is told beyond surface, solid and load
+    tolerance: float = 1e-6  # Of the residuals it is asked for
+    quick: bool = True  # Whether small grids do
+    #: All its solves together may take: processor time, or time on the clock where nothing came of one.
     seconds: float = 300.0
+    #: Whether it is one of ours, of which more is asked: units change no bit, waves are exact.
     built_in: bool = False
     #: Pairs that its cost predicts and seconds of each solve, 0 where they are not known.
     _costs: list[tuple[float, float]] = field(default_factory=list, init=False, repr=False)
@@ -98,12 +83,7 @@ class Subject:
         return self.ladder[-1] == 4 * self.ladder[0]
 
     def needs(self, *, control: str = "", effect: type[Effect] | None = None) -> None:
-        """Leave a row out that asks for what the solver cannot be told or given.
-
-        Raises
-        ------
-        NotJudged
-        """
+        """Leave a row out, by a NotJudged, that asks for what the solver cannot be told or given."""
         if effect is not None and not self.solver.handles(effect):
             raise NotJudged(f"{self.solver.label} cannot be given the effect {effect.kind_name()!r}")
         if control and control not in self._controlled:
@@ -138,26 +118,11 @@ class Subject:
         more: Mapping[str, float] | None = None,
         again: bool = False,
     ) -> Pressed:
-        """Press a surface [m] with a mean pressure [Pa], once; what was asked before is known.
+        """Press a surface [m] with a mean pressure [Pa], once; only `again` is it asked anew.
 
-        Parameters
-        ----------
-        field : HeightField
-        load : float or None
-            None where `more` has an offset.
-        model : ContactModel, optional
-            The solid and its effects; that of E* = 1 if not given.
-        more : mapping, optional
-            Of what the solver is told: its controls, its tolerance.
-        again : bool
-            Whether it is asked anew.
-
-        Raises
-        ------
-        NotConverged
-            Where nothing comes of it.
-        NotJudged
-            Where the time that is left does not allow it.
+        The load is None where `more`, the controls and the tolerance that the solver is told, has an offset;
+        the solid without a `model` is that of E* = 1. A NotConverged where nothing comes of it, a NotJudged
+        where the time that is left does not allow it.
         """
         model = model or ContactModel(solid=SOFT)
         extra = tuple(sorted((more or {}).items()))
@@ -230,17 +195,9 @@ class Subject:
 
 
 def rough(points: int, *, bandwidth: int = 4, waves: int = 2, seed: int = 271) -> HeightField:
-    """Return a surface of unit gradient and period with `waves` longest waves across, H = 0.8.
+    """Return a surface of unit gradient and period, H = 0.8, with `points` along a side.
 
-    Parameters
-    ----------
-    points : int
-        Along a side.
-    bandwidth : int
-        lambda_long / lambda_short.
-    waves : int
-        L / lambda_long.
-    seed : int
+    `bandwidth` is lambda_long / lambda_short, `waves` L / lambda_long.
     """
     longest, shortest = 2 * np.pi * waves, 2 * np.pi * waves * bandwidth
     surface = random_surface(
