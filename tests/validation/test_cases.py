@@ -9,7 +9,7 @@ import pytest
 
 from validation import cases
 from validation.cases import Case, all_cases, below, chosen_cases, relative, run_cases, within
-from validation.cases._closed_forms import HertzInPeriod, westergaard_mean_pressure, westergaard_pressure
+from validation.cases._closed_forms import HertzInPeriod, Westergaard
 from validation.errors import UsageError
 
 #: Finite-element cases take longer than the fast suite allows; `fem-contact validate` runs them.
@@ -106,9 +106,8 @@ def test_hertz_and_westergaard_carry_their_load():
     r = hertz.distance(1500)
     assert np.mean(hertz.pressure(r)) == pytest.approx(hertz.load, rel=1e-4)
     assert hertz.pressure(r).max() == pytest.approx(hertz.peak, rel=1e-4)
-    load = westergaard_mean_pressure(0.02, half_width=0.21, contact_modulus=3.0)
+    wave = Westergaard(amplitude=0.02, half_width=0.21, contact_modulus=3.0)
     x = (np.arange(200_000) + 0.5) / 200_000 - 0.5
-    assert np.mean(westergaard_pressure(x, half_width=0.21, mean_pressure=load)) == pytest.approx(
-        load, rel=1e-6
-    )
-    assert westergaard_mean_pressure(0.02, half_width=0.5, contact_modulus=3.0) == pytest.approx(0.06 * np.pi)
+    assert np.mean(wave.pressure(x)) == pytest.approx(wave.load, rel=1e-6)
+    flat = Westergaard(amplitude=0.02, half_width=0.5, contact_modulus=3.0)
+    assert flat.load == pytest.approx(0.06 * np.pi)

@@ -15,11 +15,9 @@ __all__ = [
     "EGG_BOX_DEPTH",
     "EGG_BOX_FLAT",
     "HertzInPeriod",
+    "Westergaard",
     "egg_box",
     "huber_stress",
-    "westergaard_mean_pressure",
-    "westergaard_pressure",
-    "westergaard_stress",
 ]
 
 #: Sums over a square lattice of period 1 without its origin: of 1/R^3, and of 1/R less a uniform background.
@@ -34,17 +32,10 @@ class HertzInPeriod:
 
     The images of the load bend the surface near the origin like F sum R^-3 r^2 / (4 pi E*); the paraboloid is
     made flatter by that much, so that Hertz's solution holds with R = 1 up to terms in (a/L)^5.
-
-    Attributes
-    ----------
-    radius : float
-        Contact radius a over the period.
-    contact_modulus : float
-        E* [Pa].
     """
 
-    radius: float = 0.1
-    contact_modulus: float = 1.0
+    radius: float = 0.1  # Contact radius a over the period
+    contact_modulus: float = 1.0  # E* [Pa]
 
     @property
     def load(self) -> float:
@@ -101,56 +92,64 @@ def egg_box(n: int) -> HeightField:
     return HeightField(heights=EGG_BOX_DEPTH * x[:, None] * x[None, :], lengths=(1.0, 1.0))
 
 
-def westergaard_mean_pressure(amplitude: float, *, half_width: float, contact_modulus: float = 1.0) -> float:
-    r"""Mean pressure at which a wave of period 1 touches over a strip of width 2 `half_width`.
+@dataclass(frozen=True, kw_only=True)
+class Westergaard:
+    r"""A wave h cos(2 pi x) of period 1, pressed until it touches over a strip of width 2b.
 
-    .. math:: p_0 = \pi E^* h \sin^2(\pi b)
+    .. math:: p_0 = \pi E^* h \sin^2 \pi b, \qquad
+              p = \frac{2 p_0 \cos \pi x}{\sin^2 \pi b} \sqrt{\sin^2 \pi b - \sin^2 \pi x}
 
     Source: H. M. Westergaard, J. Appl. Mech. 6, 49 (1939).
     """
-    return math.pi * contact_modulus * amplitude * math.sin(math.pi * half_width) ** 2
 
+    half_width: float = 0.3  # b
+    amplitude: float = 0.01  # h
+    contact_modulus: float = 1.0  # E* [Pa]
 
-def westergaard_pressure(x: Array, *, half_width: float, mean_pressure: float) -> Array:
-    r"""Pressure under a wave of period 1 whose crest is at x = 0.
+    @property
+    def load(self) -> float:
+        """Mean pressure p0 [Pa]."""
+        return math.pi * self.contact_modulus * self.amplitude * math.sin(math.pi * self.half_width) ** 2
 
-    .. math:: p = \frac{2 p_0 \cos \pi x}{\sin^2 \pi b} \sqrt{\sin^2 \pi b - \sin^2 \pi x}
-    """
-    edge = math.sin(math.pi * half_width) ** 2
-    root = np.sqrt(np.maximum(edge - np.sin(np.pi * x) ** 2, 0))
-    return np.asarray(2 * mean_pressure * np.cos(np.pi * x) / edge * root)
+    def surface(self, n: int, across: tuple[int, float] | None = None) -> HeightField:
+        """Return the wave, its crest midway between two of n points, with `across`: points and length."""
+        points, length = across or (4, 4 / n)
+        x = (np.arange(n) + 0.5) / n - 0.5
+        heights = self.amplitude * np.cos(2 * np.pi * x)[:, None] * np.ones(points)
+        return HeightField(heights=heights, lengths=(1.0, length))
 
+    def pressure(self, x: Array) -> Array:
+        """Pressure [Pa] at a distance from the crest."""
+        edge = math.sin(math.pi * self.half_width) ** 2
+        root = np.sqrt(np.maximum(edge - np.sin(np.pi * x) ** 2, 0))
+        return np.asarray(2 * self.load * np.cos(np.pi * x) / edge * root)
 
-def westergaard_stress(
-    x: Array, depth: float, *, half_width: float, mean_pressure: float, poisson: float
-) -> Array:
-    r"""Stress [Pa] below a wave of period 1 whose crest is at x = 0, in plane strain.
+    def stress(self, x: Array, depth: float, *, poisson: float) -> Array:
+        r"""Stress [Pa] below the wave in plane strain, (..., 6): xx, yy, zz, yz, xz, xy.
 
-    Components (..., 6): xx, yy, zz, yz, xz, xy.
+        .. math:: \sigma_{zz} = -\Re Z + d\, \Im Z', \quad \sigma_{xx} = -\Re Z - d\, \Im Z', \quad
+                  \sigma_{xz} = -d\, \Re Z', \qquad w = x - i d
 
-    .. math:: \sigma_{zz} = -\Re Z + d\, \Im Z', \quad \sigma_{xx} = -\Re Z - d\, \Im Z', \quad
-              \sigma_{xz} = -d\, \Re Z', \qquad w = x - i d
-
-    Z is analytic below the surface, with the pressure as its real part there: p of complex x, less what grows
-    downwards. The mean is that of a solid which cannot expand sideways.
-    """
-    w = np.pi * (np.asarray(x) - 1j * np.asarray(depth))
-    edge = math.sin(math.pi * half_width) ** 2
-    sine, cosine = np.sin(w), np.cos(w)
-    # The branch that is positive in the contact, and i sin(w) deep down.
-    root = np.sqrt(edge - sine**2)
-    root = np.where((root * np.conj(1j * sine)).real < 0, -root, root)
-    scale = 2 * mean_pressure / edge
-    potential = scale * cosine * (root - 1j * sine)
-    slope = np.pi * scale * (-sine * (root - 1j * sine) + cosine * (-sine * cosine / root - 1j * cosine))
-    stress = np.zeros((*potential.shape, 6))
-    stress[..., 0] = -potential.real - depth * slope.imag
-    stress[..., 2] = -potential.real + depth * slope.imag
-    stress[..., 4] = -depth * slope.real
-    # Along the ridges nothing moves; sideways the mean is that of the confined solid.
-    stress[..., 0] += mean_pressure * (1 - poisson / (1 - poisson))
-    stress[..., 1] = poisson * (stress[..., 0] + stress[..., 2])
-    return stress
+        Z is analytic below the surface, with the pressure as its real part there: p of complex x, less what
+        grows downwards. The mean is that of a solid which cannot expand sideways.
+        """
+        w = np.pi * (np.asarray(x) - 1j * np.asarray(depth))
+        edge = math.sin(math.pi * self.half_width) ** 2
+        sine, cosine = np.sin(w), np.cos(w)
+        # The branch that is positive in the contact, and i sin(w) deep down.
+        root = np.sqrt(edge - sine**2)
+        root = np.where((root * np.conj(1j * sine)).real < 0, -root, root)
+        scale = 2 * self.load / edge
+        potential = scale * cosine * (root - 1j * sine)
+        slope = np.pi * scale * (-sine * (root - 1j * sine) + cosine * (-sine * cosine / root - 1j * cosine))
+        stress = np.zeros((*potential.shape, 6))
+        stress[..., 0] = -potential.real - depth * slope.imag
+        stress[..., 2] = -potential.real + depth * slope.imag
+        stress[..., 4] = -depth * slope.real
+        # Along the ridges nothing moves; sideways the mean is that of the confined solid.
+        stress[..., 0] += self.load * (1 - poisson / (1 - poisson))
+        stress[..., 1] = poisson * (stress[..., 0] + stress[..., 2])
+        return stress
 
 
 def huber_stress(

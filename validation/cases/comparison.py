@@ -12,15 +12,15 @@ import xarray as xr
 
 from validation.audit import audit
 from validation.cases import Check, below, case, near, relative
-from validation.cases._closed_forms import westergaard_mean_pressure, westergaard_pressure
+from validation.cases._closed_forms import Westergaard
 from validation.comparison.run import run_scene
 from validation.execution.results import read_results
 from validation.scenes.scene import Scene
 
 _YOUNG, _POISSON = 1e6, 0.3
 _MODULUS = _YOUNG / (1 - _POISSON**2)
-_HALF_WIDTH, _AMPLITUDE = 0.3, 1e-3
-_LOAD = westergaard_mean_pressure(_AMPLITUDE, half_width=_HALF_WIDTH, contact_modulus=_MODULUS)
+_WAVE = Westergaard(amplitude=1e-3, contact_modulus=_MODULUS)
+_HALF_WIDTH, _AMPLITUDE, _LOAD = _WAVE.half_width, _WAVE.amplitude, _WAVE.load
 _GRADIENT = 2 * math.pi * _AMPLITUDE / math.sqrt(2)
 _REDUCED = _LOAD / (_MODULUS * _GRADIENT)
 _GRIDS = (64, 128, 256)
@@ -84,7 +84,7 @@ def _row(row: xr.Dataset, n: int, edge_constant: float) -> Iterator[Check]:
     # The window of P(0+): 0.2 E* h' (dx / l)^(1/2), with l = 1 the period.
     window = 0.2 / math.sqrt(n)
     x = np.linspace(0, _HALF_WIDTH, 200001)
-    p = westergaard_pressure(x, half_width=_HALF_WIDTH, mean_pressure=_REDUCED)
+    p = _WAVE.pressure(x) / (_MODULUS * _GRADIENT)
     share = 2 * (_HALF_WIDTH - float(x[np.argmax(p < window)]))
     corrected = float(row.area_pixel) - 2 * edge_constant / n
     yield near(f"{name}: pixel", row.area_pixel, 2 * _HALF_WIDTH, 2 / n)

@@ -19,11 +19,7 @@ from fem_contact.subsurface import fields_below, planes_below, strongest_point
 from fem_contact.surface import HeightField
 from validation.arrays import Array
 from validation.cases import Case, Check, below, case, order, relative
-from validation.cases._closed_forms import (
-    HertzInPeriod,
-    westergaard_mean_pressure,
-    westergaard_stress,
-)
+from validation.cases._closed_forms import HertzInPeriod, Westergaard
 
 __all__ = ["CASES"]
 
@@ -68,20 +64,14 @@ def _hertz() -> Iterator[Check]:
 )
 def _wave() -> Iterator[Check]:
     """Plane strain below a wave in partial contact, converging."""
-    half_width, amplitude, sizes = 0.3, 0.01, (64, 128, 256, 512)
-    load = westergaard_mean_pressure(
-        amplitude, half_width=half_width, contact_modulus=_HALF_SPACE.contact_modulus
-    )
-    errors = []
+    exact, errors, sizes = Westergaard(contact_modulus=_HALF_SPACE.contact_modulus), [], (64, 128, 256, 512)
     for n in sizes:
         # The edge of the contact lies midway between two points on every grid.
-        x = (np.arange(n) + 0.5) / n - 0.5
-        heights = amplitude * np.cos(2 * np.pi * x)[:, None] * np.ones(4)
-        surface = HeightField(heights=heights, lengths=(1.0, 4 / n))
-        result = bem.solve(surface, _HALF_SPACE, mean_pressure=load).checked()
+        result = bem.solve(exact.surface(n), _HALF_SPACE, mean_pressure=exact.load).checked()
         (plane,) = planes_below(result, _HALF_SPACE, depths=[0.05])
-        exact = westergaard_stress(x, 0.05, half_width=half_width, mean_pressure=load, poisson=_NU)
-        errors.append(float(np.max(np.abs(plane.stress[:, 1] - exact))) / load)
+        x = (np.arange(n) + 0.5) / n - 0.5
+        off = np.abs(plane.stress[:, 1] - exact.stress(x, 0.05, poisson=_NU))
+        errors.append(float(np.max(off)) / exact.load)
     yield order("observed order of the stress at depth .05", sizes, errors, expected=2, tolerance=0.7)
     yield below(f"largest error over p0 at n = {sizes[-1]}", errors[-1], 1e-4)
 

@@ -14,7 +14,7 @@ from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation.arrays import Array
 from validation.cases import Check, NotJudged, below, case, near, order, relative, within
-from validation.cases._closed_forms import HertzInPeriod, westergaard_mean_pressure, westergaard_pressure
+from validation.cases._closed_forms import HertzInPeriod, Westergaard
 from validation.cases.scorecard.elementary import full_contact_transfer, wave_errors
 from validation.cases.scorecard.subject import SOFT, Pressed, Subject, rough
 from validation.effects.base import ContactModel
@@ -32,8 +32,7 @@ _WESTERGAARD = "H. M. Westergaard, J. Appl. Mech. 6, 49 (1939)"
 #: these.
 _SHIFTS = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.5), (0.25, 0.25))
 _WEIGHTS = (1, 1, 2, 4)
-#: Of a wave: half of the width that touches, or stays elastic, over the period, and the amplitude.
-_HALF_WIDTH, _AMPLITUDE = 0.3, 0.01
+_WAVE = Westergaard()
 _THICKNESS = 0.25
 
 
@@ -131,15 +130,11 @@ def strip(
     subject: Subject, n: int, *, across: tuple[int, float], axis: int = 0
 ) -> tuple[Array, Array, Pressed]:
     """Press a wave with its crest in the middle, uniform along the other axis: p(x), its error, and all."""
-    x = (np.arange(n) + 0.5) / n - 0.5
-    points, length = across
-    heights = _AMPLITUDE * np.cos(2 * np.pi * x)[:, None] * np.ones(points)
-    surface = HeightField(heights=heights, lengths=(1.0, length))
+    surface, x = _WAVE.surface(n, across), (np.arange(n) + 0.5) / n - 0.5
     if axis == 1:
-        surface = HeightField(heights=np.ascontiguousarray(heights.T), lengths=(length, 1.0))
-    mean = westergaard_mean_pressure(_AMPLITUDE, half_width=_HALF_WIDTH)
-    pressed = subject.press(surface, mean)
-    exact = westergaard_pressure(x, half_width=_HALF_WIDTH, mean_pressure=mean)
+        turned = np.ascontiguousarray(surface.heights.T)
+        surface = HeightField(heights=turned, lengths=(across[1], 1.0))
+    pressed, exact = subject.press(surface, _WAVE.load), _WAVE.pressure(x)
     pressure = (pressed.claim.pressure if axis == 0 else pressed.claim.pressure.T)[:, 1]
     return pressure / exact.max(), np.abs(pressure - exact) / exact.max(), pressed
 
@@ -151,12 +146,12 @@ def mean_inside(off: Array) -> float:
 
 def _within(n: int, share: float) -> NDArray[np.bool_]:
     """Points of a wave in the middle of what touches, or stays elastic."""
-    return np.asarray(np.abs((np.arange(n) + 0.5) / n - 0.5) < share * _HALF_WIDTH)
+    return np.asarray(np.abs((np.arange(n) + 0.5) / n - 0.5) < share * _WAVE.half_width)
 
 
 def _second_order(n: int) -> float:
     """Share of the peak by which a discretisation of second order may miss the pressure of a wave."""
-    return 1 / (_HALF_WIDTH * n) ** 2
+    return 1 / (_WAVE.half_width * n) ** 2
 
 
 @case("westergaard", "A wave carries Westergaard's pressure.", source=_WESTERGAARD, tolerance="grid")
@@ -168,7 +163,7 @@ def westergaard(subject: Subject) -> Iterator[Check]:
     yield relative("peak pressure over Westergaard's, finest grid", pressure.max(), 1.0, allowed)
     yield below("mean error of p(x) over the peak, finest grid", errors[-1], allowed)
     yield below("largest error of p(x) over the peak, finest grid", off[_within(n, 0.9)].max(), 0.01)
-    yield near("contact width", pressed.result.in_contact.mean(), 2 * _HALF_WIDTH, 2 / n)
+    yield near("contact width", pressed.result.in_contact.mean(), 2 * _WAVE.half_width, 2 / n)
     yield from _observed(subject, "p(x)", errors, expected=2, tolerance=1)
 
 
@@ -188,11 +183,8 @@ def layer(subject: Subject) -> Iterable[Check]:
 def yielding(subject: Subject) -> Iterator[Check]:
     subject.needs(effect=Hardness)
     n = 2 * subject.ladder[-1]
-    x = (np.arange(n) + 0.5) / n - 0.5
-    heights = -_AMPLITUDE * np.cos(2 * np.pi * x)[:, None] * np.ones(4)
-    surface = HeightField(heights=heights, lengths=(1.0, 4 / n))
-    short = westergaard_mean_pressure(_AMPLITUDE, half_width=_HALF_WIDTH)
-    missing = westergaard_pressure(x, half_width=_HALF_WIDTH, mean_pressure=short)
+    surface = HeightField(heights=-_WAVE.surface(n).heights, lengths=(1.0, 4 / n))
+    short, missing = _WAVE.load, _WAVE.pressure((np.arange(n) + 0.5) / n - 0.5)
     # Twice what the troughs lack: they stay pressed.
     peak, hardness = float(missing.max()), 2 * float(missing.max())
     model = ContactModel.filled(SOFT, [Hardness(hardness=hardness)])
@@ -203,7 +195,7 @@ def yielding(subject: Subject) -> Iterator[Check]:
     yield relative("lowest pressure over H", pressure.min() / hardness, 0.5, _second_order(n))
     yield below("mean error of H - p(x) over its peak, inside", off.mean(), _second_order(n))
     yield below("largest error of H - p(x) over its peak, inside", off.max(), 0.01)
-    yield near("yielded width", pressed.result.at_bound.mean(), 1 - 2 * _HALF_WIDTH, 2 / n)
+    yield near("yielded width", pressed.result.at_bound.mean(), 1 - 2 * _WAVE.half_width, 2 / n)
     yield below("open area", np.mean(~(pressure > 0)), 0.0)
     yield below("largest pressure above H, over H", above, 10 * subject.tolerance)
 
