@@ -89,5 +89,6 @@ def _row(row: xr.Dataset, n: int, edge_constant: float) -> Iterator[Check]:
     corrected = float(row.area_pixel) - 2 * edge_constant / n
     yield near(f"{name}: pixel", row.area_pixel, 2 * _HALF_WIDTH, 2 / n)
     yield relative(f"{name}: perimeter", row.area_perimeter, corrected, 1e-12)
+    yield relative(f"{name}: kappa", row.kappa_perimeter, corrected / _REDUCED, 1e-12)
     # A point more or less on either edge.
     yield near(f"{name}: P(0+)", row.density_at_zero, share / window, 2 / n / window)
