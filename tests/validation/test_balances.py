@@ -11,6 +11,7 @@ from gold.asked import STUDIES
 from small_scene import small_scene
 
 from validation.comparison.run import run_scene
+from validation.execution.bench import Bench
 from validation.execution.store import check_store
 from validation.report.estimates import shown_sources, total_error
 from validation.scenes.scene import load_scene
@@ -24,7 +25,7 @@ def fresh(tmp_path_factory):
     began = datetime.now(UTC).replace(microsecond=0)
     path = folder / "balance.toml"
     path.write_text(small_scene("shifts = 2\n[methods.fem]\ngrids = [12, 24]\n"))
-    outputs = run_scene(load_scene(str(path)), folder / "results", store_folder=folder / "solves")
+    outputs = run_scene(load_scene(str(path)), folder / "results", bench=Bench.at(folder / "solves"))
     made = {checked.path: checked.made for checked in check_store(folder / "solves")}
     solves = {}
     for path in made:

@@ -41,9 +41,9 @@ def results(small_run, tmp_path_factory):
         bench = Bench.at(folder / "solves")
         run_study(area, options, folder / f"area-{seed}", bench=bench, report=False)
     loads = load_asked(scene, ["sweep.load.reduced_pressure=[0.05, 0.1]"])
-    run_sweep(loads, folder / "swept", store_folder=folder / "other" / "solves", report=False)
+    run_sweep(loads, folder / "swept", bench=Bench.at(folder / "other" / "solves"), report=False)
     more = load_asked(scene, ["sweep.load.reduced_pressure=[0.1, 0.2]"])
-    run_sweep(more, folder / "swept-more", store_folder=folder / "other" / "solves", report=False)
+    run_sweep(more, folder / "swept-more", bench=Bench.at(folder / "other" / "solves"), report=False)
     return folder
 
 

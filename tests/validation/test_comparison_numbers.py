@@ -27,8 +27,8 @@ from validation.effects.graded import Graded
 from validation.effects.hardness import Hardness
 from validation.effects.thickness import Thickness
 from validation.execution.attempt import Progress
-from validation.execution.fields import decode_result, encode_result
-from validation.execution.netcdf import reading
+from validation.execution.fields import decode_result, fields_dataset
+from validation.execution.netcdf import dataset_bytes
 from validation.execution.press import Press
 from validation.execution.running import Execution
 from validation.measurements import ensemble
@@ -232,13 +232,15 @@ def weighted():
 
 
 def test_node_weights_are_read_back_bit_for_bit(weighted):
-    found = decode_result(encode_result(weighted, recipe="{}"))
+    found = decode_result(dataset_bytes(fields_dataset(weighted, recipe="{}")))
     np.testing.assert_array_equal(found.weights, weighted.weights)
     assert (found.offset, found.mean_pressure) == (weighted.offset, weighted.mean_pressure)
 
 
 def test_stored_fields_carry_checksums(weighted):
-    with reading(encode_result(weighted, recipe="{}")) as file:
+    import netCDF4
+
+    with netCDF4.Dataset("memory", memory=dataset_bytes(fields_dataset(weighted, recipe="{}"))) as file:
         fields = [variable for variable in file.variables.values() if variable.ndim == 2]
         assert len(fields) == 7
         assert all(variable.filters()["fletcher32"] for variable in fields)

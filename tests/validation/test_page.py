@@ -157,7 +157,7 @@ def test_an_interrupted_run_of_another_scene_does_not_stand_beside_the_old_repor
     def interrupted(*args, **kwargs):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("validation.comparison.run.solve_all", interrupted)
+    monkeypatch.setattr("validation.execution.bench.solve_all", interrupted)
     with pytest.raises(KeyboardInterrupt):
         run_scene(_scene(small_run), folder)
     assert (folder / "report.html").exists()
@@ -171,7 +171,7 @@ def test_a_folder_is_that_of_what_ran_in_it_last(outputs, small_run, tmp_path):
     folder = tmp_path / "both"
     shutil.copytree(outputs["study"][1], folder)
     assert record_of(folder)["kind"] == "study"
-    run_scene(_scene(small_run), folder, store_folder=small_run.folder / "solves", report=False)
+    run_scene(_scene(small_run), folder, bench=Bench.at(small_run.folder / "solves"), report=False)
     assert record_of(folder)["kind"] == "run"
     _run_area(folder, outputs["study"][1].parent / "solves", report=False)
     assert record_of(folder)["kind"] == "study"
@@ -241,7 +241,8 @@ def test_findings_break_at_words_on_a_terminal_and_nowhere_in_a_log(small_run):
 def test_a_log_says_how_many_of_how_many_as_it_goes(write_scene, tmp_path, capsys):
     scene = load_scene(str(write_scene(fem=False)))
     with Bar(quiet=False) as bar:
-        run_scene(scene, tmp_path / "results", progress=bar, report=False)
+        bench = Bench.at(tmp_path / "solves", progress=bar)
+        run_scene(scene, tmp_path / "results", bench=bench, report=False)
     lines = capsys.readouterr().err.splitlines()
     assert lines[0].startswith("fem-contact: 1 of 12: ")
     assert lines[-1].startswith("fem-contact: 12 of 12: ")

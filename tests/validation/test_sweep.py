@@ -18,6 +18,7 @@ from validation.comparison.run import report_scene, run_scene
 from validation.comparison.sweep import run_sweep
 from validation.comparison.sweep_views import sweep_views
 from validation.errors import RunFailed, SceneError, UsageError
+from validation.execution.bench import Bench
 from validation.execution.press import Press
 from validation.execution.results import read_results
 from validation.report.words import with_error
@@ -51,7 +52,7 @@ def test_a_sweep_of_load_and_hardness_equals_the_single_runs_number_for_number(s
     for load in (1e3, 1e4):
         settings = [f"load.pressure={load}", "hardness=60 kPa"]
         scene = load_asked(small_scene, settings)
-        alone = run_scene(scene, tmp_path / "one", store_folder=folder / "solves", report=False)
+        alone = run_scene(scene, tmp_path / "one", bench=Bench.at(folder / "solves"), report=False)
         assert alone.solved == 0  # the sweep left its solves where any run finds them
         here = outputs.data.sel(pressure=load, hardness=60e3)
         for name in set(alone.data.data_vars) & set(here.data_vars):
@@ -128,7 +129,7 @@ def test_hurst_exponents_have_a_linear_axis_no_power_and_a_pointer_to_the_study(
     band = drawn["area_lowest"].artist.get_paths()[0].vertices[:, 1]
     assert band.min() == pytest.approx(float(data.area_each.min()))
     assert band.max() == pytest.approx(float(data.area_each.max()))
-    alone = run_scene(sweep.scenes[1], tmp_path / "one", store_folder=tmp_path / "solves", report=False)
+    alone = run_scene(sweep.scenes[1], tmp_path / "one", bench=Bench.at(tmp_path / "solves"), report=False)
     assert alone.solved == 0
     assert float(data["scatter"].sel(hurst=0.5)) == float(alone.data.scatter)
 

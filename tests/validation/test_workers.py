@@ -43,8 +43,8 @@ def tally(tmp_path):
 
 
 @pytest.mark.nightly
-def test_a_solve_whose_workers_are_killed_three_times_by_chance_is_done_at_the_end(tmp_path, tally):
-    progress, unlucky = Notes(), Deadly(1, tally(3))
+def test_a_solve_whose_worker_is_killed_by_chance_is_done_at_the_end(tmp_path, tally):
+    progress, unlucky = Notes(), Deadly(1, tally(1))
     others = [Slow(k) for k in range(2, 8)]
     done = solve_all(
         [unlucky, *others], Store(folder=tmp_path / "s"), progress=progress, execution=Execution(workers=2)
@@ -52,7 +52,7 @@ def test_a_solve_whose_workers_are_killed_three_times_by_chance_is_done_at_the_e
     assert done.solved == 7
     assert progress.finished[-1] == unlucky.key
     (note,) = progress.notes
-    assert "its worker died 3 times" in note
+    assert "its worker died" in note
     assert "tried once more when the others are done" in note
 
 
@@ -60,12 +60,10 @@ def test_a_solve_whose_workers_are_killed_three_times_by_chance_is_done_at_the_e
 def test_a_solve_that_kills_its_workers_is_given_up_and_the_others_are_stored(tmp_path, tally):
     deadly, others = Deadly(1, tally(99)), [Slow(k) for k in range(2, 5)]
     store = Store(folder=tmp_path / "s")
-    with pytest.raises(
-        RunFailed, match=r"seed 1: its worker died 3 times, and once more when nothing else ran"
-    ):
+    with pytest.raises(RunFailed, match=r"seed 1: its worker died, and once more when nothing else ran"):
         solve_all([deadly, *others], store, execution=Execution(workers=2))
     assert all(store.read(solve) for solve in others)
-    assert int(Path(deadly.tally).read_text()) == 99 - 4
+    assert int(Path(deadly.tally).read_text()) == 99 - 2
 
 
 @pytest.mark.nightly
@@ -83,23 +81,13 @@ def test_workers_that_never_come_up_end_the_run_with_their_last_words(tmp_path, 
         solve_all([DiesAtStart(1, tally(99))], Store(folder=tmp_path / "s"), execution=Execution(workers=2))
 
 
-def test_workers_that_cannot_be_started_are_told_and_those_there_are_go_on(tmp_path, monkeypatch):
-    real, started = Child.start, []
+def test_a_worker_that_cannot_be_started_is_one_line(tmp_path, monkeypatch):
+    def refused(child):
+        raise OSError(errno.EMFILE, "Too many open files")
 
-    def start(child):
-        if child not in started[:1] and started:
-            raise OSError(errno.EMFILE, "Too many open files")
-        started.append(child)
-        real(child)
-
-    monkeypatch.setattr(Child, "start", start)
-    progress = Notes()
-    done = solve_all(
-        [Slow(1), Slow(2)], Store(folder=tmp_path / "s"), progress=progress, execution=Execution(workers=4)
-    )
-    assert done.solved == 2
-    assert "no worker process can be started (Too many open files)" in progress.notes[0]
-    assert "1 workers go on" in progress.notes[0]
+    monkeypatch.setattr(Child, "start", refused)
+    with pytest.raises(RunFailed, match=r"no worker process can be started \(Too many open files\); name"):
+        solve_all([Slow(1), Slow(2)], Store(folder=tmp_path / "s"), execution=Execution(workers=2))
 
 
 def test_what_a_script_itself_defines_is_refused_to_workers_with_the_remedy(tmp_path, monkeypatch):
@@ -151,7 +139,7 @@ def test_a_look_longer_than_the_patience_is_told_and_followed_by_another(tmp_pat
     with pytest.raises(RunFailed, match="no workers for 120 s; what is finished is stored"):
         module._Cluster(None, "tcp://a", Store(folder=tmp_path), progress, 4.0)
     assert len(looks) == 2
-    assert ["waiting for one for up to 4 s" in note for note in progress.notes] == [True]
+    assert ["waiting for up to 4 s" in note for note in progress.notes] == [True]
 
 
 @pytest.mark.filterwarnings("default")  # of dask's own threads and sockets when a worker is killed
@@ -210,7 +198,7 @@ def test_a_solve_that_loses_its_dask_workers_is_tried_once_more_alone(tmp_path, 
         thread.join()
     assert done.solved == 9
     assert progress.finished[-1] == unlucky.key
-    assert any("its workers died again and again" in note for note in progress.notes)
+    assert any("its worker died" in note for note in progress.notes)
 
 
 def openssl(*arguments, folder):
@@ -261,11 +249,11 @@ def test_a_cluster_with_tls_works_for_who_holds_a_certificate_of_its_authority(t
     store, folder = Store(folder=tmp_path / "s"), prepare_folder(tmp_path / "cluster")
     with dask_cluster(folder, 1, [str(Path(__file__).parent)], options) as (address, _, _):
         assert address.startswith("tls://")
-        with pytest.raises(UsageError, match=r"TLS needs certificates: name them to Dask"):
+        with pytest.raises(UsageError, match=r"no scheduler answers .*names both certificates"):
             solve_all([Numbers(1)], store, execution=Execution(scheduler=address))
         with (
             with_certificates(*stranger),
-            pytest.raises(UsageError, match=r"signed by the authority") as told,
+            pytest.raises(UsageError, match=r"no scheduler answers .*names both certificates") as told,
         ):
             solve_all([Numbers(1)], store, execution=Execution(scheduler=address))
         assert "\n" not in str(told.value)
@@ -275,18 +263,6 @@ def test_a_cluster_with_tls_works_for_who_holds_a_certificate_of_its_authority(t
             done = solve_all([Numbers(1), Numbers(2)], store, execution=Execution(scheduler=address))
         assert done.solved == 2
         assert all(store.read(Numbers(seed)) for seed in (1, 2))
-
-
-def test_where_encryption_is_asked_for_an_address_without_it_is_refused(tmp_path):
-    dask = pytest.importorskip("dask")
-    pytest.importorskip("distributed")  # whose defaults would go with the setting if they came after it
-    with (
-        dask.config.set({"distributed.comm.require-encryption": True}),
-        pytest.raises(UsageError, match=r"asks for encryption; name it as tls://host:port"),
-    ):
-        solve_all(
-            [Numbers(1)], Store(folder=tmp_path / "s"), execution=Execution(scheduler="tcp://127.0.0.1:9")
-        )
 
 
 @pytest.mark.parametrize("says", [b"", b"HTTP/1.1 400 Bad Request\r\n\r\n", bytes(64)])

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.execution.netcdf import reading
+from validation.execution.netcdf import read_dataset
 from validation.files import read_whole
 
 Array = NDArray[Any]
@@ -89,9 +89,8 @@ class Stored:
     """
 
     def __init__(self, content: memoryview) -> None:
-        with reading(content) as file:
-            fields = {name: np.asarray(values[...]) for name, values in file.variables.items()}
-            attrs = {name: file.getncattr(name) for name in file.ncattrs()}
+        data = read_dataset(content)
+        fields, attrs = {str(name): values.values for name, values in data.variables.items()}, data.attrs
         self.recipe: dict[str, Any] = json.loads(attrs["recipe"])
         self.provenance: dict[str, str] = json.loads(attrs["provenance"])
         self.cost: dict[str, float] = json.loads(attrs["cost"])

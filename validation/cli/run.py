@@ -44,6 +44,7 @@ def run(
     """
     from validation.cli.progress import Bar
     from validation.cli.results import print_page
+    from validation.execution.bench import Bench
     from validation.execution.store import Store
     from validation.scenes.sweep import Sweep, load_asked
 
@@ -67,11 +68,13 @@ def run(
     with options.naming(scene):
         drawn = with_report and (how.pictures if pictures is None else pictures)
         solves, solve = _prepared(loaded, folder, chosen=chosen, pictures=drawn)
+    stored = Store(folder=store_folder)
     if dry_run:
-        options.print_plan(solves(), Store(folder=store_folder), as_json=as_json)
+        options.print_plan(solves(), stored, as_json=as_json)
         return
     with Bar(quiet=quiet or how.quiet or as_json) as bar:
-        outputs = solve(progress=bar, execution=execution, store_folder=store_folder, report=with_report)
+        bench = Bench(store=stored, execution=execution, progress=bar)
+        outputs = solve(bench=bench, report=with_report)
     line = f"Solves done: {outputs.solved}, found finished: {outputs.reused}. Written:"
     print_page(outputs.page, outputs.files, as_json=as_json, more=outputs.more, done=line)
     outputs.check()

@@ -147,17 +147,25 @@ def run_accurate(
     *,
     target: float,
     time_limit: float | None = None,
-    **how: Any,
+    bench: Bench | None = None,
+    report: bool = True,
+    pictures: bool = False,
 ) -> Outputs:
     """Run a scene to an accuracy and write its report; it holds the grids that were chosen.
 
     Arguments and errors are those of `reach` and of `validation.comparison.run.run_scene`.
     """
     prepare_folder(folder)
-    parts = {name: how[name] for name in ("execution", "progress") if how.get(name) is not None}
-    bench = Bench.at(how.get("store_folder") or folder / "solves", **parts)
+    bench = bench or Bench.at(folder / "solves")
     reached = reach(scene, bench, target=target, time_limit=time_limit)
-    outputs = run_scene(reached.chosen(scene), folder, accurate=reached.summary(), **how)
+    outputs = run_scene(
+        reached.chosen(scene),
+        folder,
+        bench=bench,
+        accurate=reached.summary(),
+        report=report,
+        pictures=pictures,
+    )
     more = tuple(reached.sentences())
     return replace(outputs, more=more, solved=reached.solves, reused=reached.reused)
 

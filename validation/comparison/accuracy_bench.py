@@ -71,7 +71,7 @@ class Metered(Bench):
             words += f" and {max(self.time_limit - self.spent, 0):.3g} s are left"
         return words
 
-    def solve(self, solves: Iterable[Solve]) -> Solves:
+    def solve(self, solves: Iterable[Solve], *, despite_failures: bool = False) -> Solves:
         """Solve what is not stored yet.
 
         A RunFailed for solves that would not end in time, before they begin, and as `Bench.solve`.
@@ -82,7 +82,7 @@ class Metered(Bench):
         account.found |= set(wanted) - set(missing) - account.done
         account.done |= set(missing)
         if not missing:
-            return super().solve(wanted)
+            return super().solve(wanted, despite_failures=despite_failures)
         if not self.affordable(self.seconds(missing)):
             raise RunFailed(
                 f"{self.wanted}: solves take longer here than predicted, {missing[0].describe()} would not "
@@ -91,7 +91,7 @@ class Metered(Bench):
             )
         warm_up(missing)  # not charged to the solves, whose time tells how fast the machine is
         start = time.perf_counter()
-        results = super().solve(wanted)
+        results = super().solve(wanted, despite_failures=despite_failures)
         account.solving += time.perf_counter() - start
         account.predicted += sum(solve.predict(pair_seconds=self.pair).seconds for solve in missing)
         return results

@@ -19,12 +19,11 @@ from validation.comparison.subsurface_stress import write_below
 from validation.comparison.theory_alone import theory_data
 from validation.comparison.treatment import with_treatment
 from validation.errors import RunFailed
-from validation.execution.attempt import Progress
+from validation.execution.bench import Bench
 from validation.execution.press import Press, run_solves, solves_of
 from validation.execution.provenance import SOLVES_MADE, made_words
 from validation.execution.results import Result, clear_results, read_results, record_of, write_results
-from validation.execution.running import Execution, Solves, solve_all
-from validation.execution.store import Store
+from validation.execution.running import Solves
 from validation.files import atomic_path, locked, prepare_folder
 from validation.report.page import Page, clear_page
 from validation.scenes.checks import check_scene
@@ -66,16 +65,18 @@ def run_scene(
     scene: Scene,
     folder: Path,
     *,
+    bench: Bench | None = None,
     problem: ContactProblem | None = None,
     accurate: Mapping[str, Any] | None = None,
-    **how: Any,
+    report: bool = True,
+    pictures: bool = False,
 ) -> Outputs:
     """Run a scene into a folder; finished solves found in the store are used, not repeated.
 
-    `accurate` is what was reached where the grids were chosen for an accuracy. Of `how`, solves run in this
-    process unless `execution` says where, report to `progress`, and are kept in `folder`/solves unless
-    `store_folder` is given, to be shared with other runs and studies. `pictures` in 3-D are rendered off
-    screen in some seconds; without `report` figures and page are left for `report_scene`.
+    `accurate` is what was reached where the grids were chosen for an accuracy. Solves run in this process
+    and are kept in `folder`/solves unless a `bench` says where, to be shared with other runs and studies.
+    `pictures` in 3-D are rendered off screen in some seconds; without `report` figures and page are left for
+    `report_scene`.
 
     A UsageError for a scene or folder that cannot be used, before anything is computed. A RunFailed when no
     solve succeeds; of others the report tells.
@@ -86,8 +87,9 @@ def run_scene(
     if accurate is not None:
         settings["accuracy"] = dict(accurate)
     listed = run_solves if accurate is None else solves_of
+    bench = bench or Bench.at(folder / "solves")
     for grids, words in oblong_grids(scene, problem):
-        (how.get("progress") or Progress()).note(f"{grids}: {words}")
+        bench.progress.note(f"{grids}: {words}")
 
     def measured(results: Solves) -> tuple[xr.Dataset, Sequence[Path]]:
         written: Sequence[Path] = ()
@@ -104,19 +106,18 @@ def run_scene(
         return data.assign_attrs(effects_words=effects_words(scene, problem)), written
 
     kind = "run" if scene.methods.solvers else "theory"
-    return solve_and_write(folder, listed(scene, problem), measured, kind=kind, settings=settings, **how)
+    solves, shown = listed(scene, problem), {"report": report, "pictures": pictures}
+    return solve_and_write(bench, folder, solves, measured, kind=kind, settings=settings, **shown)
 
 
 def solve_and_write(
+    bench: Bench,
     folder: Path,
     solves: Sequence[Press],
     measured: Callable[[Solves], tuple[xr.Dataset, Sequence[Path]]],
     *,
     kind: str,
     settings: Mapping[str, Any],
-    progress: Progress | None = None,
-    execution: Execution | None = None,
-    store_folder: Path | None = None,
     **shown: bool,
 ) -> Outputs:
     """Do the solves of a run or a sweep, and write dataset, record and page.
@@ -131,8 +132,8 @@ def solve_and_write(
             clear_page(folder)
             for block in (folder / "fields").glob("*.vtu"):
                 block.unlink(missing_ok=True)
-    store = Store(folder=store_folder or folder / "solves")
-    results = solve_all(solves, store, progress=progress, execution=execution, despite_failures=True)
+    store = bench.store
+    results = bench.solve(solves, despite_failures=True)
     data, written = measured(results)
     if results:
         data.attrs[SOLVES_MADE] = "\n".join(made_words(results.made()))

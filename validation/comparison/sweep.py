@@ -16,6 +16,7 @@ from validation.comparison.numbers import scene_data
 from validation.comparison.run import Outputs, solve_and_write
 from validation.comparison.theory_alone import theory_data
 from validation.errors import RunFailed
+from validation.execution.bench import Bench
 from validation.execution.press import solves_of
 from validation.execution.running import Solves
 from validation.report.estimates import gather
@@ -26,7 +27,12 @@ from validation.scenes.sweep import Sweep
 
 
 def run_sweep(
-    sweep: Sweep, folder: Path, *, cases: Sequence[ContactProblem] | None = None, **how: Any
+    sweep: Sweep,
+    folder: Path,
+    *,
+    bench: Bench | None = None,
+    cases: Sequence[ContactProblem] | None = None,
+    report: bool = True,
 ) -> Outputs:
     """Run every scene of a sweep into one folder, as `run_scene` does one."""
     problems = cases or problems_of(sweep)
@@ -41,7 +47,8 @@ def run_sweep(
         counts = {"solves": len(solves), "asked": sum(map(len, each))}
         return sweep_data(sweep, problems, results).assign_attrs(counts), ()
 
-    return solve_and_write(folder, solves, measured, kind="sweep", settings=settings, **how)
+    bench = bench or Bench.at(folder / "solves")
+    return solve_and_write(bench, folder, solves, measured, kind="sweep", settings=settings, report=report)
 
 
 def sweep_data(sweep: Sweep, cases: Sequence[ContactProblem], results: Solves) -> xr.Dataset:

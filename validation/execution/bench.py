@@ -56,17 +56,23 @@ class Bench:
         store = Store(folder=Path(folder))
         return cls(store=store, execution=execution or Execution(), progress=progress or Progress())
 
-    def solve(self, solves: Iterable[Solve]) -> Solves:
+    def solve(self, solves: Iterable[Solve], *, despite_failures: bool = False) -> Solves:
         """Solve what is not stored yet and return all results, a mapping whose keys are the solves.
 
-        A RunFailed when a solve fails; the others are stored.
+        A RunFailed when a solve fails; the others are stored, and given `despite_failures`.
         """
         if self.plan_only:
             plan = tuple({solve.key: solve for solve in solves}.values())
             for solve in plan:
                 solve.predict()  # refuses what has no cost, for it cannot be done
             raise PlannedOnly(plan, self.store)
-        results = solve_all(solves, self.store, progress=self.progress, execution=self.execution)
+        results = solve_all(
+            solves,
+            self.store,
+            progress=self.progress,
+            execution=self.execution,
+            despite_failures=despite_failures,
+        )
         self._read.append(results.how)
         return results
 

@@ -41,30 +41,16 @@ _ANSWER_WITHIN = 5.0
 class _Cluster:
     """The workers of a scheduler, which itself repeats the solve of one that dies."""
 
-    attempts, lost, starts = 1, "its workers died again and again", 1
-
     def __init__(self, client: Any, address: str, store: Store, progress: Progress, patience: float) -> None:
         self.client, self.address, self.store = client, address, store
         self.progress, self.patience = progress, patience
-        #: Workers that a solve may run on, by the key of its future; None for all.
-        self.allowed: dict[str, list[str] | None] = {}
         self.limits = self.awaited_workers()
 
     def room(self, solve: Solve, under_way: Sequence[Solve]) -> bool:
         return len(under_way) < _AHEAD * len(self.limits)
 
     def submit(self, solve: Solve) -> Any:
-        key = f"{solve.key}-{uuid.uuid4()}"
-        self.allowed[key] = self.fitting(solve)
-        return self.client.submit(_remote, solve, self.store, key=key, workers=self.allowed[key])
-
-    def fitting(self, solve: Solve) -> list[str] | None:
-        """Return the workers a solve fits on; None if on all, so that workers that come later may take it."""
-        needed = solve.predict().peak_bytes
-        fitting = [name for name, limit in self.limits.items() if needed <= limit]
-        if not fitting:
-            raise UsageError(too_large(solve, int(max(self.limits.values())), where="on any worker"))
-        return None if len(fitting) == len(self.limits) else fitting
+        return self.client.submit(_remote, solve, self.store, key=f"{solve.key}-{uuid.uuid4()}")
 
     def finished(self, under_way: Mapping[Any, Solve]) -> list[Any]:
         """Return what has ended; where nothing has, look whether the scheduler answers and workers live."""
@@ -73,38 +59,27 @@ class _Cluster:
         with contextlib.suppress(Exception):  # time is over, or a future is cancelled
             wait(list(under_way), timeout=_LOOK_EVERY, return_when="FIRST_COMPLETED")
         ended = [future for future in under_way if future.status != "pending"]
-        if ended:
-            return ended
-        self.limits = self.awaited_workers()
-        # Where no worker lives that a solve may run on, it waits for ever.
-        places = [(future, self.allowed[future.key]) for future in under_way]
-        return [future for future, names in places if names and not set(names) & set(self.limits)]
+        if not ended:
+            self.limits = self.awaited_workers()
+        return ended
 
     def outcome(self, future: Any, solve: Solve) -> Outcome:
-        path = self.store.path(solve)
         if future.status == "error":
             raised = future.exception(timeout=_ANSWER_WITHIN)
             if type(raised).__name__ == "KilledWorker":
                 raise Died
             reason = f"{type(raised).__name__}: {raised}".splitlines()[0]
             return Outcome(error=f"{solve.describe()}: {reason}")
-        if future.status == "pending":  # whatever becomes of it, it is not asked for any more
-            with contextlib.suppress(Exception):
-                future.cancel()
-            try:
-                self.fitting(solve)
-            except UsageError as error:
-                return Outcome(error=str(error))
-            raise Again
-        if future.status != "finished":  # cancelled or lost, with the scheduler
-            self.limits = self.awaited_workers()
-            raise Again
-        try:
-            outcome: Outcome = future.result(timeout=_ANSWER_WITHIN)
-        except Exception:  # the worker died with its answer, but what it solved may be stored
+        path = self.store.path(solve)
+        outcome: Outcome | None = None
+        if future.status == "finished":
+            with contextlib.suppress(Exception):  # the worker died with its answer
+                outcome = future.result(timeout=_ANSWER_WITHIN)
+        if outcome is None:  # or it was cancelled or lost, with the scheduler; it may be stored
             if path.exists():
                 return Outcome()
-            raise Again from None
+            self.limits = self.awaited_workers()
+            raise Again
         if outcome.error is None and not _visible(path):
             return Outcome(error=_unshared(path), fatal=True)
         return outcome
@@ -112,31 +87,28 @@ class _Cluster:
     def awaited_workers(self) -> dict[str, float]:
         began, noted = time.monotonic(), False
         while True:
+            patience, lacking = self.patience, "no workers"
+            remedy = "start workers (dask worker ... --nthreads 1)"
             try:
                 limits = _memory_limits(self.client, self.address)
                 if limits:
                     return limits
-                lacking, patience, remedy = "no workers for {:.0f} s", self.patience, _WORKERS
             except UsageError:
                 raise
             except Exception as error:  # Dask raises what its state makes of a lost connection
                 lacking, remedy = f"the scheduler is lost ({type(error).__name__})", "start it again"
                 patience = 0.0 if self.client.status == "closed" else _LOST_AFTER
             waited = time.monotonic() - began
-            problem = f"--scheduler = {self.address!r}: {lacking.format(waited)}; "
-            if remedy == _WORKERS and waited > _TOLD_AFTER and not noted:
+            problem = f"--scheduler = {self.address!r}: {lacking} for {waited:.0f} s; "
+            if waited > _TOLD_AFTER and not noted:
                 # Told and looked again before giving up, even where one look took longer than the patience.
                 noted = True
-                self.progress.note(f"{problem}waiting for one for up to {patience:.0f} s")
+                self.progress.note(f"{problem}waiting for up to {patience:.0f} s")
             elif waited > patience:
                 raise RunFailed(
                     f"{problem}what is finished is stored: {remedy} and give the same command again"
                 )
             time.sleep(min(_LOOK_EVERY, self.patience / 10))
-
-
-#: What to do where no worker comes.
-_WORKERS = "start workers (dask worker ... --nthreads 1)"
 
 
 def solve_on_cluster(
@@ -149,29 +121,26 @@ def solve_on_cluster(
     waited for, as long as the `patience` lasts [s].
 
     A UsageError when dask is not installed, no scheduler answers, a worker has more than one thread, or a
-    solve fits on no worker. A RunFailed when the scheduler is lost, or there is no worker for longer than
-    that.
+    solve does not fit on each worker. A RunFailed when the scheduler is lost, or there is no worker for
+    longer than that.
     """
     with _connected(address) as client:
         shared = replace(store, folder=store.folder.resolve())
         cluster = _Cluster(client, address, shared, progress, patience)
-        for solve in solves:  # all of them are known to fit before the first is begun
-            cluster.fitting(solve)
+        largest, least = max(solves, key=lambda s: s.predict().peak_bytes), min(cluster.limits.values())
+        if largest.predict().peak_bytes > least:
+            raise UsageError(too_large(largest, int(least), where="on the smallest worker"))
         yield from scheduled(solves, cluster, progress=progress)
 
 
 @contextlib.contextmanager
 def _connected(address: str) -> Iterator[Any]:
     try:
-        from distributed import Client, Security
+        from distributed import Client
     except ImportError:
         raise UsageError(
             f"--scheduler = {address!r}: needs Dask; install it with: pip install 'fem-contact[cluster]'"
         ) from None
-    if Security().require_encryption and not address.startswith("tls://"):
-        raise UsageError(
-            f"--scheduler = {address!r}: Dask's configuration asks for encryption; name it as tls://host:port"
-        )
     answers: queue.SimpleQueue[Any] = queue.SimpleQueue()
 
     def connect() -> None:
@@ -193,7 +162,11 @@ def _connected(address: str) -> Iterator[Any]:
         except queue.Empty:
             client = TimeoutError(f"silent for {_CONNECTS_WITHIN:.0f} s")
         if isinstance(client, Exception):
-            raise UsageError(f"--scheduler = {address!r}: {_unanswered(address, client)}")
+            reason = str(client).partition("\n")[0] or type(client).__name__
+            raise UsageError(
+                f"--scheduler = {address!r}: no scheduler answers there ({reason}); start one with: dask "
+                "scheduler; of TLS, Dask's configuration names both certificates (docs/bench.md)"
+            )
         try:
             yield client
         finally:
@@ -202,21 +175,6 @@ def _connected(address: str) -> Iterator[Any]:
     finally:
         for logger, level in zip(loggers, levels, strict=True):
             logger.setLevel(level)
-
-
-def _unanswered(address: str, error: Exception) -> str:
-    reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-    if not address.startswith("tls://"):
-        return f"no scheduler answers there ({reason}); start one with: dask scheduler"
-    if isinstance(error, TypeError):  # Dask found no certificates
-        return (
-            "TLS needs certificates: name them to Dask, DASK_DISTRIBUTED__COMM__TLS__CA_FILE, "
-            "..__CLIENT__CERT and ..__CLIENT__KEY"
-        )
-    return (
-        f"no scheduler answers there ({reason}); it must be started with TLS, and both certificates signed "
-        "by the authority that the other one trusts"
-    )
 
 
 def _memory_limits(client: Any, address: str) -> dict[str, float]:

@@ -1,15 +1,18 @@
-"""The fields of a solve as the bytes of one netCDF file with units, and back."""
+"""The fields of a solve as a dataset with units, and back from the bytes of its netCDF file."""
 
 from __future__ import annotations
 
 import json
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fem_contact.contact import ContactResult, Cost, Residuals, Status
-from validation.execution.netcdf import InMemory, reading
+from validation.execution.netcdf import read_dataset
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _FIELDS = {
     "pressure": ("Pa", "contact pressure, compression positive"),
@@ -28,50 +31,43 @@ _FORMAT = "fem-contact result 1"
 _COMPRESSED = frozenset({"pressure", "contacting_points", "at_bound"})
 
 
-def encode_result(result: ContactResult, *, recipe: str) -> memoryview:
-    """Return one solve as a netCDF file."""
-    memory = InMemory()
-    file = memory.file
-    file.setncatts(
-        {
-            "format": _FORMAT,
-            "recipe": recipe,
-            "lengths": list(result.lengths),
-            "contact_modulus": result.contact_modulus,
-            "offset": result.offset,
-            "mean_pressure": result.mean_pressure,
-            "status": result.status.name,
-            "residuals": json.dumps(asdict(result.residuals)),
-            "cost": json.dumps(asdict(result.cost)),
-            "provenance": json.dumps(dict(result.provenance)),
-        }
-    )
-    for axis, count, step in zip("xy", result.shape, result.spacing, strict=True):
-        file.createDimension(axis, count)
-        positions = file.createVariable(axis, "f8", (axis,))
-        positions.units = "m"
-        positions[...] = np.arange(count) * step
+def fields_dataset(result: ContactResult, *, recipe: str) -> xr.Dataset:
+    """Return one solve as a dataset over x and y."""
+    import xarray as xr
+
+    variables = {}
     for name, (unit, words) in _FIELDS.items():
         if (value := getattr(result, _NAMES.get(name, name))) is None:
             continue
         value, packed = value.astype(np.int8) if value.dtype == bool else value, name in _COMPRESSED
         # Checksums on all: whoever reads the file with another tool notices damage, too.
-        options: Any = {"zlib": packed, "complevel": 1, "shuffle": packed, "fletcher32": True}
-        variable = file.createVariable(name, value.dtype, ("x", "y"), **options)
-        variable.setncatts({"units": unit, "long_name": words})
-        variable[...] = value
-    return memory.close()
+        options = {"zlib": packed, "complevel": 1, "shuffle": packed, "fletcher32": True, "_FillValue": None}
+        variables[name] = xr.Variable(("x", "y"), value, {"units": unit, "long_name": words}, options)
+    for axis, count, step in zip("xy", result.shape, result.spacing, strict=True):
+        variables[axis] = xr.Variable(axis, np.arange(count) * step, {"units": "m"}, {"_FillValue": None})
+    attributes = {
+        "format": _FORMAT,
+        "recipe": recipe,
+        "lengths": list(result.lengths),
+        "contact_modulus": result.contact_modulus,
+        "offset": result.offset,
+        "mean_pressure": result.mean_pressure,
+        "status": result.status.name,
+        "residuals": json.dumps(asdict(result.residuals)),
+        "cost": json.dumps(asdict(result.cost)),
+        "provenance": json.dumps(dict(result.provenance)),
+    }
+    return xr.Dataset(variables, attrs=attributes)
 
 
 def decode_result(content: memoryview) -> ContactResult:
     """Return the solve of a netCDF file that is intact; ValueError or KeyError for another version's."""
-    with reading(content) as file:
-        file.set_auto_maskandscale(False)
-        attributes = {name: file.getncattr(name) for name in file.ncattrs()}
-        if attributes["format"] != _FORMAT:
-            raise ValueError(f"is not a '{_FORMAT}' file")
-        present = [name for name in _FIELDS if name != "weights" or name in file.variables]
-        values = {_NAMES.get(name, name): file.variables[name][...] for name in present}
+    data = read_dataset(content)
+    attributes = data.attrs
+    if attributes["format"] != _FORMAT:
+        raise ValueError(f"is not a '{_FORMAT}' file")
+    present = [name for name in _FIELDS if name != "weights" or name in data]
+    values: dict[str, Any] = {_NAMES.get(name, name): data[name].values for name in present}
     values |= {name: values[name].astype(bool) for name in ("in_contact", "at_bound")}
     return ContactResult(
         **values,

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from typing import TYPE_CHECKING, Any, Protocol
 
-from validation.errors import RunFailed
 from validation.execution.attempt import Outcome, Progress, attempt_in_worker, warm_up
 from validation.files import remove_drafts
 from validation.sandbox import Child, OutOfBounds
@@ -18,10 +16,8 @@ if TYPE_CHECKING:
     from validation.execution.solve import Solve
     from validation.execution.store import Store
 
-#: A solve whose worker died this often waits until the others are done, and is then tried once alone.
-_ATTEMPTS = 3
-#: Deaths one after another, for each worker, before a solve is begun: something is wrong with this machine.
-_STARTS = 3
+#: Deaths one after another before a solve is begun: something is wrong with this machine.
+_STARTS = 6
 #: Memory of an idle worker: the interpreter and its libraries.
 _IDLE_BYTES = 250 * 2**20
 
@@ -39,15 +35,7 @@ class Again(Exception):
 
 
 class Workers(Protocol):
-    """Where solves are done: processes of this machine, or a cluster.
-
-    A solve may lose its worker so many times (`attempts`) before it is held back, which `lost` says; workers
-    may die so often (`starts`) before they begin one.
-    """
-
-    attempts: int
-    lost: str
-    starts: int
+    """Where solves are done: processes of this machine, or a cluster."""
 
     def room(self, solve: Solve, under_way: Sequence[Solve]) -> bool:
         """Whether a solve may begin beside those under way."""
@@ -67,16 +55,17 @@ def scheduled(
 ) -> Iterator[tuple[Solve, Outcome]]:
     """Do solves on workers; yield each with its outcome when it is known.
 
-    One whose worker died is tried again, at last while nothing else runs: others may have taken its memory.
+    One whose worker died is tried once more while nothing else runs: others may have taken its memory.
     """
     waiting, failed_starts = list(solves), 0
     suspects: list[Solve] = []
+    alone: set[str] = set()
     under_way: dict[Any, Solve] = {}
-    deaths: Counter[str] = Counter()
     while waiting or suspects or under_way:
         busy = list(under_way.values())
-        if not waiting and suspects and not busy:  # alone
+        if suspects and not waiting and not busy:
             waiting.append(suspects.pop(0))
+            alone.add(waiting[0].key)
         while (k := next((k for k, s in enumerate(waiting) if workers.room(s, busy)), None)) is not None:
             solve = waiting.pop(k)
             busy.append(solve)
@@ -90,24 +79,24 @@ def scheduled(
             except Again:
                 waiting.insert(0, solve)
             except Died as death:
-                deaths[solve.key] += death.begun
                 failed_starts = 0 if death.begun else failed_starts + 1
-                if failed_starts >= workers.starts:
+                if failed_starts >= _STARTS:
                     why = (
                         f"worker processes die before they begin to solve{death}; finished solves are intact"
                     )
                     yield solve, Outcome(error=why, fatal=True)
-                elif deaths[solve.key] < workers.attempts:
+                elif not death.begun:
                     waiting.insert(0, solve)
-                elif deaths[solve.key] == workers.attempts:
+                elif solve.key not in alone:
                     suspects.append(solve)
-                    if death.begun:
-                        again = "it is tried once more when the others are done"
-                        progress.note(f"{solve.describe()}: {workers.lost}{death}; {again}")
+                    progress.note(
+                        f"{solve.describe()}: its worker died{death}; it is tried once more when the others "
+                        "are done"
+                    )
                 else:
-                    last = f"and once more when nothing else ran{death}"
-                    why = f"{workers.lost}, {last}: killed from outside or for lack of memory"
-                    yield solve, Outcome(error=f"{solve.describe()}: {why}")
+                    why = "its worker died, and once more when nothing else ran"
+                    cause = "killed from outside or for lack of memory"
+                    yield solve, Outcome(error=f"{solve.describe()}: {why}{death}: {cause}")
 
 
 class _Worker(Child):
@@ -116,11 +105,6 @@ class _Worker(Child):
     def __init__(self) -> None:
         self.stderr = tempfile.TemporaryFile()  # noqa: SIM115 -- as long as the worker
         super().__init__(stderr=self.stderr)
-        try:
-            self.start()
-        except OSError:
-            self.stderr.close()
-            raise
 
     def close(self) -> None:
         super().close()
@@ -139,24 +123,11 @@ class _Worker(Child):
 class _Processes:
     """Processes of one thread each, whose solves fit into memory together."""
 
-    attempts, lost = _ATTEMPTS, f"its worker died {_ATTEMPTS} times"
-
     def __init__(self, store: Store, count: int, *, memory: int) -> None:
-        self.store, self.memory, self.starts = store, memory - count * _IDLE_BYTES, count * _STARTS
-        self.workers: list[_Worker] = []
-        self.idle: list[_Worker] = []
+        self.store, self.memory = store, memory - count * _IDLE_BYTES
+        self.workers = [_Worker() for _ in range(count)]
+        self.idle = list(self.workers)
         self.threads, self.ending = ThreadPoolExecutor(count), False
-
-    def start(self, count: int, progress: Progress) -> None:
-        for _ in range(count):
-            try:
-                self.idle.append(_Worker())
-                self.workers.append(self.idle[-1])
-            except OSError as error:
-                if not self.workers:
-                    raise RunFailed(_not_started(error)) from None
-                progress.note(f"{_not_started(error)}; {len(self.workers)} workers go on")
-                break
 
     def close(self) -> None:
         self.ending = True
@@ -194,7 +165,9 @@ class _Processes:
             try:
                 worker.start()
             except OSError as error:
-                return Outcome(error=_not_started(error), fatal=True)
+                remedy = "name fewer --workers, or raise the limits of this shell (ulimit -n, -u, -v)"
+                why = f"no worker process can be started ({error.strerror}); {remedy}"
+                return Outcome(error=why, fatal=True)
             worker.call(warm_up, [solve])
             ready = True
             outcome: Outcome = worker.call(attempt_in_worker, solve, self.store)
@@ -216,25 +189,15 @@ class _Processes:
             self.idle.append(worker)
 
 
-def _not_started(error: OSError) -> str:
-    return (
-        f"no worker process can be started ({error.strerror}); name fewer --workers, or raise the limits of "
-        "this shell (ulimit -n, -u, -v)"
-    )
-
-
 def solve_in_processes(
     solves: Sequence[Solve], store: Store, *, workers: int, memory: int, progress: Progress
 ) -> Iterator[tuple[Solve, Outcome]]:
     """Do solves on local processes of one thread each, the longest first; yield each with its outcome.
 
     Workers and the solves under way take `memory` bytes together: one that does not fit beside them waits.
-    A RunFailed where the system starts no worker.
     """
-    count = min(workers, len(solves))
-    processes = _Processes(store, count, memory=memory)
+    processes = _Processes(store, min(workers, len(solves)), memory=memory)
     try:
-        processes.start(count, progress)
         longest_first = sorted(solves, key=lambda solve: solve.predict().seconds, reverse=True)
         yield from scheduled(longest_first, processes, progress=progress)
     finally:

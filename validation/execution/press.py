@@ -14,7 +14,8 @@ from fem_contact.settings import available_processors
 from validation.arrays import Grid
 from validation.effects.base import ContactModel
 from validation.execution.cost import dearer_by
-from validation.execution.fields import decode_result, encode_result
+from validation.execution.fields import decode_result, fields_dataset
+from validation.execution.netcdf import dataset_bytes
 from validation.execution.solve import Compiled, Prediction, Solve
 from validation.files import atomic_path
 from validation.scenes.problem import ContactProblem, realise
@@ -128,7 +129,7 @@ class Press(Solve):
 
     def encode(self, result: Solved) -> memoryview:
         """Return fields and provenance."""
-        return encode_result(result.contact, recipe=self.recipe_text)
+        return dataset_bytes(fields_dataset(result.contact, recipe=self.recipe_text))
 
     def decode(self, content: memoryview) -> ContactResult:
         """Read fields and provenance."""

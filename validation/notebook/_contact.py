@@ -177,10 +177,9 @@ class Contact:
 
     def to_xarray(self) -> xr.Dataset:
         """Return the fields over x and y with units: pressure, gap, displacement, heights, contact."""
-        from validation.execution.fields import encode_result
-        from validation.execution.netcdf import read_dataset
+        from validation.execution.fields import fields_dataset
 
-        return read_dataset(encode_result(self.result, recipe=self.solve.recipe_text))
+        return fields_dataset(self.result, recipe=self.solve.recipe_text)
 
     def below(self, depths: Sequence[float] | None = None) -> Subsurface:
         """Return displacement and stress below the contact, from its pressures, at depths [m].

@@ -45,9 +45,9 @@ def _ran(name: str, solves: Path, results: Path) -> xr.Dataset:
         scene = str(path)
     asked = load_asked(scene, settings, grids_chosen=name in ACCURATE)
     if isinstance(asked, Sweep):
-        run_sweep(asked, results, store_folder=solves, report=False)
+        run_sweep(asked, results, bench=Bench.at(solves), report=False)
     elif name in ACCURATE:
-        run_accurate(asked, results, target=ACCURATE[name], store_folder=solves, report=False)
+        run_accurate(asked, results, target=ACCURATE[name], bench=Bench.at(solves), report=False)
     else:
-        run_scene(asked, results, store_folder=solves, report=False)
+        run_scene(asked, results, bench=Bench.at(solves), report=False)
     return read_results(results).data

@@ -36,17 +36,15 @@ def _write_text(path: Path, field: HeightField) -> None:
 
 
 def _write_netcdf(path: Path, field: HeightField) -> None:
-    import netCDF4
+    import xarray as xr
 
-    with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
-        for axis, count, step in zip("xy", field.shape, field.spacing, strict=True):
-            file.createDimension(axis, count)
-            positions = file.createVariable(axis, "f8", (axis,))
-            positions.units = "m"
-            positions[...] = np.arange(count) * step
-        variable = file.createVariable("heights", "f8", ("x", "y"), fletcher32=True)
-        variable.setncatts({"units": "m", "long_name": "heights, positive towards the elastic body"})
-        variable[...] = field.heights
+    words = {"units": "m", "long_name": "heights, positive towards the elastic body"}
+    positions = {
+        axis: (axis, np.arange(count) * step, {"units": "m"})
+        for axis, count, step in zip("xy", field.shape, field.spacing, strict=True)
+    }
+    data = xr.Dataset({"heights": (("x", "y"), field.heights, words)}, positions)
+    data.to_netcdf(path, encoding={"heights": {"fletcher32": True}}, engine="netcdf4")
 
 
 def _write_x3p(path: Path, field: HeightField) -> None:
