@@ -239,11 +239,11 @@ Number = Annotated[float, Field(strict=True)]
 Positive = Annotated[float, Field(gt=0)]
 
 
-def within(least: float, most: float) -> AfterValidator:
+def within(least: float, most: float, *, or_zero: bool = False) -> AfterValidator:
     """Refuse numbers whose powers would vanish or overflow, or that nothing reaches."""
 
     def check(value: float) -> float:
-        if not least <= value <= most:
+        if not least <= value <= most and not (or_zero and value == 0):
             raise wrong(f"must lie between {least:g} and {most:g}")
         return value
 

@@ -186,7 +186,7 @@ def explained(changes) -> str:
 def test_extreme_scenes_are_refused_or_explained(changes):
     # Large surfaces are looked at by their spectrum; this keeps the others small as well.
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(surfaces, "_SURVEYED_POINTS", 2**16)
+        patch.setattr(surfaces, "SURVEYED_POINTS", 2**16)
         explained(changes)
 
 
@@ -250,7 +250,7 @@ def test_a_surface_too_large_to_be_looked_at_is_told_by_its_spectrum():
 def test_what_the_spectrum_tells_is_near_what_a_surface_has(monkeypatch):
     surface = LARGE.model_copy(update={"lambda_long": 1e-5, "lambda_short": 5e-7})
     field = height_field(surface)
-    monkeypatch.setattr(surfaces, "_SURVEYED_POINTS", 100)
+    monkeypatch.setattr(surfaces, "SURVEYED_POINTS", 100)
     told = expected(surface)
     assert isinstance(told, Expected)
     assert told.rms_height == pytest.approx(field.rms_height, rel=0.05)

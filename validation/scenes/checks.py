@@ -26,7 +26,16 @@ def check_scene(scene: Scene, problem: ContactProblem) -> None:
         if missing is not None:
             raise UsageError(f"methods.{name}: {missing}")
     _check_control(scene)
-    _check_below(scene, problem)
+    if scene.subsurface is not None:
+        if all(solver.sinks for solver in scene.methods.solvers.values()):
+            raise UsageError("quantities.subsurface: is read off surface pressures; add [methods.bem]")
+        response = ContactModel.filled(problem.elastic, scene.effects).felt_response
+        base, depths = getattr(response, "thickness", None), scene.subsurface.depths
+        if base is not None and depths is not None and depths[-1] > base:
+            raise UsageError(
+                f"quantities.subsurface.depths: the deepest, {as_length(depths[-1])}, lies below the base of "
+                f"the layer, at {as_length(base)}"
+            )
     for k, effect in enumerate(scene.effects):
         for name in scene.methods.solvers:
             effect.check_solver(name, key=effect_key(k, ""))
@@ -77,19 +86,4 @@ def _check_control(scene: Scene) -> None:
         raise UsageError(
             f"load.offset: the body of method {sinking[0]!r} sinks as a whole under its load, a half-space "
             "does not; ask them one by one"
-        )
-
-
-def _check_below(scene: Scene, problem: ContactProblem) -> None:
-    """Refuse stress below a contact that nobody solves, and depths below the base of a layer."""
-    if scene.subsurface is None:
-        return
-    if all(solver.sinks for solver in scene.methods.solvers.values()):
-        raise UsageError("quantities.subsurface: is read off surface pressures; add [methods.bem]")
-    response = ContactModel.filled(problem.elastic, scene.effects).felt_response
-    base, depths = getattr(response, "thickness", None), scene.subsurface.depths
-    if base is not None and depths is not None and depths[-1] > base:
-        raise UsageError(
-            f"quantities.subsurface.depths: the deepest, {as_length(depths[-1])}, lies below the base of the "
-            f"layer, at {as_length(base)}"
         )

@@ -267,7 +267,7 @@ def realise(scene: _Scene, *, like: ContactProblem | None = None, surveyed: bool
     """
     drawn = bool(scene.methods.solvers)
     if surveyed and not isinstance(scene.surface, FileSurface):
-        drawn = drawn and not surfaces.too_large_to_look_at(scene.surface)
+        drawn = drawn and math.prod(scene.surface.resolving_grid) <= surfaces.SURVEYED_POINTS
     made = ContactProblem(surface=scene.surface, solid=scene.solid, load=scene.load, drawn=drawn)
     same = like is not None and replace(like, solid=made.solid, load=made.load) == made
     if like is not None and same:

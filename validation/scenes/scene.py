@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import re
@@ -266,10 +267,17 @@ def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
     if not isinstance(surface, dict) or not isinstance(path, str):
         return data
     if surface.get("kind") == "spectrum":
+        from validation.scenes.tabulated import read_spectrum
+
+        units = None
+        with contextlib.suppress(ValidationError):  # which the scene is refused for
+            units = TypeAdapter[Any](SpectrumUnits | None).validate_python(surface.get("units"))
         try:
-            return {**data, "surface": {**_longest_and_shortest(surface, folder / path), **surface}}
+            spectrum, _ = read_spectrum(folder / path, units=units)
         except UsageError as error:
             raise SceneError(scene, [str(error)]) from None
+        waves = {"lambda_long": 2 * math.pi / spectrum.q_min, "lambda_short": 2 * math.pi / spectrum.q_short}
+        return {**data, "surface": {**waves, **surface}}
     if surface.get("kind") != "file":
         return data
     from validation.scenes.topography.measured import fault_lines
@@ -292,25 +300,12 @@ def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
     if missing:
         # All faults at once: none of the others needs size or unit.
         patch = Topography(heights=says.heights, lengths=(1.0, 1.0))
-        treatment = {key: surface.get(key, FileSurface.model_fields[key].default) for key in _TREATMENT}
-        faults = patch.faults(**treatment)
+        fields = FileSurface.model_fields
+        faults = patch.faults(
+            **{key: surface.get(key, fields[key].default) for key in ("tilt", "missing", "edges")}
+        )
         if faults:
             lacking = [f'{key} = "..."' for key in ("length", "unit") if known[key] is None]
             missing.append("\n".join(("cannot be pressed as it is", *fault_lines(faults, surface), *lacking)))
         raise SceneError(scene, missing)
     return {**data, "surface": {"length": says.lengths, **surface}}
-
-
-def _longest_and_shortest(surface: Mapping[str, Any], path: Path) -> dict[str, float]:
-    from validation.scenes.tabulated import read_spectrum
-
-    try:
-        units = TypeAdapter[Any](SpectrumUnits | None).validate_python(surface.get("units"))
-    except ValidationError:  # which the scene is refused for
-        units = None
-    spectrum, _ = read_spectrum(path, units=units)
-    return {"lambda_long": 2 * math.pi / spectrum.q_min, "lambda_short": 2 * math.pi / spectrum.q_short}
-
-
-#: Keys of a measured surface that say what is done to it before it is pressed.
-_TREATMENT = ("tilt", "missing", "edges")

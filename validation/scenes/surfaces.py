@@ -140,7 +140,7 @@ def height_field(
 #: Memory that making a random surface takes for each of its points at its peak [bytes], measured.
 _BYTES_PER_POINT = 60
 #: Points of a surface that is made only to be looked at; a gigabyte.
-_SURVEYED_POINTS = 2**24
+SURVEYED_POINTS = 2**24
 
 
 def check_memory(surface: RandomSurface) -> None:
@@ -212,8 +212,3 @@ def expected(surface: RandomSurface) -> Expected:
     return Expected(
         moments=(moments.m0, moments.m2, moments.m4), first_moment=first, shape=surface.resolving_grid
     )
-
-
-def too_large_to_look_at(surface: RandomSurface) -> bool:
-    """Whether a surface has too many points to be made only to be looked at."""
-    return math.prod(surface.resolving_grid) > _SURVEYED_POINTS

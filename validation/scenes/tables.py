@@ -27,6 +27,7 @@ from validation.units import (
     exactly_one,
     quantity,
     unit,
+    within,
     wrong,
 )
 
@@ -283,23 +284,13 @@ class SolidSpec(Table):
         return Solid(young=composite_modulus(first, second) * (1 - self.poisson**2), poisson=self.poisson)
 
 
-def _zero_or_ratio(value: float) -> float:
-    if value != 0 and not 1e-12 <= value <= 1e6:
-        raise wrong("must lie between 1e-12 and 1e+06")
-    return value
-
-
-def _amount(value: object) -> str:
-    return "several" if isinstance(value, (list, tuple)) else "one"
-
-
 _Pressure = Annotated[float, quantity("Pa", "pressure", "10 MPa"), Field(ge=0)]
-_Ratio = Annotated[Number, Field(ge=0), AfterValidator(_zero_or_ratio)]
+_Ratio = Annotated[Number, Field(ge=0), within(1e-12, 1e6, or_zero=True)]
 T = TypeVar("T")
 _OneOrSeveral = Annotated[
     Annotated[T, Tag("one")]
     | Annotated[tuple[T, ...], Field(min_length=1, max_length=MOST_ITEMS), Tag("several")],
-    Discriminator(_amount),
+    Discriminator(lambda value: "several" if isinstance(value, (list, tuple)) else "one"),
 ]
 
 

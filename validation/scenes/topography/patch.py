@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -136,9 +135,16 @@ class Topography:
         count = self.missing
         if count == 0 or missing == "refuse":
             return self
-        fill: Callable[[Array], Array] = _nearest if missing == "nearest" else _harmonic
+        if missing == "nearest":
+            from scipy.ndimage import distance_transform_edt
+
+            unknown = ~np.isfinite(self.heights)
+            places = distance_transform_edt(unknown, return_distances=False, return_indices=True)
+            heights = np.asarray(self.heights[tuple(places)])
+        else:
+            heights = _harmonic(self.heights)
         words = f"{count} missing points ({100 * count / self.heights.size:.2g} %) filled: {missing}"
-        return replace(self, heights=fill(self.heights), history=(*self.history, words))
+        return replace(self, heights=heights, history=(*self.history, words))
 
     def clipped(self) -> Topography:
         """Bring heights far from the middle half of all back to that distance."""
@@ -218,13 +224,6 @@ def _fitted(heights: Array, tilt: Tilt) -> Array:
         block = np.column_stack([*(c / s for c, s in zip(columns, scale, strict=True)), heights[part][known]])
         triangle = np.asarray(np.linalg.qr(np.vstack([triangle, block]), mode="r"))
     return np.asarray(np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=None)[0] / scale)
-
-
-def _nearest(heights: Array) -> Array:
-    from scipy.ndimage import distance_transform_edt
-
-    indices = distance_transform_edt(~np.isfinite(heights), return_distances=False, return_indices=True)
-    return np.asarray(heights[tuple(indices)])
 
 
 def _harmonic(heights: Array) -> Array:

@@ -16,43 +16,33 @@ def write_topography(path: Path, field: HeightField) -> None:
 
     A UsageError for another suffix, and for .x3p without SurfaceTopography, which writes it.
     """
-    writers = {".npy": _write_npy, ".txt": _write_text, ".nc": _write_netcdf, ".x3p": _write_x3p}
-    writer = writers.get(path.suffix.lower())
-    if writer is None:
-        raise UsageError(f"{path}: the suffix must be one of {', '.join(writers)}")
+    suffix, lengths = path.suffix.lower(), field.lengths
+    if suffix not in (".npy", ".txt", ".nc", ".x3p"):
+        raise UsageError(f"{path}: the suffix must be one of .npy, .txt, .nc, .x3p")
     with atomic_path(path) as draft:
-        writer(draft, field)
+        if suffix == ".npy":
+            with draft.open("wb") as file:
+                np.save(file, field.heights)
+        elif suffix == ".txt":
+            size = f"{lengths[0]!r} m x {lengths[1]!r} m"
+            header = f"heights [m], rows along x, columns along y; size {size}"
+            np.savetxt(draft, field.heights, fmt="%.17g", header=header)
+        elif suffix == ".nc":
+            import xarray as xr
 
-
-def _write_npy(path: Path, field: HeightField) -> None:
-    with path.open("wb") as file:
-        np.save(file, field.heights)
-
-
-def _write_text(path: Path, field: HeightField) -> None:
-    lx, ly = field.lengths
-    words = f"heights [m], rows along x, columns along y; size {lx!r} m x {ly!r} m"
-    np.savetxt(path, field.heights, fmt="%.17g", header=words)
-
-
-def _write_netcdf(path: Path, field: HeightField) -> None:
-    import xarray as xr
-
-    words = {"units": "m", "long_name": "heights, positive towards the elastic body"}
-    positions = {
-        axis: (axis, np.arange(count) * step, {"units": "m"})
-        for axis, count, step in zip("xy", field.shape, field.spacing, strict=True)
-    }
-    data = xr.Dataset({"heights": (("x", "y"), field.heights, words)}, positions)
-    data.to_netcdf(path, encoding={"heights": {"fletcher32": True}}, engine="netcdf4")
-
-
-def _write_x3p(path: Path, field: HeightField) -> None:
-    try:
-        from SurfaceTopography import Topography
-    except ImportError:
-        raise UsageError(
-            ".x3p is written by SurfaceTopography: pip install 'fem-contact[topography]'"
-        ) from None
-    with path.open("wb") as file:
-        Topography(np.array(field.heights), field.lengths, unit="m").to_x3p(file)
+            about = {"units": "m", "long_name": "heights, positive towards the elastic body"}
+            positions = {
+                axis: (axis, np.arange(count) * step, {"units": "m"})
+                for axis, count, step in zip("xy", field.shape, field.spacing, strict=True)
+            }
+            data = xr.Dataset({"heights": (("x", "y"), field.heights, about)}, positions)
+            data.to_netcdf(draft, encoding={"heights": {"fletcher32": True}}, engine="netcdf4")
+        else:
+            try:
+                from SurfaceTopography import Topography
+            except ImportError:
+                raise UsageError(
+                    ".x3p is written by SurfaceTopography: pip install 'fem-contact[topography]'"
+                ) from None
+            with draft.open("wb") as file:
+                Topography(np.array(field.heights), lengths, unit="m").to_x3p(file)
