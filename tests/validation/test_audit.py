@@ -62,7 +62,8 @@ _JUDGED = {
 
 def _run(folder):
     """The stored solves of a results folder."""
-    return Run(read_results(folder).settings["scene"], read_results(folder).store)
+    result = read_results(folder)
+    return Run(result.settings["scene"], result.store, result.data.variables)
 
 
 def _moved(variables, name, by):

@@ -7,6 +7,8 @@ import re
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 _NUMBER = r"[-+]?\d+(?:\.(?P<decimals>\d+))?(?:e(?P<power>[-+]?\d+))?"
 
 
@@ -38,12 +40,24 @@ class Ledger:
         """Entries that disagree."""
         return tuple(entry for entry in self.entries if not entry.agrees)
 
-    def number(self, place: str, name: str, found: Any, expected: float | None, **how: float) -> None:
-        """Enter a number of full precision: `rtol` 1e-9 and `atol` 1e-13 unless said; None stands for NaN."""
-        rtol, atol = how.get("rtol", 1e-9), how.get("atol", 1e-13)
-        a, b = _float(found), _float(expected)
-        agrees = a == b or (math.isnan(a) and math.isnan(b)) or abs(a - b) <= atol + rtol * abs(b)
-        self.entries.append(Entry(place=place, name=name, found=found, recomputed=expected, agrees=agrees))
+    def number(
+        self, place: str, name: str, found: Any, expected: Any, *, rtol: float = 1e-9, atol: float = 1e-13
+    ) -> None:
+        """Enter a number, or of an array the element furthest off; a missing one is as wrong as can be."""
+        a, b = (v if isinstance(v, np.ndarray) else np.asarray(as_number(v)) for v in (found, expected))
+        a, b = a.astype(float), b.astype(float)
+        if a.shape != b.shape:
+            self.same(place, f"shape of {name}", a.shape, b.shape)
+        elif a.size:
+            with np.errstate(invalid="ignore", divide="ignore"):
+                off = np.nan_to_num(np.abs(a - b) / (atol + rtol * np.abs(b)), nan=np.inf)
+            off = np.where((a == b) | (np.isnan(a) & np.isnan(b)), 0.0, off)
+            k = np.unravel_index(int(np.argmax(off)), a.shape) if a.ndim else ()
+            at = f" at {tuple(map(int, k))}" if a.ndim else ""
+            agrees = bool(off[k] <= 1)
+            self.entries.append(
+                Entry(place=place, name=name + at, found=float(a[k]), recomputed=float(b[k]), agrees=agrees)
+            )
 
     def same(self, place: str, name: str, found: Any, expected: Any) -> None:
         """Enter what must be equal."""
@@ -59,8 +73,12 @@ class Ledger:
         self.entries.append(Entry(place=place, name=name, found=found, recomputed=expected, agrees=agrees))
 
 
-def _float(value: Any) -> float:
-    return math.nan if value is None or value == "" else float(value)
+def as_number(value: Any) -> float:
+    """Return a number as it is or as it is typed; NaN for words, and for nothing."""
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        return math.nan
 
 
 def printed(text: str, value: float | None, *, digits: int | None = None) -> bool:
@@ -69,7 +87,7 @@ def printed(text: str, value: float | None, *, digits: int | None = None) -> boo
     >>> printed("27 %", 0.2651), printed("0.1", 0.1003, digits=4), printed("1.0e-08", 1.04e-8)
     (True, False, True)
     """
-    exact = _float(value)
+    exact = as_number(value)
     if not math.isfinite(exact):
         return text in ("", "nan", "not determinable", "unknown")
     share = text.endswith("%")

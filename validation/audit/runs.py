@@ -43,10 +43,10 @@ def audit_run(result: Result) -> tuple[Ledger, list[Run]]:
     """Compute the dataset of a run or sweep again, case by case; return the runs that its cases are, too."""
     record, ledger, runs, judged = result.record, Ledger(), [], set()
     for scene, at, words in _cases(record["asked"]):
-        run = Run(scene, result.store or result.folder)
+        here = {name: variable.isel(at, missing_dims="ignore") for name, variable in result.data.items()}
+        run = Run(scene, result.store or result.folder, here)
         if not run.methods:
             raise LookupError("a scene of the theory alone stores no field")
-        here = {name: variable.isel(at, missing_dims="ignore") for name, variable in result.data.items()}
         if run.measured and "wave_short" in here:  # two points of a file that is not read here
             run.shortest = float(here["wave_short"].values)
         judged |= _judge(run, here, words, ledger, record["asked"].get("accuracy"))
@@ -110,10 +110,12 @@ class Run:
     scene : mapping
         What was asked for, as result.json has it.
     store : Path
-        Folder of its solves.
+        Folder of its solves, which others may share.
+    data : mapping
+        Variables of the dataset of this scene, which name its solves.
     """
 
-    def __init__(self, scene: dict[str, Any], store: Path) -> None:
+    def __init__(self, scene: dict[str, Any], store: Path, data: Variables) -> None:
         self.scene = scene
         self.surface: dict[str, Any] = self.scene["surface"]
         self.measured = self.surface["kind"] == "file"
@@ -135,13 +137,12 @@ class Run:
         by_size = any("size_wavelength" in effect for effect in self.effects)
         single = kinds == ["hardness"] and not by_size
         self.hardness = float(self.effects[0]["hardness"]) if single else None
-        # A store, which others may share, has the solves of this scene among others.
-        for path in sorted(store.glob("*.nc")):
-            if path.name.startswith(tuple(f"{name}-" for name in self.methods)):
-                stored = Stored(memoryview(sealed_bytes(path)))
-                k = self._realisation(stored.recipe)
-                if k is not None:
-                    self.solves.setdefault((stored.method, stored.grid, stored.shift, k), stored)
+        keys = (v.values.flat for name, v in data.items() if name == "solve" or name.startswith("solve_"))
+        named = " ".join(map(str, itertools.chain.from_iterable(keys)))
+        for key in sorted(set(named.split())):
+            stored = Stored(memoryview(sealed_bytes(store / f"{key}.nc")))
+            if (k := self._realisation(stored.recipe)) is not None:
+                self.solves.setdefault((stored.method, stored.grid, stored.shift, k), stored)
 
     def _realisation(self, recipe: dict[str, Any]) -> int | None:
         """Return which realisation of the scene a recipe asks for; None if it is of another scene."""

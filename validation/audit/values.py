@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from validation.audit.dataset import Result, Variables, ordered
 from validation.audit.files import page_tables
-from validation.audit.ledger import Ledger
+from validation.audit.ledger import Ledger, as_number
 from validation.audit.reductions import SOURCES, errors_of, recomputed
 from validation.audit.stored import Array
 
@@ -59,7 +59,7 @@ def judge_dataset(result: Result, ledger: Ledger) -> None:
             ledger.unread.append(f"data.nc: {name}")
         else:
             loose = {"rtol": 1e-6, "atol": 1e-9} if variable.attrs.get("reduction") in _FITTED else {}
-            _worst("data.nc", name, variable.values, expected, ledger, **loose)
+            ledger.number("data.nc", name, variable.values, expected, **loose)
         _errors(result, name, ledger)
 
 
@@ -81,39 +81,13 @@ def _errors(result: Result, name: str, ledger: Ledger) -> None:
         expected = {s: np.where(np.isnan(value), 0.0, share) for s, share in expected.items()}
         if source in error.attrs:
             none = np.where(np.isnan(part), np.nan, 0.0)
-            _worst("data.nc", f"{name}_error, {source} does not enter", part, none, ledger)
+            ledger.number("data.nc", f"{name}_error, {source} does not enter", part, none)
         elif source in expected and source not in str(error.attrs.get("claimed", "")).split():
             scale = float(np.nanmax(np.abs(result.data[name].values), initial=0.0))
-            errors = expected[source]
-            _worst("data.nc", f"{name}_error, {source}", part, errors, ledger, rtol=1e-5, atol=1e-11 * scale)
+            where, errors = f"{name}_error, {source}", expected[source]
+            ledger.number("data.nc", where, part, errors, rtol=1e-5, atol=1e-11 * scale)
         elif np.isfinite(part).any():
             ledger.unread.append(f"data.nc: {name}_error, {source}")
-
-
-def _worst(
-    place: str,
-    name: str,
-    found: Array,
-    expected: Array,
-    ledger: Ledger,
-    *,
-    rtol: float = 1e-9,
-    atol: float = 1e-13,
-) -> None:
-    """Enter the element furthest from what it should be; one that is missing is as wrong as can be."""
-    found, expected = np.asarray(found, dtype=float), np.asarray(expected, dtype=float)
-    if found.shape != expected.shape:
-        ledger.same(place, f"shape of {name}", found.shape, expected.shape)
-        return
-    if not found.size:
-        return
-    with np.errstate(invalid="ignore"):
-        off = np.abs(found - expected) / (atol + rtol * np.abs(expected))
-    same = (found == expected) | (np.isnan(found) & np.isnan(expected))
-    off = np.where(same, 0.0, np.where(np.isnan(off), np.inf, off))
-    k = np.unravel_index(int(np.argmax(off)), found.shape) if found.ndim else ()
-    where = f"{name} at {tuple(map(int, k))}" if found.ndim else name
-    ledger.number(place, where, float(found[k]), float(expected[k]), rtol=rtol, atol=atol)
 
 
 # ---- what is shown ---------------------------------------------------------------------------------------
@@ -157,95 +131,76 @@ def judge_findings(result: Result, ledger: Ledger) -> None:
 
 
 def judge_table(result: Result, ledger: Ledger) -> None:
-    """Judge table.csv by the variables that its columns are of."""
-    shown = result.summary.get("table")
+    """Judge table.csv by the variables that its columns are of, where more is known than coordinates."""
+    shown, data = result.summary.get("table"), result.data
     header, *lines = result.tables.get("table.csv") or [[]]
     if not shown:
         if lines:
             ledger.unread.append("table.csv: what its columns are of")
         return
-    expected = list(_rows(result.data, shown))
-    ledger.same("table.csv", "number of rows", len(lines), len(expected))
-    intervals = {k for k, title in enumerate(header) if title.endswith((_INTERVAL, _HOLDS))}
-    names = [k for k in range(len(header)) if k not in intervals]
-    ledger.same("table.csv", "number of columns", len(names), len(shown["columns"]))
-    for j, (line, row) in enumerate(zip(lines, expected, strict=False)):
-        ledger.same("table.csv", f"number of cells in row {j + 1}", len(line), len(header))
-        for k, (value, error) in zip(names, row, strict=False):
-            where = f"row {j + 1}, {header[k]}"
-            if isinstance(value, str):
-                ledger.same("table.csv", where, line[k], value)
-            else:
-                ledger.number("table.csv", where, line[k], value, rtol=1e-12, atol=0.0)
-            # Where no value of a column has an interval there is no column of it.
-            if k + 1 in intervals:
-                ledger.number("table.csv", f"{where}, its interval", line[k + 1], error, rtol=1e-12, atol=0.0)
-
-
-def _rows(data: Variables, shown: Mapping[str, Any]) -> Iterator[list[tuple[float | str, float | None]]]:
-    """Yield values and intervals of the rows of a table: where more is known than coordinates."""
-    dims = list(shown["rows"])
+    intervals = [k for k, title in enumerate(header) if title.endswith((_INTERVAL, _HOLDS))]
+    places = [k for k in range(len(header)) if k not in intervals]
+    ledger.same("table.csv", "number of columns", len(places), len(shown["columns"]))
+    dims, rows = list(shown["rows"]), []
     sizes = {dim: n for v in data.values() for dim, n in zip(v.dims, v.values.shape, strict=True)}
     for place in np.ndindex(*(sizes[dim] for dim in dims)):
-        at = dict(zip(dims, map(int, place), strict=True))
-        row: list[tuple[float | str, float | None]] = []
+        row: dict[int, Any] = {}
         known = False
-        for column in shown["columns"]:
+        for k, column in zip(places, shown["columns"], strict=False):
             name = column["name"]
-            where = {**at, **column.get("at", {})}
-            value = data[name].isel(where, missing_dims="ignore").values.item()
-            row.append((value if isinstance(value, str) else float(value), _total(data, name, where)))
-            inside = isinstance(value, str) or not math.isnan(value)
+            at = {**dict(zip(dims, map(int, place), strict=True)), **column.get("at", {})}
+            row[k] = data[name].isel(at, missing_dims="ignore").values.item()
+            if k + 1 in intervals:  # a column has none where no value of it has an interval
+                row[k + 1] = _total(data, name, at)
             whole = not shown.get("sparse") or set(data[name].dims) >= set(dims)
+            inside = isinstance(row[k], str) or not math.isnan(row[k])
             known = known or (inside and whole and name not in shown["coordinates"])
         if known:
-            yield row
+            rows.append(row)
+    _judge_lines("table.csv", header, lines, rows, ledger)
+
+
+def _judge_lines(
+    file: str, header: list[str], lines: list[list[str]], rows: list[dict[int, Any]], ledger: Ledger
+) -> None:
+    """Judge the lines of a CSV file by words and numbers at their columns."""
+    ledger.same(file, "number of rows", len(lines), len(rows))
+    for j, (line, row) in enumerate(zip(lines, rows, strict=False)):
+        ledger.same(file, f"number of cells in row {j + 1}", len(line), len(header))
+        for k, value in row.items():
+            where = f"row {j + 1}, {header[k]}"
+            if isinstance(value, str):
+                ledger.same(file, where, line[k], value)
+            else:
+                ledger.number(file, where, line[k], value, rtol=1e-12, atol=0.0)
 
 
 def judge_budget(result: Result, ledger: Ledger) -> None:
     """Judge budget.csv: value, shares by source in per cent, and their two sums."""
     header, *lines = result.tables.get("budget.csv") or [[]]
-    names = result.summary.get("budget", ())
     if not lines:
         return
-    places = [
-        (name, dict(zip(result.data[name].dims, map(int, place), strict=True)))
-        for name in names
-        for place in np.ndindex(result.data[name].values.shape)
-    ]
-    ledger.same("budget.csv", "number of rows", len(lines), len(places))
-    for line, (name, at) in zip(lines, places, strict=False):
-        cells = dict(zip(header, line, strict=False))
-        value = float(result.data[name].isel(at, missing_dims="ignore").values)
-        error = result.data[f"{name}_error"]
-        # Of zero only no error is a part.
-        shares = [
-            100 * abs(half / value) if value else (0.0 if half == 0 else math.nan)
-            for half in error.isel(at, missing_dims="ignore").values.ravel().astype(float).tolist()
-        ]
-        by_source = dict(zip(SOURCES, shares, strict=True))
-        entering = [share for source, share in by_source.items() if source not in _SPECTRAL]
-        sums = {"for this spectrum and period [%]": entering, "for any [%]": list(shares)}
-        where = cells.get("number", name)
-        ledger.number("budget.csv", f"{where}, value", cells.get("value"), value, rtol=1e-12)
-        for title, parts in sums.items():
-            total = math.sqrt(sum(part**2 for part in parts))
-            ledger.number("budget.csv", f"{where}, {title}", cells.get(title), total)
-        for source, share in by_source.items():
-            cell = cells.get(f"{source} [%]", "")
-            if source in error.attrs:
-                ledger.same("budget.csv", f"{where}, {source}", cell, "does not enter")
-            elif math.isnan(share):
-                ledger.same("budget.csv", f"{where}, {source}", cell, "not measured")
-            else:
-                ledger.number("budget.csv", f"{where}, {source}", _float(cell), float(share))
-
-
-def _float(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return math.nan
+    rows = []
+    for name in result.summary.get("budget", ()):
+        values, error = result.data[name].values, result.data[f"{name}_error"]
+        for place in np.ndindex(values.shape):
+            at, value = dict(zip(result.data[name].dims, place, strict=True)), float(values[place])
+            halves = error.isel(at, missing_dims="ignore").values.ravel().astype(float).tolist()
+            # Of zero only no error is a part.
+            shares = [100 * abs(half / value) if value else 0.0 if half == 0 else math.nan for half in halves]
+            entering = [share for s, share in zip(SOURCES, shares, strict=True) if s not in _SPECTRAL]
+            cells: dict[str, Any] = {
+                "value": value,
+                "for this spectrum and period [%]": math.hypot(*entering),
+                "for any [%]": math.hypot(*shares),
+            }
+            for source, share in zip(SOURCES, shares, strict=True):
+                words = "does not enter" if source in error.attrs else "not measured"
+                cells[f"{source} [%]"] = words if source in error.attrs or math.isnan(share) else share
+            rows.append(cells)
+    ledger.same("budget.csv", "missing columns", sorted({*rows[0]} - {*header}) if rows else [], [])
+    at_columns = [{k: row[title] for k, title in enumerate(header) if title in row} for row in rows]
+    _judge_lines("budget.csv", header, lines, at_columns, ledger)
 
 
 def _spread_out(result: Result, file: str, rows: list[list[str]], ledger: Ledger) -> None:
@@ -255,13 +210,12 @@ def _spread_out(result: Result, file: str, rows: list[list[str]], ledger: Ledger
         if name not in result.data or result.data[name].values.dtype.kind not in "fiub":
             continue
         variable, base = result.data[name], name.removesuffix("_error")
-        expected = variable.values.astype(float)
-        if base != name and base in result.data:
-            # An interval stands there as one number.
-            expected = _totals(result.data, base, {})
+        # An interval stands there as one number.
+        whole = base != name and base in result.data
+        expected = _totals(result.data, base, {}) if whole else variable.values
         if expected.ndim and expected.size == len(lines) and variable.dims != (name,):
-            found = np.array([_float(line[k]) for line in lines])
-            _worst(file, name, found, expected.ravel(), ledger, rtol=1e-12, atol=0.0)
+            found = np.array([as_number(line[k]) for line in lines])
+            ledger.number(file, name, found, expected.ravel(), rtol=1e-12, atol=0.0)
 
 
 def _figure(result: Result, file: str, data: Variables, ledger: Ledger) -> None:
@@ -271,8 +225,7 @@ def _figure(result: Result, file: str, data: Variables, ledger: Ledger) -> None:
         if name not in result.data:
             ledger.unread.append(f"{place}: {name}")
         elif variable.values.dtype.kind in "fiub" and variable.dims == result.data[name].dims:
-            expected = result.data[name].values
-            _worst(place, name, variable.values, expected, ledger, rtol=1e-12, atol=0.0)
+            ledger.number(place, name, variable.values, result.data[name].values, rtol=1e-12, atol=0.0)
 
 
 def judge_page(result: Result, ledger: Ledger) -> None:
@@ -293,7 +246,7 @@ def judge_page(result: Result, ledger: Ledger) -> None:
             for column, cell in zip(titles, row, strict=False):
                 source, factor = _without_prefix(column, cells)
                 if source:
-                    half = factor * _float(cells.get(f"{source} {_INTERVAL}", ""))
+                    half = factor * as_number(cells.get(f"{source} {_INTERVAL}", ""))
                     _cell(ledger, place, f"row {k + 1}, {column}", cell, cells[source], half, factor)
 
 
@@ -311,7 +264,7 @@ def _without_prefix(column: str, cells: Mapping[str, str]) -> tuple[str, float]:
 
 def _cell(ledger: Ledger, place: str, name: str, cell: str, source: str, half: float, factor: float) -> None:
     """Judge one cell: words, a number of five digits, or a number with its interval."""
-    value = factor * _float(source)
+    value = factor * as_number(source)
     if math.isnan(value) and source not in ("", "nan"):
         # A page sets some signs otherwise than they are typed.
         cell, source = (re.sub("[ ^]", "", text).replace("\u2032", "'") for text in (cell, source))
