@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-import xarray as xr
 
 from validation.audit import audit
 from validation.cases import Check, below, case, near, relative
@@ -75,20 +74,14 @@ def _wave() -> Iterator[Check]:
     yield below("FEM against BEM in pressure", fem.pressure_difference, 0.1)
     yield below("numbers that the audit disagrees with", wrong, 0)
     for solver, n in (*(("bem", n) for n in _GRIDS), ("fem", 64)):
-        yield from _row(data.sel(solver=solver, grid=f"{n} x {n // 8}"), n, _EDGE[solver])
-
-
-def _row(row: xr.Dataset, n: int, edge_constant: float) -> Iterator[Check]:
-    """Judge one row of the table: the strip has two edges in every line of n points."""
-    name = f"{row.solver.item()} {n}x{n // 8}"
-    # The window of P(0+): 0.2 E* h' (dx / l)^(1/2), with l = 1 the period.
-    window = 0.2 / math.sqrt(n)
-    x = np.linspace(0, _HALF_WIDTH, 200001)
-    p = _WAVE.pressure(x) / (_MODULUS * _GRADIENT)
-    share = 2 * (_HALF_WIDTH - float(x[np.argmax(p < window)]))
-    corrected = float(row.area_pixel) - 2 * edge_constant / n
-    yield near(f"{name}: pixel", row.area_pixel, 2 * _HALF_WIDTH, 2 / n)
-    yield relative(f"{name}: perimeter", row.area_perimeter, corrected, 1e-12)
-    yield relative(f"{name}: kappa", row.kappa_perimeter, corrected / _REDUCED, 1e-12)
-    # A point more or less on either edge.
-    yield near(f"{name}: P(0+)", row.density_at_zero, share / window, 2 / n / window)
+        # The strip has two edges in every line of n points; a point more or less lies on either.
+        row, name = data.sel(solver=solver, grid=f"{n} x {n // 8}"), f"{solver} {n}x{n // 8}"
+        corrected = float(row.area_pixel) - 2 * _EDGE[solver] / n
+        # The window of P(0+): 0.2 E* h' (dx / l)^(1/2), with l = 1 the period.
+        window, x = 0.2 / math.sqrt(n), np.linspace(0, _HALF_WIDTH, 200001)
+        above = np.argmax(_WAVE.pressure(x) < window * _MODULUS * _GRADIENT)
+        share = 2 * (_HALF_WIDTH - float(x[above]))
+        yield near(f"{name}: pixel", row.area_pixel, area, 2 / n)
+        yield relative(f"{name}: perimeter", row.area_perimeter, corrected, 1e-12)
+        yield relative(f"{name}: kappa", row.kappa_perimeter, corrected / _REDUCED, 1e-12)
+        yield near(f"{name}: P(0+)", row.density_at_zero, share / window, 2 / n / window)

@@ -67,12 +67,9 @@ def _steep() -> Iterator[Check]:
     work = loads[0] * offsets[0] - loads[2] * offsets[2] + (loads[1] - loads[0]) / 3 * (offsets @ [1, 4, 1])
     rise = path[2].energy - path[0].energy
     yield below("unbalanced over contact forces", last.residual, 1e-8)
-    yield below(
-        "gap where there is contact, over h_rms", last.gap[last.in_contact] / surface.rms_height, 1e-8
-    )
-    yield relative(
-        "mean of pressure over projected area [Pa]", np.mean(last.pressure * last.shares), loads[2], 1e-9
-    )
+    gap, mean = last.gap[last.in_contact] / surface.rms_height, np.mean(last.pressure * last.shares)
+    yield below("gap where there is contact, over h_rms", gap, 1e-8)
+    yield relative("mean of pressure over projected area [Pa]", mean, loads[2], 1e-9)
     yield relative("rise of the stored energy: work of the load [J/m^2]", rise, work, 1e-6)
     yield below("force along the plane over the load", last.sideways, 0.03)
 
@@ -97,7 +94,6 @@ def _limit() -> Iterator[Check]:
         float(np.linalg.norm(each.pressure / each.mean_pressure - expected) / np.linalg.norm(expected))
         for each in path
     ]
-    yield order(
-        "order in the slope", [1 / h for h in slopes[::-1]], errors[::-1], expected=1.0, tolerance=0.05
-    )
+    steps = [1 / h for h in slopes[::-1]]
+    yield order("order in the slope", steps, errors[::-1], expected=1.0, tolerance=0.05)
     yield below("difference of pressure at h' = 1e-4", errors[0], 1e-3)

@@ -54,9 +54,8 @@ def _spots() -> Iterator[Check]:
     # A clamped layer under uniform pressure is compressed alone: (1 - nu) E / (1 + nu) / (1 - 2 nu) / d.
     oedometric = (1 - 0.2) / (1 + 0.2) / (1 - 2 * 0.2) / 0.3
     # The edge of the set is off by a part of a cell, the resistance by a part of it in first order.
-    yield relative(
-        "resistance over Holm's in a lattice, two grids in first order", 2 * fine - coarse, 1.0, 5e-3
-    )
+    words = "resistance over Holm's in a lattice, two grids in first order"
+    yield relative(words, 2 * fine - coarse, 1.0, 5e-3)
     yield below("its error on the finer grid", abs(fine - 1), 0.02)
     yield relative("stiffness of a bonded layer in full contact [1/m]", pressed.stiffness, oedometric, 1e-9)
 
@@ -81,19 +80,18 @@ def _channels() -> Iterator[Check]:
     along, across = 1 + 1.5 * 0.36, (1 - 0.36) ** 2.5 / (1 + 0.36 / 2)
     phase = {n: 2 * np.pi * (np.arange(n) + 0.5) / n for n in (16, 32, 64)}
     grooves = _grooved(64, phase[64][:, None])
-    conductances = {
-        axis: 12 * flow_conductance(grooves, (1.0, 2.5), axis=axis).conductance for axis in ("x", "y")
-    }
+    parallel, crossing = (
+        12 * flow_conductance(grooves, (1.0, 2.5), axis=axis).conductance for axis in ("y", "x")
+    )
     exact, sizes = (along + across) / 2, list(phase)
     errors = [
         abs(12 * flow_conductance(_grooved(n, a[:, None] + a[None, :]), (1.0, 1.0)).conductance - exact)
         for n, a in phase.items()
     ]
-    yield relative(
-        "K of a channel of width w on 3/7 of the period [m^3]", channel, 3 / 7 * 0.2**3 / 12, 1e-12
-    )
+    words = "K of a channel of width w on 3/7 of the period [m^3]"
+    yield relative(words, channel, 3 / 7 * 0.2**3 / 12, 1e-12)
     yield below("K across it", closed, 0.0)
-    yield relative("12 K along grooves 1 + .6 cos", conductances["y"], along, 1e-12)
+    yield relative("12 K along grooves 1 + .6 cos", parallel, along, 1e-12)
     # The mean of an analytic function over a period converges faster than any power.
-    yield relative("12 K across them", conductances["x"], across, 1e-8)
+    yield relative("12 K across them", crossing, across, 1e-8)
     yield order("order along oblique ones", sizes, errors, expected=2, tolerance=0.2)

@@ -17,12 +17,7 @@ from persson.limits import critical_roughness, pull_off_stress
 from persson.scale import Scale
 from persson.separation import mean_separation
 from persson.spectrum import SelfAffine, area_factor
-from persson.variants import (
-    Variant,
-    corrected_contact_area,
-    energy_factor,
-    light_load_kappa,
-)
+from persson.variants import Variant, corrected_contact_area, energy_factor, light_load_kappa
 from validation.cases import Check, below, case, near, relative, within
 
 
@@ -98,12 +93,8 @@ def _variants() -> Iterator[Check]:
         name: Variant = variant  # type: ignore[assignment]
         for p in (0.0, 0.6, 1.0):
             yield relative(f"S({p}) of {variant}", energy_factor(p, variant=name), factor(p), 1e-12)
-        yield relative(
-            f"kappa without load of {variant}",
-            light_load_kappa(name),
-            math.sqrt(8 / math.pi / factor(0.0)),
-            1e-12,
-        )
+        kappa = math.sqrt(8 / math.pi / factor(0.0))
+        yield relative(f"kappa without load of {variant}", light_load_kappa(name), kappa, 1e-12)
         for variance in (0.5, 40.0):
             full = quad(
                 lambda v, factor=factor: 1 / factor(math.erf(1 / math.sqrt(2 * v))) if v > 0 else 1.0,
@@ -181,9 +172,8 @@ def _separation() -> Iterator[Check]:
     growth_per_efold = float(np.sqrt(2 / (math.pi * variance)) @ growth)
     # Gauss's rule on both sides: panels of 1/8 in ln V there, 200 points in the root of ln q here.
     yield relative("u(p1) - u(p2) [m]", separation[0] - separation[1], exact, 1e-9)
-    yield relative(
-        "growth per e-fold at light load [m]", float(far[1] - far[0]) / math.log(10), growth_per_efold, 1e-4
-    )
+    grown = float(far[1] - far[0]) / math.log(10)
+    yield relative("growth per e-fold at light load [m]", grown, growth_per_efold, 1e-4)
 
 
 #: The rim of a tire on steel in Persson 2006, Sec. 8.3.
@@ -217,12 +207,8 @@ def _adhesion() -> Iterator[Check]:
     yield near("A/A0 of the rim with adhesion", printed.real_area, 0.44, 0.005)
     yield relative("A/A0 with vanishing adhesion", vanishing.real_area, plain, 1e-4)
     yield relative("A/A0 with great adhesion", strong.real_area, 1.0, 1e-6)
-    yield relative(
-        "energy left by great adhesion [J/m^2]",
-        strong.macroscopic_work,
-        float(area_factor(_RIM.m2())) * 50 - energy,
-        1e-5,
-    )
+    left = float(area_factor(_RIM.m2())) * 50 - energy
+    yield relative("energy left by great adhesion [J/m^2]", strong.macroscopic_work, left, 1e-5)
     # A wall at -sigma* at most: no more area than the load and that strength together press into contact.
     yield within("A/A0 of weak bonds", bounded.real_area, plain, most * (1 + 1e-4))
 
@@ -283,14 +269,8 @@ def _ends() -> Iterator[Check]:
     strongest = math.sqrt(1.125 * 0.05 * 4e6 * 1e5)
     pull = pull_off_stress(smooth, interface=interface, tolerance=0.01)
     factor = critical_roughness(_SHORT, contact_modulus=4e6, interface=interface, tolerance=0.05)
-    smoother, rougher = (
-        solve_adhesion(
-            Scale(_SHORT.scaled((part * factor) ** 2), contact_modulus=4e6),
-            pressure=0.0,
-            interface=interface,
-        ).real_area
-        for part in (0.93, 1.07)
-    )
+    scales = [Scale(_SHORT.scaled((part * factor) ** 2), contact_modulus=4e6) for part in (0.93, 1.07)]
+    smoother, rougher = (solve_adhesion(one, pressure=0.0, interface=interface).real_area for one in scales)
     # Bisection to a hundredth.
     yield relative("pull-off of a nearly flat surface [Pa]", pull, strongest, 0.015)
     yield within("A/A0 without load just below it", smoother, 1e-3, 1.0)
