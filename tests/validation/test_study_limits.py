@@ -166,15 +166,6 @@ def test_full_contact_stores_the_energy_of_all_waves(rough, measured):
     assert Waves.of_field(small).full_energy == pytest.approx(expected, rel=1e-9)
 
 
-def test_the_theory_of_gap_and_energy_does_not_depend_on_the_unit_of_length(rough):
-    field = height_field(rough)
-    large = HeightField(heights=field.heights * 2.0**20, lengths=tuple(x * 2.0**20 for x in field.lengths))
-    loads = np.array([0.01, 0.3]) * field.rms_gradient
-    for variant in WITH_ENERGY[:2]:
-        first, second = (Waves.of_field(f).mean_gap(loads, variant) / f.rms_height for f in (field, large))
-        assert np.array_equal(first, second)
-
-
 def test_distributions_hold_the_area_the_load_and_every_patch(measured):
     area = measured.stress_profile.sum("stress_bin").values
     np.testing.assert_allclose(area, measured.pixel.mean("shift").values, rtol=1e-12)

@@ -6,10 +6,14 @@ import json
 
 import numpy as np
 import pytest
+from gold.asked import STUDIES
 
 from fem_contact.surface import random_surface
 from validation.comparison.run import run_scene
+from validation.comparison.sweep import run_sweep
 from validation.scenes.scene import load_scene
+from validation.scenes.sweep import load_asked
+from validation.studies import find_study
 from validation.units import unit_registry
 
 #: Rectangular cells on an oblong period, two unequal elastic bodies.
@@ -68,29 +72,63 @@ def run_of(parts, folder, name="scene"):
 def scaled_by(unit, length, pressure):
     """Return the factor of a number of this unit where all lengths and all pressures are so much larger."""
     base = unit_registry().Unit(unit).dimensionality if unit not in ("", "1") else {}
-    mass, time = base.get("[mass]", 0), base.get("[time]", 0)
-    # Time enters by pressures alone, so that mass tells their power: Pa = kg / (m s^2).
-    assert time == -2 * mass, unit
+    mass = base.get("[mass]", 0)  # Pa = kg / (m s^2), and times stay
     return pressure ** float(mass) * length ** float(base.get("[length]", 0) + mass)
 
 
-@pytest.mark.parametrize(("length", "pressure"), [(2.0**20, 1.0), (1.0, 2.0**-30), (2.0**-10, 2.0**20)])
-def test_every_number_scales_by_its_unit(tmp_path, length, pressure):
-    def parts(long, stiff):
-        surface = {**SURFACE, "length": [20e-6 * long, 10e-6 * long]}
-        surface |= {"lambda_long": 10e-6 * long, "lambda_short": 2.5e-6 * long}
-        solid = {**SOLID, "young": 2e6 * stiff, "second_young": 5e6 * stiff}
-        yields = [{"kind": "hardness", "hardness": 1.5e5 * stiff}]
-        return tables("ensemble", surface={"kind": "self-affine", **surface}, solid=solid, effects=yields)
+def scaled_tables(length, pressure, more=None, **changed):
+    """Return the tables of the scene with all lengths and all pressures so much larger."""
+    surface = {**SURFACE, "length": [20e-6 * length, 10e-6 * length]}
+    surface |= {"lambda_long": 10e-6 * length, "lambda_short": 2.5e-6 * length}
+    solid = {**SOLID, "young": 2e6 * pressure, "second_young": 5e6 * pressure}
+    return tables(more, surface={"kind": "self-affine", **surface}, solid=solid, **changed)
 
-    before = run_of(parts(1.0, 1.0), tmp_path, "before").data
-    after = run_of(parts(length, pressure), tmp_path, "after").data
+
+def assert_scaled(before, after, length, pressure):
+    """Every number, error and share is the other times the power of its unit."""
     assert set(before.variables) == set(after.variables)
     for name in set(map(str, before.variables)) - TIMES:
         values = before[name]
         if values.dtype.kind == "f" and values.attrs.get("units", "1") != "s":
             factor = scaled_by(values.attrs.get("units", "1"), length, pressure)
             np.testing.assert_allclose(after[name], factor * values, rtol=1e-9, err_msg=name)
+
+
+@pytest.mark.parametrize(("length", "pressure"), [(2.0**20, 1.0), (1.0, 2.0**-30), (2.0**-10, 2.0**20)])
+def test_every_number_scales_by_its_unit(tmp_path, length, pressure):
+    def data(name, long, stiff):
+        yields = [{"kind": "hardness", "hardness": 1.5e5 * stiff}]
+        return run_of(scaled_tables(long, stiff, "ensemble", effects=yields), tmp_path, name).data
+
+    assert_scaled(data("before", 1.0, 1.0), data("after", length, pressure), length, pressure)
+
+
+def test_every_number_of_a_sweep_scales_by_its_unit(tmp_path):
+    def data(name, length, pressure):
+        path = tmp_path / f"{name}.toml"
+        leak = {"viscosity": 1e-3 * pressure, "pressure_drop": 1e3 * pressure}
+        path.write_text(toml(scaled_tables(length, pressure, quantities={"leak": leak})))
+        keys = {
+            "load.pressure": [1e3 * pressure, 9e3 * pressure],
+            "solid.young": [2e6 * pressure, 3e6 * pressure],
+        }
+        sweep = load_asked(str(path), [f"sweep.{key}={values}" for key, values in keys.items()])
+        return run_sweep(sweep, tmp_path / name, report=False).data
+
+    assert_scaled(data("before", 1.0, 1.0), data("after", 2.0**20, 2.0**-30), 2.0**20, 2.0**-30)
+
+
+@pytest.mark.parametrize("study", ["energy", "magnification"])
+def test_every_number_of_a_study_scales_by_its_unit(tmp_path, bench, study):
+    def data(length, pressure):
+        methods = {"bem": {"grids": [[32, 16], [48, 24], [64, 32]]}}
+        path = tmp_path / f"{length}.toml"
+        path.write_text(toml(scaled_tables(length, pressure, methods=methods)))
+        options = STUDIES[f"{study} on a scene"] | {"scene": str(path)}
+        chosen = find_study(study)
+        return chosen.compute(chosen.options(**options), bench=bench)
+
+    assert_scaled(data(1.0, 1.0), data(2.0**20, 2.0**-30), 2.0**20, 2.0**-30)
 
 
 TURNED = {
