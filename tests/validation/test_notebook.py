@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
-from fem_contact import HeightField
+from fem_contact import HalfSpace, HeightField, Solid, bem
 from validation import self_affine
+from validation.cli.commands import app
 from validation.report.values import value_of
 from validation.scenes.topography.writing import write_topography
 
@@ -80,3 +83,41 @@ def test_the_recipes_run_in_their_order(capsys, tmp_path, monkeypatch):
     assert abs(check.area_perimeter_difference) < abs(check.area_pixel_difference)
     assert (tmp_path / "block.vtu").exists()
     assert float(capsys.readouterr().out.split()[0]) == pytest.approx(0.1125, abs=5e-5)
+
+
+#: What needs another machine or another package, hours, or results that a reader makes first.
+_ELSEWHERE = re.compile(
+    r"mpi|dask|SLURM|--scheduler|--accuracy|pip install|compare |challenge score|^(export|python3) "
+    r"|--method tamaas|scan\.npy|my_module:area|import MPI|def solve\(.*\.\.\."
+)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("page", sorted(DOCS.glob("*.md")), ids=lambda page: page.stem)
+def test_the_examples_of_a_page_run(page, tmp_path, monkeypatch):
+    """Python as it stands; commands too, but runs and studies by their plans."""
+    monkeypatch.chdir(tmp_path)
+    text = page.read_text(encoding="utf-8")
+    rough = self_affine(
+        length="1 um", hurst=0.8, lambda_long="500 nm", lambda_short="125 nm", rms_gradient=0.1, seed=2
+    )
+    half_space = HalfSpace(solid=Solid(young=1e9, poisson=0.3))
+    surface = HeightField(heights=rough.heights(24).values, lengths=(1e-6, 1e-6))
+    write_topography(tmp_path / "afm.nc", surface)
+    contact = bem.solve(surface, half_space, mean_pressure=5e6)
+    space = {"surface": surface, "half_space": half_space, "contact": contact}
+    if "scenes copy" not in text:
+        assert CliRunner().invoke(app, ["scenes", "copy", "quickstart", "mine.toml"]).exit_code == 0
+    for language, source in re.findall(r"```(python|sh|toml)\n(.*?)```", text, re.DOTALL):
+        if language == "toml":
+            (tmp_path / "scene.toml").write_text(source, encoding="utf-8")
+        elif source.startswith("# my_module.py"):
+            (tmp_path / "my_module.py").write_text(source, encoding="utf-8")
+        elif language == "python" and not _ELSEWHERE.search(source) and 'study("hurst"' not in source:
+            exec(compile(source, str(page), "exec"), space)
+        for line in source.splitlines() if language == "sh" else ():
+            verb, *words = shlex.split(line, comments=True) or [""]
+            if verb == "fem-contact" and not _ELSEWHERE.search(line):
+                plan = ["--dry-run"] if words[0] in ("run", "study") and "--dry-run" not in words else []
+                outcome = CliRunner().invoke(app, [*words, *plan])
+                assert outcome.exit_code == 0, f"{line}: {outcome.exception or outcome.output}"
