@@ -34,8 +34,6 @@ _NOTHING_LEFT = 64 * 1024
 _ABANDONED = 24 * 3600.0
 #: Largest record of what a folder is a run of; a scene takes kilobytes.
 _MOST_RECORD = 2**24
-#: Subfolders of a results folder in which drafts may be left.
-_INNER = ("figures",)
 _DRAFT = re.compile(r"\.([0-9a-f]{8})-(\d{1,9})-[0-9a-f]{12}-")
 
 
@@ -63,9 +61,8 @@ def prepare_folder(folder: Path, *, option: str = "--output") -> Path:
         raise UsageError(
             f"{option} = {str(folder)!r}: cannot be written to ({error.strerror}); name another folder"
         ) from None
-    remove_drafts(folder)
-    for inner in _INNER:
-        remove_drafts(folder / inner)
+    for place in (folder, folder / "figures"):
+        remove_drafts(place)
     return folder
 
 

@@ -301,20 +301,16 @@ def _limited(seconds: float, memory: int | None) -> Iterator[None]:
 
 def _end_with(parent: int) -> None:
     """End this process and what it started when its parent ends: nobody would collect what it does."""
-
-    def look() -> None:
-        while os.getppid() == parent:
-            time.sleep(_LOOK_EVERY)
-        os.killpg(0, signal.SIGKILL)
-
-    threading.Thread(target=look, daemon=True).start()
+    while os.getppid() == parent:
+        time.sleep(_LOOK_EVERY)
+    os.killpg(0, signal.SIGKILL)
 
 
 def main() -> None:
     """Serve the connection whose file descriptor is the first argument, for the parent that is the second."""
     # Ctrl-C is for the one that started this, which ends it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _end_with(int(sys.argv[2]))
+    threading.Thread(target=_end_with, args=(int(sys.argv[2]),), daemon=True).start()
     connection: Connection[Any, Any] = Connection(int(sys.argv[1]))
     os.register_at_fork(after_in_child=connection.close)  # whose end is that of this process alone
     _serve(connection)

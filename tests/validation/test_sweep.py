@@ -290,6 +290,16 @@ def test_a_list_of_loads_in_a_swept_scene_is_refused(tmp_path):
         run_sweep(sweep, tmp_path / "results")
 
 
+def test_keys_of_quantities_and_effects_are_swept(write_scene):
+    text = write_scene()
+    leak = ["quantities.leak.viscosity='1 mPa s'", "sweep.quantities.leak.pressure_drop=['1 MPa', '2 MPa']"]
+    sweep = load_asked(str(text), [*leak, "sweep.effects.hardness.hardness=['1 GPa', '2 GPa']"])
+    assert {key.key: key.values for key in sweep.keys} == {
+        "quantities.leak.pressure_drop": (1e6, 2e6),
+        "effects.hardness.hardness": (1e9, 2e9),
+    }
+
+
 def test_a_measured_surface_is_swept_with_the_size_of_its_file(write_scene, tmp_path):
     waves = np.cos(2 * np.pi * np.arange(16) / 16)
     np.save(tmp_path / "map.npy", np.add.outer(waves, waves))

@@ -154,13 +154,9 @@ def chosen_execution(
     from validation.units import Memory, read_quantity
 
     limit = scene.memory if memory is None else read_quantity(Memory, memory, "--memory")
-    if workers is not None and scheduler is not None:
-        raise UsageError(
-            f"--workers = {workers}: not together with --scheduler, which has workers of its own"
-        )
-    if workers is None and scheduler is None:
-        workers = scene.workers
-    return Execution(workers=workers or 1, scheduler=scheduler, memory=None if limit is None else int(limit))
+    usual = scene.workers if scheduler is None else 1
+    memory_limit = None if limit is None else int(limit)
+    return Execution(workers=workers or usual, scheduler=scheduler, memory=memory_limit)
 
 
 def chosen_accuracy(

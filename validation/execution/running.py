@@ -35,7 +35,7 @@ class Execution:
             raise UsageError(f"workers = {self.workers}: must be at least 1")
         if self.scheduler is not None and self.workers != 1:
             raise UsageError(
-                f"workers = {self.workers}: cannot be combined with a scheduler, which has workers of its own"
+                f"workers = {self.workers}: not together with --scheduler, which has workers of its own"
             )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -21,7 +22,7 @@ _POINTS = 4
 #: What one solve on a usual grid may take: bytes, and pairs of real 256 x 256 transforms, of a millisecond.
 _BYTES, _PAIRS = 2 * 2**30, 6e5
 #: In place of grids where the surface is refused anyway.
-_ANY = [32, 64]
+_ANY: list[Any] = [32, 64]
 
 
 def usual_grids(lengths: tuple[float, float], shortest: float) -> tuple[Grid, ...]:
@@ -58,27 +59,22 @@ def with_usual_grids(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     if isinstance(ensemble, dict) and alone:
         filled["ensemble"] = {**ensemble, "grids": [list(grid) for grid in usual[:2]] or _ANY}
     for name, table in lacking.items():
-        solver, chosen = solvers[name], tuple[Grid, ...]()
-        try:
-            options = solver.options.model_validate(
-                {**table, "grids": [list(grid) for grid in usual] or _ANY}
-            )
-        except ValidationError:  # which the scene is refused for
-            pass
-        else:
-            chosen = tuple(
-                grid for grid in usual if affordable(solver, grid, lengths=waves["lengths"], options=options)
-            )
+        solver, grids = solvers[name], [list(grid) for grid in usual] or _ANY
+        with contextlib.suppress(ValidationError):  # which the scene is refused for
+            options = solver.options.model_validate({**table, "grids": grids})
+            chosen = [
+                list(grid)
+                for grid in usual
+                if affordable(solver, grid, lengths=waves["lengths"], options=options)
+            ]
+            grids = chosen or _ANY
             if usual and not chosen:
                 nx, ny = usual[0]
                 raise UsageError(
                     f"methods.{name}.grids: missing; {_POINTS} points on the shortest wave are {nx} x {ny}, "
                     "more than 2 GiB or ten minutes a solve; name grids that you can wait for"
                 )
-        filled["methods"] = {
-            **filled["methods"],
-            name: {**table, "grids": [list(grid) for grid in chosen] or _ANY},
-        }
+        filled["methods"] = {**filled["methods"], name: {**table, "grids": grids}}
     return filled
 
 

@@ -327,13 +327,10 @@ def _swept(scenes: Sequence[Scene], mode: Mode, lists: Mapping[str, list[Any]]) 
 
 def _said(scene: Scene, key: str) -> Value:
     """Value of a key in a checked scene, as a coordinate: a number or words."""
-    parts = key.split(".")
-    table: Any = getattr(scene, parts[0])
-    if parts[0] == "effects":
-        table = next(effect for effect in scene.effects if effect.kind == parts[1])
-    elif parts[0] == "methods":
-        table = scene.methods.options(parts[1])
-    value = getattr(table, parts[-1])
+    value: Any = scene
+    for part in key.split("."):
+        tables = value if isinstance(value, tuple) else ()
+        value = next((effect for effect in tables if effect.kind == part), None) or getattr(value, part)
     if isinstance(value, tuple) and len(set(value)) == 1 and isinstance(value[0], float):
         value = value[0]
     if isinstance(value, (int, float)) and not isinstance(value, bool):
