@@ -20,6 +20,7 @@ from validation.comparison.explain import explain
 from validation.comparison.run import run_scene
 from validation.errors import SceneError, UsageError
 from validation.execution.attempt import Progress
+from validation.execution.bench import Bench
 from validation.scenes.checks import check_scene
 from validation.scenes.grids import usual_grids
 from validation.scenes.keys import scene_keys
@@ -227,5 +228,6 @@ def test_a_grid_of_oblong_cells_is_said_before_it_is_pressed(sides, square, tmp_
     assert words == f"24 x 24 has oblong cells, in which no edge is located; {square} has square ones"
     progress = Progress()
     progress.note = notes.append
-    run_scene(scene, tmp_path / "results", progress=progress, report=False)
+    bench = Bench.at(tmp_path / "solves", progress=progress)
+    run_scene(scene, tmp_path / "results", bench=bench, report=False)
     assert notes == [f"grids of bem: {words}"]
