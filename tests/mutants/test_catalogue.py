@@ -59,6 +59,7 @@ def test_validate_is_asked_about_a_fault_by_the_cases_that_call_its_function_and
     known = driver.Cases(
         reached={"one": {("a.py", 4), ("a.py", 5)}, "two": {("a.py", 4)}, "three": set()},
         seconds={"one": 3.0, "two": 2.0, "three": 1.0},
+        checks={},
     )  # fmt: skip
 
     def chosen(old, new, **changes):
