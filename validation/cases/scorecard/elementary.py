@@ -193,11 +193,7 @@ def judge_residuals(subject: Subject, checks: Sequence[Check]) -> Sequence[Check
 
     Its own equations may be met to any tolerance; those of the half-space at the grid points are not, by
     the error of its cells: waves are right but for the grid, a smaller tolerance changes nothing, and a
-    finer grid lessens the residuals.
-
-    Raises
-    ------
-    NotJudged
+    finer grid lessens the residuals: a NotJudged.
     """
     if all(check.passed for check in checks):
         return checks

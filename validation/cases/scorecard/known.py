@@ -127,13 +127,13 @@ def stress_near_zero(subject: Subject) -> Iterator[Check]:
 
 
 def strip(
-    subject: Subject, n: int, *, across: tuple[int, float], axis: int = 0
+    subject: Subject, n: int, *, across: tuple[int, float] | None = None, axis: int = 0
 ) -> tuple[Array, Array, Pressed]:
     """Press a wave with its crest in the middle, uniform along the other axis: p(x), its error, and all."""
     surface, x = _WAVE.surface(n, across), (np.arange(n) + 0.5) / n - 0.5
     if axis == 1:
         turned = np.ascontiguousarray(surface.heights.T)
-        surface = HeightField(heights=turned, lengths=(across[1], 1.0))
+        surface = HeightField(heights=turned, lengths=surface.lengths[::-1])
     pressed, exact = subject.press(surface, _WAVE.load), _WAVE.pressure(x)
     pressure = (pressed.claim.pressure if axis == 0 else pressed.claim.pressure.T)[:, 1]
     return pressure / exact.max(), np.abs(pressure - exact) / exact.max(), pressed
@@ -156,7 +156,7 @@ def _second_order(n: int) -> float:
 
 @case("westergaard", "A wave carries Westergaard's pressure.", source=_WESTERGAARD, tolerance="grid")
 def westergaard(subject: Subject) -> Iterator[Check]:
-    strips = [strip(subject, n, across=(4, 4 / n)) for n in subject.ladder]
+    strips = [strip(subject, n) for n in subject.ladder]
     errors = [mean_inside(off) for _, off, _ in strips]
     (pressure, off, pressed), n = strips[-1], subject.ladder[-1]
     allowed = _second_order(n)
@@ -183,7 +183,8 @@ def layer(subject: Subject) -> Iterable[Check]:
 def yielding(subject: Subject) -> Iterator[Check]:
     subject.needs(effect=Hardness)
     n = 2 * subject.ladder[-1]
-    surface = HeightField(heights=-_WAVE.surface(n).heights, lengths=(1.0, 4 / n))
+    wave = _WAVE.surface(n)
+    surface = HeightField(heights=-wave.heights, lengths=wave.lengths)
     short, missing = _WAVE.load, _WAVE.pressure((np.arange(n) + 0.5) / n - 0.5)
     # Twice what the troughs lack: they stay pressed.
     peak, hardness = float(missing.max()), 2 * float(missing.max())

@@ -194,7 +194,7 @@ class Subject:
             self.press(rough(2 * self.points), 0.05)
 
 
-def rough(points: int, *, bandwidth: int = 4, waves: int = 2, seed: int = 271) -> HeightField:
+def rough(points: int, *, bandwidth: int = 4, waves: int = 2) -> HeightField:
     """Return a surface of unit gradient and period, H = 0.8, with `points` along a side.
 
     `bandwidth` is lambda_long / lambda_short, `waves` L / lambda_long.
@@ -205,7 +205,7 @@ def rough(points: int, *, bandwidth: int = 4, waves: int = 2, seed: int = 271) -
         q_short=shortest,
         lengths=(1.0, 1.0),
         shape=(4 * waves * bandwidth,) * 2,
-        seed=seed,
+        seed=271,
     )
     unit = HeightField(heights=surface.heights / surface.rms_gradient, lengths=(1.0, 1.0))
     return unit.resampled((points, points))
