@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import ast
 import importlib.util
+import json
 import sys
 from pathlib import Path
 
 import pytest
-
-from validation import cases
-from validation.cases import Case, relative
 
 _SPEC = importlib.util.spec_from_file_location("mutants_driver", Path(__file__).with_name("driver.py"))
 driver = importlib.util.module_from_spec(_SPEC)
@@ -54,40 +52,10 @@ def test_a_fault_whose_text_is_gone_is_refused_by_name():
         mutant.applied("a a")
 
 
-def test_validate_is_asked_about_a_fault_by_the_cases_that_call_its_function_and_else_by_all():
-    text = "LIMIT = 1\n\n\ndef outer(x):\n    def inner(y):\n        return y\n\n    return inner(x) + 2\n"
-    known = driver.Cases(
-        reached={"one": {("a.py", 4), ("a.py", 5)}, "two": {("a.py", 4)}, "three": set()},
-        seconds={"one": 3.0, "two": 2.0, "three": 1.0},
-        checks={},
-    )  # fmt: skip
-
-    def chosen(old, new, **changes):
-        mutant = driver.Mutant(name="m", file="a.py", old=old, new=new, tests=(), **changes)
-        return known.that_call(mutant, text)
-
-    assert chosen("return y", "return -y") == ["one"]
-    assert chosen("inner(x) + 2", "inner(x) + 3") == ["two", "one"]
-    assert chosen("return y\n\n    return inner(x) + 2", "return y\n\n    return inner(x) + 3") == [
-        "two",
-        "one",
-    ]
-    assert chosen("LIMIT = 1", "LIMIT = 2") == ["three", "two", "one"]
-    assert chosen("return y", "return -y", kernel=True) == ["three", "two", "one"]
-
-
-def test_a_case_that_fails_is_named_with_its_check(monkeypatch, capsys):
-    spec = importlib.util.spec_from_file_location(
-        "validate_cases", Path(__file__).with_name("validate_cases.py")
-    )
-    validate_cases = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(validate_cases)
-    wrong = Case(name="wrong", claim="Two is three.", run=lambda: [relative("two", 2.0, 3.0, 0.01)])
-    right = Case(name="right", claim="Two is two.", run=lambda: [relative("two", 2.0, 2.0, 0.01)])
-    monkeypatch.setattr(cases, "all_cases", lambda: (right, wrong))
-    assert validate_cases.run(["right"]) == 0
-    assert validate_cases.run(["right", "wrong"]) == 1
-    assert capsys.readouterr().out == "FAILED wrong - two: 2 for 3 +- 0.03\n"
+def test_what_breaks_the_checks_of_validate_is_in_the_catalogue():
+    table = json.loads(Path(__file__).with_name("checks.json").read_text(encoding="utf-8"))
+    breaking = {fault for checks in table.values() for fault in checks.values()} - {""}
+    assert breaking <= {mutant.name for mutant in MUTANTS}
 
 
 @pytest.fixture(scope="module")
