@@ -2,12 +2,10 @@
 
 import importlib.util
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from processes import run_python
 
 PROBE = Path(__file__).with_name("absent_probe.py")
 
@@ -32,13 +30,7 @@ BASELINE = {"transforms": 37, "arrays": 13.008}
 
 
 def probe(*effects):
-    environment = os.environ | {
-        "PYTHONPATH": os.pathsep.join([str(PROBE.parent.parent), *filter(None, sys.path)]),
-        "OMP_NUM_THREADS": "1",
-        "NUMBA_NUM_THREADS": "1",
-    }
-    command = [sys.executable, str(PROBE), json.dumps(list(effects))]
-    done = subprocess.run(command, capture_output=True, text=True, env=environment, check=False, timeout=120)
+    done = run_python(PROBE, json.dumps(list(effects)), OMP_NUM_THREADS="1", NUMBA_NUM_THREADS="1")
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 

@@ -7,7 +7,6 @@ import re
 import subprocess
 import sys
 import tomllib
-from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -55,13 +54,6 @@ def imported_libraries(modules, directory, then="0"):
     """Top-level names in sys.modules after the imports, and what is done then."""
     code = f"import json, {', '.join(modules)}; {then}; print(json.dumps(sorted(sys.modules)))"
     return {name.partition(".")[0] for name in json.loads(run_elsewhere(code, directory))}
-
-
-def test_no_import_closes_a_circle_not_even_for_annotations():
-    grimp = pytest.importorskip("grimp")
-    graph = grimp.build_graph("fem_contact", "persson", exclude_type_checking_imports=False, cache_dir=None)
-    imports = {name: graph.find_modules_directly_imported_by(name) for name in graph.modules}
-    TopologicalSorter(imports).prepare()
 
 
 def test_every_package_says_that_it_is_typed():

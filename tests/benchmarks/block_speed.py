@@ -17,12 +17,13 @@ import sys
 import time
 
 import numpy as np
+from bem_speed import benchmark_surface
 
 from fem_contact import bem, block
 from fem_contact.contact import ContactResult
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
-from fem_contact.surface import HeightField, random_surface
+from fem_contact.surface import HeightField
 
 SOLID = Solid(young=1.0, poisson=0.3)
 ELEMENTS = {"quadratic": "Hex2", "incompressible": "Hex2/P1disc"}
@@ -43,19 +44,6 @@ DEFAULT = (
     "particle:64",
     "particle:128",
 )
-
-
-def benchmark_surface(n: int) -> HeightField:
-    """Rms gradient .1."""
-    q_long = 8 * np.pi
-    surface = random_surface(
-        lambda q: np.where(q > 0.999 * q_long, q**-3.6, 0.0),
-        q_short=2 * np.pi * n / 8,
-        lengths=(1.0, 1.0),
-        shape=(n, n),
-        seed=7,
-    )
-    return HeightField(heights=surface.heights * (0.1 / surface.rms_gradient), lengths=(1.0, 1.0))
 
 
 def particle(surface: HeightField, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from made_results import made_areas, made_contact
 from surfaces import periodic_paraboloid, rough_surface
 
 from fem_contact import block
@@ -18,7 +19,7 @@ from fem_contact.area import (
     subgrid_shifts,
 )
 from fem_contact.bem import solve
-from fem_contact.contact import ContactResult, Cost, Residuals, Status
+from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 from fem_contact.extrapolation import limit_area, located_limit
 from fem_contact.response import FreeHalfSpace, HalfSpace
@@ -28,34 +29,11 @@ from fem_contact.surface import HeightField, Patch
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
 
-def result_of(
-    contact: np.ndarray, *, lengths: tuple[float, float] = (1.0, 1.0), weights: np.ndarray | None = None
-) -> ContactResult:
-    zero = np.zeros(contact.shape)
-    return ContactResult(
-        pressure=contact * 1.0,
-        gap=zero,
-        displacement=zero,
-        in_contact=contact,
-        at_bound=np.zeros_like(contact),
-        heights=zero,
-        lengths=lengths,
-        contact_modulus=1.0,
-        offset=0.0,
-        mean_pressure=1.0,
-        status=Status.CONVERGED,
-        residuals=Residuals(penetration=0, tension=0, complementarity=0, load=0),
-        cost=Cost(wall_seconds=0, cpu_seconds=0, iterations=0, unknowns=1, peak_bytes=0),
-        weights=weights,
-        provenance={"method": "boundary elements, by hand"},
-    )
-
-
 def test_edges_are_counted_along_both_directions_per_nominal_area() -> None:
     contact = np.zeros((8, 10), dtype=bool)
     contact[2:5, 3:9] = True
     lengths = (4.0, 20.0)
-    areas = contact_areas(result_of(contact, lengths=lengths), edge_constant=0.25)
+    areas = contact_areas(made_contact(contact, lengths=lengths), edge_constant=0.25)
     dx, dy = 0.5, 2.0
     assert areas.pixel == 18 / 80
     assert areas.edge_length == pytest.approx((2 * 3 * dx + 2 * 6 * dy) / 80)
@@ -67,7 +45,7 @@ def test_edge_length_of_a_disc_is_four_over_pi_times_its_circumference() -> None
     n, a = 800, 0.31
     x = np.arange(n) / n - 0.5 + 0.3 / n
     contact = np.hypot(x[:, None], x[None, :]) < a
-    areas = contact_areas(result_of(contact))
+    areas = contact_areas(made_contact(contact))
     assert areas.edge_length == pytest.approx(4 / np.pi * 2 * np.pi * a, rel=5e-3)
     assert areas.edge_fraction == pytest.approx(areas.edge_length / n, rel=1e-12)
 
@@ -75,7 +53,7 @@ def test_edge_length_of_a_disc_is_four_over_pi_times_its_circumference() -> None
 def test_the_edge_constant_is_that_of_the_element_that_made_the_result() -> None:
     contact = np.zeros((4, 4), dtype=bool)
     contact[0, 0] = True
-    result = result_of(contact)
+    result = made_contact(contact)
     for element in block.ELEMENTS.values():
         made = dataclasses.replace(result, provenance={"method": "finite elements", "element": element.name})
         assert contact_areas(made).edge_constant == element.edge_constant
@@ -93,7 +71,7 @@ def test_a_pressed_block_is_corrected_with_its_own_constant() -> None:
     "told", [{}, {"method": "by hand"}, {"method": "finite elements", "element": "Hex9"}]
 )
 def test_a_result_of_unknown_making_has_no_edge_constant_and_no_edge_map(told: dict[str, str]) -> None:
-    result = dataclasses.replace(result_of(np.eye(8, dtype=bool)), provenance=told)
+    result = dataclasses.replace(made_contact(np.eye(8, dtype=bool)), provenance=told)
     with pytest.raises(InvalidInput, match="edge_constant: none is known"):
         contact_areas(result)
     with pytest.raises(InvalidInput, match="edge_map: none is known"):
@@ -104,7 +82,7 @@ def test_a_result_of_unknown_making_has_no_edge_constant_and_no_edge_map(told: d
 def test_edges_across_the_period_count() -> None:
     contact = np.zeros((6, 6), dtype=bool)
     contact[0] = True
-    assert contact_areas(result_of(contact)).edge_length == pytest.approx(2.0)
+    assert contact_areas(made_contact(contact)).edge_length == pytest.approx(2.0)
 
 
 def test_points_count_by_their_weight() -> None:
@@ -112,23 +90,14 @@ def test_points_count_by_their_weight() -> None:
     contact[0, 0] = True
     weights = np.full((4, 4), 14 / 15)
     weights[0, 0] = 2.0
-    assert contact_areas(result_of(contact, weights=weights)).pixel == pytest.approx(2 / 16)
+    assert contact_areas(made_contact(contact, weights=weights)).pixel == pytest.approx(2 / 16)
 
 
 def areas_on(
     n: int, *, limit: float, constant: float, edge: float = 10.0, noise: float = 0.0
 ) -> ContactAreas:
-    fraction = edge / n
-    pixel = limit + constant * fraction + noise
-    return ContactAreas(
-        pixel=pixel,
-        perimeter=pixel - 0.1 * fraction,
-        edge_length=edge,
-        edge_fraction=fraction,
-        edge_constant=0.1,
-        spacing=(1 / n, 1 / n),
-        cells=n * n,
-    )
+    pixel = limit + constant * edge / n + noise
+    return made_areas(pixel, n, edge / n, perimeter=pixel - 0.1 * edge / n, subcell=None)
 
 
 def test_limit_of_full_contact_is_one() -> None:
@@ -267,17 +236,17 @@ def test_edges_come_in_pairs_along_each_direction() -> None:
 
 
 def test_located_area_of_full_and_no_contact() -> None:
-    full = result_of(np.ones((8, 8), dtype=bool))
+    full = made_contact(np.ones((8, 8), dtype=bool))
     assert subcell_area(full) == 1.0
-    assert subcell_area(result_of(np.zeros((8, 8), dtype=bool))) == 0.0
+    assert subcell_area(made_contact(np.zeros((8, 8), dtype=bool))) == 0.0
 
 
 def test_located_area_is_refused_where_it_has_no_map() -> None:
     contact = np.eye(8, dtype=bool)
     with pytest.raises(InvalidInput, match="square"):
-        subcell_area(result_of(contact, lengths=(1.0, 2.0)))
+        subcell_area(made_contact(contact, lengths=(1.0, 2.0)))
     with pytest.raises(InvalidInput, match="weight"):
-        subcell_area(result_of(contact, weights=np.ones((8, 8))))
+        subcell_area(made_contact(contact, weights=np.ones((8, 8))))
 
 
 def test_shifts_average_out_the_noise_of_the_lattice() -> None:

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-from fem_contact.extrapolation import located_limit, perimeter_limit
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 from area_cases import KINDS, SHAPES, Case
 from area_law import LADDERS, TRUTH, coverage, limit_of, measured
+
+from fem_contact.extrapolation import located_limit, perimeter_limit
 
 #: Seeds that no fit has seen: those of `area_law.py` are below 10,000.
 FRESH = 20_000

@@ -6,8 +6,9 @@ import pickle
 
 import numpy as np
 import pytest
+from made_results import made_contact
 
-from fem_contact.contact import ContactResult, Cost, Residuals, Status
+from fem_contact.contact import Residuals, Status
 from fem_contact.errors import FemContactError, InvalidInput, NotConverged
 
 SHAPE = (3, 4)
@@ -15,23 +16,12 @@ FIELDS = ("pressure", "gap", "displacement", "in_contact", "at_bound", "heights"
 
 
 def result(**changes):
-    fields = {
-        "pressure": np.ones(SHAPE),
-        "gap": np.zeros(SHAPE),
-        "displacement": np.zeros(SHAPE),
-        "in_contact": np.ones(SHAPE, dtype=bool),
-        "at_bound": np.zeros(SHAPE, dtype=bool),
-        "heights": np.zeros(SHAPE),
+    whole = {
         "lengths": (6.0, 2.0),
-        "contact_modulus": 1.0,
-        "offset": 0.0,
-        "mean_pressure": 1.0,
-        "status": Status.CONVERGED,
         "residuals": Residuals(penetration=0.0, tension=1e-9, complementarity=3e-4, load=0.0),
-        "cost": Cost(wall_seconds=0.1, cpu_seconds=0.2, iterations=3, unknowns=12, peak_bytes=1000),
         "provenance": {"method": "by hand"},
     }
-    return ContactResult(**(fields | changes))
+    return made_contact(np.ones(SHAPE, dtype=bool), **(whole | changes))
 
 
 def test_a_converged_result_checks_to_itself():

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from made_results import made_areas
 
 from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.bem import solve
@@ -36,16 +37,8 @@ def areas_on(
     width = fraction / (limit * (1 - limit) ** 1.25)
     both = [*MEANS.items(), *terms.items()]
     error = sum(c * fraction * width**power for power, c in both)
-    return ContactAreas(
-        pixel=limit + 0.1 * fraction,
-        perimeter=limit,
-        edge_length=edge,
-        edge_fraction=fraction,
-        edge_constant=0.103,
-        spacing=(1 / n, 1 / n),
-        subcell=limit + error,
-        cells=n * n * repeats,
-    )
+    areas = {"pixel": limit + 0.1 * fraction, "subcell": limit + error, "cells": n * n * repeats}
+    return made_areas(limit, n, fraction, edge_constant=0.103, **areas)
 
 
 GRIDS = (48, 64, 96, 128, 192, 256)

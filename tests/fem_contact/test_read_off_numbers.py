@@ -8,13 +8,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from made_results import made_areas
 
 from fem_contact import adhesion, bem
 from fem_contact.adhesion.descent import Minimum
 from fem_contact.adhesion.laws import Exponential
 from fem_contact.adhesion.path import _Walk
 from fem_contact.adhesion.state import AdhesionProblem, Stability
-from fem_contact.area import ContactAreas
 from fem_contact.contact import Status
 from fem_contact.extrapolation import limit_area, located_limit
 from fem_contact.graded import ExponentialSolid, LayeredSolid
@@ -23,21 +23,6 @@ from fem_contact.settings import Settings
 from fem_contact.solid import Solid
 from fem_contact.stress import pressure_distribution
 from fem_contact.surface import HeightField, estimate_spectrum, random_surface
-
-
-def areas(value, points, fraction, **traits):
-    """An area on a square grid, counted and located alike."""
-    return ContactAreas(
-        **traits,
-        pixel=value,
-        perimeter=value,
-        edge_length=fraction * points,
-        edge_fraction=fraction,
-        edge_constant=0.1,
-        spacing=(1 / points, 1 / points),
-        subcell=value,
-        cells=points * points,
-    )
 
 
 def _width(area, fraction):
@@ -98,7 +83,7 @@ def test_the_limit_is_the_best_estimate_under_the_law_of_error_and_its_spread_th
     value = np.full(points.size, 0.2) + apart * (points < points[0])
     given = [
         dataclasses.replace(
-            areas(value[k], points[k], fraction[k], **(traits if k == 0 else {})),
+            made_areas(value[k], points[k], fraction[k], **(traits if k == 0 else {})),
             cells=int(points[k]) ** 2 * repeats,
             spacing=(2.0**20 / points[k],) * 2,
         )
@@ -120,7 +105,7 @@ def test_the_error_of_a_counted_limit_is_that_of_the_intercept_with_two_numbers_
     # Edges chosen so that all grids weigh alike: fraction times spacing^2 is constant.
     points, x = np.array([16, 32, 48, 64]), np.array([16, 32, 48, 64]) ** 2 / 1e5
     y = 0.2 + 0.1 * x + np.array([1, -1, -1, 1]) * 1e-3
-    found = limit_area([areas(*row) for row in zip(y, points, x, strict=True)])
+    found = limit_area([made_areas(*row) for row in zip(y, points, x, strict=True)])
     sxx = np.sum((x - x.mean()) ** 2)
     slope = np.sum((x - x.mean()) * y) / sxx
     intercept = y.mean() - slope * x.mean()

@@ -19,8 +19,6 @@ from pathlib import Path
 import numpy as np
 import psutil
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
 from gold.asked import STUDIES
 from solving import Killing, Notes, Slow, dask_cluster, still_running
 

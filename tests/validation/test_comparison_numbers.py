@@ -9,9 +9,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
+from made_results import made_areas
 
 from fem_contact import bem
-from fem_contact.area import ContactAreas
 from fem_contact.extrapolation import located_limit
 from fem_contact.response import BondedLayer, FrictionlessLayer, HalfSpace
 from fem_contact.solid import Solid
@@ -155,13 +155,6 @@ def test_a_budget_lists_every_source_and_adds_up():
     assert cells["for this spectrum and period [%]"] == pytest.approx(math.sqrt(50))
 
 
-def _areas(value, spacing):
-    return ContactAreas(
-        pixel=value, perimeter=value, edge_length=1.0, edge_fraction=0.02, edge_constant=0.1,
-        spacing=(spacing, spacing), subcell=value, cells=round(1 / spacing**2),
-    )  # fmt: skip
-
-
 def _search(monkeypatch, target=0.4):
     """A search that plans nothing."""
     bench = SimpleNamespace(wanted="", execution=Execution(), progress=Progress())
@@ -173,7 +166,7 @@ def _search(monkeypatch, target=0.4):
 
 
 def test_an_accuracy_claims_twice_the_standard_error_of_the_grids_and_the_tolerance(monkeypatch):
-    planted = [_areas(0.21, 1 / 32), _areas(0.2, 1 / 64)]
+    planted = [made_areas(0.21, 32, 0.02), made_areas(0.2, 64, 0.02)]
     limit = located_limit(planted)
     search = _search(monkeypatch)
     # The pilot solves one grid, the ladder both.

@@ -10,15 +10,12 @@ import sys
 from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
+from processes import ROOT, run_python
 from solving import Numbers
 
 from fem_contact import _environment as environment
 from validation.execution.running import solve_all
 from validation.execution.store import Store
-
-ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(autouse=True)
@@ -32,15 +29,7 @@ def environment_restored():
 
 def command(*arguments, shell="", **extra):
     """Run `fem-contact`, after commands of the shell."""
-    path = os.pathsep.join([str(ROOT), *filter(None, sys.path)])
-    line = f'{shell} exec "$0" -m validation.cli "$@"'
-    return subprocess.run(
-        ["bash", "-c", line, sys.executable, *arguments],
-        capture_output=True,
-        text=True,
-        check=False,
-        env={**os.environ, "PYTHONPATH": path, **extra},
-    )
+    return run_python("-m", "validation.cli", *arguments, shell=shell, **extra)
 
 
 @pytest.mark.parametrize(
@@ -68,14 +57,7 @@ def test_the_solvers_alone_press_whatever_omp_num_threads_says(said):
         "solid = Solid(young=1.0, poisson=0.0)\n"
         "print(bem.solve(field, HalfSpace(solid=solid), mean_pressure=0.1).status.name)"
     )
-    path = os.pathsep.join([str(ROOT), *filter(None, sys.path)])
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        check=False,
-        env={**os.environ, "OMP_NUM_THREADS": said, "PYTHONPATH": path},
-    )
+    done = run_python("-c", code, OMP_NUM_THREADS=said)
     assert done.stdout.strip() == "CONVERGED", done.stderr
 
 

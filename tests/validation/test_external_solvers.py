@@ -2,15 +2,12 @@
 
 import contextlib
 import random
-import sys
 import textwrap
 from pathlib import Path
 
 import numpy as np
 import psutil
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
 from solving import still_running
 
 from fem_contact.area import contact_areas

@@ -5,21 +5,17 @@ from __future__ import annotations
 import os
 import random
 import resource
-import subprocess
 import sys
 from collections import Counter
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
+from processes import run_python
 from solving import Numbers, fields
 
 from validation.execution.attempt import attempt
 from validation.execution.store import Store, check_store
-
-ROOT = Path(__file__).parents[2]
 
 pytestmark = [
     pytest.mark.nightly,
@@ -84,25 +80,13 @@ def _one_trial(solve, store, extra):
 def test_a_solve_that_meets_the_end_of_memory_anywhere_ends_in_a_line(tmp_path, count):
     code = "import sys; sys.path.insert(0, 'tests/validation'); import test_memory as m\n"
     code += "m.trials(sys.argv[1], int(sys.argv[2]), 2026)"
-    done = run_python(code, str(tmp_path), str(count))
+    done = run_python("-c", code, tmp_path, count, OPENBLAS_NUM_THREADS="1")
     assert done.returncode == 0, done.stderr
     solved, refused, tried = map(int, done.stdout.split())
     assert tried == count
     assert solved + refused == tried, done.stderr
     assert solved >= count // 10
     assert refused >= count // 10
-
-
-def run_python(code, *arguments, shell=""):
-    path = os.pathsep.join([str(ROOT), *filter(None, sys.path)])
-    return subprocess.run(
-        ["bash", "-c", f'{shell} exec "$0" -c "$@"', sys.executable, code, *arguments],
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1"},
-    )
 
 
 @pytest.mark.slow
@@ -113,7 +97,7 @@ def test_the_command_under_any_limit_of_memory_ends_in_a_result_or_in_a_line(tmp
     for limit in limits:
         arguments = ("run", str(scene), "-q", "--no-report", "-o", str(tmp_path / "out"))
         code = "from validation.cli import main; main()"
-        done = run_python(code, *arguments, shell=f"ulimit -v {limit};")
+        done = run_python("-c", code, *arguments, shell=f"ulimit -v {limit};", OPENBLAS_NUM_THREADS="1")
         last = done.stderr.strip().splitlines()[-1:] or [""]
         good = done.returncode == 0 or (
             done.returncode in (1, 2)

@@ -3,29 +3,28 @@
 from __future__ import annotations
 
 import subprocess
+from unittest.mock import Mock
+
+import pytest
 
 from validation.comparison import pictures
 
+DIED = subprocess.CompletedProcess([], -11, "", "libGL.so.1: cannot open shared object file")
+HANGS = subprocess.TimeoutExpired([], 1)
 
-def test_a_renderer_that_dies_leaves_a_word_and_no_file(tmp_path, monkeypatch):
-    def died(command, **options):
-        return subprocess.CompletedProcess(command, -11, "", "libGL.so.1: cannot open shared object file")
 
-    monkeypatch.setattr(pictures.subprocess, "run", died)
+@pytest.mark.parametrize(
+    ("end", "words"),
+    [
+        ({"return_value": DIED}, "libGL.so.1"),
+        ({"side_effect": HANGS}, "took more than"),
+    ],
+)
+def test_a_renderer_that_dies_or_hangs_leaves_a_word_and_no_file(tmp_path, monkeypatch, end, words):
+    monkeypatch.setattr(pictures.subprocess, "run", Mock(**end))
     picture, missing = pictures.render_stored(tmp_path / "solve.nc", label="BEM 8 x 8")
     assert picture is None
-    assert "libGL.so.1" in missing
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_renderer_that_hangs_is_given_up(tmp_path, monkeypatch):
-    def hang(command, **options):
-        raise subprocess.TimeoutExpired(command, options["timeout"])
-
-    monkeypatch.setattr(pictures.subprocess, "run", hang)
-    picture, missing = pictures.render_stored(tmp_path / "solve.nc", label="BEM 8 x 8")
-    assert picture is None
-    assert "took more than" in missing
+    assert words in missing
     assert list(tmp_path.iterdir()) == []
 
 

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
+from made_results import made_areas
 from planted import (
     EDGES,
     SMALL,
@@ -22,7 +23,6 @@ from planted import (
     measurement,
 )
 
-from fem_contact.area import ContactAreas
 from fem_contact.surface import HeightField
 from validation.measurements import adhesive, limits, ways
 from validation.measurements.common import persson_area
@@ -56,16 +56,8 @@ def grown():
         (load,) = solve.problem.load.values
         n = solve.grid[0]
         value = 2 * load * THREE[solve.problem.realisation]
-        return ContactAreas(
-            pixel=value + 0.2 / n,
-            perimeter=value,
-            edge_length=2.0,
-            edge_fraction=2 / n,
-            edge_constant=0.103,
-            spacing=(1 / n, 1 / n),
-            subcell=located(value, 2 / n),
-            cells=n * n,
-        )
+        areas = {"pixel": value + 0.2 / n, "subcell": located(value, 2 / n), "edge_constant": 0.103}
+        return made_areas(value, n, 2 / n, **areas)
 
     patched = pytest.MonkeyPatch()
     patched.setattr(limits, "contact_areas", lambda result, subcell: result)

@@ -2,14 +2,12 @@
 
 import importlib.util
 import json
-import os
 import re
-import subprocess
 import sys
 from importlib import metadata
-from pathlib import Path
 
 import pytest
+from processes import run_python
 from small_scene import small_scene
 
 from validation import registry
@@ -17,8 +15,6 @@ from validation.errors import UsageError
 from validation.execution.results import read_results
 from validation.solvers import Solver
 from validation.studies import find_study
-
-ROOT = Path(__file__).parents[2]
 
 EFFECT = '''
 """A skin of another stiffness that weighs nothing."""
@@ -186,20 +182,6 @@ def toys(tmp_path_factory):
     return folder
 
 
-def python(toys, folder, *arguments):
-    """Run Python with the toys installed, in a folder."""
-    path = os.pathsep.join([str(toys), str(ROOT), *filter(None, sys.path)])
-    return subprocess.run(
-        [sys.executable, *arguments],
-        env=os.environ | {"PYTHONPATH": path},
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=300,
-    )
-
-
 #: Several commands in one process: exit code, stdout and stderr of each.
 ONE_AFTER_THE_OTHER = """
 import contextlib, io, json, sys
@@ -232,7 +214,7 @@ def answers(toys, tmp_path_factory):
     folder = tmp_path_factory.mktemp("answers")
     for name, more in (("skin", SKIN), ("both", DESCENT + SKIN), ("descent", DESCENT)):
         (folder / f"{name}.toml").write_text(SCENE + more)
-    done = python(toys, folder, "-c", ONE_AFTER_THE_OTHER, json.dumps(COMMANDS))
+    done = run_python("-c", ONE_AFTER_THE_OTHER, json.dumps(COMMANDS), folder=folder, paths=(toys,))
     assert done.returncode == 0, done.stderr
     return folder, dict(zip(COMMANDS, json.loads(done.stdout), strict=True))
 
@@ -280,7 +262,7 @@ def test_an_entry_point_that_cannot_be_loaded_is_named(toys, tmp_path):
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: broken\nVersion: 1.0\n")
     (info / "entry_points.txt").write_text("[fem_contact.studies]\nlost = no_such_module\n")
     # The command runs in that folder, which Python searches.
-    done = python(toys, tmp_path, "-m", "validation.cli", "study", "--list", "--json")
+    done = run_python("-m", "validation.cli", "study", "--list", "--json", folder=tmp_path, paths=(toys,))
     assert done.returncode == 0
     assert {"area", "toy"} <= set(json.loads(done.stdout))
     assert "entry point lost = no_such_module of fem_contact.studies: left out, cannot be load" in done.stderr
@@ -359,7 +341,7 @@ print(json.dumps({
 @pytest.mark.slow
 def test_studies_about_a_solver_take_one_of_another_package(toys, tmp_path):
     (tmp_path / "studies.py").write_text(STUDIES)
-    done = python(toys, tmp_path, "studies.py")
+    done = run_python("studies.py", folder=tmp_path, paths=(toys,))
     assert done.returncode == 0, done.stderr
     said = json.loads(done.stdout)
     assert said["cross"]["legs"] == ["descent"]

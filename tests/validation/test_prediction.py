@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import itertools
 import json
-import os
-import subprocess
-import sys
 
 import pytest
+from processes import run_python
 
 from validation.execution.press import Press
 from validation.sandbox import ONE_THREAD
@@ -80,17 +78,10 @@ print(json.dumps([seconds / predicted.seconds, memory / predicted.peak_bytes]))
 def test_prediction_is_right_within_a_factor_of_two(number):
     # Processor time, because the prediction is for a machine that does nothing else; the better of two
     # trials.
-    path = os.pathsep.join(entry for entry in sys.path if entry)
-    environment = {**os.environ, **ONE_THREAD, "PYTHONPATH": path}
     ratios = []
     for _ in range(2):
-        done = subprocess.run(
-            [sys.executable, "-c", MEASURE, __file__, str(number)],
-            env=environment,
-            capture_output=True,
-            text=True,
-            check=True,
-        )
+        done = run_python("-c", MEASURE, __file__, number, **ONE_THREAD)
+        assert done.returncode == 0, done.stderr
         ratios.append(json.loads(done.stdout))
     time, memory = (min((r[k] for r in ratios), key=lambda x: abs(x - 1)) for k in (0, 1))
     print(f"{LIST[number]}: measured over predicted: time {time:.2f}, memory {memory:.2f}")

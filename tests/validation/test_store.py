@@ -9,18 +9,14 @@ import json
 import os
 import random
 import shutil
-import subprocess
-import sys
 import time
 from contextlib import contextmanager
-from pathlib import Path
 
 import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
-
-sys.path.insert(0, str(Path(__file__).parent))
+from processes import run_python
 from solving import Numbers, fields
 
 from validation import files
@@ -393,16 +389,7 @@ def test_limits_of_the_shell_end_in_one_line(tmp_path, limit):
         "    except OSError: pass\n"
         "print(attempt(solve, Store(folder=Path(sys.argv[1]))).error)\n"
     )
-    command = ["bash", "-c", f'{limit}; exec {sys.executable} -c "$0" {tmp_path}', code]
-    root = Path(__file__).parents[2]
-    said = subprocess.run(
-        command,
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=root,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(root), *filter(None, sys.path)])},
-    )
+    said = run_python("-c", code, tmp_path, shell=f"{limit};")
     words = {"f": r"larger than files may be here (ulimit -f)", "n": r"too many open files (ulimit -n)"}
     assert words[limit.split()[1][1]] in said.stdout, said.stderr
     assert list(tmp_path.iterdir()) == []

@@ -8,8 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
+from processes import ROOT, environment_of
 from solving import Numbers
 
 from validation import files
@@ -63,12 +62,10 @@ def test_two_processes_on_one_store_do_not_harm_each_other(tmp_path, races):
         "import sys; sys.path.insert(0, 'tests/validation'); import test_store_drafts\n"
         "test_store_drafts._race(sys.argv[1], sys.argv[2] == '0')"
     )
-    root = Path(__file__).parents[2]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(root), *filter(None, sys.path)])}
     for race in range(races):
         folder = tmp_path / str(race)
         command = [sys.executable, "-c", code, str(folder)]
-        team = [subprocess.Popen([*command, str(k)], cwd=root, env=environment) for k in range(2)]
+        team = [subprocess.Popen([*command, str(k)], cwd=ROOT, env=environment_of()) for k in range(2)]
         assert [process.wait(timeout=120) for process in team] == [0, 0]
         assert len(list(folder.iterdir())) == 40
         assert all(found.problem is None for found in check_store(folder))

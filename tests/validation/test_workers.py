@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import errno
 import itertools
-import os
 import re
 import shutil
 import socket
@@ -18,8 +17,7 @@ from pathlib import Path
 
 import psutil
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
+from processes import ROOT, environment_of
 from solving import Deadly, DiesAtStart, Held, Killing, Notes, Numbers, Slow, dask_cluster, still_running
 
 from validation.errors import RunFailed, UsageError
@@ -28,8 +26,6 @@ from validation.execution.running import Execution, solve_all
 from validation.execution.store import Store
 from validation.files import prepare_folder
 from validation.sandbox import Child
-
-ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
@@ -104,8 +100,7 @@ def test_workers_end_within_two_seconds_of_their_parent(tmp_path):
         "from test_workers import Execution, Path, Store, solve_all\n"
         "solve_all([Endless(1), Endless(2)], Store(folder=Path(sys.argv[1])), execution=Execution(workers=2))"
     )
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), *filter(None, sys.path)])}
-    parent = subprocess.Popen([sys.executable, "-c", code, str(tmp_path)], cwd=ROOT, env=environment)
+    parent = subprocess.Popen([sys.executable, "-c", code, str(tmp_path)], cwd=ROOT, env=environment_of())
     deadline = time.monotonic() + 300
     workers = []
     while len(workers) < 2 or any(child.cpu_times().user < 0.2 for child in workers):

@@ -1,0 +1,33 @@
+"""Fresh interpreters that see what this one does."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+__all__ = ["ROOT", "environment_of", "run_python"]
+
+ROOT = Path(__file__).parents[1]
+
+
+def environment_of(*paths: Path, **changes: str) -> dict[str, str]:
+    """Variables of this process, changed; its modules, and those of further paths, can be imported."""
+    path = os.pathsep.join([*map(str, paths), str(ROOT), *filter(None, sys.path)])
+    return {**os.environ, "PYTHONPATH": path, **changes}
+
+
+def run_python(
+    *arguments: object, shell: str = "", folder: Path = ROOT, paths: tuple[Path, ...] = (), **changes: str
+) -> subprocess.CompletedProcess[str]:
+    """Run Python in a folder, after commands of the shell."""
+    return subprocess.run(
+        ["bash", "-c", f'{shell} exec "$0" "$@"', sys.executable, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=folder,
+        timeout=600,
+        env=environment_of(*paths, **changes),
+    )
