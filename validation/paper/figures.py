@@ -11,9 +11,8 @@ import numpy as np
 import xarray as xr
 
 from persson import elastic
-from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
+from persson.adhesion import Interface
 from persson.asperities import nayak_asperities, ring_asperities
-from persson.hardness import constant_hardness
 from persson.spectrum import Moments, Spectrum
 from persson.spheres import DoubleHertz, hertz_pressure_distribution
 from validation.arrays import Array
@@ -88,13 +87,6 @@ def _figure(
     return add
 
 
-def _area(
-    spectrum: Spectrum, modulus: float, pressure: float | Array, q: float | Array | None = None
-) -> Array:
-    variance = elastic.stress_variance(spectrum.m2(q), contact_modulus=modulus)
-    return elastic.contact_area(pressure, stress_variance=variance)
-
-
 def _spectrum(spectrum: Spectrum, q: Array) -> Mapping[str, Array]:
     return {"wavevector": q, "power_spectrum": np.asarray(spectrum(q))}
 
@@ -141,10 +133,10 @@ def _greenwood_williamson() -> Curves:
 def _polished_steel() -> Curves:
     load, zeta = np.geomspace(1e-4, 1.0, 120), np.geomspace(1.0, 1e5, 200)
     return {
-        "full magnification": {"load_modulus": load, "area": _area(s.steel(), 1.0, load)},
+        "full magnification": {"load_modulus": load, "area": s.area(s.steel(), 1.0, load)},
         "sigma_0 / E* = 0.001": {
             "magnification": zeta,
-            "area": _area(s.steel(), 1.0, 1e-3, zeta * 1e5),
+            "area": s.area(s.steel(), 1.0, 1e-3, zeta * 1e5),
         },
     }
 
@@ -157,7 +149,7 @@ def _polished_steel() -> Curves:
 )
 def _macroasperities() -> Curves:
     x = np.linspace(math.log(0.05), math.log(1e4), 1200)
-    area = _area(s.steel(smooth=True), s.STEEL_MODULUS, s.STEEL_PRESSURE, 1e5 * np.exp(x))
+    area = s.area(s.steel(smooth=True), s.STEEL_MODULUS, s.STEEL_PRESSURE, 1e5 * np.exp(x))
     bend = np.gradient(np.gradient(np.log(area), x), x)
     # Differences at the ends are one-sided.
     bend[:2] = bend[-2:] = np.nan
@@ -172,9 +164,8 @@ def _macroasperities() -> Curves:
 )
 def _elastoplastic() -> Curves:
     zeta, curves = np.geomspace(1.001, 1e5, 240), {}
-    variance = elastic.stress_variance(s.steel().m2(1e5 * zeta), contact_modulus=s.STEEL_MODULUS)
     for hardness in (1e9, 2e9, 4e9, 8e9):
-        areas = constant_hardness(s.STEEL_PRESSURE, stress_variance=variance, yield_stress=hardness)
+        areas = s.yielded(s.steel(), s.STEEL_MODULUS, s.STEEL_PRESSURE, hardness=hardness, q=1e5 * zeta)
         curves[f"sigma_Y = {hardness / 1e9:g} GPa"] = {
             "magnification": zeta,
             # Below 1e-12 the elastic area is of no use and only stretches the axis.
@@ -184,14 +175,10 @@ def _elastoplastic() -> Curves:
     return curves
 
 
-def _adhesive(spectrum: Spectrum, modulus: float, pressure: float, interface: Interface) -> AdhesiveContact:
-    return solve_adhesion(s.scale_of(spectrum, modulus), pressure=pressure, interface=interface).checked()
-
-
 def _against_roughness(
     make: Callable[[float], Spectrum], ratios: Array, modulus: float, interface: Interface
 ) -> Mapping[str, Array]:
-    answers = [_adhesive(make(float(r)), modulus, 0.0, interface) for r in ratios]
+    answers = [s.adhesive(make(float(r)), modulus, 0.0, interface) for r in ratios]
     return {
         "roughness_ratio": ratios,
         "area": np.array([f.real_area for f in answers]),
@@ -230,24 +217,24 @@ def _rim_magnification() -> Curves:
         ("Eq. 50 as printed", "as_printed"),
     ):
         interface = Interface(work_of_adhesion=s.RIM_WORK, energy=energy)  # type: ignore[arg-type]
-        answer = _adhesive(s.rim(), s.RIM_MODULUS, s.RIM_PRESSURE, interface)
+        answer = s.adhesive(s.rim(), s.RIM_MODULUS, s.RIM_PRESSURE, interface)
         curves[label] = {
             "magnification": answer.wavevectors / 1e5,
             "area": answer.area,
             "work_share": answer.work / s.RIM_WORK,
         }
     zeta = np.geomspace(1.0, 1e5, 150)
-    area = _area(s.rim(), s.RIM_MODULUS, s.RIM_PRESSURE, 1e5 * zeta)
+    area = s.area(s.rim(), s.RIM_MODULUS, s.RIM_PRESSURE, 1e5 * zeta)
     return {**curves, "without adhesion": {"magnification": zeta, "area": area}}
 
 
 def _against_pressure(
     spectrum: Spectrum, modulus: float, interface: Interface, load: Array, *, of: str = ""
 ) -> Curves:
-    with_adhesion = np.array([_adhesive(spectrum, modulus, float(p), interface).real_area for p in load])
+    with_adhesion = np.array([s.adhesive(spectrum, modulus, float(p), interface).real_area for p in load])
     return {
         f"with adhesion{of}": {"pressure_nominal": load, "area": with_adhesion},
-        f"without adhesion{of}": {"pressure_nominal": load, "area": _area(spectrum, modulus, load)},
+        f"without adhesion{of}": {"pressure_nominal": load, "area": s.area(spectrum, modulus, load)},
     }
 
 
@@ -305,11 +292,12 @@ def _pyrex_roughness() -> Curves:
 def _pyrex_yielding() -> Curves:
     spectrum = s.pyrex(surfaces=2)
     q = np.geomspace(spectrum.q_min * 1.001, spectrum.q_short, 240)
-    variance = elastic.stress_variance(spectrum.m2(q), contact_modulus=s.PYREX_MODULUS)
-    areas = constant_hardness(s.PYREX_PRESSURE, stress_variance=variance, yield_stress=s.PYREX_HARDNESS)
-    plain = elastic.contact_area(s.PYREX_PRESSURE, stress_variance=variance)
+    areas = s.yielded(spectrum, s.PYREX_MODULUS, s.PYREX_PRESSURE, hardness=s.PYREX_HARDNESS, q=q)
     return {
-        "infinite hardness": {"magnification": q / 1e6, "area_elastic": plain},
+        "infinite hardness": {
+            "magnification": q / 1e6,
+            "area_elastic": s.area(spectrum, s.PYREX_MODULUS, s.PYREX_PRESSURE, q),
+        },
         "sigma_Y = 6 GPa": {
             "magnification": q / 1e6,
             "area_elastic": np.where(areas.elastic > 1e-8, areas.elastic, np.nan),

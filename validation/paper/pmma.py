@@ -6,8 +6,7 @@ import math
 
 from scipy.optimize import brentq
 
-from persson import elastic
-from persson.adhesion import Interface, detachment_stress, solve_adhesion
+from persson.adhesion import Interface, detachment_stress
 from persson.capillary import CapillaryWaves
 from persson.sliding import adhesional_pressure, local_shear_stress, slip_energy
 from validation.paper import systems as s
@@ -26,13 +25,7 @@ def rough_pmma(rms_nm: float | None) -> CapillaryWaves:
 def pmma_area(rms_nm: float | None, pressure: float) -> float:
     """A(zeta_1)/A0 with adhesion."""
     interface = Interface(work_of_adhesion=s.PMMA_WORK, energy="as_printed")
-    scale = s.scale_of(rough_pmma(rms_nm), s.PMMA_MODULUS)
-    return solve_adhesion(scale, pressure=pressure, interface=interface).checked().real_area
-
-
-def _local_pressure(rms_nm: float | None) -> float:
-    variance = elastic.stress_variance(rough_pmma(rms_nm).m2(), contact_modulus=s.PMMA_MODULUS)
-    return 50e6 / float(elastic.contact_area(50e6, stress_variance=variance)) / 1e9
+    return s.adhesive(rough_pmma(rms_nm), s.PMMA_MODULUS, pressure, interface).real_area
 
 
 def _figure() -> str:
@@ -84,7 +77,7 @@ PMMA = application(
         "amplitude": lambda rms: 10 * rough_pmma(rms).moments().rms_height * 1e9,
         "spectrum_ratio": lambda rms: float(rough_pmma(rms)(7e9) / s.steel()(7e9)),
         "load_dependence": lambda rms: pmma_area(rms, 100e6) / pmma_area(rms, 1e6),
-        "local_pressure": _local_pressure,
+        "local_pressure": lambda rms: 50e6 / float(s.area(rough_pmma(rms), s.PMMA_MODULUS, 50e6)) / 1e9,
     },
     more={
         "spectrum_ratio": {"note": lambda: f"they cross at {_crossing():.2g} 1/m"},

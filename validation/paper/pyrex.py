@@ -10,7 +10,6 @@ import numpy as np
 
 from persson.adhesion import Interface
 from persson.capillary import CapillaryWaves, maximum_height
-from persson.hardness import constant_hardness
 from persson.limits import critical_roughness
 from persson.squeezed_spheres import (
     RoughnessBarrier,
@@ -105,8 +104,7 @@ def _critical(pyrex: Pyrex) -> float:
 
 def _half_yielded(pyrex: Pyrex) -> float:
     q = np.geomspace(1.001 * 2 * math.pi / 1e-6, 1e10, 20000)
-    variance = s.scale_of(pyrex.spectrum, pyrex.modulus).variance(q)
-    areas = constant_hardness(s.PYREX_PRESSURE, stress_variance=variance, yield_stress=s.PYREX_HARDNESS)
+    areas = s.yielded(pyrex.spectrum, pyrex.modulus, s.PYREX_PRESSURE, hardness=s.PYREX_HARDNESS, q=q)
     share = areas.plastic * s.PYREX_HARDNESS / s.PYREX_PRESSURE
     return float(np.interp(0.5, share, q)) / 1e6
 

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from persson import elastic
-from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
+from persson.adhesion import AdhesiveContact, Interface
 from persson.limits import critical_roughness
 from persson.percolation import COMPUTED_THRESHOLDS, SITE_THRESHOLD
 from persson.spectrum import area_factor
@@ -36,8 +36,7 @@ class Rim:
     @cached_property
     def pressed(self) -> AdhesiveContact:
         """The rim at 0.5 MPa, from which several claims are read."""
-        scale = s.scale_of(s.rim(), s.RIM_MODULUS)
-        return solve_adhesion(scale, pressure=s.RIM_PRESSURE, interface=self.interface).checked()
+        return s.adhesive(s.rim(), s.RIM_MODULUS, s.RIM_PRESSURE, self.interface)
 
 
 _ENERGIES: dict[EnergyName, str] = {
@@ -48,19 +47,13 @@ _ENERGIES: dict[EnergyName, str] = {
 _AREAS: dict[AreaName, str] = {"star": "A* with slope factor", "projected": "projected areas"}
 
 
-def _plain_area() -> float:
-    variance = elastic.stress_variance(s.rim().m2(), contact_modulus=s.RIM_MODULUS)
-    return float(elastic.contact_area(s.RIM_PRESSURE, stress_variance=variance))
-
-
 def _gain(rim: Rim) -> float:
     """Least factor that adhesion adds, over pressures."""
-    scale, gains = s.scale_of(s.rim(), s.RIM_MODULUS), []
-    variance = elastic.stress_variance(s.rim().m2(), contact_modulus=s.RIM_MODULUS)
-    for pressure in np.geomspace(0.05e6, 1e6, 5):
-        sticking = solve_adhesion(scale, pressure=float(pressure), interface=rim.interface).checked()
-        gains.append(sticking.real_area / float(elastic.contact_area(pressure, stress_variance=variance)))
-    return min(gains)
+    surface, modulus = s.rim(), s.RIM_MODULUS
+    return min(
+        s.adhesive(surface, modulus, p, rim.interface).real_area / float(s.area(surface, modulus, p))
+        for p in np.geomspace(0.05e6, 1e6, 5).tolist()
+    )
 
 
 def _onset(rim: Rim) -> float:
@@ -70,19 +63,12 @@ def _onset(rim: Rim) -> float:
 
 
 def _macroscopic(rim: Rim) -> float:
-    scale = s.scale_of(s.rim(), s.RIM_MODULUS)
-    free = solve_adhesion(scale, pressure=0.0, interface=rim.interface).checked()
-    return free.macroscopic_work / s.RIM_WORK
+    return s.adhesive(s.rim(), s.RIM_MODULUS, 0.0, rim.interface).macroscopic_work / s.RIM_WORK
 
 
 def _critical() -> float:
     interface = Rim(energy="as_printed", area="star").interface
     return critical_roughness(s.rim(), contact_modulus=s.RIM_MODULUS, interface=interface, tolerance=0.02)
-
-
-def _share(rim: Rim) -> float:
-    state = rim.pressed
-    return float(state.energy_share[-1] / state.area[-1])
 
 
 def _seals() -> str:
@@ -115,7 +101,7 @@ RIM = application(
     conventions=_READINGS,
     fixed={
         "slope_factor": lambda: 100 * (float(area_factor(s.rim().m2())) - 1),
-        "dry_area": _plain_area,
+        "dry_area": lambda: float(s.area(s.rim(), s.RIM_MODULUS, s.RIM_PRESSURE)),
         "onset_estimate": lambda: s.RIM_PRESSURE**2 / (10e6 * s.RIM_WORK) / 1e5,
         "wavelength": lambda: 2 * math.pi / (10 * 1e5) * 1e6,
         "shear_force": lambda: 0.05 * 0.25e6 / 1e3,
@@ -128,7 +114,7 @@ RIM = application(
         "friction": lambda rim: 0.05 * 0.25e6 * rim.pressed.real_area / 1e3,
         "site_threshold": lambda rim: rim.pressed.real_area,
         "computed_thresholds": lambda rim: rim.pressed.real_area,
-        "energy_share": _share,
+        "energy_share": lambda rim: float(rim.pressed.energy_share[-1] / rim.pressed.area[-1]),
     },
     more={
         "area": {"note": _each_reading},

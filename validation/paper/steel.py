@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-from persson import elastic
-from persson.hardness import constant_hardness
 from persson.percolation import SITE_THRESHOLD
 from persson.separation import macroasperity_magnification, macroasperity_pressure
 from validation.paper import systems as s
@@ -24,12 +22,6 @@ def _pressure(load: float) -> float:
     )
 
 
-def _plastic_limit() -> float:
-    variance = float(elastic.stress_variance(s.steel().m2(), contact_modulus=s.STEEL_MODULUS))
-    areas = constant_hardness(s.STEEL_PRESSURE, stress_variance=variance, yield_stress=2e9)
-    return float(areas.plastic) * 2e9 / s.STEEL_PRESSURE
-
-
 STEEL = application(
     "polished steel and roads",
     fixed={
@@ -37,7 +29,11 @@ STEEL = application(
         "magnification": _magnification,
         "area_share": lambda: s.STEEL_PRESSURE / _pressure(s.STEEL_PRESSURE),
         "pressure_share": lambda: _pressure(10e6) / _pressure(1e6),
-        "plastic_limit": _plastic_limit,
+        "plastic_limit": lambda: (
+            float(s.yielded(s.steel(), s.STEEL_MODULUS, s.STEEL_PRESSURE, hardness=2e9).plastic)
+            * 2e9
+            / s.STEEL_PRESSURE
+        ),
     },
     more={
         "area_share": {"stated": Stated(SITE_THRESHOLD, 0.0, SITE_THRESHOLD, "below it")},

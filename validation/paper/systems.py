@@ -8,9 +8,13 @@ from __future__ import annotations
 
 import math
 
+from persson import elastic
+from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
 from persson.capillary import CapillaryWaves
+from persson.hardness import ContactAreas, constant_hardness
 from persson.scale import Scale
 from persson.spectrum import SelfAffine, Spectrum
+from validation.arrays import Array
 
 #: Polished steel, Secs. 3.4, 3.6 and 6: E = 1e11 Pa, nu = 0.3, sigma_0 = 10 MPa.
 STEEL_MODULUS = 1e11 / (1 - 0.3**2)
@@ -71,6 +75,23 @@ def pyrex(ratio: float = 1.0, *, surfaces: int = 1, q_min: float = 2 * math.pi /
     )
 
 
-def scale_of(spectrum: Spectrum, modulus: float) -> Scale:
-    """Stress variance against wavevector."""
-    return Scale(spectrum, contact_modulus=modulus)
+def area(
+    spectrum: Spectrum, modulus: float, pressure: float | Array, q: float | Array | None = None
+) -> Array:
+    """A/A0 of an elastic solid, of the waves up to q."""
+    variance = elastic.stress_variance(spectrum.m2(q), contact_modulus=modulus)
+    return elastic.contact_area(pressure, stress_variance=variance)
+
+
+def yielded(
+    spectrum: Spectrum, modulus: float, pressure: float, *, hardness: float, q: Array | None = None
+) -> ContactAreas:
+    """Elastic and plastic areas with one hardness, of the waves up to q."""
+    variance = elastic.stress_variance(spectrum.m2(q), contact_modulus=modulus)
+    return constant_hardness(pressure, stress_variance=variance, yield_stress=hardness)
+
+
+def adhesive(spectrum: Spectrum, modulus: float, pressure: float, interface: Interface) -> AdhesiveContact:
+    """Contact with adhesion at all magnifications."""
+    scale = Scale(spectrum, contact_modulus=modulus)
+    return solve_adhesion(scale, pressure=pressure, interface=interface).checked()
