@@ -10,17 +10,14 @@ import os
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias
 
 import numpy as np
 import xarray as xr
 
-from validation.audit.stored import LARGEST, Array, Stored, sealed_bytes
+from validation.audit.stored import LARGEST, Array, sealed_bytes
 from validation.execution.netcdf import read_dataset
 from validation.files import read_record, read_whole
-
-T = TypeVar("T")
-
 
 #: Variables by name.
 Variables: TypeAlias = Mapping[Any, xr.Variable]
@@ -88,23 +85,15 @@ class Result:
         path = None if store is None else Path(os.path.realpath(self.folder / str(store)))
         return path if path is not None and path.is_dir() else None
 
-    def solve(self, key: str) -> xr.Dataset | None:
-        """Return the numbers of a stored solve; None where it is not there."""
-        return self._solve(key, read_dataset)
-
-    def fields(self, key: str) -> Stored | None:
-        """Return the fields of a stored solve; None where it is not there."""
-        return self._solve(key, Stored)
-
-    def _solve(self, key: str, kind: Callable[[memoryview], T]) -> T | None:
+    def solve(self, key: str, kind: Callable[[memoryview], Any] = read_dataset) -> Any:
+        """Return the numbers of a stored solve, or its fields as `Stored`; None where it is not there."""
         path = None if self.store is None else self.store / f"{key}.nc"
         if path is None or not path.is_file():
             return None
         name = f"{kind.__qualname__} {key}"
         if name not in self._read:
             self._read[name] = kind(memoryview(sealed_bytes(path)))
-        variable: T = self._read[name]
-        return variable
+        return self._read[name]
 
 
 def _bytes(path: Path, digest: str) -> bytes:

@@ -15,7 +15,7 @@ import xarray as xr
 from validation.audit.dataset import Result, ordered
 from validation.audit.expressions import value_of
 from validation.audit.limits import TRAITS, limit_over
-from validation.audit.stored import Array, moments
+from validation.audit.stored import Array, Stored, moments
 
 #: Points per shortest wave below which a grid enters no limit.
 _LEAST_POINTS = 3.0
@@ -85,7 +85,7 @@ def limit(result: Result, name: str, variable: xr.Variable, *, error: bool = Fal
     # From the fields of several solves, whose keys stand beside each other.
     filled = np.full(variable.shape, np.nan)
     for index, keys in _places(result, variable):
-        fields = [result.fields(key) for key in keys.split()]
+        fields = [result.solve(key, Stored) for key in keys.split()]
         solves = [solve for solve in fields if solve is not None]
         if not solves or len(solves) < len(fields):
             return None
@@ -175,7 +175,7 @@ def read_off(result: Result, name: str, variable: xr.Variable) -> Array | None:
 
 def _asked(result: Result, solve: xr.Dataset, name: str) -> Any:
     """Return the one number of this name in what a solve was asked; p* follows from p0."""
-    recipe = _recipe(solve)
+    recipe = json.loads(str(solve.attrs.get("recipe", "{}")))
     found = [recipe[f"{name}s"]] if f"{name}s" in recipe else list(_numbers(recipe, name))
     if name == "points" and "grid" in recipe:
         found = recipe["grid"][:1]
@@ -185,11 +185,6 @@ def _asked(result: Result, solve: xr.Dataset, name: str) -> Any:
             modulus = solid["young"] / (1 - solid["poisson"] ** 2)
             found.append(pressure / (modulus * _steepest(result)[pressure]))
     return found[0] if len(found) == 1 else None
-
-
-def _recipe(solve: xr.Dataset) -> dict[str, Any]:
-    recipe: dict[str, Any] = json.loads(str(solve.attrs.get("recipe", "{}")))
-    return recipe
 
 
 def _steepest(result: Result) -> dict[float, float]:
@@ -202,7 +197,7 @@ def _steepest(result: Result) -> dict[float, float]:
             if solve is not None and "heights" in solve:
                 x, y = solve.attrs["lengths"]
                 gradient = math.sqrt(moments(solve["heights"].values, (float(x), float(y)))[1])
-                for pressure in _numbers(_recipe(solve), "pressure"):
+                for pressure in _numbers(json.loads(solve.attrs["recipe"]), "pressure"):
                     gradients[pressure] = max(gradients.get(pressure, 0.0), gradient)
     return gradients
 

@@ -41,28 +41,22 @@ def recomputed(result: Result, name: str) -> Array | None:
 
 def errors_of(result: Result, name: str) -> dict[str, Array]:
     """Return what the errors of a variable should be by source, those that can be said."""
-    with contextlib.suppress(ArithmeticError, LookupError, TypeError, ValueError):
-        return _errors_of(result, name, result.data[name])
-    return {}
-
-
-def _errors_of(result: Result, name: str, variable: xr.Variable) -> dict[str, Array]:
+    variable, grid = result.data[name], None
     kind = variable.attrs.get("reduction")
-    if kind == "mean" and "pairs" in variable.attrs:
-        return _mean_errors(result, variable)
-    if kind == "expression":
-        return _expression_errors(result, variable)
-    if kind == "limit":
-        found = from_solves.limit(result, name, variable, error=True)
-        return {} if found is None else {"grid": NORMAL * found}
-    if kind == "second-order limit":
-        found = from_solves.over_solves(
-            result, variable, lambda one: NORMAL * abs(from_solves.second_order_step(one, variable)[1])
-        )
-        return {} if found is None else {"grid": found}
-    if kind == "power law" and not name.endswith("_factor"):
-        return {"surfaces": _power(result, variable)[1]}
-    return {}
+    with contextlib.suppress(ArithmeticError, LookupError, TypeError, ValueError):
+        if kind == "mean" and "pairs" in variable.attrs:
+            return _mean_errors(result, variable)
+        if kind == "expression":
+            return _expression_errors(result, variable)
+        if kind == "power law" and not name.endswith("_factor"):
+            return {"surfaces": _power(result, variable)[1]}
+        if kind == "limit":
+            grid = from_solves.limit(result, name, variable, error=True)
+        if kind == "second-order limit":
+            grid = from_solves.over_solves(
+                result, variable, lambda solve: abs(from_solves.second_order_step(solve, variable)[1])
+            )
+    return {} if grid is None else {"grid": NORMAL * grid}
 
 
 # ---- means -------------------------------------------------------------------------------------------

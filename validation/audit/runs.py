@@ -95,13 +95,6 @@ def _set(scene: dict[str, Any], path: list[str], value: Any) -> None:
     place[last] = value
 
 
-def _without_none(value: Any) -> Any:
-    """Return JSON data without the keys that hold nothing."""
-    if isinstance(value, dict):
-        return {key: _without_none(item) for key, item in value.items() if item is not None}
-    return [_without_none(item) for item in value] if isinstance(value, list) else value
-
-
 class Run:
     """What the stored solves of one run say.
 
@@ -146,9 +139,11 @@ class Run:
 
     def _realisation(self, recipe: dict[str, Any]) -> int | None:
         """Return which realisation of the scene a recipe asks for; None if it is of another scene."""
-        said, surface = _without_none(recipe), dict(_without_none(recipe["surface"]))
-        asked = dict(self.surface)
-        k = 0
+        surface, solid, load = (
+            {key: value for key, value in recipe[of].items() if value is not None}
+            for of in ("surface", "solid", "load")
+        )
+        asked, k = dict(self.surface), 0
         # The recipe holds the digest of a file in place of its path.
         surface |= {key: asked[key] for key in ("path", "second_path") if key in asked and key in surface}
         if self.measured:  # it names no usual treatment of later versions
@@ -161,15 +156,12 @@ class Run:
             k = surface.pop("seed") - asked.pop("seed")
         same = (
             surface == asked
-            and said["solid"] == self.scene["solid"]
-            and said["load"] == self.scene["load"]
-            and said.get("effects", []) == self.effects
-            and "inverted" not in said
+            and (solid, load) == (self.scene["solid"], self.scene["load"])
+            and recipe["effects"] == self.effects
+            and "inverted" not in recipe
         )
         options = self.options.get(recipe["method"], {})
-        same = same and all(
-            options.get(key) == value for key, value in said["settings"].items() if key in options
-        )
+        same = same and all(options[key] == v for key, v in recipe["settings"].items() if key in options)
         return k if same and k in range(self.realisations) else None
 
     @cached_property
@@ -245,16 +237,19 @@ class Run:
         keys = [(method, grid, shift, 0) for shift in itertools.product(steps, steps)]
         return [self.solves[key] for key in keys if key in self.solves]
 
+    def residuals(self, solve: Stored, pressure: float | None) -> dict[str, float] | None:
+        """Return those of one solve; None under an attraction whose law is not read here."""
+        if not self.adhesive:
+            return solve.residuals
+        return None if pressure is None else solve.adhesive_residuals(pressure)
+
     def residual(self, solve: Stored) -> float:
-        """Return the largest of the four residuals; NaN under an attraction whose law is not read here."""
+        """Return the largest of the four residuals, of the load, too; NaN where they are not read."""
         pressure = self.pressure()
-        if self.adhesive:
-            residuals = None if pressure is None else solve.adhesive_residuals(pressure)
-            return math.nan if residuals is None else max(residuals.values())
-        load = (
-            0.0 if pressure is None or self.holds_distance else abs(solve.mean_pressure - pressure) / pressure
-        )
-        return max(*solve.residuals.values(), load)
+        residuals = self.residuals(solve, pressure) or {"": math.nan}
+        if self.adhesive or pressure is None or self.holds_distance:
+            return max(residuals.values())
+        return max(*residuals.values(), abs(solve.mean_pressure - pressure) / pressure)
 
     def limit(self, method: str, k: int = 0, grids: set[Grid] | None = None) -> tuple[float, float]:
         """Limit of one realisation over resolved grids of one method, and its standard error.
