@@ -180,7 +180,7 @@ def test_a_good_file_is_never_set_aside_for_want_of_memory(stored, monkeypatch, 
 
     monkeypatch.setattr(type(solve), "decode", fails)
     with pytest.raises(RunFailed, match="intact, but memory does not suffice"):
-        store.read(solve)
+        _ = store.read(solve).result
     monkeypatch.setattr("validation.execution.store.read_whole", lambda path, *, most: fails(None, path))
     with pytest.raises(RunFailed, match="memory does not suffice"):
         store.read(solve)
@@ -300,6 +300,13 @@ def test_short_writes_are_continued(stored, monkeypatch):
     store.path(solve).unlink()
     store.save(solve, result, made=MADE)
     assert store.read(solve)
+
+
+def test_what_is_taken_up_again_is_verified_and_not_decoded(stored, monkeypatch):
+    """A store of a month is looked through in a minute; what is read of it, when it is."""
+    store, solve, other = stored
+    monkeypatch.setattr(type(solve), "decode", lambda self, content: pytest.fail("decoded"))
+    assert solve_all([solve, other], store).solved == 0
 
 
 def test_who_stores_a_solve_first_says_how_it_was_made(stored):

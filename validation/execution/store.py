@@ -9,6 +9,7 @@ import json
 import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,11 +31,16 @@ _ASIDE = ".nc.corrupt"
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Stored:
-    """A result that was read, how it was made, and the size of its file in bytes."""
+    """A verified result, how it was made, and the size of its file in bytes."""
 
-    result: Any
     made: Made
     size: int
+    decode: Callable[[], Any]
+
+    @cached_property
+    def result(self) -> Any:
+        """The result itself, decoded when it is first asked for; RunFailed where it cannot be."""
+        return self.decode()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,15 +93,21 @@ class Store:
         except Damaged as damage:
             _set_aside(path, damage, tell=on_damage)
             return None
-        try:
-            return Stored(result=solve.decode(sealed.content), made=Made(**sealed.made), size=len(data))
-        except (MemoryError, OSError) as error:
-            raise RunFailed(f"{path}: intact, but memory does not suffice to read it ({error})") from None
-        except Exception as error:
-            raise RunFailed(
-                f"{path}: intact, but not what this version writes ({type(error).__name__}: {error}); name "
-                "another store, or move it away"
-            ) from error
+        made = _understood(path, partial(Made, **sealed.made))
+        decode = partial(_understood, path, partial(solve.decode, sealed.content))
+        return Stored(decode=decode, made=made, size=len(data))
+
+
+def _understood(path: Path, read: Callable[[], Any]) -> Any:
+    try:
+        return read()
+    except (MemoryError, OSError) as error:
+        raise RunFailed(f"{path}: intact, but memory does not suffice to read it ({error})") from None
+    except Exception as error:
+        raise RunFailed(
+            f"{path}: intact, but not what this version writes ({type(error).__name__}: {error}); name "
+            "another store, or move it away"
+        ) from error
 
 
 def read_result(path: Path) -> ContactResult:
