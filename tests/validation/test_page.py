@@ -26,6 +26,7 @@ from validation.comparison.run_views import run_views
 from validation.execution.bench import Bench
 from validation.execution.results import record_of
 from validation.report.figure import new_figure, save_figure
+from validation.report.marks import Figure, Line, Panel, draw, panels_along
 from validation.report.page import Page, render, write_page
 from validation.report.table import ResultTable, WordTable, shown, write_dataset
 from validation.report.views import Card
@@ -277,6 +278,15 @@ def test_a_logarithmic_axis_of_few_decades_carries_plain_numbers(tmp_path, range
     words = [label.get_text() for label in axes.get_xticklabels()]
     assert any("10\u207b" in text or (text.startswith("10") and text != "10") for text in words) != plain
     assert ({"1", "2", "5", "10", "20"} <= set(words)) == plain
+
+
+def test_panels_of_different_decades_leave_the_highest_point_a_margin():
+    data = xr.Dataset({"area": (("hurst", "reduced_pressure"), [[1e-4, 1e-5], [0.4, 0.2]])})
+    data = data.assign_coords(hurst=[0.3, 0.8], reduced_pressure=[0.01, 0.02])
+    panel = Panel(marks=[Line(y="area")], x="reduced_pressure", log="y")
+    figure = Figure(name="areas", caption="", panels=panels_along(data, "hurst", panel))
+    bottom, top = draw(figure, data).figure.axes[1].get_ylim()
+    assert np.log(top / 0.4) > 0.03 * np.log(top / bottom)
 
 
 @pytest.mark.parametrize("kind", ["run", "study"])

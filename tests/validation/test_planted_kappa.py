@@ -12,6 +12,7 @@ from planted import SMALL, STUDENT, THREE, PlantedBench, block, column, measurem
 from validation.measurements import references
 from validation.measurements.common import persson_area
 from validation.report.estimates import claim, total_error
+from validation.report.marks import draw
 from validation.studies import (
     find_study,
     hurst,
@@ -80,6 +81,18 @@ def test_hurst_finds_the_planted_kappa_with_students_interval_over_pairs(exponen
     np.testing.assert_allclose(half, 0.01 * STUDENT[2], rtol=1e-9)
     table = hurst.views(exponents).table.of(exponents)
     np.testing.assert_allclose(column(table, "kappa"), [2.03, 2.03, 2.07, 2.07], rtol=1e-12)
+
+
+def test_hurst_draws_every_bandwidth_that_was_pressed_and_says_which():
+    few = {"hursts": (0.2, 0.6), "reduced_pressures": (0.05, 0.1), "periods": 2.0, "shifts": 1, "pairs": 2}
+    options = hurst.Options(methods=("bem",), bandwidths=(2.0, 4.0), ladders=False, seed=61, **few)
+    exponents = hurst.run(options, bench=PlantedBench(_kappa_of))
+    (figure,) = (one for one in hurst.views(exponents).figures if one.name == "kappa-against-hurst")
+    limits = [line for line in draw(figure, exponents).drawn if line.mark.y == "kappa"]
+    assert [line.label for line in limits] == [
+        "limit over grids, bandwidth 2",
+        "limit over grids, bandwidth 4",
+    ] * 2
 
 
 def test_hurst_has_counted_kappa_on_every_grid_and_what_it_exceeds_the_limit_by(exponents):

@@ -13,6 +13,7 @@ from validation.cli.commands import app
 from validation.errors import UsageError
 from validation.reference import table
 from validation.report.estimates import total_error
+from validation.report.marks import draw
 from validation.studies import find_study
 
 CELLS = table().sel(amplitudes="exact")
@@ -35,6 +36,14 @@ def test_persson_is_his_closed_form_in_every_cell():
     for name, expected in (("theory_excess", exact / CELLS.area - 1), ("z_score", z_score)):
         found = data[name].isel(theory=0).transpose(*CELLS.area.dims)
         np.testing.assert_allclose(found, expected.transpose(*CELLS.area.dims), rtol=1e-9)
+
+
+def test_panels_of_a_distance_share_one_scale_and_one_bar_of_colours():
+    data = study("reference-score", theory=("persson",))
+    drawing = draw(find_study("reference-score").views(data).figures[0], data)
+    most = float(abs(data.theory_excess).max())
+    assert {line.artist.get_clim() for line in drawing.drawn} == {(-most, most)}
+    assert len(drawing.figure.axes) == data.sizes["hurst"] + 1
 
 
 def test_numbers_of_a_file_are_found_as_far_as_they_were_planted(tmp_path):

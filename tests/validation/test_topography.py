@@ -506,7 +506,8 @@ def test_a_tilt_and_a_hole_come_at_once_with_the_table_that_mends_them(tmp_path)
     (tmp_path / "scene.toml").write_text('[surface]\nkind = "file"\npath = "afm.txt"\n' + REST)
     with pytest.raises(UsageError, match=r"surface\.length: missing") as caught:
         load_scene(str(tmp_path / "scene.toml"))
-    for words in ("surface.unit: missing", 'tilt = "plane"', 'missing = "harmonic"', 'unit = "..."'):
+    asked = ("surface.unit: missing", 'unit = "..."', 'length = ["...", "..."]')
+    for words in (*asked, 'tilt = "plane"', 'missing = "harmonic"'):
         assert words in str(caught.value)
 
 

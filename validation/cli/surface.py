@@ -137,6 +137,11 @@ def convert(
     _write(field if grid is None else field.resampled((grid, grid)), target, force=force)
 
 
+def _sides(length: str) -> list[str]:
+    """Split one length or two, as the option or as a scene writes them."""
+    return [side.strip(" []\"'") for side in length.split(",")]
+
+
 def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatment: Any) -> FileSurface:
     """Read the options as the table of a scene is read, so that they allow and refuse the same."""
     from pydantic import ValidationError
@@ -148,7 +153,7 @@ def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatme
 
     table = {"kind": "file", "path": str(path), **treatment}
     if length is not None:
-        size = [plain_number(part.strip()) for part in length.strip().strip("[]").split(",")]
+        size = [plain_number(side) for side in _sides(length)]
         table["length"] = size if len(size) > 1 else size[0]
     if unit is not None:
         table["unit"] = plain_number(unit)
@@ -158,11 +163,8 @@ def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatme
         lines = [f"surface.{problem}" for problem in problems(error)]
     except SceneError as error:
         lines = [problem.removeprefix(f"surface.path = {str(path)!r}: ") for problem in error.problems]
-    raise UsageError("\n".join(f"{path}: {re.sub('^surface[.]', '--', line)}" for line in lines))
-
-
-#: Ratio of slopes below which a surface of finitely many waves has no direction worth naming.
-_LAY = 1.2
+    lines = [re.sub("^surface[.]", "--", line).replace("[Lx, Ly]", '"Lx, Ly"') for line in lines]
+    raise UsageError("\n".join(f"{path}: {line}" for line in lines))
 
 
 def _inspected(
@@ -190,9 +192,7 @@ def _inspected(
         facts |= {"slope along y": raw.slope[1], "share of a plane in the variance": raw.plane_share}
         facts |= {"edge jump over typical step": patch.edge_jump, "treatment": "; ".join(patch.history)}
         if measured.faults:
-            sides = [side.strip() for side in (length or "").strip(" []").split(",")]
-            given = {"path": str(surface.path), "length": sides if length else None, "unit": unit}
-            table = {key: value for key, value in given.items() if value is not None}
+            table = {"path": str(surface.path), "length": length and _sides(length), "unit": unit}
             facts["before it is pressed"] = "\n".join(fault_lines(measured.faults, table))
         field = patch.height_field()
         window: Literal["none", "hann"] = "none" if patch.edge_jump < 4 else "hann"
@@ -212,18 +212,18 @@ def _inspected(
         facts[f"rms curvature [1/m] ({how})"] = math.sqrt(windowed.moments[2]) / 2
         if window == "none":
             facts["Nayak parameter"] = field.nayak
+        steepest = f"mean square slope in the steepest 0.1 % (Gaussian: {GAUSSIAN_STEEP_SHARE:.2g})"
         facts |= {
             "kurtosis of heights (Gaussian: 3)": traits.kurtosis,
             "kurtosis of slopes (Gaussian: 3)": traits.slope_kurtosis,
-            f"mean square slope in the steepest 0.1 % (Gaussian: {GAUSSIAN_STEEP_SHARE:.2g})": (
-                traits.steep_share
-            ),
+            steepest: traits.steep_share,
             "summits per area [1/m^2]": traits.summit_density,
             "mean curvature of summits [1/m]": traits.summit_curvature,
             "rms height of summits [m]": traits.summit_height,
         }
         lay = measured_lay(windowed)
-        turned = f", {math.degrees(lay.direction):.3g} degrees from x" if lay.ratio > _LAY else ""
+        # Below this ratio of slopes a surface of finitely many waves has no direction worth naming.
+        turned = f", {math.degrees(lay.direction):.3g} degrees from x" if lay.ratio > 1.2 else ""
         facts["lay (slope across over along)"] = f"{lay.ratio:.3g}{turned}"
     facts["window of C(q)"] = window
     rings = estimate_spectrum(field.heights, field.lengths, window=window)

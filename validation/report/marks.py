@@ -139,11 +139,16 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawi
     for panel, on in zip(figure.panels, places, strict=True):
         drawn += _draw_panel(panel, on, data)
     _align(figure.panels, list(places))
+    images = [line for line in drawn if isinstance(line.mark, Image)]
+    # Symmetric images have one scale of colours, and one bar for all panels.
+    common = len(images) > 1 and all(cast("Image", line.mark).symmetric for line in images)
+    for line in images[:1] if common else images:
+        canvas.colorbar(line.artist, ax=list(places) if common else line.axes, label=mathtext(line.label))
     if axes is None:
         _legend(canvas, list(places))
     elif axes.get_legend_handles_labels()[0]:
         axes.legend(fontsize=7)
-    if axes is None and any(isinstance(line.mark, Image) for line in drawn):
+    if axes is None and images:
         # Squares of equal scale leave their labels too little place.
         canvas.set_layout_engine("constrained", w_pad=0.15)
     names = list(
@@ -169,6 +174,8 @@ def _align(panels: Sequence[Panel], places: Sequence[Axes]) -> None:
             on.set_xlim(low.min(), high.max())
     if len({panel.y or panel.marks[0].y for panel in panels}) == 1 == len({on.get_ylabel() for on in places}):
         low, high = np.array([on.get_ylim() for on in places]).T
+        if places[0].get_yscale() == "log":  # where the margin of a panel's own range is too narrow
+            high *= (high.max() / low.min()) ** 0.03
         for on, panel in zip(places, panels, strict=True):
             on.set_ylim(
                 low.min() if panel.bottom is None else panel.bottom,
@@ -261,7 +268,6 @@ def _put(
             rasterized=True,
             **ends,
         )
-        axes.figure.colorbar(image, ax=axes, label=look["label"])
         if quantity(mark.rows).name == "y":  # a place, not a parameter
             axes.set_aspect("equal")
         return image

@@ -305,7 +305,9 @@ def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
             **{key: surface.get(key, fields[key].default) for key in ("tilt", "missing", "edges")}
         )
         if faults:
-            lacking = [f'{key} = "..."' for key in ("length", "unit") if known[key] is None]
-            missing.append("\n".join(("cannot be pressed as it is", *fault_lines(faults, surface), *lacking)))
+            sides = "..." if len({*says.heights.shape}) == 1 else ["...", "..."]
+            blank = {k: v for k, v in (("length", sides), ("unit", "...")) if known[k] is None}
+            lines = fault_lines(faults, {**surface, **blank})
+            missing.append("\n".join(("cannot be pressed as it is", *lines)))
         raise SceneError(scene, missing)
     return {**data, "surface": {"length": says.lengths, **surface}}

@@ -64,10 +64,8 @@ def _of_solvers_against_hurst(data: xr.Dataset) -> Iterator[Figure]:
     ]
     solver_limits = Line(y="kappa_by_solver", by="solver")
     caption = f"kappa against the Hurst exponent at p* = {reduced_pressure:g}, limits over the grids of each solver on the same "
-    caption += (
-        f"surfaces of bandwidth {float(data.bandwidth_by_solver):g}; Persson's theory"
-        f"{'; published values' * ('kappa_published' in data)}."
-    )
+    caption += f"surfaces of bandwidth {float(data.bandwidth_by_solver):g}; Persson's theory"
+    caption += f"{'; published values' * ('kappa_published' in data)}."
     panel = Panel(
         marks=[solver_limits, *wide, Level(y="kappa_persson_by_solver", label="Persson"), _LITERATURE],
         x="hurst",
@@ -77,12 +75,13 @@ def _of_solvers_against_hurst(data: xr.Dataset) -> Iterator[Figure]:
 
 
 def _against_hurst(data: xr.Dataset) -> Figure:
+    which = ", {family}" * (data.sizes["family"] > 1)
     marks = (
-        Line(y="kappa", label="limit over grids"),
-        Line(y="kappa_pixel", at={"grid": 0}, label="counted, coarsest grid"),
+        Line(y="kappa", by="family", label=f"limit over grids{which}"),
+        Line(y="kappa_pixel", at={"grid": 0, "family": 0}, label=f"counted, coarsest grid{which}"),
         Level(y="kappa_persson"),
     )
-    panels = panels_along(data, "load", Panel(marks=marks, x="hurst", at={"family": 0}, bottom=1.35))
+    panels = panels_along(data, "load", Panel(marks=marks, x="hurst", bottom=1.35))
     area = data.kappa.isel(family=0).mean("hurst") * data.reduced_pressure
     return Figure(
         name="kappa-against-hurst",
@@ -103,8 +102,8 @@ def _against_nayak(climbed: bool) -> Figure:
     lines = [Line(y="kappa", by=("family", "load")), *([rungs] if climbed else [])]
     panels = [Panel(marks=(line, *theories), x="nayak", y="kappa", log="x") for line in lines]
     caption = "The same kappa against the realised Nayak parameter; right, as the bandwidth grows at equal H."
-    size = {"width": 4.6 * len(panels), "height": 4.8}
-    return Figure(name="kappa-against-nayak", caption=caption, panels=panels, **size)
+    width = 4.6 * len(panels)
+    return Figure(name="kappa-against-nayak", caption=caption, panels=panels, width=width, height=4.8)
 
 
 def _ladder_figures() -> tuple[Figure, ...]:

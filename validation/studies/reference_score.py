@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Options", "run", "views"]
 
-#: A solid, and the longest wavelength [m] and rms slope of the surfaces, which no dimensionless area depends on.
-_MODULUS, _LONGEST, _SLOPE = 1e9, 1e-4, 0.1
+#: E* [Pa], and smallest wavevector [1/m] and rms slope of the surfaces: no dimensionless area depends on them.
+_MODULUS, _Q_LONG, _SLOPE = 1e9, 2 * np.pi / 1e-4, 0.1
 _CELL = ("hurst", "bandwidth", "reduced_pressure")
 
 
@@ -105,11 +105,9 @@ def _worst(data: xr.Dataset) -> Finding:
 
 
 def _agreeing(data: xr.Dataset) -> Finding:
-    inside = abs(data.z_score) <= 1.96
-    known = data.z_score.notnull()
     counted = data.assign(
-        cells_within=inside.where(known).sum(_CELL).astype(float),
-        cells_scored=known.sum(_CELL).astype(float),
+        cells_within=(abs(data.z_score) <= 1.96).sum(_CELL).astype(float),
+        cells_scored=data.z_score.count(_CELL).astype(float),
         theory_excess_median=abs(data.theory_excess).median(_CELL),
     )
     return finding(
@@ -125,9 +123,8 @@ def _areas(theory: Theory, data: xr.Dataset) -> Array:
     areas = np.full(data.area.shape, np.nan)
     for i, hurst in enumerate(data.hurst.values):
         for j, bandwidth in enumerate(data.bandwidth.values):
-            q_long = 2 * np.pi / _LONGEST
             spectrum = SelfAffine.from_rms_gradient(
-                _SLOPE, hurst=float(hurst), q_long=q_long, q_short=float(bandwidth) * q_long
+                _SLOPE, hurst=float(hurst), q_long=_Q_LONG, q_short=float(bandwidth) * _Q_LONG
             )
             moments = Moments(m0=float(spectrum.m0()), m2=float(spectrum.m2()), m4=float(spectrum.m4()))
             waves = Waves.of_spectrum(spectrum)
@@ -154,16 +151,12 @@ def _read(path: Path, data: xr.Dataset) -> tuple[Array, Array]:
             half = float(row.get("area_error") or 0.0)
         except (TypeError, ValueError):
             raise UsageError(f"--csv {path}: line {number}: holds what is no number") from None
-        place = tuple(_place(data[name].values, value) for name, value in zip(_CELL, values, strict=False))
-        if None in place:
+        nodes = [data[name].values for name in _CELL]
+        near = [np.isclose(known, value, rtol=1e-6) for known, value in zip(nodes, values, strict=False)]
+        if not all(map(np.any, near)):
             known = "; ".join(f"{name}: {', '.join(f'{v:g}' for v in data[name].values)}" for name in _CELL)
             raise UsageError(f"--csv {path}: line {number}: no cell of the table, which has {known}")
         if not 0 <= values[3] <= 1 or not half >= 0:
             raise UsageError(f"--csv {path}: line {number}: area = {values[3]:g}: must lie in [0, 1]")
-        areas[place], errors[place] = values[3], half
+        areas[np.ix_(*near)], errors[np.ix_(*near)] = values[3], half
     return areas, errors
-
-
-def _place(nodes: Array, value: float) -> int | None:
-    near = np.flatnonzero(np.isclose(nodes, value, rtol=1e-6))
-    return int(near[0]) if near.size else None

@@ -159,7 +159,7 @@ class Measured:
 def fault_lines(faults: Mapping[str, tuple[str, str]], table: Mapping[str, Any]) -> tuple[str, ...]:
     """Return a line for each fault, and the table of the scene that mends them all, to be pasted."""
     remedies = {key: json.dumps(remedy) for key, (_, remedy) in faults.items()}
-    block = [f"{key} = {json.dumps(table[key])}" for key in ("path", "length", "unit") if key in table]
+    block = [f"{key} = {json.dumps(table[key])}" for key in ("path", "length", "unit") if table.get(key)]
     block += [f"{key} = {remedy}" for key, remedy in remedies.items()]
     return (
         *(f"  {key}: {words}" for key, (words, _) in faults.items()),
