@@ -11,22 +11,15 @@ from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput, NotConverged
 from fem_contact.response import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace
 from fem_contact.solid import Solid
-from fem_contact.surface import HeightField, random_surface
+from fem_contact.surface import HeightField
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
 
 def rough(shape: tuple[int, int] = (64, 64), *, seed: int = 7, ratio: float = 8.0) -> HeightField:
     lengths = (1.0, shape[1] / shape[0])
-    q_long, q_short = 2 * np.pi * 4, 2 * np.pi * shape[0] / ratio
-    surface = random_surface(
-        lambda q: np.where(q >= q_long * (1 - 1e-9), q ** (-2 - 2 * 0.8), 0.0),
-        q_short=q_short,
-        lengths=lengths,
-        shape=shape,
-        seed=seed,
-    )
-    return HeightField(heights=surface.heights / surface.rms_gradient, lengths=lengths)
+    waves = max(shape) / ratio
+    return rough_surface(shape, lengths, seed=seed, waves=waves, longest=4 * max(lengths), gradient=1.0)
 
 
 def test_flat_surface_gives_uniform_pressure() -> None:

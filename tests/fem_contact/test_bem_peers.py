@@ -5,25 +5,19 @@ The comparisons need the codes installed (extra ``peers``) and are skipped other
 
 import numpy as np
 import pytest
+from surfaces import rough_surface
 
 from fem_contact.bem import solve
 from fem_contact.contact import ContactResult, measure_residuals
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
-from fem_contact.surface import HeightField, random_surface
+from fem_contact.surface import HeightField
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
 
 def shared_surface(shape: tuple[int, int] = (64, 64), seed: int = 51) -> HeightField:
-    surface = random_surface(
-        lambda q: np.where(q > 12.0, q**-3.6, 0.0),
-        q_short=2 * np.pi * min(shape) / 8,
-        lengths=(1.0, 1.0),
-        shape=shape,
-        seed=seed,
-    )
-    return HeightField(heights=surface.heights / surface.rms_gradient, lengths=(1.0, 1.0))
+    return rough_surface(shape, seed=seed, waves=min(shape) / 8, longest=2, gradient=1.0)
 
 
 def difference(result: ContactResult, pressure: np.ndarray) -> float:
