@@ -8,7 +8,9 @@ import importlib
 import inspect
 import os
 import pkgutil
+import signal
 import sys
+import threading
 from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
@@ -65,12 +67,12 @@ def found_in(package: str, base: type[T], *, group: str) -> tuple[type[T], ...]:
 def entries(group: str) -> Iterator[tuple[str, str, Any]]:
     """Yield what other packages name in a group of entry points: where it stands, its name, the object.
 
-    One that raises or exits while it is imported is left out with a line on stderr.
+    One that raises, exits or hangs while it is imported is left out with a line on stderr.
     """
     for entry in sorted(metadata.entry_points(group=group), key=lambda entry: entry.name):
         where = f"entry point {entry.name} = {entry.value} of {group}"
         try:
-            with _nothing_on_stdout():
+            with _nothing_on_stdout(), _within(_PATIENCE):
                 value = entry.load()
         except KeyboardInterrupt:
             raise
@@ -79,6 +81,10 @@ def entries(group: str) -> Iterator[tuple[str, str, Any]]:
             _warn(f"{where}: left out, cannot be loaded: {type(error).__name__}: {text}")
             continue
         yield where, entry.name, value
+
+
+#: How long another package may take to be imported [s].
+_PATIENCE = 20.0
 
 
 @functools.cache
@@ -100,6 +106,25 @@ def _nothing_on_stdout() -> Iterator[None]:
             os.dup2(2, 1)
         with contextlib.redirect_stdout(sys.stderr):
             yield
+
+
+@contextlib.contextmanager
+def _within(seconds: float) -> Iterator[None]:
+    """End what takes longer, in the main thread of a system with alarms, by an exception."""
+    if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def late(*_: object) -> None:
+        raise TimeoutError(f"still importing after {seconds:g} s")
+
+    before = signal.signal(signal.SIGALRM, late)
+    signal.setitimer(signal.ITIMER_REAL, seconds, 1.0)  # again, where the package catches the first
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def _name(kind: Any) -> str:

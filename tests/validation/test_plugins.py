@@ -274,16 +274,19 @@ def test_an_entry_point_that_cannot_be_loaded_is_named(toys, tmp_path):
         ("raise ValueError('two\\nlines')", "ValueError: two lines"),
         ("raise SystemExit(3)", "SystemExit: 3"),
         ("class Odd(BaseException): pass\nraise Odd('odd')", "Odd: odd"),
+        ("import time\ntime.sleep(60)", "TimeoutError: still importing after 1 s"),
+        ("while True:\n    try:\n        while True: pass\n    except ValueError: pass", "TimeoutError"),
         ("x = (", "SyntaxError"),
         ("import os\nprint('loud')\nos.system('echo louder')\nMine = 3", "must be a subclass of"),
     ],
-    ids=["raises", "exits", "odd", "no Python", "prints"],
+    ids=["raises", "exits", "odd", "sleeps", "spins", "no Python", "prints"],
 )
 def test_a_package_that_misbehaves_at_import_is_a_warning_and_all_else_works(
     tmp_path, monkeypatch, capfd, module, words
 ):
     (tmp_path / "bad_plugin.py").write_text(module)
     monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(registry, "_PATIENCE", 1.0)
     entry = metadata.EntryPoint(name="bad", value="bad_plugin:Mine", group="fem_contact.methods")
     monkeypatch.setattr(registry.metadata, "entry_points", lambda group: [entry])
     registry._warn.cache_clear()
