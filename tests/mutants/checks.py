@@ -113,7 +113,7 @@ def broken_by(file: Path, changed: str, names: Sequence[str]) -> Iterator[tuple[
 class Coverage:
     """Cases as they run without a fault, and which fault breaks each check."""
 
-    def __init__(self, names: Sequence[str]) -> None:
+    def __init__(self, names: Sequence[str], *, known: Sequence[str]) -> None:
         self.cases: dict[str, dict[str, Any]] = {}
         for name in names:
             (self.cases[name],) = in_a_child(recorded, name, limit=900)
@@ -125,7 +125,7 @@ class Coverage:
             name: {check: fault for check, fault in stored.get(name, {}).items() if check in case["checks"]}
             for name, case in self.cases.items()
         }
-        self.others = {name: checks for name, checks in stored.items() if name not in self.cases}
+        self.others = {name: checks for name, checks in stored.items() if name in {*known} - {*names}}
 
     def unbroken(self, name: str) -> list[str]:
         """Return the checks of a case that nothing has broken."""
@@ -174,7 +174,7 @@ def main() -> int:
         TABLE.write_text("{}\n", encoding="utf-8")
     chosen = [case for case in all_cases() if case.quick or given.long]
     names = [case.name for case in chosen if any(word in case.name for word in given.cases)]
-    coverage = Coverage(names)
+    coverage = Coverage(names, known=[case.name for case in all_cases()])
     faults = [
         fault
         for fault in driver.catalogue()
