@@ -82,15 +82,8 @@ def press(
     FemContactError
         When the solve fails.
     """
-    tables = _tables(
-        surface,
-        solid,
-        young=young,
-        poisson=poisson,
-        second_young=second_young,
-        second_poisson=second_poisson,
-    )
-    listed = _effects(effects)
+    second = {"second_young": second_young, "second_poisson": second_poisson}
+    tables, listed = _tables(surface, solid, young=young, poisson=poisson, **second), _effects(effects)
     load = {"pressure": pressure, "reduced_pressure": reduced_pressure, "force": force}
     load |= {"mean_gap": mean_gap, "offset": offset}
     if any(np.ndim(value) for value in load.values()):  # type: ignore[arg-type]
@@ -108,7 +101,7 @@ def press(
         "press",
         {
             **tables,
-            "load": _without_none(**load),
+            "load": load,
             "methods": {method: chosen, **({"theory": {}} if known else {})},
             "effects": listed,
         },
@@ -136,7 +129,7 @@ def theory(
     """
     second = {"second_young": second_young, "second_poisson": second_poisson}
     tables, listed = _tables(surface, solid, young=young, poisson=poisson, **second), _effects(effects)
-    load = _without_none(pressure=pressure, reduced_pressure=reduced_pressure)
+    load = {"pressure": pressure, "reduced_pressure": reduced_pressure}
     scene = checked(Scene, "theory", {**tables, "load": load, "methods": {"theory": {}}, "effects": listed})
     problem = ContactProblem(
         surface=scene.surface, solid=scene.solid, load=scene.load, given=surface.given, drawn=False
@@ -228,10 +221,6 @@ def _said(contact: Contact) -> dict[str, Any]:
     return loads
 
 
-def _without_none(**said: Any) -> dict[str, Any]:
-    return {name: value for name, value in said.items() if value is not None}
-
-
 def _tables(
     surface: object, solid: object, *, young: Quantity | None, poisson: float | None, **second: Any
 ) -> dict[str, Any]:
@@ -253,14 +242,14 @@ def _tables(
         raise UsageError(f"surface: found {what}; {remedy}")
     tables: dict[str, Any] = {"name": "notebook", "surface": surface.table}
     if solid is None:
-        return {**tables, "solid": _without_none(young=young, poisson=poisson, **second)}
+        return {**tables, "solid": {"young": young, "poisson": poisson, **second}}
     if not isinstance(solid, Solid):
         what = type(solid).__name__
         remedy = "give its Solid, half_space.solid" if hasattr(solid, "solid") else "give a Solid"
         raise UsageError(f'solid: found {what}; {remedy}, or young="1 GPa", poisson=0.3')
     if young is not None or poisson is not None:
         raise UsageError("solid: given twice; leave young and poisson out, or the Solid")
-    return {**tables, "solid": {"young": solid.young, "poisson": solid.poisson, **_without_none(**second)}}
+    return {**tables, "solid": {"young": solid.young, "poisson": solid.poisson, **second}}
 
 
 def _effects(effects: Mapping[str, Any]) -> list[dict[str, Any]]:

@@ -218,8 +218,8 @@ def measured(
         checked(FileSurface, "measured", {"kind": "file", **treatment})  # which names the unknown key
     if isinstance(heights, (str, os.PathLike)):
         options = {"kind": "file", "path": str(heights), "length": length, "unit": unit, **treatment}
-        tables = {"surface": {name: plain(value) for name, value in options.items() if value is not None}}
-        on_file = checked(FileSurface, "measured", sized(tables, Path(), "measured")["surface"])
+        tables = sized(plain({"surface": options}), Path(), "measured")
+        on_file = checked(FileSurface, "measured", tables["surface"])
         return Surface(table=on_file, given=Measured.read(on_file))
     values, own_length, own_unit, words = _told_by(heights)
     if length is None and own_length is None:

@@ -25,7 +25,7 @@ T = TypeVar("T", bound=Table)
 
 
 def plain(value: Any) -> Any:
-    """Return numbers and arrays of NumPy as those of Python, which tables are made of.
+    """Return numbers and arrays of NumPy as those of Python, which tables are made of, without None.
 
     >>> plain({"load": np.array([0.1, 0.2]), "seed": np.int64(3)})
     {'load': [0.1, 0.2], 'seed': 3}
@@ -36,7 +36,7 @@ def plain(value: Any) -> Any:
     if isinstance(value, (np.ndarray, np.generic)):
         return value.tolist()
     if isinstance(value, Mapping):
-        return {name: plain(item) for name, item in value.items()}
+        return {name: plain(item) for name, item in value.items() if item is not None}
     if isinstance(value, (list, tuple)):
         return [plain(item) for item in value]
     return value
@@ -51,9 +51,7 @@ def checked(kind: type[T], source: str, values: Mapping[str, Any]) -> T:
         One line for each mistake.
     """
     try:
-        return kind.model_validate(
-            {name: plain(value) for name, value in values.items() if value is not None}
-        )
+        return kind.model_validate(plain(values))
     except ValidationError as error:
         raise SceneError(source, problems(error)) from None
 
