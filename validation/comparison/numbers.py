@@ -281,6 +281,7 @@ def _as_claimed(data: xr.Dataset, accurate: Mapping[str, Any]) -> xr.Dataset:
     data = data.assign(
         area_own_error=error_of(data.area_own, grid=half, **within),
         accuracy_asked=accurate["target"],
+        wall_seconds=accurate["seconds"],
         accuracy_reached=accurate["error"] if accurate["mean"] is None else accurate["mean_error"],
     )
     if accurate["mean"] is None:
