@@ -207,11 +207,10 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
     basis = "solves of this surface: {solves}, largest {unknowns_largest} unknowns"
     basis += "; without those of the mean" if several else ""
     shown = told(basis, solves=float(data.shifts.sum()))
-    answer = "{seconds_total:u}"
+    spent = "{seconds_total:u}"
     if "wall_seconds" in data:
-        answer = "{wall_seconds:u}"
-        shown = told("with all that was tried; {seconds_total:u} for this surface")
-    yield Card("What did it cost?", told(answer), shown)
+        spent, shown = "{wall_seconds:u}", told("with all that was tried; {seconds_total:u} for this one")
+    yield Card("What did it cost?", told(spent), shown)
 
 
 def _finest(data: xr.Dataset) -> xr.Dataset:
