@@ -230,7 +230,7 @@ def with_certificates(authority, certificate, key):
     )
 
 
-@pytest.mark.slow  # handshakes that fail are waited for
+@pytest.mark.nightly  # handshakes that fail are waited for
 @pytest.mark.filterwarnings("default")
 def test_a_cluster_with_tls_works_for_who_holds_a_certificate_of_its_authority(tmp_path, monkeypatch):
     pytest.importorskip("distributed", reason="LOUD: no Dask installed, TLS is not tested")
