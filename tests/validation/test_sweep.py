@@ -159,10 +159,10 @@ def test_a_product_runs_its_last_key_fastest_and_a_zip_runs_side_by_side(small_s
     assert product.shape == (2, 2)
     pairs = [(scene.surface.seed, scene.solid.young) for scene in product.scenes]
     assert pairs == [(3, 1e6), (3, 3e6), (4, 1e6), (4, 3e6)]
-    assert product.place(2) == "seed = 4, young = 1e+06 Pa"
+    assert product.place(2) == "seed = 4, young = 1 MPa"
     side = load_asked(small_scene, [*lists, "sweep.mode=zip"])
     assert [(scene.surface.seed, scene.solid.young) for scene in side.scenes] == [(3, 1e6), (4, 3e6)]
-    assert side.place(1) == "seed = 4, young = 3e+06 Pa"
+    assert side.place(1) == "seed = 4, young = 3 MPa"
 
 
 def test_a_zip_has_its_keys_along_one_dimension(small_scene, tmp_path):
@@ -221,7 +221,7 @@ def test_a_key_is_set_with_units_by_its_name_or_its_last_word(small_scene):
         ("young=3 um", "solid.young = '3 um': is not a pressure"),
         ("sweep.young=3", "[sweep] solid.young = 3: must be a list of 1 to 256 values"),
         ("sweep.young=[]", "[sweep] solid.young = []: must be a list"),
-        ("sweep.young=['1 GPa', 1e9]", "[sweep] solid.young: 1e+09 Pa is listed twice"),
+        ("sweep.young=['1 GPa', 1e9]", "[sweep] solid.young: 1 GPa is listed twice"),
         ("sweep.young=['1 GPa', '1 m']", "solid.young = '1 m': is not a pressure"),
         ("sweep.hurts=[1]", "--set hurts: is no key of a scene"),
         ("sweep.name=['a']", "[sweep] name: says how a scene is called or run"),
@@ -268,7 +268,7 @@ def test_a_swept_key_is_not_set_to_one_value_and_single_scenes_are_asked_for_by_
 
 def test_a_case_that_cannot_be_run_is_refused_before_anything_is_computed(small_scene, tmp_path):
     sweep = load_asked(small_scene, ["load.pressure=10 kPa", "sweep.hardness=['20 kPa', '5 kPa']"])
-    with pytest.raises(UsageError, match=r"nominal pressure.*\(\[sweep\] at hardness = 5000 Pa\)"):
+    with pytest.raises(UsageError, match=r"nominal pressure.*\(\[sweep\] at hardness = 5 kPa\)"):
         run_sweep(sweep, tmp_path / "results")
     assert not (tmp_path / "results").exists()
 

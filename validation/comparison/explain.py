@@ -226,6 +226,8 @@ class SweepExplanation:
             "to be right within a factor of 2); start and page take seconds more."
         )
         ends = self.cases[:1] if len(self.cases) == 1 else (self.cases[0], self.cases[-1])
+        if len(self.cases) > 2:
+            yield "The first and the last of them:"
         for place, case in ends:
             yield f"\nCase {place}:"
             yield from case.parts()

@@ -14,6 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from validation.errors import SceneError, UsageError, did_you_mean
+from validation.report.quantities import in_prefixed_unit
 from validation.scenes.keys import scene_keys
 from validation.scenes.run_options import RunOptions
 from validation.scenes.scene import Scene, checked_scene, parsed_toml, scene_text, sized
@@ -88,7 +89,7 @@ class Sweep:
         return tuple(len(key.values) for key in self.keys)
 
     def place(self, case: int) -> str:
-        """Say where a case stands, such as "young = 2e+09 Pa, seed = 7"."""
+        """Say where a case stands, such as "young = 2 GPa, seed = 7"."""
         places: Any = (
             np.unravel_index(case, self.shape) if self.mode == "product" else [case] * len(self.keys)
         )
@@ -100,10 +101,9 @@ def value_words(value: Value, unit: str = "1") -> str:
     """Write a value and its unit.
 
     >>> value_words(2e6, "Pa"), value_words(0.05), value_words("smooth")
-    ('2e+06 Pa', '0.05', 'smooth')
+    ('2 MPa', '0.05', 'smooth')
     """
-    text = value if isinstance(value, str) else f"{value:.6g}" if isinstance(value, float) else str(value)
-    return text if unit == "1" else f"{text} {unit}"
+    return in_prefixed_unit(value, unit, digits=6) if isinstance(value, float) else str(value)
 
 
 def load_asked(scene: str, settings: Sequence[str] = (), *, grids_chosen: bool = False) -> Scene | Sweep:
