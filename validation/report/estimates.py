@@ -322,7 +322,8 @@ def mean_of(
     middle = _mean(values, over, there)
     kept = values if there is None else values.where(there)
     count = values.sizes[over] if there is None else there.sum(over).clip(min=2)
-    scatter = kept.std(over, ddof=1).where(middle.notnull())
+    with np.errstate(invalid="ignore"):  # of what is endless it is unknown
+        scatter = kept.std(over, ddof=1).where(middle.notnull())
     # What is the same on every surface scatters by rounding alone.
     scatter = scatter.where(~(scatter < _ROUNDING * abs(middle)), 0.0)
     return middle, scatter * (scipy.special.stdtrit(count - 1, 0.975) / count**0.5)
