@@ -114,7 +114,7 @@ def views(data: xr.Dataset) -> Views:
                 "value",
                 "Held, A/A0 is {each}.",
                 held.isel(instant=some),
-                item="{area} after {duration} s",
+                item="{area} after {duration:u}",
                 over="instant",
             ),
             finding(
@@ -129,7 +129,7 @@ def views(data: xr.Dataset) -> Views:
                 "comparison",
                 "With {load_left} of the load left, A/A0 beside a solid that never carried more is {each}.",
                 unloaded.isel(instant=some),
-                item="{area} after {duration} s ({verdict} it, by {area_memory:%})",
+                item="{area} after {duration:u} ({verdict} it, by {area_memory:%})",
                 over="instant",
                 by="area_memory",
                 load_left=float(data.attrs["load_left"]),
