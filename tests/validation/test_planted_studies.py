@@ -426,7 +426,8 @@ def test_scaling_has_the_planted_exponents_and_what_they_allow(monkeypatch):
     options = scaling.Options(grids=(128, 256, 512, 1024), surfaces=2, seed=61)
     data = scaling.run(options, bench=PlantedBench(answer))
     assert float(data.exponent_seconds) == pytest.approx(1.1, rel=1e-9)
-    assert float(total_error(data, "exponent_seconds")) < 1e-9
+    # The root of what rounding leaves of 1 - r^2.
+    assert float(total_error(data, "exponent_seconds")) < 1e-7
     assert float(data.decade_seconds) == pytest.approx(100**1.1, rel=1e-9)
     assert float(data.side_peak_bytes) == pytest.approx(2**14, rel=1e-9)
     side = (3600 / 2e-6) ** (1 / 2.2)

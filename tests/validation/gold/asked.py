@@ -334,5 +334,6 @@ UNSTEADY: dict[str, tuple[str, ...]] = {
 #: the gold file alone. The errors of `stability` are among them.
 ROUNDING = (
     *("*residual*", "*.balance", "*.left_*", "*.work*", "energy*: table.+- solver", "*error_estimate"),
-    *("stability: *error", "stability: *deviation*"),
+    *("stability: *error", "stability: *deviation*", "stability: table.|A/A_limit*"),
+    *("*budget.solver*", "leak: *balance*", "pressure: budget.surfaces*", "adhesion: *area_old*"),
 )
