@@ -335,5 +335,11 @@ UNSTEADY: dict[str, tuple[str, ...]] = {
 ROUNDING = (
     *("*residual*", "*.balance", "*.left_*", "*.work*", "energy*: table.+- solver", "*error_estimate"),
     *("stability: *error", "stability: *deviation*", "stability: table.|A/A_limit*"),
-    *("*budget.solver*", "leak: *balance*", "pressure: budget.surfaces*", "adhesion: *area_old*"),
+    *(
+        "*budget.solver*",
+        "leak: *balance*",
+        "pressure: budget.surfaces*",
+        "pressure: budget.grid*",
+        "adhesion: *_old_each",
+    ),
 )
