@@ -170,6 +170,9 @@ class Effect(Table):
     meshed: ClassVar[bool] = True  # Whether a method that meshes the solid can be given it
     #: Processor time of a boundary-element solve with it over that of a plain one, on the reference machine.
     cost: ClassVar[float] = 1.0
+    solves: ClassVar[float] = (
+        1.0  # Contacts that are solved until one is pressed, beyond what `cost` measures
+    )
     papers: ClassVar[tuple[str, ...]] = ()  # What to cite
 
     def fill(self, model: ContactModel) -> None:

@@ -47,6 +47,11 @@ class Hardness(Effect):
         "Tribol. Int. 40, 574 (2007).",
     )
 
+    @property
+    def solves(self) -> float:  # type: ignore[override]
+        """One, or the three to eight until every patch bears what its size allows."""
+        return 1.0 if self.size_wavelength is None else 5.0
+
     @model_validator(mode="after")
     def _both_or_neither(self) -> Self:
         if (self.size_wavelength is None) != (self.size_exponent is None):

@@ -61,4 +61,4 @@ def dearer_by(effects: Sequence[Effect]) -> float:
     from validation.execution.calibration import effect_costs
 
     factors = effect_costs().factors
-    return math.prod(factors[effect.kind] for effect in effects)
+    return math.prod(factors[effect.kind] * effect.solves for effect in effects)

@@ -17,7 +17,9 @@ from persson import elastic
 from persson.variants import corrected_contact_area
 from validation.arrays import Array, Grid
 from validation.execution.measurement import Call, measurement
+from validation.measurements.limits import ABSENT
 from validation.measurements.theory import VARIANTS
+from validation.report.estimates import error_of
 from validation.scenes.problem import ContactProblem
 
 #: What happens, one after the other.
@@ -50,6 +52,7 @@ def creeps(
     """
     shape = (len(grids), len(PHASES), len(durations))
     areas, crept = np.empty(shape), np.empty(shape)
+    moduli = moduli_of(rubber, np.array(durations))
     parts = np.concatenate([[0.0], durations])
     path = np.interp(np.arange(len(durations) * steps + 1) / steps, np.arange(parts.size), parts)
     times = np.concatenate([path, path[-1] + path])
@@ -61,8 +64,7 @@ def creeps(
         results = creep(field, rubber, times=times, mean_pressure=loads, threads=1)
         for place, k in np.ndenumerate(at):
             areas[(i, *place)] = contact_areas(results[k].checked()).perimeter
-            young = 1 / float(rubber.creep_compliance(times[k]))
-            response = HalfSpace(solid=Solid(young=young, poisson=rubber.poisson))
+            response = HalfSpace(solid=Solid(young=float(moduli[place]), poisson=rubber.poisson))
             contact = bem.solve(field, response, mean_pressure=float(loads[k]), threads=1).checked()
             crept[(i, *place)] = contact_areas(contact).perimeter
     dims = ("grid", "phase", "instant")
@@ -70,10 +72,15 @@ def creeps(
 
 
 def crept_of(measured: xr.Dataset, solve: Call) -> xr.Dataset:
-    """Reduce what one of `creeps` left to (phase, instant) on its finest grid, its step from the grid before, and theory."""
+    """Reduce what one of `creeps` left to (phase, instant) on its finest grid, its step from the grid before, and theory.
+
+    Held, both contacts are one: what they differ by is the error of the steps in time.
+    """
     fine, before = (measured.isel(grid=k) for k in (-1, -2))
     numbers: dict[str, Any] = {f"{name}_each": fine[name] for name in measured.data_vars}
     numbers |= {f"{name}_each_drift": fine[name] - before[name] for name in measured.data_vars}
+    steps = abs(fine.area - fine.area_crept).isel(phase=0, drop=True)
+    numbers["area_each_error"] = error_of(fine.area, grid=0.0, solver=steps, **ABSENT)
     theory = _theory(solve["problem"], solve["rubber"], np.array(solve["durations"]), solve["load_left"])
     numbers |= {f"area_{name}_each": (("phase", "instant"), theory[k]) for k, name in enumerate(VARIANTS)}
     return xr.Dataset(numbers, attrs={"solve": measured.attrs["solve"]})

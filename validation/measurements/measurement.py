@@ -286,6 +286,7 @@ def _read_off(result: ContactResult, *, located: bool) -> dict[str, float]:
     patches = find_patches(result.in_contact, result.spacing)
     sizes = np.sort(patches.areas)[::-1]
     cell = result.spacing[0] * result.spacing[1]
+    full = result.in_contact.all() and not result.at_bound.any()
     half = np.searchsorted(np.cumsum(sizes), sizes.sum() / 2)
     return {
         **{name: getattr(areas, name) for name in (*_AREAS, *TRAITS)},
@@ -294,7 +295,8 @@ def _read_off(result: ContactResult, *, located: bool) -> dict[str, float]:
         "patches": patches.count,
         "patch_size": patches.mean_size,
         "cells_per_patch": float(sizes[half] / cell) if sizes.size else 0.0,
-        "mean_gap": float(result.gap.mean()),
+        # What is left of the gaps where every point touches is rounding.
+        "mean_gap": 0.0 if full else float(result.gap.mean()),
         "energy": elastic_energy(result),
         "residual": result.residuals.worst,
         "seconds": result.cost.cpu_seconds,

@@ -338,8 +338,6 @@ ROUNDING = (
     *(
         "*budget.solver*",
         "leak: *balance*",
-        "pressure: budget.surfaces*",
-        "pressure: budget.grid*",
         "adhesion: *_old_each",
     ),
 )
