@@ -20,6 +20,7 @@ from validation.comparison.accuracy import reach
 from validation.errors import RunFailed
 from validation.execution.bench import Bench
 from validation.execution.results import read_results
+from validation.report.estimates import total_error
 from validation.scenes.scene import load_scene
 from validation.studies import GROUPS, studies
 
@@ -445,6 +446,9 @@ def test_an_accuracy_is_reached_told_and_stored_and_not_solved_again(tool, write
     assert float(kept.data.accuracy_reached) == told["error"]
     page = (tmp_path / "results" / "small-accuracy" / "report.html").read_text()
     assert "asked 5\u00a0%, reached" in page
+    solver = float(kept.data.area_own_error.sel(source="solver"))
+    assert solver == pytest.approx(7 * told["tolerance"] * told["area"], rel=1e-12)
+    assert float(total_error(kept.data, "area_own")) == pytest.approx(told["error"] * told["area"], rel=1e-12)
     again = reach(
         load_scene(str(path)), Bench.at(tmp_path / "results" / "small" / "solves"), target=told["target"]
     )

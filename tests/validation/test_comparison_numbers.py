@@ -35,7 +35,7 @@ from validation.measurements import ensemble
 from validation.measurements.pairs import Areas
 from validation.report.estimates import claim, derive
 from validation.report.findings import finding
-from validation.report.table import budget_table
+from validation.report.table import budget_table, shown
 from validation.scenes.problem import realise
 from validation.scenes.scene import Scene
 from validation.solvers.theory import TheoryOptions, _realised_variance, with_effects
@@ -146,12 +146,15 @@ def test_a_budget_lists_every_source_and_adds_up():
     cells = dict(zip(budget_table(data, ["kappa"]).columns, row, strict=True))
     assert [cells[f"{name} [%]"] for name in told] == pytest.approx([1, 2, 3, 4, 5, 6])
     assert cells["theory [%]"] == "does not enter"
+    assert "theory [%]" not in shown(budget_table(data, ["kappa"])).columns
     assert cells["for this spectrum and period [%]"] == pytest.approx(math.sqrt(1 + 4 + 9 + 36))
     assert cells["for any [%]"] == pytest.approx(math.sqrt(91))
     (unknown,) = budget_table(claim(data, "kappa", bandwidth=math.nan), ["kappa"]).rows
     cells = dict(zip(budget_table(data, ["kappa"]).columns, unknown, strict=True))
     assert cells["bandwidth [%]"] == "not measured"
     assert math.isnan(cells["for any [%]"])
+    printed = shown(budget_table(claim(data, "kappa", bandwidth=math.nan), ["kappa"])).columns
+    assert {"bandwidth [%]", "solver [%]"} == {*printed} & {"bandwidth [%]", "solver [%]", "for any [%]"}
     assert cells["for this spectrum and period [%]"] == pytest.approx(math.sqrt(50))
 
 

@@ -397,10 +397,13 @@ def _of_area(run: Run, accurate: Mapping[str, Any] | None) -> Expected:
     if math.isnan(area):
         return
     yield "area_own", area, {}
-    share = NORMAL * error / area if accurate is None else 2 * error / area + _LEFT * accurate["tolerance"]
-    yield "area_own_error", share * area, {"source": "grid"}
-    if accurate is not None and accurate["mean"] is None:
-        yield "accuracy_reached", share, {}
+    share, solver = NORMAL * error / area, 0.0
+    if accurate is not None:
+        solver = _LEFT * accurate["tolerance"]
+        share = 2 * error / area + solver
+        if accurate["mean"] is None:
+            yield "accuracy_reached", share, {}
+    yield "area_own_error", math.sqrt(share**2 - solver**2) * area, {"source": "grid"}
 
 
 def _of_theory(run: Run) -> Expected:

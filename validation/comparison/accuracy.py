@@ -129,9 +129,10 @@ class AccuracyResult:
             yield (
                 f"Mean over the surfaces of this spectrum: A/A0 = {area:.6g} +- "
                 f"{percent(mean.half_width / area)} (95 %: surfaces, grid and solver), of which "
-                f"{percent(half / area)} from the scatter between surfaces; from {sum(mean.pairs)} pairs "
-                f"h, -h ({ending}) and {mean.unsolved} that were not solved, where a plain mean of single "
-                f"surfaces, which scatter by {percent(mean.scatter)}, would take about {plain}."
+                f"{percent(half / area)} from the scatter between surfaces; from {mean.surfaces} surfaces, "
+                f"in pairs h, -h ({ending}), and from the heights of {mean.unsolved} more pairs, not solved. "
+                f"A plain mean of single surfaces, which scatter by {percent(mean.scatter)}, would take "
+                f"about {plain}, every one on the finest of these grids."
             )
         counted = ", blocks of pairs counted as one" if self.ensemble else ""
         yield (

@@ -276,10 +276,17 @@ def _over_surfaces(data: xr.Dataset, case: Case, accurate: Mapping[str, Any] | N
 
 def _as_claimed(data: xr.Dataset, accurate: Mapping[str, Any]) -> xr.Dataset:
     """Put what a run to an accuracy claims in place of what a plain run would."""
-    within = {"solver": "it is within that of the grid", **_ABSENT, **_HALF_SPACE}
-    half = float(data.area_own) * accurate["error"]
+    solver = TOLERANCES_LEFT * accurate["tolerance"]  # of the area, in what is claimed
+
+    def claimed(area: xr.DataArray, error: float, statistical: float = 0.0) -> xr.DataArray:
+        grid = math.sqrt(max(0.0, error**2 - statistical**2 - solver**2))
+        parts = {"solver": solver * float(area), "grid": grid * float(area)}
+        if statistical:
+            parts["surfaces"] = statistical * float(area)
+        return error_of(area, **parts, **_ABSENT, **_HALF_SPACE)
+
     data = data.assign(
-        area_own_error=error_of(data.area_own, grid=half, **within),
+        area_own_error=claimed(data.area_own, accurate["error"]),
         accuracy_asked=accurate["target"],
         wall_seconds=accurate["seconds"],
         accuracy_reached=accurate["error"] if accurate["mean"] is None else accurate["mean_error"],
@@ -287,11 +294,9 @@ def _as_claimed(data: xr.Dataset, accurate: Mapping[str, Any]) -> xr.Dataset:
     if accurate["mean"] is None:
         return data
     area = xr.DataArray(accurate["mean"])
-    statistical = accurate["statistical"] * accurate["mean"]
-    left = math.sqrt(max(0.0, (accurate["mean_error"] * accurate["mean"]) ** 2 - statistical**2))
     return data.assign(
         area=area,
-        area_error=error_of(area, surfaces=statistical, grid=left, **within),
+        area_error=claimed(area, accurate["mean_error"], accurate["statistical"]),
         scatter=accurate["scatter"],
         surfaces=float(accurate["surfaces"]),
     )

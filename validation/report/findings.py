@@ -9,6 +9,7 @@ said.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from string import Formatter
@@ -88,7 +89,8 @@ class Finding:
     """One thing found: of a kind of `KINDS`, a sentence with named values in braces.
 
     ``{verdict}`` is that of the rule of its kind on the value called `by`, in a row where rows have it, by
-    `words` where it has its own; ``{each}`` lists the `rows` in the form `item`.
+    `words` where it has its own; ``{each}`` lists the `rows` in the form `item`, those of one verdict
+    together where it begins with that.
 
     >>> change = Value(value=-0.03, error=0.01)
     >>> found = Finding(
@@ -96,6 +98,9 @@ class Finding:
     ... )
     >>> found.text
     'kappa falls by (-3.0 +- 1.0) %.'
+    >>> rows = [{"load": Value(value=n), "change": replace(change, error=n)} for n in (0.04, 0.01, 0.08)]
+    >>> print(Finding(kind="trend", form="kappa {each}.", item="{verdict} at {load}", rows=rows, by="change"))
+    kappa shows no trend that its interval supports at 0.04, at 0.08 and falls at 0.01.
     """
 
     kind: str
@@ -121,10 +126,17 @@ class Finding:
         whole = plain(self.values)
         if self.by in self.values:
             whole["verdict"] = self._verdict(self.values[self.by])
-        rows = []
+        # A verdict that rows begin with is said once, with the words up to their first number.
+        shared = re.match(r"\{verdict\}([^{]*,|[^{(]*(?=\())?|", self.item)
+        assert shared is not None
+        cases: dict[str, list[str]] = {}
         for row in self.rows:
             verdict = {"verdict": self._verdict(row[self.by])} if self.by in row else {}
-            rows.append(self.item.format(**{**whole, **plain(row), **verdict}))
+            printed_row = self.item.format(**{**whole, **plain(row), **verdict})
+            lead = shared[0].format(**verdict)
+            case = cases.setdefault(lead, [])
+            case.append(printed_row.removeprefix(lead).lstrip() if case else printed_row)
+        rows = [row for case in cases.values() for row in case]
         apart = "; " if any("," in row for row in rows) else ", "
         listed = " and ".join(filter(None, (apart.join(rows[:-1]), *rows[-1:]))) or "none"
         text = self.form.format(**whole, each=listed)

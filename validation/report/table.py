@@ -25,6 +25,8 @@ _SINGLE = ("_each", "_each_error", "_each_drift")
 #: What a column of half widths is called, behind the title of its values, and one of what these hold where
 #: not all that enters was measured.
 INTERVAL, SOURCES_OF = "+- (95 %)", "+- holds"
+#: What stands in a budget for a source that has no part in a number.
+_ENTERS_NOT = "does not enter"
 
 
 @dataclass(frozen=True)
@@ -162,7 +164,7 @@ def budget_table(data: xr.Dataset, names: Sequence[str]) -> ResultTable:
             row["for this spectrum and period [%]"] = combined(*entering)
             row["for any [%]"] = combined(*shares.values())
             for source, share in shares.items():
-                entry = "does not enter" if source in error.attrs else share
+                entry = _ENTERS_NOT if source in error.attrs else share
                 row[f"{source} [%]"] = (
                     "not measured" if isinstance(entry, float) and math.isnan(entry) else entry
                 )
@@ -228,7 +230,8 @@ class WordTable:
 def shown(table: ResultTable, *, title: str = "", note: str = "") -> WordTable:
     """Return a table of values in words, those with an interval in one cell, others with five digits.
 
-    Units have the prefix that suits the largest number of a column.
+    Units have the prefix that suits the largest number of a column. Columns in which nothing stands are left
+    out, as are those of what enters nowhere.
     """
     names = [name for name in table.columns if not name.endswith((INTERVAL, SOURCES_OF))]
     cells = [dict(zip(table.columns, row, strict=True)) for row in table.rows]
@@ -237,6 +240,8 @@ def shown(table: ResultTable, *, title: str = "", note: str = "") -> WordTable:
     left = set()
     for name in names:
         values = [row[name] for row in cells]
+        if {*map(_cell, values)} <= {"", _ENTERS_NOT}:
+            continue
         unit = name[name.rindex("[") + 1 : -1] if name.endswith("]") else "1"
         sizes = (abs(value) for value in values if isinstance(value, float) and math.isfinite(value))
         factor, prefixed = prefixed_unit(unit, max(sizes, default=0.0))
