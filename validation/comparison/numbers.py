@@ -11,7 +11,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import scipy.special
 import xarray as xr
 
 from fem_contact.area import ContactAreas
@@ -24,7 +23,7 @@ from validation.comparison.transport import passing
 from validation.errors import RunFailed
 from validation.execution.press import Press
 from validation.measurements.measurement import TOLERANCES_LEFT, limit_over
-from validation.report.estimates import NORMAL, derive, error_of, gather, mean
+from validation.report.estimates import NORMAL, derive, error_of, gather, mean, mean_of
 from validation.report.quantities import as_length, labelled
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
@@ -129,9 +128,7 @@ def _on_grids(case: Case) -> xr.Dataset:
         data[name] = values.mean("shift").assign_attrs(made)
         if name != "area_perimeter":
             # Of a mean over the shifts there are; none of one.
-            count = values.count("shift")
-            student = scipy.special.stdtrit(np.maximum(count - 1, 1), 0.975)
-            half = (values.std("shift", ddof=1) / count**0.5 * student).where(count > 1)
+            half = mean_of(values, over="shift", there=values.notnull())[1]
             data[f"{name}_error"] = error_of(data[name], grid=half, **_ABSENT)
     if not bool(data.area_located.notnull().any()):
         data = data.drop_vars(["area_located", "area_located_error", "area_located_shift"])

@@ -9,6 +9,9 @@ if TYPE_CHECKING:
 
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
+#: Where a superblock says where its file ends, by its version (HDF5 file format, II.A).
+_END = {0: 40, 2: 28, 3: 28}
+
 #: Bytes that HDF5 takes at most to open a file; where they are missing it crashes.
 _ROOM = 2**22
 
@@ -22,10 +25,8 @@ def dataset_bytes(data: xr.Dataset) -> memoryview:
     file = netCDF4.Dataset("memory", "w", format="NETCDF4", memory=1)
     data.dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]
     image = memoryview(file.close())
-    # Superblock of version 2 or 3 (HDF5 file format, II.A): the end of the file is at byte 28.
-    if bytes(image[:8]) == _SIGNATURE and image[8] in (2, 3) and image[9] == 8:
-        return image[: int.from_bytes(image[28:36], "little")]
-    return image
+    at = _END.get(image[8]) if bytes(image[:8]) == _SIGNATURE else None
+    return image if at is None else image[: int.from_bytes(image[at : at + 8], "little")]
 
 
 def read_dataset(content: memoryview) -> xr.Dataset:

@@ -320,13 +320,14 @@ def mean_of(
     if values.sizes[over] < 2:
         return values.mean(over, skipna=False), values.mean(over, skipna=False) * math.nan
     middle = _mean(values, over, there)
-    kept = values if there is None else values.where(there)
-    count = values.sizes[over] if there is None else there.sum(over).clip(min=2)
+    there = xr.ones_like(values, bool) if there is None else there
+    count = there.sum(over)
     with np.errstate(invalid="ignore"):  # of what is endless it is unknown
-        scatter = kept.std(over, ddof=1).where(middle.notnull())
+        squares = ((values - middle) ** 2).where(there, 0.0).sum(over, skipna=False)
+    scatter = (squares / (count - 1).where(count > 1)) ** 0.5
     # What is the same on every surface scatters by rounding alone.
     scatter = scatter.where(~(scatter < _ROUNDING * abs(middle)), 0.0)
-    return middle, scatter * (scipy.special.stdtrit(count - 1, 0.975) / count**0.5)
+    return middle, scatter * (scipy.special.stdtrit((count - 1).clip(min=1), 0.975) / count**0.5)
 
 
 def _mean(values: xr.DataArray, over: str, there: xr.DataArray | None) -> xr.DataArray:

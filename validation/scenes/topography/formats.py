@@ -41,6 +41,8 @@ def read_plain(path: str) -> FileSays:
 
     A MemoryError passes: the bounds make a sentence of it.
     """
+    import netCDF4  # noqa: F401  # before h5py: some wheels of both fail in the other order
+
     try:
         data = bytes_of(path)
         _refuse_links(data)
