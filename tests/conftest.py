@@ -3,7 +3,6 @@
 import os
 import sys
 
-import netCDF4  # noqa: F401  # before h5py: some wheels of both fail in the other order
 from hypothesis import settings
 
 os.environ.setdefault("MPLBACKEND", "Agg")

@@ -297,7 +297,6 @@ class SlabResult:
 
     def _laid_out(self, path: Path, about: Mapping[str, Any]) -> dict[str, int]:
         """Make the file without its fields; the place [bytes] of each."""
-        import netCDF4  # noqa: F401, I001  # before h5py: some wheels of both fail in the other order
         import h5py
 
         places = {}

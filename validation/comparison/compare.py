@@ -158,7 +158,7 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     placed = [_placed(part)[names].drop_attrs(deep=False) for part in parts]
     try:
         parts = list(xr.align(*placed, join="inner"))
-    except xr.AlignmentError as error:
+    except ValueError as error:
         raise UsageError(f"{', '.join(results)}: rows without names cannot be paired: {error}") from error
     # What has no place in common, such as grids, is left out.
     parts = [part.drop_dims([dim for dim, size in part.sizes.items() if not size]) for part in parts]

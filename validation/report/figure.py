@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import matplotlib.figure
-from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, NullFormatter
+import numpy as np
+from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, MaxNLocator, NullFormatter
 
 from validation.errors import harmless
 
@@ -59,37 +60,42 @@ def save_figure(figure: matplotlib.figure.Figure, path: Path, *, dpi: int = 150)
 def readable_ticks(axis: Axis) -> None:
     """Label a logarithmic axis of less than three decades with plain numbers: 2, 5, 10 and not 2 x 10^0.
 
-    There are as many as find place along the axis.
+    There are as many as find place along the axis, and two at least.
     """
     low, high = sorted(axis.get_view_interval())
     standard = isinstance(axis.get_major_formatter(), LogFormatterSciNotation)
     if axis.get_scale() != "log" or not standard:
         return
-    if not 1e-4 <= low < high <= 1e5 or high / low > 1e3:
-        if getattr(axis.get_transform(), "base", 10) == 10:
-            # As plain text: to set each label as a formula takes longer than to draw the figure.
-            axis.set_major_formatter(FuncFormatter(_power_of_ten))
-            axis.set_minor_formatter(NullFormatter())
+    base, plain = getattr(axis.get_transform(), "base", 10), 1e-4 <= low < high <= min(1e5, 1e3 * low)
+    if base != 10 and not plain:
         return
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    # As plain text: to set each label as a formula takes longer than to draw the figure.
+    axis.set_major_formatter(FuncFormatter((lambda value, _: f"{value:g}") if plain else _power_of_ten))
     axis.set_minor_formatter(NullFormatter())
-    if getattr(axis.get_transform(), "base", 10) == 2:
-        axis.set_major_locator(LogLocator(base=2))
+    if base != 10:
+        axis.set_major_locator(LogLocator(base=base))
         return
     figure: Any = axis.axes.figure
     place = axis.axes.get_position()
     along = axis is axis.axes.xaxis
     inches = place.width * figure.get_figwidth() if along else place.height * figure.get_figheight()
     each = math.log10(high / low) * (0.45 if along else 0.3)
-    dense = [subs for subs in _TICKS if len(subs) * each <= inches]
-    axis.set_major_locator(LogLocator(subs=(dense or _TICKS[-1:])[0]))
+    dense = [subs for subs in _TICKS if plain and len(subs) * each <= inches]
+    powers = 10.0 ** np.arange(math.floor(math.log10(low)), math.log10(high) + 1)
+    for subs in (*dense[:1], *reversed(_TICKS)):
+        ticks = np.outer(powers, subs)
+        if np.count_nonzero((low <= ticks) & (ticks <= high)) > 1:
+            axis.set_major_locator(LogLocator(subs=subs))
+            return
+    axis.set_major_locator(MaxNLocator(4))
 
 
 def _power_of_ten(value: float, _: int) -> str:
-    exponent = str(round(math.log10(value))) if value > 0 else ""
-    return "10" + exponent.translate(
-        str.maketrans("-0123456789", "\u207b\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079")
-    )
+    if not value > 0:
+        return ""
+    digits, _, exponent = f"{value:.2e}".partition("e")
+    raised = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return ("" if float(digits) == 1 else f"{float(digits):g}\u00d7") + f"10{raised}"
 
 
 def embeddable(svg: str, name: str, *, words: str) -> str:

@@ -41,8 +41,6 @@ def read_plain(path: str) -> FileSays:
 
     A MemoryError passes: the bounds make a sentence of it.
     """
-    import netCDF4  # noqa: F401  # before h5py: some wheels of both fail in the other order
-
     try:
         data = bytes_of(path)
         _refuse_links(data)
@@ -114,6 +112,7 @@ def _refuse_links(data: bytes) -> None:
     starts = (0, *(2**k for k in range(9, len(data).bit_length())))
     if not any(data.startswith(b"\x89HDF\r\n\x1a\n", start) for start in starts):
         return
+    import netCDF4  # noqa: F401, I001  # first: wheels of both that hold one version of HDF5 read nothing otherwise
     import h5py
 
     elsewhere: list[str] = []
