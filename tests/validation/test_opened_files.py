@@ -107,8 +107,7 @@ def _numbers(outcome):
             return [kept(v) for v in value if not (isinstance(v, dict) and v.get("kind") == "cost")]
         return None if isinstance(value, str) and _TIMES.search(value) else value
 
-    # Older runners of commands have the lines of progress in it, too.
-    return json.dumps(kept(json.loads("{" + outcome.stdout.partition("{")[2])), sort_keys=True)
+    return json.dumps(kept(json.loads(outcome.stdout)), sort_keys=True)
 
 
 @pytest.fixture(scope="module")
