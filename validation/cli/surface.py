@@ -12,7 +12,7 @@ import typer
 
 from validation.cli.options import JsonOption, SceneArgument, print_json, say, show
 from validation.errors import SceneError, UsageError
-from validation.report.quantities import as_length
+from validation.report.quantities import as_length, in_prefixed_unit
 
 if TYPE_CHECKING:
     from fem_contact.surface import HeightField
@@ -89,17 +89,22 @@ def inspect(
         print_json({**facts, "spectrum": spectrum})
         return
     for name, value in facts.items():
-        show(f"{name}: {value:.6g}" if isinstance(value, float) else f"{name}: {value}")
+        of, unit = re.sub(r" \[.*\]", "", name), (re.findall(r"\[(1/m|m)\]", name) or ["1"])[0]
+        sizes = value if isinstance(value, tuple) else (value,)
+        words = " x ".join(
+            in_prefixed_unit(size, unit, 6) if isinstance(size, float) else str(size) for size in sizes
+        )
+        show(f"{name if unit == '1' else of}: {words}")
     if not spectrum:
         return
     from rich.table import Table
 
     table = Table(title="C(q), convention <h^2> = 2 pi int q C dq")
-    for column in ("q [1/m]", "wavelength [m]", "C [m^4]", "waves"):
+    for column in ("q [1/m]", "wavelength", "C [m^4]", "waves"):
         table.add_column(column, justify="right")
     for ring in spectrum[:: max(1, len(spectrum) // 12)]:
         q = ring["q_1/m"]
-        table.add_row(f"{q:.4g}", f"{2 * math.pi / q:.4g}", f"{ring['C_m4']:.4g}", str(ring["waves"]))
+        table.add_row(f"{q:.4g}", as_length(2 * math.pi / q, 4), f"{ring['C_m4']:.4g}", str(ring["waves"]))
     show(table)
 
 
@@ -201,8 +206,8 @@ def _inspected(
     traits = height_statistics(field.heights, field.spacing)
     facts |= {
         "points": f"{field.shape[0]} x {field.shape[1]}",
-        "size [m]": f"{field.lengths[0]:.6g} x {field.lengths[1]:.6g}",
-        "pixel [m]": f"{field.spacing[0]:.6g} x {field.spacing[1]:.6g}",
+        "size [m]": field.lengths,
+        "pixel [m]": field.spacing,
         "h_rms [m]": field.rms_height,
     }
     windowed = field if window == "none" else Patch(heights=field.heights, lengths=field.lengths)
@@ -230,7 +235,7 @@ def _inspected(
     facts["spectrum"] = [
         {"q_1/m": float(q), "C_m4": float(c), "waves": int(n)}
         for q, c, n in zip(rings.q, rings.power, rings.count, strict=True)
-        if c > 0
+        if c > 1e-20 * rings.power.max()  # the rest is rounding
     ]
     return facts
 

@@ -93,7 +93,7 @@ def readable_ticks(axis: Axis) -> None:
 def _power_of_ten(value: float, _: int) -> str:
     if not value > 0:
         return ""
-    digits, _, exponent = f"{value:.2e}".partition("e")
+    digits, exponent = f"{value:.2e}".split("e")
     raised = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
     return ("" if float(digits) == 1 else f"{float(digits):g}\u00d7") + f"10{raised}"
 

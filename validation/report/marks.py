@@ -230,7 +230,8 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
         positive = [values[np.isfinite(values) & (values > 0)] for values in shown]
         bottom = min((values.min() / 1.5 for values in positive if values.size), default=None)
     axes.set_ylim(bottom=bottom, top=panel.top)
-    axes.set_xlim(right=panel.right)
+    if panel.right is not None:
+        axes.set_xlim(right=panel.right)
     return drawn
 
 

@@ -136,7 +136,9 @@ def _areas(theory: Theory, data: xr.Dataset) -> Array:
 def _read(path: Path, data: xr.Dataset) -> tuple[Array, Array]:
     try:
         with path.open(newline="", encoding="utf-8") as file:
-            reader = csv.DictReader(file)
+            # As the shipped tables are: with what they are in lines of comments.
+            lines = [(number, line) for number, line in enumerate(file, 1) if line.strip() and line[0] != "#"]
+            reader = csv.DictReader(line for _, line in lines)
             rows, columns = list(reader), reader.fieldnames or []
     except (OSError, ValueError, csv.Error) as error:
         raise UsageError(f"--csv {path}: {error}") from None
@@ -145,7 +147,9 @@ def _read(path: Path, data: xr.Dataset) -> tuple[Array, Array]:
             f"--csv {path}: no column {', '.join(missing)}; it has {', '.join(columns) or 'none'}"
         )
     areas, errors = (np.full(data.area.shape, np.nan) for _ in range(2))
-    for number, row in enumerate(rows, start=2):
+    for (number, _), row in zip(lines[1:], rows, strict=False):
+        if row.get("amplitudes", "exact") != "exact":
+            continue
         try:
             values = [float(row[name]) for name in (*_CELL, "area")]
             half = float(row.get("area_error") or 0.0)
