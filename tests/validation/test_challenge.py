@@ -110,6 +110,14 @@ def test_an_answer_that_fits_no_problem_is_refused_by_name(
         score_folder(folder)
 
 
+def test_an_answer_whose_header_is_damaged_is_refused_by_name(folder: Path) -> None:
+    file = folder / "problem-004" / "pressure.npy"
+    np.save(file, np.zeros((3, 3)))
+    file.write_bytes(file.read_bytes().replace(b"}", b" "))  # NumPy raises what its tokenizer does
+    with pytest.raises(UsageError, match=r"problem-004.*cannot be read"):
+        score_folder(folder)
+
+
 def test_a_folder_without_answers_is_refused(folder: Path) -> None:
     with pytest.raises(UsageError, match="no answer"):
         score_folder(folder)

@@ -181,7 +181,7 @@ def _claim(folder: Path, shape: tuple[int, int]) -> Claim:
             pressure = np.asarray(np.load(file, allow_pickle=False), dtype=float)
         else:
             pressure = np.loadtxt(file, ndmin=2)
-    except (OSError, ValueError, TypeError, EOFError, MemoryError) as problem:
+    except Exception as problem:  # a reader of damaged bytes raises whatever they lead to
         raise UsageError(f"{file}: cannot be read: {problem}; write it again") from None
     if pressure.shape != shape:
         raise UsageError(f"{file}: shape {pressure.shape}: must be that of the heights, {shape}")
