@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_contact.contact import ContactResult, Cost, Residuals, Status
-from validation.execution.netcdf import read_dataset
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -62,12 +61,16 @@ def fields_dataset(result: ContactResult, *, recipe: str) -> xr.Dataset:
 
 def decode_result(content: memoryview) -> ContactResult:
     """Return the solve of a netCDF file that is intact; ValueError or KeyError for another version's."""
-    data = read_dataset(content)
-    attributes = data.attrs
-    if attributes["format"] != _FORMAT:
-        raise ValueError(f"is not a '{_FORMAT}' file")
-    present = [name for name in _FIELDS if name != "weights" or name in data]
-    values: dict[str, Any] = {_NAMES.get(name, name): data[name].values for name in present}
+    import netCDF4
+
+    # By hand: half the time that xarray takes, and every page decodes all of its solves.
+    with netCDF4.Dataset("memory", memory=content) as file:
+        file.set_auto_maskandscale(False)
+        attributes = {name: file.getncattr(name) for name in file.ncattrs()}
+        if attributes["format"] != _FORMAT:
+            raise ValueError(f"is not a '{_FORMAT}' file")
+        present = [name for name in _FIELDS if name != "weights" or name in file.variables]
+        values: dict[str, Any] = {_NAMES.get(name, name): file.variables[name][...] for name in present}
     values |= {name: values[name].astype(bool) for name in ("in_contact", "at_bound")}
     return ContactResult(
         **values,
