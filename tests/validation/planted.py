@@ -114,7 +114,7 @@ def realisation(solve) -> int:
 
 
 def block(**numbers: float) -> xr.Dataset:
-    """What `block_beside_bem` leaves."""
+    """What `beside_bem` leaves of a block."""
     usual = {
         "pixel": 0.1,
         "perimeter": 0.1,
@@ -130,6 +130,7 @@ def block(**numbers: float) -> xr.Dataset:
         "peak_bytes": 1e6,
         "seconds_bem": 0.1,
         "unknowns": 1e4,
+        "converged": 1.0,
     } | numbers
     return xr.Dataset({name: ((), float(value)) for name, value in usual.items()})
 

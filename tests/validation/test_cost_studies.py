@@ -12,9 +12,9 @@ from fem_contact.errors import NotConverged
 from validation.errors import UsageError
 from validation.execution.measurement import Call
 from validation.measurements import external_codes, ways
+from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.theory import RANKED
-from validation.solvers.user_function import Own
 from validation.studies import accuracy_cost, find_study
 from validation.studies._outputs import study_page
 
@@ -97,25 +97,23 @@ def test_what_is_ranked_and_what_is_compared_is_cited(costs):
     assert "xu" in RANKED.split()
 
 
-def peer(code: str, *, seed: int = 4177) -> Call:
+def peer(code: str, *, seed: int = 4177, grid_share: float = 0.1) -> Call:
     surface = base_surface(hurst=0.8, seed=seed, periods=2.0, bandwidth=4.0)
-    return external_codes.by_peer(code=code, problem=base_case(surface, reduced_pressure=0.1), grid=(64, 64))
+    method, settings = external_codes.asked_of(code)
+    asked = {"method": method, "settings": settings, "grid_share": grid_share}
+    return beside_bem(problem=base_case(surface, reduced_pressure=0.1), grid=(64, 64), **asked)
 
 
-def test_a_peer_is_solved_no_further_than_its_grid_deserves(monkeypatch):
-    monkeypatch.setattr(external_codes, "_SOLVER_SHARE", 100.0)
-    loose = peer(external_codes.THIS_CODE).do()
-    monkeypatch.setattr(external_codes, "_SOLVER_SHARE", 0.0)
-    exact = peer(external_codes.THIS_CODE).do()
+def test_a_peer_is_solved_no_further_than_its_grid_deserves():
+    loose, exact = (peer(external_codes.THIS_CODE, grid_share=share).do() for share in (100.0, 0.0))
     assert 1e-2 == float(loose.tolerance) > float(exact.tolerance)
-    assert float(loose.solver_error) > float(exact.solver_error) == 0.0
+    assert abs(float(loose.pixel - loose.pixel_bem)) > float(exact.pixel - exact.pixel_bem) == 0.0
 
 
-def test_a_peer_that_fails_is_a_sentence(monkeypatch):
-    monkeypatch.setattr(external_codes, "known_peers", lambda: {"tamaas": "no_such_module:solve"})
-    monkeypatch.setattr(external_codes, "chosen_solver", lambda by: (Own(), {"solver": by}))
+def test_a_peer_that_fails_is_a_sentence():
+    asked = peer(external_codes.THIS_CODE).but(settings=(("solver", "no_such_module:solve"),))
     with pytest.raises(NotConverged, match="no_such_module:solve: raised ModuleNotFoundError"):
-        peer("tamaas").do()
+        asked.do()
 
 
 @pytest.mark.parametrize("code", [external_codes.THIS_CODE, *external_codes.known_peers()])
@@ -123,7 +121,7 @@ def test_an_installed_peer_counts_the_area_that_is_counted_here(code):
     pytest.importorskip(code)
     solve = peer(code, seed=4178)
     found = solve.do()
-    assert float(found.solver_error) < 0.1 * 0.103 * float(found.pixel) * 2
+    assert abs(float(found.pixel - found.pixel_bem)) < 0.1 * 0.103 * float(found.pixel) * 2
     # The same areas are read off its pressures as off ours.
     own = solve["problem"]
     half_space = HalfSpace(solid=own.elastic)

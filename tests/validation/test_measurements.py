@@ -8,7 +8,7 @@ import pytest
 from validation.execution.bench import Bench, PlannedOnly
 from validation.execution.solve import LOCATED_EDGES
 from validation.measurements.adhesive import sticky_contact
-from validation.measurements.block import block_beside_bem
+from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.edge import edge_of_contact
 from validation.measurements.flow import leaks
@@ -40,9 +40,9 @@ def test_a_recipe_holds_the_fields_as_json_has_them_and_what_is_read_off():
 
 
 def test_what_is_left_to_the_solver_is_not_in_the_recipe():
-    block = block_beside_bem(problem=PRESSED, grid=(8, 8))
-    assert "tolerance" not in block.recipe
-    assert block.but(tolerance=1e-10).recipe["tolerance"] == 1e-10
+    block = beside_bem(problem=PRESSED, grid=(8, 8), method="fem")
+    assert "layer" not in block.recipe
+    assert block.but(layer=True).recipe["layer"] is True
     edge = edge_of_contact(problem=PRESSED, grid=(24, 24))
     assert {"method", "settings"}.isdisjoint(edge.recipe)
     assert edge.but(settings=(("tolerance", 1e-9),)).recipe["settings"] == {"tolerance": 1e-9}
@@ -66,7 +66,7 @@ def test_a_call_travels_by_the_name_of_its_measurement():
 OF_BEFORE = {
     "archard": "archard-1-512-cbb78c6e2e3f8a62",
     "conductance": "measure-64x64-9ef75f4469b2695c",
-    "depth": "block-reduced-64-3890db0df2ee2564",
+    "depth": "beside-fem-64-a4c4d91a35dd1a4b",
     "heights": "heights-32-697ed3d7c71b7e45",
     "large-slope": "slopes-24-4c915c771e07fb17",
     "pressure": "measure-512x512-4eaca9629ef04b88",

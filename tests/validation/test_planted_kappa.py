@@ -226,7 +226,7 @@ def _refined(solve):
         slopes = {"kappa": ("slope", np.array([3.0, 2.5, 1.9]) * (1.2 if solve["method"] == "fem" else 1.0))}
         return xr.Dataset(slopes, coords={"slope": ["spectral", "forward", "central"]})
     own = 0.1 * THREE[solve["problem"].realisation]
-    if kind == "BlockMeasurement":
+    if kind == "ByMethod":
         # Its edges are 4 / n, and counting adds .198 of them to an area 1 % larger.
         true, edges = 1.01 * own, 4 / solve["grid"][0]
         layer = {"pixel_bem": 0.1, "pixel_layer": 0.1 * 0.995}

@@ -399,7 +399,7 @@ def test_depth_tells_the_bottom_from_the_mesh():
     """The mesh costs 2 %, the bottom 8 % at a quarter of a period, 0.1 % at one."""
 
     def answer(solve):
-        bottom = {0.25: 0.08, 1.0: 0.001}[solve["depth"]]
+        bottom = {0.25e-3: 0.08, 1e-3: 0.001}[dict(solve["settings"])["depth"]]
         return block(pressure_half_space=0.02 + bottom, pressure_layer=0.02, pixel=0.11, pixel_bem=0.1)
 
     options = depth.Options(

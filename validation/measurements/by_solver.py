@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import scipy.ndimage
 import xarray as xr
 
-from fem_contact.area import TRAITS, contact_areas
+from fem_contact.area import EDGE_CONSTANTS, TRAITS, contact_areas
 from fem_contact.contact import ContactResult, Status
+from fem_contact.response import BondedLayer
+from validation import sandbox
 from validation.arrays import Grid
 from validation.effects.base import ContactModel
 from validation.execution.measurement import measurement
@@ -24,6 +27,10 @@ from validation.solvers.base import Job, Settings, Solver
 
 #: Points closer than this to the edge of either contact, in cells, are left out of the second pressure difference.
 _EDGE_CELLS = 1.5
+
+
+#: Tolerances that a solver is told in turn where its area need be no better than its grid.
+_TOLERANCES = tuple(10.0**-k for k in range(2, 12))
 
 
 def _predicted(
@@ -53,22 +60,42 @@ def beside_bem(
     method: str,
     settings: Settings = (),
     effects: tuple[EffectSpec, ...] = (),
+    layer: bool | None = None,
+    grid_share: float | None = None,
 ) -> xr.Dataset:
     """Press one surface at one load on one grid by a method, beside boundary elements.
 
     Areas, gap, pressure differences and cost; ``converged`` is 1 where its residuals allow it. NotConverged
     where nothing comes of the method, or boundary elements themselves fail.
+
+    Parameters
+    ----------
+    layer : bool, optional
+        Of a block: compare it with the bonded layer as deep, too; NotConverged where the block is not.
+    grid_share : float, optional
+        Have another code of boundary elements solve no further than until the area that it counts is this
+        part of the grid error from the converged count: equal error, not equal residual. Its memory is that
+        of a process of its own, its located area read off by the code that reads ours.
     """
-    field, solver = problem.heights(grid), find_solver(method)
+    field, solver, given = problem.heights(grid), find_solver(method), dict(settings)
+    model, load = ContactModel.filled(problem.elastic, effects), {"mean_pressure": problem.pressure}
 
-    def solved(by: Solver, options: Mapping[str, Any]) -> ContactResult:
-        model, load = ContactModel.filled(problem.elastic, effects), {"mean_pressure": problem.pressure}
-        return by.solve(Job(field=field, load=load, model=model, settings=options, threads=1)).contact
+    def solved(by: Solver, options: Mapping[str, Any], on: ContactModel = model) -> ContactResult:
+        return by.solve(Job(field=field, load=load, model=on, settings=options, threads=1)).contact
 
-    contact, ours = solved(solver, dict(settings)), solved(find_solver("bem"), {}).checked()
+    bem = find_solver("bem")
+    ours = solved(bem, {}).checked()
+    if grid_share is None:
+        contact = solved(solver, given)
+    else:
+        contact = _no_further(
+            lambda tolerance: solved(solver, {**given, "tolerance": tolerance}), ours, grid_share
+        )
     constant = solver.edge_constant(contact)
-    located = solver.locates_edges and not effects and has_square_cells(problem, grid)
-    areas = contact_areas(contact, edge_constant=constant, subcell=located)
+    located = (solver.locates_edges or grid_share is not None) and not effects
+    areas = contact_areas(
+        contact, edge_constant=constant, subcell=located and has_square_cells(problem, grid)
+    )
     data = compared(contact, ours, edge_constant=constant, rms_height=problem.field.rms_height)
     data |= {
         "subcell": np.nan if areas.subcell is None else areas.subcell,
@@ -78,7 +105,31 @@ def beside_bem(
         "converged": float(contact.status is Status.CONVERGED),
         "iterations": contact.cost.iterations,
     }
+    if layer:
+        depth = float(given.get("depth", max(problem.lengths)))
+        response = BondedLayer(solid=problem.elastic, thickness=depth)
+        deep = solved(bem, {}, ContactModel(solid=problem.elastic, response=response)).checked()
+        data["pixel_layer"] = contact_areas(deep).pixel
+        data["pressure_layer"] = difference(contact.checked(), deep)
+    if grid_share is not None:
+        data["tolerance"] = float(contact.provenance["tolerance"])
     return xr.Dataset({name: ((), float(value)) for name, value in data.items()})
+
+
+def _no_further(
+    solved: Callable[[float], ContactResult], ours: ContactResult, grid_share: float
+) -> ContactResult:
+    """Return the answer to the loosest tolerance whose area is as good as its grid, with the memory of all tries."""
+    areas, most = contact_areas(ours), 0
+    sandbox.end()  # its memory shall be its own
+    solved(_TOLERANCES[0])  # not charged with what it imports
+    for tolerance in _TOLERANCES:
+        contact = solved(tolerance)
+        most = max(most, contact.cost.peak_bytes)
+        missed = abs(contact_areas(contact).pixel - areas.pixel)
+        if missed <= grid_share * EDGE_CONSTANTS["bem"] * areas.edge_fraction:
+            break
+    return replace(contact, cost=replace(contact.cost, peak_bytes=most))
 
 
 def compared(

@@ -209,7 +209,8 @@ def unknowns_of(size: Size, method: str) -> int:
     """Return how many unknowns the block of a grid has."""
     from fem_contact.block import estimate
 
-    return estimate(size.grid, size.lengths, method=method, **_mesh(size.settings)).unknowns  # type: ignore[arg-type]
+    mesh: dict[str, Any] = {n: v for n, v in size.settings.items() if n in ("depth", "growth", "element")}
+    return estimate(size.grid, size.lengths, method=method, **mesh).unknowns  # type: ignore[arg-type]
 
 
 def _mesh(settings: Mapping[str, Any], model: ContactModel | None = None) -> dict[str, Any]:

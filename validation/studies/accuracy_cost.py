@@ -14,12 +14,11 @@ from pydantic import Field
 
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
-from validation.measurements.block import block_beside_bem
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import Ladder, RisingOrNone
 from validation.measurements.external_codes import (
     THIS_CODE,
-    by_peer,
+    asked_of,
     code_versions,
     installed_peers,
     known_peers,
@@ -36,6 +35,8 @@ _ELEMENTS = ("Hex1", "Hex2")
 
 #: Of the solver: its error of the area is a tenth to a half of that, far below all that is to be told apart.
 _TOLERANCE, _FINE_TOLERANCE = 1e-5, 1e-8
+#: Part of its grid error that another code may leave in its area.
+_SOLVER_SHARE = 0.1
 
 
 class Options(PressedOptions):
@@ -96,10 +97,13 @@ def _singles(options: Options) -> Iterator[_Single]:
     first = options.first
     fem_points = options.fem_points_per_wave if "fem" in options.methods else ()
     for element, n in itertools.product(_ELEMENTS, fem_points):
-        solve = partial(block_beside_bem, grid=grid_for(first, n), element=element)
+        mesh = (("method", "reduced"), ("element", element))
+        solve = partial(beside_bem, grid=grid_for(first, n), method="fem", settings=mesh)
         yield _Single(part="FEM", name=f"FEM {element}", per_wave=n, solve=solve)
     for code, n in itertools.product(options.peers, options.peer_points_per_wave):
-        solve = partial(by_peer, grid=grid_for(first, n), code=code)
+        method, settings = asked_of(code)
+        asked: dict[str, Any] = {"method": method, "settings": settings, "grid_share": _SOLVER_SHARE}
+        solve = partial(beside_bem, grid=grid_for(first, n), **asked)
         yield _Single(part="peers", name=code, per_wave=n, process=True, solve=solve)
     for solver in options.others(options.method_points_per_wave):
         settings = tuple({"tolerance": _TOLERANCE, **dict(solver.settings)}.items())
@@ -191,7 +195,7 @@ def _unsettled(measured: Mapping[_Case, xr.Dataset]) -> str:
     missed = [
         label.split(" {}, ")[0]
         for (part, label, _), result in measured.items()
-        if part == "others" and float(result.converged) < 1
+        if part in ("others", "FEM") and float(result.converged) < 1
     ]
     return ", ".join(f"{name} {missed.count(name)}" for name in dict.fromkeys(missed))
 

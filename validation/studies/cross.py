@@ -12,7 +12,6 @@ from pydantic import Field, model_validator
 
 from validation.effects.base import SlotName
 from validation.execution.bench import Bench
-from validation.measurements.block import block_beside_bem
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import Rising, RisingOrNone
 from validation.measurements.limits import read_off
@@ -71,7 +70,8 @@ def _blocks(options: Options) -> Iterator[tuple[str, float, Any]]:
     ]
     for method, element, n in discretisations:
         grid = grid_for(options.first, n)
-        yield f"{method} {element}", n, partial(block_beside_bem, grid=grid, method=method, element=element)
+        mesh = (("method", method), ("element", element))
+        yield f"{method} {element}", n, partial(beside_bem, grid=grid, method="fem", settings=mesh)
 
 
 def _others(options: Options) -> Iterator[tuple[str, float, Any]]:
@@ -127,7 +127,7 @@ def _differences(measured: xr.Dataset) -> xr.Dataset:
         area_difference_perimeter_each="perimeter / perimeter_bem - 1",
         gap_difference_each="gap",
         residual_each="residual",
-        converged_each="converged" if "converged" in measured else "pixel / pixel",
+        converged_each="converged",
         seconds_each="seconds",
         seconds_bem_each="seconds_bem",
     )

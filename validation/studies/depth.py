@@ -10,7 +10,7 @@ import xarray as xr
 from pydantic import Field
 
 from validation.execution.bench import Bench
-from validation.measurements.block import block_beside_bem
+from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import BASE_SOLID, Rising, base_case, base_surface
 from validation.measurements.limits import read_off
 from validation.measurements.measurement import grid_for
@@ -69,9 +69,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
             solid = SolidSpec(young=BASE_SOLID.young, poisson=block.poisson)
             pressed = base_case(surface, reduced_pressure=options.reduced_pressure, solid=solid)
             grid = grid_for(pressed, options.points_per_wave)
-            cases[block] = block_beside_bem(
-                problem=pressed, grid=grid, element=element, depth=block.depth, growth=block.growth
-            )
+            mesh = {"element": element, "depth": block.depth * max(pressed.lengths), "growth": block.growth}
+            settings = tuple({"method": "reduced", **mesh}.items())
+            asked: dict[str, Any] = {"method": "fem", "settings": settings, "layer": True}
+            cases[block] = beside_bem(problem=pressed, grid=grid, **asked)
     differences = {
         "pressure_difference": "pressure_half_space",
         "pressure_difference_layer": "pressure_layer",

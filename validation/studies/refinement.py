@@ -14,7 +14,6 @@ from pydantic import Field, model_validator
 from validation.effects.base import SlotName
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
-from validation.measurements.block import block_beside_bem
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import SHIFTS, Ladder, RisingOrNone
 from validation.measurements.convergence import Ladders, spectral_errors
@@ -156,9 +155,13 @@ def design(options: Options) -> dict[_Case, Call]:
         fine = tuple(grid_for(wide, n) for n in _CONVERGED)
         cases["converged", hurst, k] = press_on_grids(problem=wide, grids=fine, shifts=options.shifts)
     for element in options.blocks:
+        mesh = (("method", "reduced"), ("element", element))
         for (k, problem), (n, grid) in itertools.product(enumerate(pressed), blocks.items()):
-            cases["fem", element, k, n] = block_beside_bem(problem=problem, grid=grid, element=element)
-        cases["strict", element] = cases["fem", element, 0, min(blocks)].but(tolerance=_STRICT)
+            cases["fem", element, k, n] = beside_bem(
+                problem=problem, grid=grid, method="fem", settings=mesh, layer=True
+            )
+        strict = (*mesh, ("tolerance", _STRICT))
+        cases["strict", element] = cases["fem", element, 0, min(blocks)].but(settings=strict)
     for solver, (k, problem) in itertools.product(options.beside, enumerate(pressed)):
         request: dict[str, Any] = {"settings": solver.settings, "effects": options.effects}
         for g, grid in enumerate(solver.grids):
