@@ -14,6 +14,7 @@ import xarray as xr
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from validation.comparison import accuracy_search
 from validation.comparison.accuracy import parse_accuracy, reach
+from validation.comparison.accuracy_bench import Metered
 from validation.comparison.accuracy_search import Search
 from validation.errors import RunFailed, SceneError, UsageError
 from validation.execution.bench import Bench
@@ -201,7 +202,17 @@ def test_what_is_chosen_is_foretold_with_its_time(ensemble, bench):
     grids = [note for note in notes if accuracy_search.grid_words(reached.grids) in note]
     surfaces = [note for note in notes if "surfaces for the mean" in note]
     for note in (grids[-1], surfaces[-1]):
-        assert re.search(r"--accuracy = 3 %: .*, about \S+ s of solving", note)
+        assert re.search(r"--accuracy = 3 %: .*, \S+ to \S+ s of solving", note)
+
+
+def test_what_solves_took_foretells_those_of_their_kind_alone(scene, bench):
+    metered = Metered(store=bench.store, execution=bench.execution, pair=1e-3)
+    small, *others = solves_of(scene, realise(scene))
+    finer = next(solve for solve in others if solve.grid != small.grid)
+    plain = {solve: metered.seconds(solve) for solve in (small, finer)}
+    taken = metered.solve([small]).made()[0].seconds
+    assert metered.seconds(small) == pytest.approx(plain[small] * (0.1 + taken) / (0.1 + plain[small]))
+    assert metered.seconds(finer) == plain[finer]
 
 
 def test_finite_elements_that_do_not_fit_are_refused_before_anything_is_solved(write_scene, tmp_path):

@@ -26,7 +26,7 @@ from validation.execution.bench import Bench
 from validation.execution.cost import memory_words
 from validation.files import prepare_folder
 from validation.measurements.ensemble import MeanArea
-from validation.report.words import json_ready, percent
+from validation.report.words import json_ready, percent, significant
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import realise
 from validation.scenes.scene import Scene
@@ -135,10 +135,11 @@ class AccuracyResult:
                 f"about {plain}, every one on the finest of these grids."
             )
         counted = ", blocks of pairs counted as one" if self.ensemble else ""
+        times = self.seconds, self.solving_seconds, self.predicted_seconds
+        spent, solving, predicted = (significant(seconds, 2) for seconds in times)
         yield (
-            f"It cost {self.solves} solves{counted}, {self.seconds:.2g} s ({self.solving_seconds:.2g} s of "
-            f"solving, {self.predicted_seconds:.2g} s predicted) and {memory_words(self.peak_bytes)} for the "
-            "largest."
+            f"It cost {self.solves} solves{counted}, {spent} s ({solving} s of solving, {predicted} s "
+            f"predicted) and {memory_words(self.peak_bytes)} for the largest."
         )
 
 

@@ -14,16 +14,23 @@ from validation.execution.cost import available_memory, memory_words, transform_
 from validation.execution.running import Solves
 from validation.execution.solve import Solve
 
+#: Seconds, taken and predicted, beside which those of a kind of solves tell little [s].
+_LITTLE = (0.1, 0.1)
+
 
 @dataclass(kw_only=True)
 class Account:
-    """What was spent so far: seconds, solves `found` finished and `done`; what is `reserved` for the last."""
+    """What was spent so far: seconds, solves `found` finished and `done`; what is `reserved` for the last.
+
+    By the kind of solves, `alike` has the seconds that these took, and those that were predicted.
+    """
 
     solving: float = 0.0
     predicted: float = 0.0
     found: set[Solve] = field(default_factory=set)
     done: set[Solve] = field(default_factory=set)
     reserved: float = 0.0
+    alike: dict[str, tuple[float, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,15 +56,10 @@ class Metered(Bench):
         """Seconds since the clock was started."""
         return time.perf_counter() - self.clock
 
-    @property
-    def slowness(self) -> float:
-        """How much longer than predicted solves took here; a second of them tells."""
-        account = self.account
-        return min(max(account.solving / account.predicted, 0.2), 5.0) if account.solving > 1 else 1.0
-
-    def seconds(self, solves: Iterable[Solve]) -> float:
-        """Predict what solves take one after the other."""
-        return self.slowness * sum(solve.predict(pair_seconds=self.pair).seconds for solve in solves)
+    def seconds(self, solve: Solve) -> float:
+        """Predict what a solve takes, by what those of its kind took; else by the machine alone."""
+        taken, predicted = self.account.alike.get(_kind(solve), _LITTLE)
+        return solve.predict(pair_seconds=self.pair).seconds * taken / predicted
 
     def affordable(self, seconds: float, peak_bytes: int = 0) -> bool:
         """Whether solves of so many seconds in all would end in time, and the largest fits into memory."""
@@ -83,15 +85,25 @@ class Metered(Bench):
         account.done |= set(missing)
         if not missing:
             return super().solve(wanted, despite_failures=despite_failures)
-        if not self.affordable(self.seconds(missing)):
+        if not self.affordable(sum(map(self.seconds, missing))):
             raise RunFailed(
                 f"{self.wanted}: solves take longer here than predicted, {missing[0].describe()} would not "
                 f"end in time, and {self.means()}; all finished solves are stored: allow more with "
                 f"--time-limit"
             )
         warm_up(missing)  # not charged to the solves, whose time tells how fast the machine is
+        account.predicted += sum(map(self.seconds, missing)) / self.execution.workers
         start = time.perf_counter()
         results = super().solve(wanted, despite_failures=despite_failures)
         account.solving += time.perf_counter() - start
-        account.predicted += sum(solve.predict(pair_seconds=self.pair).seconds for solve in missing)
+        for solve, made in zip(results.solves, results.made(), strict=True):
+            if solve in missing:
+                taken, predicted = account.alike.get(_kind(solve), _LITTLE)
+                predicted += solve.predict(pair_seconds=self.pair).seconds
+                account.alike[_kind(solve)] = taken + made.seconds, predicted
         return results
+
+
+def _kind(solve: Solve) -> str:
+    """Name solves whose predictions are off by the same factor."""
+    return solve.describe().partition(", surface")[0]

@@ -18,11 +18,10 @@ from validation.errors import NoLimit, RunFailed, UsageError
 from validation.execution.cost import memory_words
 from validation.execution.measurement import Call
 from validation.execution.press import Press, solves_of
-from validation.execution.solve import Prediction
 from validation.measurements.ensemble import MeanArea, mean_area
 from validation.measurements.measurement import TOLERANCES_LEFT, has_square_cells, limit_over
 from validation.measurements.pairs import area_pairs
-from validation.report.words import percent
+from validation.report.words import percent, significant
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Methods, Scene
 from validation.solvers.bem import BemOptions
@@ -52,6 +51,9 @@ _USUAL_LEVEL = 12
 #: Points per shortest wave from which on a contact without a limit will have none on finer grids, unless it
 #: is too small.
 _RESOLVED = 16
+
+#: Times of solves over what a few of their kind foretell, the more while others use the machine, too.
+_FORETOLD = (0.7, 2.0)
 
 #: How far the sides of the cells of a grid may differ.
 _OBLONG = 0.02
@@ -109,7 +111,7 @@ class Search:
     target: float
     bench: Metered
     areas: dict[Press, ContactAreas] = field(default_factory=dict)
-    costs: dict[Grid, Prediction] = field(default_factory=dict)
+    planned: dict[Grid, Press] = field(default_factory=dict)
     peak_bytes: int = 0
     doubt: float = 1.0
 
@@ -241,7 +243,7 @@ class Search:
             self.bench.account.reserved += seconds / self.bench.execution.workers
 
     def _watch(self, ensemble: MeanArea, solves: Sequence[Call]) -> None:
-        seconds = self.bench.seconds(solves)
+        seconds = sum(map(self.bench.seconds, solves))
         surfaces = ensemble.surfaces + 2 * sum(
             call["count"] for call in solves if call.measurement is area_pairs
         )
@@ -249,13 +251,15 @@ class Search:
             self._foretell(f"{surfaces} surfaces for the mean", seconds)
             return
         raise RunFailed(
-            f"{self._known(ensemble)}; it needs about {seconds:.2g} s more, or more than {_MOST_SURFACES} "
-            f"surfaces, and {self.bench.means()}; all solves are stored"
+            f"{self._known(ensemble)}; it needs about {significant(seconds, 2)} s more, or more than "
+            f"{_MOST_SURFACES} surfaces, and {self.bench.means()}; all solves are stored"
         )
 
     def _foretell(self, what: str, seconds: float) -> None:
-        workers = self.bench.execution.workers
-        self.bench.progress.plan(f"{self.bench.wanted}: {what}, about {seconds / workers:.2g} s of solving")
+        least, most = (
+            significant(factor * seconds / self.bench.execution.workers, 2) for factor in _FORETOLD
+        )
+        self.bench.progress.plan(f"{self.bench.wanted}: {what}, {least} to {most} s of solving")
 
     def _known(self, ensemble: MeanArea) -> str:
         error = percent(ensemble.half_width / ensemble.estimate.value)
@@ -300,15 +304,15 @@ class Search:
         area = known.pixel if known.subcell is None else known.subcell
         claim = 2 * predicted_uncertainty(known, plan) / max(area, known.cell_share)
         for grid in grids:
-            if grid not in self.costs:
-                (solve,) = self._jobs((grid,), 1)
-                self.costs[grid] = solve.predict(pair_seconds=self.bench.pair)
+            if grid not in self.planned:
+                (self.planned[grid],) = self._jobs((grid,), 1)
+        solves = [self.planned[grid] for grid in grids]
         return Ladder(
             grids=grids,
             shifts=shifts,
             error=self.doubt * claim + self.left,
-            seconds=self.bench.slowness * shifts**2 * sum(self.costs[grid].seconds for grid in grids),
-            peak_bytes=max(self.costs[grid].peak_bytes for grid in grids),
+            seconds=shifts**2 * sum(map(self.bench.seconds, solves)),
+            peak_bytes=max(solve.predict().peak_bytes for solve in solves),
         )
 
     def _cheapest(self, ladders: Iterable[Ladder], tried: set[tuple[Grid, ...]], *, share: float) -> Ladder:

@@ -81,7 +81,7 @@ def _recipe(made: dict[str, Any], problem: ContactProblem, first: int, grid: Gri
     version=2,
     recipe=_recipe,
     # Five transforms and two sorts for each.
-    seconds=lambda points, count: count * (1e-3 + 5e-7 * points),
+    seconds=lambda points, count: count * (5e-3 + 2e-7 * points),
     bytes=200,
     compiled=lambda: (),
 )
