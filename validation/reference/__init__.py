@@ -7,11 +7,9 @@ from dataclasses import replace
 from importlib import resources
 from typing import TYPE_CHECKING
 
-from persson import elastic, separation
-from persson.scale import Scale
-from persson.spectrum import SelfAffine
 from validation.errors import RunFailed, UsageError
 from validation.reference.interpolation import ReferenceValue, interpolated
+from validation.reference.theory import persson_theory
 from validation.report.quantities import quantity
 
 if TYPE_CHECKING:
@@ -20,8 +18,6 @@ if TYPE_CHECKING:
 __all__ = ["ReferenceValue", "lookup", "persson_theory", "table", "wide"]
 
 _QUANTITIES = ("area", "gap", "compliance", "energy_ratio", "density_slope", "patch_density")
-#: p* at which the theory has full contact.
-_FULL = 1e3
 _AMPLITUDES, _GRADIENTS = ("exact", "gaussian"), ("surface", "spectrum")
 
 
@@ -67,8 +63,8 @@ def lookup(
     r"""Look contact area and its companions up, between the nodes of the table by interpolation.
 
     Monotone cubic in H, ln(lambda_long/lambda_short) and ln p*: the area over erf(sqrt(2) p*), the others by
-    their logarithms. Uncertain by 1.5 times the larger of the difference from
-    piecewise linear interpolation and the bend at the next nodes.
+    their logarithms, over Persson's theory where it has them. Uncertain by 1.5 times the larger of the
+    difference from piecewise linear interpolation and the bend at the next nodes.
 
     Parameters
     ----------
@@ -124,28 +120,6 @@ def lookup(
         interpolation=area.interpolation / reduced_pressure,
     )
     return {"area": area, "kappa": kappa, **values}
-
-
-def persson_theory(*, hurst: float, bandwidth: float, reduced_pressure: float) -> Mapping[str, float]:
-    """Return what Persson's theory says of the quantities of the table, for the same C(q), and of kappa.
-
-    Examples
-    --------
-    >>> persson_theory(hurst=0.8, bandwidth=8, reduced_pressure=1e-3)["kappa"]  # (8/pi)^(1/2)
-    1.595...
-    """
-    spectrum = SelfAffine.from_rms_gradient(1.0, hurst=hurst, q_long=1.0, q_short=bandwidth)
-    scale = Scale(spectrum=spectrum, contact_modulus=1.0)
-    height, kappa = float(spectrum.m0()) ** 0.5, float(elastic.persson_kappa(reduced_pressure))
-    stored, full = (float(separation.elastic_energy(p, scale=scale)) for p in (reduced_pressure, _FULL))
-    stiffness = float(separation.contact_stiffness(reduced_pressure, scale=scale))
-    return {
-        "area": kappa * reduced_pressure,
-        "kappa": kappa,
-        "gap": float(separation.mean_separation(reduced_pressure, scale=scale)) / height,
-        "compliance": reduced_pressure / (stiffness * height),
-        "energy_ratio": stored / full,
-    }
 
 
 def _columns(data: xr.Dataset, amplitudes: str, gradient: str) -> xr.Dataset:

@@ -12,6 +12,7 @@ from scipy.interpolate import PchipInterpolator
 from persson import elastic
 from validation.arrays import Array
 from validation.errors import UsageError
+from validation.reference.theory import theory_at_nodes
 from validation.report.estimates import total_error
 from validation.report.quantities import quantity
 
@@ -100,11 +101,14 @@ def _around(nodes: Array, at: float) -> list[int]:
 
 def _looked_up(data: xr.Dataset, name: str, point: Mapping[str, float]) -> ReferenceValue:
     values = data[name].transpose(*_AXES).values
+    # Over a theory little is left that bends.
+    over = _theory(name, *(tuple(data[axis].values.tolist()) for axis in _AXES))
+    at = float(_theory(name, *((float(point[axis]),) for axis in _AXES)).item())
     ratio = name == "area"
-    shown = values / _theory(data.reduced_pressure.values) if ratio else np.log(values)
+    shown = values / over if ratio else np.log(values / over)
     smooth, straight = _both(data, shown, point)
-    scale = float(_theory(point["reduced_pressure"]) if ratio else np.exp(smooth))
-    value = smooth * scale if ratio else scale
+    value = at * (smooth if ratio else float(np.exp(smooth)))
+    scale = at if ratio else value
     error = total_error(data, name)
     assert error is not None
     relative = error.transpose(*_AXES).values / values
@@ -118,9 +122,13 @@ def _looked_up(data: xr.Dataset, name: str, point: Mapping[str, float]) -> Refer
     )
 
 
-def _theory(reduced_pressure: float | Array) -> Array:
-    """A/A0 of Persson's theory at p*: smooth, and near enough that the rest is."""
-    return np.asarray(elastic.contact_area(reduced_pressure, stress_variance=0.25))
+def _theory(
+    name: str, hursts: tuple[float, ...], bandwidths: tuple[float, ...], loads: tuple[float, ...]
+) -> Array:
+    """Return Persson's quantity over (hurst, bandwidth, load), or one where his theory has none."""
+    if name == "area":
+        return np.asarray(elastic.contact_area(np.array(loads), stress_variance=0.25))
+    return theory_at_nodes(hursts, bandwidths, loads).get(name, np.ones(len(loads)))
 
 
 def _both(data: xr.Dataset, values: Array, point: Mapping[str, float]) -> tuple[float, float]:

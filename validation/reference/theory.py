@@ -1,0 +1,53 @@
+"""What Persson's theory says of the quantities of the reference table."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+
+import numpy as np
+
+from persson import elastic, separation
+from persson.scale import Scale
+from persson.spectrum import SelfAffine
+from validation.arrays import Array
+
+#: p* at which the theory has full contact.
+_FULL = 1e3
+
+
+def persson_theory(*, hurst: float, bandwidth: float, reduced_pressure: float) -> Mapping[str, float]:
+    """Return what Persson's theory says of the quantities of the table, for the same C(q), and of kappa.
+
+    Examples
+    --------
+    >>> persson_theory(hurst=0.8, bandwidth=8, reduced_pressure=1e-3)["kappa"]  # (8/pi)^(1/2)
+    1.595...
+    """
+    values = theory_at_nodes((hurst,), (bandwidth,), (reduced_pressure,))
+    theory = {name: float(value[0, 0, 0]) for name, value in values.items()}
+    return {"area": theory["area"], "kappa": theory["area"] / reduced_pressure, **theory}
+
+
+@functools.lru_cache(maxsize=16)
+def theory_at_nodes(
+    hursts: tuple[float, ...], bandwidths: tuple[float, ...], loads: tuple[float, ...]
+) -> Mapping[str, Array]:
+    """Return the same over (hurst, bandwidth, reduced_pressure)."""
+    pressures = np.array(loads)
+    made: dict[str, Array] = {
+        name: np.empty((len(hursts), len(bandwidths), pressures.size))
+        for name in ("area", "gap", "compliance", "energy_ratio")
+    }
+    for place in np.ndindex(len(hursts), len(bandwidths)):
+        hurst, bandwidth = hursts[place[0]], bandwidths[place[1]]
+        spectrum = SelfAffine.from_rms_gradient(1.0, hurst=hurst, q_long=1.0, q_short=bandwidth)
+        scale = Scale(spectrum=spectrum, contact_modulus=1.0)
+        height = float(spectrum.m0()) ** 0.5
+        *stored, full = separation.elastic_energy(np.array([*loads, _FULL]), scale=scale)
+        stiffness = separation.contact_stiffness(pressures, scale=scale)
+        made["area"][place] = elastic.persson_kappa(pressures) * pressures
+        made["gap"][place] = separation.mean_separation(pressures, scale=scale) / height
+        made["compliance"][place] = pressures / (stiffness * height)
+        made["energy_ratio"][place] = np.array(stored) / full
+    return made
