@@ -20,12 +20,13 @@ from typing import Any
 from PIL import Image
 
 from validation.execution.bench import Bench
+from validation.execution.outputs import Outputs, show
 from validation.execution.running import Execution
 from validation.files import prepare_folder
 from validation.reference import table
 from validation.report.figure import save_figure
 from validation.studies import find_study
-from validation.studies._outputs import StudyOutputs, report_study, run_study
+from validation.studies._outputs import run_study, study_page
 
 #: The figures that the gallery shows, by study.
 SHOWN = {
@@ -107,14 +108,14 @@ def _scorecard(folder: Path) -> None:
     cards = [score(subject, tell=print) for subject in subjects]
     results = prepare_folder(Path("results") / "scorecard")
     page = prepare_folder(folder) / "scorecard.html"
-    shutil.copyfile(write_scorecards(results, cards)[0], page)
+    shutil.copyfile(write_scorecards(results, cards).files[0], page)
     print(f"{page}: {page.stat().st_size / 1024:.0f} KB")
 
 
-def _outputs(name: str, *, redraw: bool, workers: int) -> StudyOutputs:
+def _outputs(name: str, *, redraw: bool, workers: int) -> Outputs:
     folder = prepare_folder(Path("results") / name)
     if redraw:
-        return report_study(folder)
+        return show(folder, study_page)
     study, bench = find_study(name), Bench.at(execution=Execution(workers=workers))
     return run_study(study, study.options(**OPTIONS.get(name, {})), folder, bench=bench)
 

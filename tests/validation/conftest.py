@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 from small_scene import small_scene
 
-from validation.comparison.run import Outputs, run_scene
+from validation.comparison.run import run_scene
 from validation.execution.bench import Bench
+from validation.execution.outputs import Outputs
 from validation.scenes.scene import load_scene
 
 _HEAD = 'name = "small"\ntitle = "A small scene"\n' + small_scene(

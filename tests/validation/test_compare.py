@@ -52,7 +52,7 @@ def _summary(folder):
 
 
 def test_runs_are_concatenated_and_subtracted_with_the_errors_of_both(results, tmp_path):
-    page, _ = compare_folders([results / "first", results / "other"], tmp_path)
+    page = compare_folders([results / "first", results / "other"], tmp_path).page
     a, b = (read_results(results / name).data for name in ("first", "other"))
     data = read_results(tmp_path).data
     assert data.area.values.tolist() == [float(a.area), float(b.area)]
@@ -105,7 +105,7 @@ def test_studies_are_compared_at_the_places_that_they_share(results, tmp_path):
 
 
 def test_sweeps_are_compared_where_their_values_meet(results, tmp_path):
-    page, _ = compare_folders([results / "swept", results / "swept-more"], tmp_path)
+    page = compare_folders([results / "swept", results / "swept-more"], tmp_path).page
     data = read_results(tmp_path).data
     assert data.reduced_pressure.values.tolist() == [0.1]  # of .05, .1 and of .1, .2
     assert float(data.area_apart.isel(result=1).item()) == 0
@@ -115,7 +115,7 @@ def test_sweeps_are_compared_where_their_values_meet(results, tmp_path):
 def test_what_cannot_be_compared_gets_one_line_and_the_rest_is_compared(results, tmp_path):
     (tmp_path / "empty").mkdir()
     folders = [results / "first", results / "area-3", tmp_path / "empty", results / "other"]
-    page, _ = compare_folders(folders, tmp_path / "out", report=False)
+    page = compare_folders(folders, tmp_path / "out", report=False).page
     left_out = [text for text in page.findings if "not compared" in text]
     assert len(left_out) == 2
     assert "it is a study area, and" in left_out[0]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -11,6 +13,7 @@ from fem_contact import HalfSpace, bem, contact_areas
 from fem_contact.errors import NotConverged
 from validation.errors import UsageError
 from validation.execution.measurement import Call
+from validation.execution.results import Result
 from validation.measurements import external_codes, ways
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import base_case, base_surface
@@ -89,9 +92,9 @@ def test_a_peer_is_held_against_the_same_area_and_the_same_measure_of_memory(cos
 
 
 def test_what_is_ranked_and_what_is_compared_is_cited(costs):
-    page = study_page(
-        find_study("accuracy-cost"), costs.assign_attrs(methods="bem tamaas xu"), {}, figures=False
-    )
+    data = costs.assign_attrs(methods="bem tamaas xu")
+    result = Result(kind="study", name="accuracy-cost", settings={}, store=Path(), data=data)
+    page = study_page(result, figures=False)
     assert any(paper.startswith("tamaas: ") for paper in page.papers)
     assert any("Xu" in paper for paper in page.papers)
     assert "xu" in RANKED.split()

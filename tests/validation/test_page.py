@@ -19,11 +19,12 @@ import xarray as xr
 from rich.console import Console
 
 from validation.cli.progress import Bar
-from validation.cli.results import page_table, print_page, sentence_lines
+from validation.cli.results import page_table, print_outputs, sentence_lines
 from validation.comparison.pages import result_page
 from validation.comparison.run import report_scene, run_scene
 from validation.comparison.run_views import run_views
 from validation.execution.bench import Bench
+from validation.execution.outputs import show
 from validation.execution.results import record_of
 from validation.report.figure import new_figure, save_figure
 from validation.report.marks import Figure, Line, Panel, draw, panels_along
@@ -33,7 +34,7 @@ from validation.report.views import Card
 from validation.report.words import mathematics
 from validation.scenes.scene import load_scene
 from validation.studies import find_study
-from validation.studies._outputs import report_study, run_study
+from validation.studies._outputs import run_study, study_page
 
 
 def _scene(run):
@@ -59,7 +60,7 @@ def outputs(small_run, tmp_path_factory):
     study = _run_area(folder / "study", folder / "solves")
     return {
         "run": (small_run.page, folder / "run", report_scene),
-        "study": (study.page, folder / "study", report_study),
+        "study": (study.page, folder / "study", lambda folder: show(folder, study_page)),
     }
 
 
@@ -190,7 +191,7 @@ HOSTILE = "[/]\x1b[31m<b>\u202etxt.exe"
 def test_a_hostile_title_is_harmless_in_terminal_and_page(small_run, capsys):
     data = small_run.data.assign_attrs(title=HOSTILE)
     page = result_page(dataclasses.replace(small_run.result, data=data))
-    print_page(page, [])
+    print_outputs(dataclasses.replace(small_run, page=page))
     for text in (capsys.readouterr().out, render(page)):
         assert r"[/]\x1b[31m" in text
         assert not {"\x1b", "\u202e"} & set(text)

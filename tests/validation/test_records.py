@@ -14,11 +14,12 @@ from validation.errors import RunFailed, UsageError
 from validation.execution import store as store_module
 from validation.execution.attempt import attempt
 from validation.execution.bench import Bench
+from validation.execution.outputs import show
 from validation.execution.results import read_results, write_results
 from validation.execution.store import Store, read_numbers, write_numbers
 from validation.files import prepare_folder, read_record, write_record
 from validation.studies import area, find_study
-from validation.studies._outputs import report_study, run_study
+from validation.studies._outputs import run_study, study_page
 
 VALUES = {"format": "x 1", "scene": {"a": 0.1, "b": [1, 2.5e-300, None]}, "store": "solves"}
 
@@ -148,10 +149,10 @@ def test_a_study_says_how_its_solves_were_made_and_a_changed_one_is_not_reported
     data[300] ^= 2
     (tmp_path / "out" / "data.nc").write_bytes(data)
     with pytest.raises(UsageError, match=r"data\.nc: damaged: .*run it again"):
-        report_study(tmp_path / "out")
+        show(tmp_path / "out", study_page)
     (tmp_path / "out" / "result.json").write_text("{}")
     with pytest.raises(UsageError, match=r"holds no finished results \(result\.json is not what was written"):
-        report_study(tmp_path / "out")
+        show(tmp_path / "out", study_page)
     assert files.read_whole(tmp_path / "out" / "data.nc") == bytes(data)
 
 

@@ -147,7 +147,8 @@ def test_tolerances_bracket_the_stated_number():
 @pytest.mark.slow
 def test_everything_is_recomputed_written_and_shown(tmp_path):
     folder, told = tmp_path / "new" / "folder", []
-    page, files = reproduce.run(folder, progress=told.append)
+    outputs = reproduce.run(folder, progress=told.append)
+    page, files = outputs.page, outputs.files
     data = read_results(folder).data
     assert [problem for drawing in page.figures for problem in misdrawn(drawing, data)] == []
     assert (

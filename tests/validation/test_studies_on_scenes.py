@@ -16,6 +16,7 @@ from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 from validation.errors import UsageError
+from validation.execution.outputs import show
 from validation.execution.press import solves_of
 from validation.measurements.measurement import truncated_heights
 from validation.scenes.problem import realise
@@ -31,7 +32,7 @@ from validation.studies import (
     studies,
     theory_verdict,
 )
-from validation.studies._outputs import report_study, run_study
+from validation.studies._outputs import run_study, study_page
 
 LENGTHS = (12e-6, 9e-6)
 GRIDS = ((96, 72), (120, 90), (144, 108))
@@ -227,7 +228,7 @@ def test_the_report_says_what_was_taken_from_the_scene_and_what_was_not(scene, b
     assert outputs.page.settings["scene"]["load"] == {"pressure": 8e6}
     assert "hurst" not in outputs.page.settings
     # Written again from the stored dataset, it says the same.
-    assert report_study(tmp_path, numbers_only=True).page.findings == said
+    assert show(tmp_path, study_page, report=False).page.findings == said
 
 
 def test_finite_elements_of_a_scene_stand_beside_boundary_elements_with_its_effects(scene, bench):

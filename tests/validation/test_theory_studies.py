@@ -8,11 +8,12 @@ from gold.asked import STUDIES
 from planted import edge_data
 
 from validation.errors import UsageError
+from validation.execution.outputs import show
 from validation.execution.results import write_results
 from validation.measurements.common import base_case, base_surface, persson_area
 from validation.measurements.load_path import moved_shares
 from validation.studies import find_study, hurst, magnification, pressure, theory_verdict
-from validation.studies._outputs import report_study
+from validation.studies._outputs import study_page
 from validation.theories import Rough
 from validation.theories.asperities import BushGibsonThomas
 from validation.theories.persson_variants import persson_variants
@@ -78,7 +79,7 @@ def test_every_quantity_of_the_theory_is_scored_and_full_contact_is_no_compariso
 def test_a_report_lists_what_is_uncertain_and_writes_it_as_csv(scored, tmp_path):
     told = {"kind": "study", "name": "theory-verdict", "settings": {"seed": 2006}}
     write_results(tmp_path, scored, store=tmp_path, **told)
-    report_study(tmp_path)
+    show(tmp_path, study_page)
     page = (tmp_path / "report.html").read_text()
     assert "What is uncertain" in page
     assert "does not enter" in page

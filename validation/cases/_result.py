@@ -15,13 +15,13 @@ import numpy as np
 
 from validation.arrays import Array
 from validation.cases import TOLERANCES, Check, Verdict
-from validation.execution.results import DATA, Result, read_results, write_results
-from validation.files import locked
+from validation.execution.outputs import Outputs, leave
+from validation.execution.results import Result
 from validation.report.estimates import derive, power_law
 from validation.report.figure import COLOURS, SYMBOLS
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Line, Panel
-from validation.report.page import Page, page_of, write_page
+from validation.report.page import Page, page_of
 from validation.report.quantities import labelled
 from validation.report.table import Column, Table
 from validation.report.values import with_places
@@ -38,7 +38,6 @@ __all__ = [
     "claims_dataset",
     "claims_page",
     "claims_views",
-    "report_claims",
     "write_claims",
     "write_scorecards",
 ]
@@ -327,15 +326,14 @@ def write_claims(
     settings: Mapping[str, Any],
     cards: Sequence[Scorecard] = (),
     report: bool = True,
-) -> tuple[Page, tuple[Path, ...]]:
+) -> Outputs:
     """Write dataset, record and page of verdicts into a folder; without `report` numbers alone."""
-    data = claims_dataset(verdicts, cards)
-    with locked(folder):
-        write_results(folder, data, kind=KIND, name=name, settings=json_ready(dict(settings)), store=folder)
-        return report_claims(folder, report=report)
+    data, asked = claims_dataset(verdicts, cards), json_ready(dict(settings))
+    record: dict[str, Any] = {"kind": KIND, "name": name, "settings": asked, "store": folder}
+    return leave(folder, data, claims_page, report=report, **record)
 
 
-def write_scorecards(folder: Path, cards: Sequence[Scorecard], *, report: bool = True) -> tuple[Path, ...]:
+def write_scorecards(folder: Path, cards: Sequence[Scorecard], *, report: bool = True) -> Outputs:
     """Write the results of scorecards into a folder, the first of them is what the page is about."""
     settings = {
         "solvers": [card.subject.name for card in cards],
@@ -345,11 +343,4 @@ def write_scorecards(folder: Path, cards: Sequence[Scorecard], *, report: bool =
         "papers": list(dict.fromkeys(paper for card in cards for paper in card.subject.solver.papers)),
     }
     verdicts = [verdict for card in cards for verdict in card.verdicts]
-    return write_claims(folder, verdicts, name="scorecard", settings=settings, cards=cards, report=report)[1]
-
-
-def report_claims(folder: Path, *, report: bool = True) -> tuple[Page, tuple[Path, ...]]:
-    """Write the page of stored verdicts again, from their dataset alone."""
-    with locked(folder):
-        page = claims_page(read_results(folder), figures=report)
-        return page, (*write_page(page, folder, numbers_only=not report), folder / DATA)
+    return write_claims(folder, verdicts, name="scorecard", settings=settings, cards=cards, report=report)

@@ -46,4 +46,4 @@ def score(
     from validation.cli.validate import show_scorecards
 
     card = score_folder(folder, tell=None if as_json else lambda line: say(line, prefix=""))
-    show_scorecards([card], write_scorecards(folder, [card]), as_json=as_json)
+    show_scorecards([card], write_scorecards(folder, [card]).files, as_json=as_json)

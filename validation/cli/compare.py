@@ -25,11 +25,11 @@ def compare(
     are compared with runs, sweeps with sweeps, and a study with the same study of other options.
     """
     from validation.cli.progress import under_way
-    from validation.cli.results import print_page
+    from validation.cli.results import print_outputs
     from validation.comparison.compare import compare_folders
 
     names = "-".join(re.sub(r"[^A-Za-z0-9._-]", "-", folder.resolve().name) for folder in folders)
     target = output or Path("results") / f"compare-{names[:80]}"
     with under_way("comparing, drawing figures", quiet=as_json):
-        page, files = compare_folders(folders, target, report=with_report)
-    print_page(page, files, as_json=as_json)
+        outputs = compare_folders(folders, target, report=with_report)
+    print_outputs(outputs, as_json=as_json)

@@ -59,7 +59,7 @@ def reference(
     between the computed values by interpolation. With --theory or --csv a theory, or your numbers, are scored
     on all cells instead, as by the study reference-score.
     """
-    from validation.cli.results import print_study, print_table
+    from validation.cli.results import print_outputs, print_table
     from validation.execution.bench import Bench
     from validation.files import prepare_folder
     from validation.reference import lookup, persson_theory, table
@@ -73,7 +73,7 @@ def reference(
         folder = prepare_folder(output or Path("results") / "reference-score")
         options = Options(theory=tuple(theory or ()), csv=csv)
         outputs = run_study(find_study("reference-score"), options, folder, bench=Bench.at())
-        print_study(outputs, as_json=as_json)
+        print_outputs(outputs, as_json=as_json)
         return
     if hurst is None or bandwidth is None or reduced_pressure is None:
         raise UsageError(

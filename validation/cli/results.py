@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from validation.cli.options import WIDE, print_json, show, terminal_width
@@ -13,28 +11,21 @@ from validation.errors import harmless
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from validation.report.page import Page
+    from validation.execution.outputs import Outputs
     from validation.report.table import WordTable
-    from validation.studies._outputs import StudyOutputs
 
 #: Rows from which on a table is left to the files.
 _MANY_ROWS = 80
 
 
-def print_page(
-    page: Page,
-    files: Iterable[Path],
-    *,
-    as_json: bool = False,
-    more: Sequence[str] = (),
-    done: str = "Written:",
-) -> None:
+def print_outputs(outputs: Outputs, *, as_json: bool = False, done: str = "Written:") -> None:
     """Print the first table of a page, its findings and `more` of them, and below `done` the files.
 
-    For scripts, its summary as JSON instead.
+    For scripts, its summary as JSON instead, of a study its dataset.
     """
+    page = outputs.page
     if as_json:
-        print_json(page.summary)
+        print_json(outputs.data.to_dict() if outputs.result.kind == "study" else page.summary)
         return
     width = terminal_width()
     for line in sentence_lines(f"{page.title}: {page.lead}", width):
@@ -44,20 +35,12 @@ def print_page(
             print_table(table, elsewhere="In the files, not here")
         else:
             show(f"A table of {len(table.rows)} rows: see table.csv, or the page.")
-    for finding in (*page.findings, *more):
+    for finding in (*page.findings, *outputs.more):
         for line in sentence_lines(f"- {finding}", width):
             show(line)
     show(f"\n{done}")
-    for path in files:
+    for path in outputs.files:
         show(f"  {path}")
-
-
-def print_study(outputs: StudyOutputs, *, as_json: bool) -> None:
-    """Print the page of a study, or its dataset for scripts."""
-    if as_json:
-        print_json(outputs.data.to_dict())
-    else:
-        print_page(outputs.page, outputs.files)
 
 
 def print_table(table: WordTable, *, elsewhere: str = "Not shown") -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -43,7 +44,7 @@ def run(
     scene, in its table 'run'.
     """
     from validation.cli.progress import Bar
-    from validation.cli.results import print_page
+    from validation.cli.results import print_outputs
     from validation.execution.bench import Bench
     from validation.execution.store import Store
     from validation.scenes.sweep import Sweep, load_asked
@@ -76,7 +77,7 @@ def run(
         bench = Bench(store=stored, execution=execution, progress=bar)
         outputs = solve(bench=bench, report=with_report)
     line = f"Solves done: {outputs.solved}, found finished: {outputs.reused}. Written:"
-    print_page(outputs.page, outputs.files, as_json=as_json, more=outputs.more, done=line)
+    print_outputs(outputs, as_json=as_json, done=line)
     outputs.check()
 
 
@@ -166,27 +167,28 @@ def report(
 ) -> None:
     """Write the report of finished results again, from what is stored."""
     from validation.cli.progress import under_way
-    from validation.comparison.run import report_scene
+    from validation.execution.outputs import show
     from validation.execution.results import check_results, record_of
 
     check_results(folder)
-    kind = record_of(folder).get("kind")
+    kind = str(record_of(folder).get("kind"))
     with under_way("drawing figures, writing the report", quiet=as_json):
-        if kind == "claims":
-            from validation.cases._result import report_claims
-
-            files = report_claims(folder)[1]
-        elif kind == "paper":
-            from validation.paper.reproduce import report as report_paper
-
-            files = report_paper(folder)[1]
-        elif kind == "study":
-            from validation.studies._outputs import report_study
-
-            files = report_study(folder).files
+        if kind in _PAGES:
+            module, _, name = _PAGES[kind].partition(":")
+            files = show(folder, getattr(importlib.import_module(module), name)).files
         else:
+            from validation.comparison.run import report_scene
+
             files = report_scene(folder, pictures=pictures).files
     if as_json:
         options.print_json(list(files))
     else:
         typer.echo("\n".join(f"  {path}" for path in files))
+
+
+#: Who makes the page of what is no scene.
+_PAGES = {
+    "claims": "validation.cases._result:claims_page",
+    "paper": "validation.paper.page:paper_page",
+    "study": "validation.studies._outputs:study_page",
+}

@@ -59,7 +59,7 @@ def study(
     solves in results/solves, so that they share them, unless --store says otherwise.
     """
     from validation.cli.progress import Bar
-    from validation.cli.results import print_study
+    from validation.cli.results import print_outputs
     from validation.execution.bench import DEFAULT_STORE, Bench, PlannedOnly
     from validation.execution.store import Store
     from validation.files import prepare_folder
@@ -100,7 +100,7 @@ def study(
     with Bar(quiet=quiet or how.quiet or as_json) as bar:
         bench = Bench(store=Store(folder=store_folder), execution=execution, progress=bar)
         outputs = run_study(chosen, parsed, prepare_folder(folder), bench=bench, report=with_report)
-    print_study(outputs, as_json=as_json)
+    print_outputs(outputs, as_json=as_json)
 
 
 def _scene_of_study(scene: str | None, settings: Sequence[str]) -> Scene | None:

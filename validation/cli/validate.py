@@ -56,7 +56,7 @@ def validate(
     from validation.cases import chosen_cases, run_cases
     from validation.cases._result import write_claims, write_scorecards
     from validation.cases.scorecard import Subject, score
-    from validation.cli.results import print_page
+    from validation.cli.results import print_outputs
     from validation.files import prepare_folder
     from validation.solvers import chosen_solver
 
@@ -74,7 +74,7 @@ def validate(
                 typer.echo(f"{name}:")
             subject = Subject(name=name, solver=solver, settings=settings, **limits)
             cards.append(score(subject, tell=tell))
-        show_scorecards(cards, write_scorecards(folder, cards, report=with_report), as_json=as_json)
+        show_scorecards(cards, write_scorecards(folder, cards, report=with_report).files, as_json=as_json)
         return
     cases = chosen_cases(names or [], quick=quick)
     if list_all:
@@ -85,11 +85,11 @@ def validate(
     verdicts = tuple(run_cases(cases, tell=tell))
     failed_first = sorted(verdicts, key=lambda verdict: verdict.passed)
     asked = {"cases": list(names or []), "quick": quick}
-    page, files = write_claims(folder, failed_first, name="validate", settings=asked, report=with_report)
+    outputs = write_claims(folder, failed_first, name="validate", settings=asked, report=with_report)
     if as_json:
         print_json([verdict.summary() for verdict in verdicts])
     else:
-        print_page(page, files)
+        print_outputs(outputs)
     failed = [verdict.case for verdict in verdicts if verdict.word == "FAILS"]
     if failed:
         raise RunFailed(f"{len(failed)} of {len(verdicts)} cases failed: {', '.join(failed)}")
@@ -121,16 +121,16 @@ def reproduce(
     and the cost of solvers have no row; the report says why.
     """
     from validation.cli.progress import under_way
-    from validation.cli.results import print_page
+    from validation.cli.results import print_outputs
     from validation.files import prepare_folder
     from validation.paper import reproduce as reproduction
 
     folder = prepare_folder(output or Path("results") / "persson-2006")
     with under_way("the numbers of the paper", quiet=quiet or as_json) as tell:
-        page, files = reproduction.run(folder, figures=figures, progress=tell)
+        outputs = reproduction.run(folder, figures=figures, progress=tell)
     if as_json:
-        assert page.data is not None
-        claims = page.data[[name for name, value in page.data.items() if value.dims == ("claim",)]]
+        data = outputs.data
+        claims = data[[name for name, value in data.items() if value.dims == ("claim",)]]
         print_json(json_ready(claims.to_dataframe().reset_index().to_dict("records")))
         return
-    print_page(page, files)
+    print_outputs(outputs)

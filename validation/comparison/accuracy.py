@@ -19,11 +19,12 @@ from typing import Any
 from validation.arrays import Grid
 from validation.comparison.accuracy_bench import Metered
 from validation.comparison.accuracy_search import Beside, Search, grid_words
-from validation.comparison.run import Outputs, run_scene
+from validation.comparison.run import run_scene
 from validation.effects.base import effect_key
 from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.execution.cost import memory_words
+from validation.execution.outputs import Outputs
 from validation.files import prepare_folder
 from validation.measurements.ensemble import MeanArea
 from validation.report.words import json_ready, percent, significant

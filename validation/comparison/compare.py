@@ -13,12 +13,13 @@ import numpy as np
 import xarray as xr
 
 from validation.errors import UsageError
+from validation.execution.outputs import Outputs
 from validation.execution.results import Result, read_results, write_results
 from validation.files import locked, prepare_folder
 from validation.report.estimates import derive, each
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Line, Panel
-from validation.report.page import Page, page_of, write_page
+from validation.report.page import page_of, write_page
 from validation.report.quantities import labelled, place_words, quantity_of
 from validation.report.table import ResultTable, WordTable, interval_cells, shown
 from validation.report.values import value_of
@@ -40,10 +41,8 @@ _FIRST = "the first, with which the others are compared"
 _TWICE = ("_own", "_limit", "_excess", "_located", "_each")
 
 
-def compare_folders(
-    folders: Sequence[Path], output: Path, *, report: bool = True
-) -> tuple[Page, tuple[Path, ...]]:
-    """Put results folders on one page, and write it; return the page and the files.
+def compare_folders(folders: Sequence[Path], output: Path, *, report: bool = True) -> Outputs:
+    """Put results folders on one page, and write it.
 
     A UsageError where fewer than two can be compared, or `output` holds results of its own.
     """
@@ -101,8 +100,10 @@ def compare_folders(
         },
     )
     with locked(prepare_folder(output)):
-        write_results(output, data, kind="compare", name=page.title, settings=settings, store=output)
-        return page, write_page(page, output, numbers_only=not report)
+        record: dict[str, Any] = {"kind": "compare", "name": page.title, "settings": settings}
+        result = write_results(output, data, store=output, **record)
+        files = write_page(page, output, numbers_only=not report)
+        return Outputs(result=result, page=page, folder=output, files=files)
 
 
 def _read(folders: Sequence[Path]) -> tuple[dict[str, Result], tuple[str, ...]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,8 +13,8 @@ from validation.comparison.run_views import run_views
 from validation.comparison.sweep_views import sweep_views
 from validation.comparison.theory_alone import theory_views
 from validation.errors import UsageError
-from validation.execution.results import DATA, Result
-from validation.report.page import Page, Picture, page_of, write_page
+from validation.execution.results import Result
+from validation.report.page import Page, Picture, page_of
 from validation.report.papers import PAPERS
 from validation.report.quantities import as_length, in_prefixed_unit
 from validation.scenes.problem import ContactProblem
@@ -62,14 +61,6 @@ def result_page(result: Result, *, figures: bool = True, pictures: bool = False)
         summary={"kind": result.kind, "name": result.name, **result.settings},
         data=None,
     )
-
-
-def write_result_page(
-    result: Result, folder: Path, *, report: bool = True, pictures: bool = False
-) -> tuple[Page, tuple[Path, ...]]:
-    """Write tables, figures and report of a result; return the page, and the files, the report first."""
-    page = result_page(result, figures=report, pictures=pictures)
-    return page, (*write_page(page, folder, numbers_only=not report), folder / DATA)
 
 
 def _lead(kind: str, data: xr.Dataset, scene: Scene) -> str:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,51 +15,21 @@ import xarray as xr
 from validation.comparison.explain import oblong_grids
 from validation.comparison.fields import with_fields
 from validation.comparison.numbers import scene_data
-from validation.comparison.pages import effects_words, write_result_page
+from validation.comparison.pages import effects_words, result_page
 from validation.comparison.subsurface_stress import write_below
 from validation.comparison.theory_alone import theory_data
 from validation.comparison.treatment import with_treatment
-from validation.errors import RunFailed
 from validation.execution.bench import Bench
+from validation.execution.outputs import Outputs, leave, show
 from validation.execution.press import Press, run_solves, solves_of
 from validation.execution.provenance import SOLVES_MADE, made_words
-from validation.execution.results import Result, clear_results, read_results, record_of, write_results
+from validation.execution.results import clear_results, record_of
 from validation.execution.running import Solves
 from validation.files import atomic_path, locked, prepare_folder
-from validation.report.page import Page, clear_page
+from validation.report.page import clear_page
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import ContactProblem, realise
 from validation.scenes.scene import Scene
-
-
-@dataclass(frozen=True, kw_only=True)
-class Outputs:
-    """What a run or a sweep left behind.
-
-    Of the `files` a reader may want to open the report is first. Of the solves `solved` were done now and
-    `reused` found finished; `failures` say why others failed, and what to do; `more` is what a
-    run to an accuracy says of what it reached.
-    """
-
-    result: Result
-    page: Page
-    folder: Path
-    files: tuple[Path, ...]
-    solved: int = 0
-    reused: int = 0
-    failures: tuple[str, ...] = ()
-    more: tuple[str, ...] = ()
-
-    @property
-    def data(self) -> xr.Dataset:
-        """Every number."""
-        return self.result.data
-
-    def check(self) -> None:
-        """Raise `RunFailed` where solves failed, which are rows of the report without numbers."""
-        if self.failures:
-            failures = "\n".join(f"  {why}" for why in self.failures)
-            raise RunFailed(f"not all solves succeeded, the report is of the others:\n{failures}")
 
 
 def run_scene(
@@ -118,7 +89,8 @@ def solve_and_write(
     *,
     kind: str,
     settings: Mapping[str, Any],
-    **shown: bool,
+    report: bool = True,
+    pictures: bool = False,
 ) -> Outputs:
     """Do the solves of a run or a sweep, and write dataset, record and page.
 
@@ -137,16 +109,14 @@ def solve_and_write(
     data, written = measured(results)
     if results:
         data.attrs[SOLVES_MADE] = "\n".join(made_words(results.made()))
-    with locked(folder):
-        name = settings["scene"]["name"]
-        result = write_results(folder, data, kind=kind, name=name, settings=settings, store=store.folder)
-        page, files = write_result_page(result, folder, **shown)
+    record: dict[str, Any] = {"kind": kind, "name": settings["scene"]["name"], "settings": settings}
+    outputs = leave(
+        folder, data, partial(result_page, pictures=pictures), report=report, store=store.folder, **record
+    )
     failures = data.failures.values.ravel().tolist() if "failures" in data else []
-    return Outputs(
-        result=result,
-        page=page,
-        folder=folder,
-        files=(*files, *written, *([store.folder] if results else [])),
+    return replace(
+        outputs,
+        files=(*outputs.files, *written, *([store.folder] if results else [])),
         solved=results.solved,
         reused=len(results) - results.solved,
         failures=tuple(dict.fromkeys(filter(None, failures))),
@@ -160,13 +130,10 @@ def report_scene(folder: Path, *, pictures: bool | None = None) -> Outputs:
 
     A UsageError for a folder that holds no finished run of this version.
     """
-    with locked(folder):
-        result = read_results(folder)
-        if pictures is None:
-            rendered = result.settings.get("scene", {}).get("run", {}).get("pictures", False)
-            pictures = bool(rendered) or any(folder.glob("figures/*.png"))
-        page, files = write_result_page(result, prepare_folder(folder), pictures=pictures)
-    return Outputs(result=result, page=page, folder=folder, files=files)
+    if pictures is None:
+        rendered = record_of(folder).get("asked", {}).get("scene", {}).get("run", {}).get("pictures", False)
+        pictures = bool(rendered) or any(folder.glob("figures/*.png"))
+    return show(prepare_folder(folder), partial(result_page, pictures=pictures))
 
 
 def _link_blocks(results: Solves, folder: Path) -> Iterator[Path]:

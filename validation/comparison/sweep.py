@@ -13,10 +13,11 @@ import xarray as xr
 
 from validation.comparison.explain import problems_of, solves_of_sweep
 from validation.comparison.numbers import scene_data
-from validation.comparison.run import Outputs, solve_and_write
+from validation.comparison.run import solve_and_write
 from validation.comparison.theory_alone import theory_data
 from validation.errors import RunFailed
 from validation.execution.bench import Bench
+from validation.execution.outputs import Outputs
 from validation.execution.press import solves_of
 from validation.execution.running import Solves
 from validation.report.estimates import gather

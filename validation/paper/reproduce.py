@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
-from validation.execution.results import DATA, read_results, write_results
-from validation.files import locked
+from validation.execution.outputs import Outputs, leave
 from validation.paper.claims import judge
 from validation.paper.figures import FIGURES
 from validation.paper.general import GENERAL
@@ -18,17 +18,14 @@ from validation.paper.pmma import PMMA
 from validation.paper.pyrex import PYREX
 from validation.paper.rim import RIM
 from validation.paper.steel import STEEL
-from validation.report.page import Page, write_page
 
 KIND = "paper"
 #: In the order of the table.
 APPLICATIONS = (RIM, GENERAL, STEEL, PMMA, PYREX)
 
 
-def run(
-    output: Path, *, figures: bool = True, progress: Callable[[str], None] | None = None
-) -> tuple[Page, tuple[Path, ...]]:
-    """Recompute the paper into a folder; return its page and the files, the report first.
+def run(output: Path, *, figures: bool = True, progress: Callable[[str], None] | None = None) -> Outputs:
+    """Recompute the paper into a folder.
 
     Files of the same names are replaced. Without `figures` claims and JSON are written alone; `progress` is
     called with the name of each figure or claim before it is computed.
@@ -50,13 +47,5 @@ def run(
         for row in judge(application, tell=lambda text: tell(f"claim: {text}"))
     ]
     data = paper_dataset(rows, curves)
-    with locked(output):
-        write_results(output, data, kind=KIND, name="reproduce", settings={"figures": figures}, store=output)
-        return report(output, numbers_only=not figures)
-
-
-def report(folder: Path, *, numbers_only: bool = False) -> tuple[Page, tuple[Path, ...]]:
-    """Write the page again, from the stored dataset alone."""
-    with locked(folder):
-        page = paper_page(read_results(folder), figures=not numbers_only)
-        return page, (*write_page(page, folder, numbers_only=numbers_only), folder / DATA)
+    record: dict[str, Any] = {"kind": KIND, "name": "reproduce", "settings": {"figures": figures}}
+    return leave(output, data, paper_page, report=figures, store=output, **record)

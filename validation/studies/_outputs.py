@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from validation.effects import effect_kinds
 from validation.errors import UsageError
+from validation.execution.outputs import Outputs, leave
 from validation.execution.provenance import SOLVES_MADE, made_words
-from validation.execution.results import DATA, read_results, write_results
-from validation.files import locked
-from validation.report.page import Page, page_of, write_page
+from validation.execution.results import Result
+from validation.report.page import Page, page_of
 from validation.report.papers import PAPERS
 from validation.solvers import methods
 from validation.studies import Study, StudyOptions, find_study
@@ -24,76 +24,45 @@ if TYPE_CHECKING:
     from validation.execution.bench import Bench
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class StudyOutputs:
-    """What a study left behind; the report is the first file."""
-
-    data: xr.Dataset
-    page: Page
-    files: tuple[Path, ...]
-
-
 def run_study(
     study: Study, options: StudyOptions, folder: Path, *, bench: Bench, report: bool = True
-) -> StudyOutputs:
+) -> Outputs:
     """Run a study on a bench and write its outputs into a folder, without `report` tables and JSON alone."""
     data = study.compute(options, bench=bench)
     data.attrs[SOLVES_MADE] = "\n".join(made_words(bench.made()))
-    with locked(folder):
-        write_results(
-            folder,
-            data,
-            kind="study",
-            name=study.name,
-            settings=options.record(),
-            store=bench.store.folder,
-            words=list(options.remarks()),
-        )
-        return report_study(folder, numbers_only=not report)
+    return leave(
+        folder,
+        data,
+        study_page,
+        report=report,
+        kind="study",
+        name=study.name,
+        settings=options.record(),
+        store=bench.store.folder,
+        words=list(options.remarks()),
+    )
 
 
-def report_study(folder: Path, *, numbers_only: bool = False) -> StudyOutputs:
-    """Write tables, figures and report of a study again, from its stored dataset alone.
+def study_page(result: Result, *, figures: bool = True) -> Page:
+    """Return the page of a study, drawn or not: all of it from its dataset and from what was asked.
 
-    Parameters
-    ----------
-    numbers_only : bool
-        Whether to write tables and JSON alone.
-
-    Raises
-    ------
-    UsageError
-        For a folder that holds no finished study of this version.
+    A UsageError for results of another kind.
     """
-    with locked(folder):
-        result = read_results(folder)
-        if result.kind != "study":
-            raise UsageError(f"{folder}: holds a {result.kind}, not a study")
-        study, data = find_study(result.name), result.data
-        page = study_page(study, data, result.settings, words=result.words, figures=not numbers_only)
-        written = write_page(page, folder, numbers_only=numbers_only)
-    return StudyOutputs(data=data, page=page, files=(*written, folder / DATA))
-
-
-def study_page(
-    study: Study,
-    data: xr.Dataset,
-    options: Mapping[str, Any],
-    *,
-    words: Sequence[str] = (),
-    figures: bool = True,
-) -> Page:
-    """Return the page of a study, drawn or not: all of it from its dataset and from what was asked."""
-    header: dict[str, Any] = {
-        "title": f"Study: {study.name}",
-        "lead": study.question,
-        "settings": options,
-        "seeds": _seeds(options),
-        "papers": _papers(str(data.attrs.get("methods", "theory bem")).split()),
-    }
-    summary: dict[str, Any] = {"kind": "study", "study": study.name, "options": dict(options)}
-    page = page_of(data, study.views(data), figures=figures, summary=summary, **header)
-    return replace(page, findings=(*page.findings, *_undetermined(data), *words))
+    if result.kind != "study":
+        raise UsageError(f"holds a {result.kind}, not a study")
+    study, data, options = find_study(result.name), result.data, result.settings
+    page = page_of(
+        data,
+        study.views(data),
+        figures=figures,
+        title=f"Study: {study.name}",
+        lead=study.question,
+        settings=options,
+        seeds=_seeds(options),
+        papers=_papers(str(data.attrs.get("methods", "theory bem")).split()),
+        summary={"kind": "study", "study": study.name, "options": dict(options)},
+    )
+    return replace(page, findings=(*page.findings, *_undetermined(data), *result.words))
 
 
 def _undetermined(data: xr.Dataset) -> Iterator[str]:

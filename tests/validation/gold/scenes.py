@@ -28,7 +28,7 @@ def of_scene(name: str, bench: Bench, folder: Path) -> tuple[Record, xr.Dataset]
         folders = [folder / f"run-{k}" for k in range(len(COMPARED[name]))]
         for one, results in zip(COMPARED[name], folders, strict=True):
             _ran(one, solves, results)
-        page, _ = compare_folders(folders, folder / "both")
+        page = compare_folders(folders, folder / "both").page
         data = read_results(folder / "both").data
     else:
         data = _ran(name, solves, folder / "run")
