@@ -75,11 +75,6 @@ class Line:
     slope_drift: float
     reach: float  # Distance of x = 0 from the last group, over the span of all
 
-    @property
-    def determinable(self) -> bool:
-        """Whether the groups come near enough to x = 0."""
-        return self.reach <= _REACH
-
 
 def fitted_line(samples: Sequence[ArrayLike], x: ArrayLike, *, common: bool = False) -> Line:
     """Fit a straight line to the means of groups of independent samples, at places `x` towards 0.

@@ -16,7 +16,7 @@ import xarray as xr
 from persson import elastic
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
-from validation.measurements.limits import solved, stored_variables, two_grid_limit
+from validation.measurements.limits import solved, stored_variables, two_grid_limit, value_at_zero
 from validation.measurements.measurement import area_limits
 from validation.measurements.rings import AREAS
 from validation.report.estimates import NORMAL, derive, error_of, gather, mean, nearest
@@ -276,14 +276,6 @@ def exponents(values: xr.DataArray, steps: xr.DataArray) -> xr.DataArray:
     return powers
 
 
-def _at_zero_step(values: xr.DataArray, steps: xr.DataArray) -> xr.DataArray:
-    """Value at a vanishing step by a straight line in its root through all steps."""
-    along = str(steps.dims[0])
-    design = np.stack([np.ones(steps.size), np.sqrt(steps.values)], axis=1)
-    weights = xr.DataArray(np.linalg.pinv(design)[0], dims=along)
-    return (values * weights).sum(along, skipna=False)
-
-
 def power_at_zero_step(powers: xr.DataArray, steps: xr.DataArray) -> xr.DataArray:
     """Exponent at a vanishing step from those between neighbours (`exponents`).
 
@@ -291,8 +283,8 @@ def power_at_zero_step(powers: xr.DataArray, steps: xr.DataArray) -> xr.DataArra
     """
     if steps.size == 2:
         return powers.isel(step_pair=0)
-    middles = xr.DataArray(np.sqrt(steps.values[1:] * steps.values[:-1]), dims="step_pair")
-    return _at_zero_step(powers.isel(step_pair=slice(0, steps.size - 1)), middles)
+    middles = xr.DataArray((steps.values[1:] * steps.values[:-1]) ** 0.25, dims="step_pair")
+    return value_at_zero(powers.isel(step_pair=slice(0, steps.size - 1)), middles, degree=1)
 
 
 def _with_flows(data: xr.Dataset) -> xr.Dataset:
@@ -310,7 +302,9 @@ def _with_flows(data: xr.Dataset) -> xr.Dataset:
         **{f"power_{name}_each": power.isel(step_pair=-1) for name, power in powers.items()},
         power_local_each=powers["share_lost"].isel(step_pair=slice(0, -1)),
         power_limit_each=power_at_zero_step(powers["share_lost"], steps),
-        entered_ratio_limit_each=_at_zero_step(flows["share_entered"] / flows["share_lost"], steps),
+        entered_ratio_limit_each=value_at_zero(
+            flows["share_entered"] / flows["share_lost"], steps**0.5, degree=1
+        ),
         area_exponent_probe_each=net,
     )
     return derive(

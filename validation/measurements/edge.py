@@ -13,12 +13,12 @@ from fem_contact.area import contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.patches import find_patches
 from fem_contact.stress import pressure_distribution
-from validation.arrays import Array, Grid
+from validation.arrays import Grid
 from validation.effects.base import ContactModel
 from validation.execution.bench import Bench
 from validation.execution.measurement import measurement
 from validation.measurements.common import reduced_load
-from validation.measurements.limits import solved
+from validation.measurements.limits import solved, value_at_zero
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import gather
 from validation.scenes.problem import ContactProblem
@@ -194,22 +194,9 @@ def edge_limits(data: xr.Dataset) -> xr.Dataset:
     for name, (of, power, degree) in _LIMITS.items():
         values, x = data[f"{of}_each"], data.spacing**power
         made = {"reduction": "polynomial limit", "of": f"{of}_each", "power": power, "degree": degree}
-        limit = _at_zero(values, x, degree=degree)
+        limit = value_at_zero(values, x, degree=degree)
         data[f"{name}_each"] = limit.assign_attrs(made)
         if values.sizes["grid"] > 3:
             finer = (array.isel(grid=slice(1, None)) for array in (values, x))
-            data[f"{name}_each_drift"] = _at_zero(*finer, degree=degree) - limit
+            data[f"{name}_each_drift"] = value_at_zero(*finer, degree=degree) - limit
     return data
-
-
-def _at_zero(values: xr.DataArray, x: xr.DataArray, *, degree: int) -> xr.DataArray:
-    """Value at x = 0 by a polynomial over the grids, of at most two coefficients less than these."""
-
-    def fit(y: Array, at: Array) -> float:
-        most = min(degree, at.size - 2) if at.size > 2 else 1
-        return float(np.polyfit(at, y, most)[most])
-
-    limit: xr.DataArray = xr.apply_ufunc(
-        fit, values.drop_attrs(), x.drop_attrs(), input_core_dims=[["grid"], ["grid"]], vectorize=True
-    )
-    return limit

@@ -166,12 +166,43 @@ def straight_limit(
     return data
 
 
+def two_grid_step(values: xr.DataArray, spacing: xr.DataArray, *, order: int = 1) -> xr.DataArray:
+    """Step from the finest grid to dx -> 0, by a straight line in a power of dx through the two finest grids.
+
+    What is counted errs in the first power, energy and mean gap in the second or a higher one. There the
+    step is the standard error of the limit: what remains is of higher order, and noise of where the edges
+    fall. On 8 surfaces (H = .3, .8; p* = .01 to 1.5; truth from grids of 32 and 48 points per shortest wave)
+    the errors of energy and gap are 1.1 times the one claimed, rms, from 4 to 16 points on.
+
+    >>> import xarray as xr
+    >>> values, spacing = (xr.DataArray(v, dims="grid") for v in ([1.04, 1.01], [1.0, 0.5]))
+    >>> round(two_grid_step(values, spacing, order=2).item(), 12)
+    -0.01
+    """
+    grid = str(spacing.dims[-1])
+    coarse, fine = (spacing.isel({grid: k}, drop=True) ** order for k in (-2, -1))
+    low, high = (values.isel({grid: k}, drop=True) for k in (-2, -1))
+    step: xr.DataArray = (high - low) * fine / (coarse - fine)
+    return step
+
+
 def two_grid_limit(values: xr.DataArray, spacing: xr.DataArray) -> xr.DataArray:
     """Value at dx -> 0 of what is counted, by a straight line in dx through the two finest grids."""
-    grid = str(spacing.dims[-1])
-    coarse, fine = (spacing.isel({grid: k}, drop=True) for k in (-2, -1))
-    low, high = (values.isel({grid: k}, drop=True) for k in (-2, -1))
-    limit: xr.DataArray = high + (high - low) * fine / (coarse - fine)
+    finest = values.isel({str(spacing.dims[-1]): -1}, drop=True)
+    return finest + two_grid_step(values, spacing)
+
+
+def value_at_zero(values: xr.DataArray, x: xr.DataArray, *, degree: int) -> xr.DataArray:
+    """Value at x = 0 by a polynomial along the dimension of x, of at most two coefficients less than its places."""
+
+    def fit(y: NDArray[np.float64], at: NDArray[np.float64]) -> float:
+        most = min(degree, at.size - 2) if at.size > 2 else 1
+        return float(np.polyfit(at, y, most)[most])
+
+    along = [str(x.dims[-1])]
+    limit: xr.DataArray = xr.apply_ufunc(
+        fit, values.drop_attrs(), x.drop_attrs(), input_core_dims=[along, along], vectorize=True
+    )
     return limit
 
 

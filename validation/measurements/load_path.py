@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from validation.measurements.distributions import PATCH_EDGES, STRESS_EDGES, distance_to_reference
-from validation.measurements.limits import ABSENT, limits_of
+from validation.measurements.limits import ABSENT, limits_of, two_grid_step
 from validation.report.estimates import NORMAL, error_of
 
 #: Of the errors of energy and gap in the spacing, measured: 2 to 3; the smaller leaves more to the uncertainty.
@@ -21,25 +21,6 @@ _COARSER = 4
 SHARES = {"stress": "stress_share", "patch_area": "patch_area_share", "patch_number": "patch_number_share"}
 
 
-def second_order_limit(values: xr.DataArray, points: xr.DataArray) -> tuple[xr.DataArray, xr.DataArray]:
-    """Limit of (grid, ...), whose error falls with the square of the spacing or faster, and its standard error.
-
-    The two finest grids count. The step from the finest to the limit is its own uncertainty: what remains
-    is of higher order, and noise of where the edges fall. On 8 surfaces (H = .3, .8; p* = .01 to 1.5; truth
-    from grids of 32 and 48 points per shortest wave) the errors of energy and gap are 1.1 times the one
-    claimed, rms, from 4 to 16 points on.
-
-    >>> import xarray as xr
-    >>> limit = second_order_limit(xr.DataArray([1.04, 1.01], dims="grid"), xr.DataArray([1, 2], dims="grid"))
-    >>> [round(float(number), 12) for number in limit]
-    [1.0, 0.01]
-    """
-    ratio = float(points[-1] / points[-2])
-    finest, before = (values.isel(grid=k, drop=True) for k in (-1, -2))
-    step = (finest - before) / (ratio**_ORDER - 1)
-    return finest + step, abs(step)
-
-
 def reduced_path(measured: xr.Dataset, *, shortest: float) -> xr.Dataset:
     """Reduce a path that keeps distributions and stiffness to numbers over (load).
 
@@ -50,20 +31,20 @@ def reduced_path(measured: xr.Dataset, *, shortest: float) -> xr.Dataset:
     data = limits_of(measured)
     over_shifts = measured.drop_vars(["points", "cells", "points_per_wave"], errors="ignore").mean("shift")
     finest = over_shifts.isel(grid=-1)
-    points = measured.points_per_wave
+    points = measured.points_per_wave.drop_vars(["points", "cells", "points_per_wave"], errors="ignore")
     made: dict[str, Any] = {}
     for name, of, scale in (
         ("gap", "mean_gap", "rms_height"),
         ("energy_ratio", "energy", "full_contact_energy"),
     ):
         values = over_shifts[of].drop_attrs() / measured.attrs[scale]
-        limit, error = second_order_limit(values, points)
+        finest_value = values.isel(grid=-1, drop=True)
+        step = two_grid_step(values, 1 / points, order=_ORDER)
+        limit = finest_value + step
         how = {"of": of, "scale": scale}
         made[f"{name}_each"] = limit.assign_attrs(reduction="second-order limit", **how)
-        made[f"{name}_each_error"] = error_of(limit, grid=NORMAL * error, **ABSENT)
-        made[f"{name}_finest_each"] = values.isel(grid=-1, drop=True).assign_attrs(
-            reduction="shift mean", **how
-        )
+        made[f"{name}_each_error"] = error_of(limit, grid=NORMAL * abs(step), **ABSENT)
+        made[f"{name}_finest_each"] = finest_value.assign_attrs(reduction="shift mean", **how)
     # Which points are in contact makes it noisy: no power of the spacing is seen, and none is taken out.
     compliance = (1 / measured.stiffness.drop_attrs()).mean("shift")
     compliance = compliance.drop_vars(["points", "cells", "points_per_wave"], errors="ignore")
