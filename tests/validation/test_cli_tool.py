@@ -133,6 +133,7 @@ def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatc
         (("study", "nothing"), "no such study; one of: "),
         (("study", "presure"), "no such study; did you mean 'pressure'?; one of: "),
         (("study", "area", "--surfaces"), "--surfaces: needs a value"),
+        (("study", "adhesion", "--grids", "64"), "--grids = 64: must have at least 2 values"),
         (("study", "area", "--hurts", "1"), "unknown option '--hurts'; did you mean '--hurst"),
         (("study", "depth", "quickstart"), "takes no scene: its surface is the one"),
         (

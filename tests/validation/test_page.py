@@ -18,6 +18,7 @@ import pytest
 import xarray as xr
 from rich.console import Console
 
+from validation.audit.files import page_tables
 from validation.cli.progress import Bar
 from validation.cli.results import page_table, print_outputs, sentence_lines
 from validation.comparison.pages import result_page
@@ -106,6 +107,15 @@ def test_a_page_writes_every_digit_and_shows_five(tmp_path):
     assert (tmp_path / "table.csv").read_text().splitlines()[1] == f"a,{1 / 3!r}"
     assert "0.33333</td>" in (tmp_path / "report.html").read_text()
     assert not (tmp_path / "figures").exists()
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(13, 3), (12, 3), (13, 9)])
+def test_a_table_of_many_columns_and_few_rows_is_turned(columns, rows):
+    table = ResultTable.of([f"c{k}" for k in range(columns)], [[1.0] * columns] * rows)
+    page = render(_page(tables=(shown(table, title="Wide"),)))
+    assert ("scroll turned" in page) == ((columns, rows) == (13, 3))
+    names, lines = page_tables(page)["Wide"]
+    assert (len(names), len(lines), {len(line) for line in lines}) == (columns, rows, {columns})
 
 
 def test_numbers_of_a_figure_stand_at_values_not_at_places(tmp_path):

@@ -21,7 +21,9 @@ def _plain(cell: str) -> str:
 def page_tables(page: str) -> dict[str, tuple[list[str], list[list[str]]]]:
     """Return the tables of a page by their titles: names of the columns, and lines of cells."""
     found = {}
-    for title, table in re.findall(r'aria-label="Table: ([^"]+)"><table>(.*?)</table>', page, flags=re.S):
+    for title, table in re.findall(
+        r'aria-label="Table: ([^"]+)"><table[^>]*>(.*?)</table>', page, flags=re.S
+    ):
         names = [_plain(cell) for cell in re.findall(r"<th[^>]*>(.*?)</th>", table, flags=re.S)]
         lines = re.findall(r"<tr[^>]*>((?:<td.*?)+)</tr>", table, flags=re.S)
         cells = [[_plain(c) for c in re.findall(r"<td[^>]*>(.*?)</td>", line, flags=re.S)] for line in lines]

@@ -48,7 +48,7 @@ def print_table(table: WordTable, *, elsewhere: str = "Not shown") -> None:
     width = terminal_width()
     shown, left_out = page_table(table, width=width or WIDE)
     show(shown)
-    where = f"{elsewhere}: {', '.join(left_out)}. " if left_out else ""
+    where = f"{elsewhere}: {'; '.join(left_out)}. " if left_out else ""
     for line in sentence_lines(where + table.note, width):
         show(line)
 

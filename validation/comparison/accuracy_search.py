@@ -18,6 +18,7 @@ from validation.errors import NoLimit, RunFailed, UsageError
 from validation.execution.cost import memory_words
 from validation.execution.measurement import Call
 from validation.execution.press import Press, solves_of
+from validation.execution.solve import Prediction
 from validation.measurements.ensemble import MeanArea, mean_area
 from validation.measurements.measurement import TOLERANCES_LEFT, has_square_cells, limit_over
 from validation.measurements.pairs import area_pairs
@@ -111,7 +112,7 @@ class Search:
     target: float
     bench: Metered
     areas: dict[Press, ContactAreas] = field(default_factory=dict)
-    planned: dict[Grid, Press] = field(default_factory=dict)
+    costs: dict[Grid, Prediction] = field(default_factory=dict)
     peak_bytes: int = 0
     doubt: float = 1.0
 
@@ -304,15 +305,16 @@ class Search:
         area = known.pixel if known.subcell is None else known.subcell
         claim = 2 * predicted_uncertainty(known, plan) / max(area, known.cell_share)
         for grid in grids:
-            if grid not in self.planned:
-                (self.planned[grid],) = self._jobs((grid,), 1)
-        solves = [self.planned[grid] for grid in grids]
+            if grid not in self.costs:
+                (solve,) = self._jobs((grid,), 1)
+                # Not by what solves took: taken up again, the search chooses the same.
+                self.costs[grid] = solve.predict(pair_seconds=self.bench.pair)
         return Ladder(
             grids=grids,
             shifts=shifts,
             error=self.doubt * claim + self.left,
-            seconds=shifts**2 * sum(map(self.bench.seconds, solves)),
-            peak_bytes=max(solve.predict().peak_bytes for solve in solves),
+            seconds=shifts**2 * sum(self.costs[grid].seconds for grid in grids),
+            peak_bytes=max(self.costs[grid].peak_bytes for grid in grids),
         )
 
     def _cheapest(self, ladders: Iterable[Ladder], tried: set[tuple[Grid, ...]], *, share: float) -> Ladder:

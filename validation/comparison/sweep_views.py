@@ -289,7 +289,7 @@ def _figure(data: xr.Dataset, key: str, name: str, variables: tuple[str, ...]) -
     one = "" if _several(data) or "area" not in data else " One surface."
     return Figure(
         name=f"{name}-against-{key.replace('_', '-')}",
-        caption=f"{_WORDS[name]} against {data[key].attrs['key']}{fixed}.{one}",
+        caption=f"{_WORDS[name]} against {quantity_of(data, key).words}{fixed}.{one}",
         panels=[Panel(marks=marks, x=key, y=variables[0], log=_scales(data, key, variables))],
     )
 

@@ -36,8 +36,8 @@ _WIDE = 1.7
 _ENLARGED = 170
 
 _BUDGET = (
-    "Half widths of 95 % intervals by their source, in per cent of the value; the columns "
-    "in front add them up as the root of the sum of their squares."
+    "Half widths of 95 % intervals by source, in per cent of the value. Where all sources are measured, "
+    "the columns in front are the root of the sum of their squares."
 )
 
 

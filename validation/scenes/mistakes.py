@@ -24,6 +24,13 @@ def problems(error: ValidationError, *, flags: bool = False) -> list[str]:
     items = error.errors()
     wrong = {(*item["loc"][:-1], int) for item in items if item["type"] != "missing"}
     items = [i for i in items if i["type"] != "missing" or (*i["loc"][:-1], type(i["loc"][-1])) not in wrong]
+    # The values of a pair have no keys of their own.
+    short = {i["loc"][:-1]: i for i in items if i["type"] == "missing" and isinstance(i["loc"][-1], int)}
+    items = [i for i in items if i["type"] != "missing" or i["loc"][:-1] not in short]
+    items += [
+        {**i, "type": "too_short", "loc": array, "ctx": {"min_length": int(i["loc"][-1]) + 1}}
+        for array, i in short.items()
+    ]
     within = {item["loc"][:depth] for item in items for depth in range(len(item["loc"]))}
     # A mistake of a value that stands for several items of an array is told of the array.
     alike: dict[tuple[Any, ...], list[Any]] = {}
