@@ -209,7 +209,7 @@ def planned(*arguments):
         ("heights --periods 1e3", "8000 shortest waves along a side: at most 2048"),
         ("depth --points-per-wave 5e-324", "must be greater than or equal to 1"),
         ("depth --points-per-wave 1e300", r"4e\+300 points along a side of a grid: must be 2 to 1048576"),
-        ("depth --depths 1e300", r"study depth: depth = 1e\+300: must be"),
+        ("depth --depths 1e300", r"study depth: depth = 1e\+297: must be"),
         ("adhesion --bandwidth 1e3", "must rise, for a limit, from above 2 periods bandwidth = 4000"),
         ("adhesion --grids 1e3", "--grids = '1e3': must be a valid integer"),
     ],
