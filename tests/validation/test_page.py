@@ -27,7 +27,7 @@ from validation.comparison.run_views import run_views
 from validation.execution.bench import Bench
 from validation.execution.outputs import show
 from validation.execution.results import record_of
-from validation.report.figure import new_figure, save_figure
+from validation.report.figure import new_figure, readable_ticks, save_figure
 from validation.report.marks import Figure, Line, Panel, draw, panels_along
 from validation.report.page import Page, render, write_page
 from validation.report.table import ResultTable, WordTable, shown, write_dataset
@@ -299,6 +299,15 @@ def test_a_logarithmic_axis_of_few_decades_carries_plain_numbers_and_two_at_leas
     words = {label.get_text() for label in axes.get_xticklabels() if low <= label.get_position()[0] <= high}
     assert words >= shown
     assert any("10" in text and text != "10" for text in words) == any("⁻" in text for text in shown)
+
+
+@pytest.mark.parametrize(("low", "high"), [(1.55, 1.9), (0.39, 1.7), (1.1, 2.9)])
+def test_an_axis_of_powers_of_two_has_two_labels_at_least(low, high):
+    _, (axes,) = new_figure()
+    axes.set_xscale("log", base=2)
+    axes.set_xlim(low, high)
+    readable_ticks(axes.xaxis)
+    assert sum(low <= tick <= high for tick in axes.xaxis.get_majorticklocs()) > 1
 
 
 def test_panels_of_different_decades_leave_the_highest_point_a_margin():

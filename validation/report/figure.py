@@ -73,7 +73,7 @@ def readable_ticks(axis: Axis) -> None:
     axis.set_major_formatter(FuncFormatter((lambda value, _: f"{value:g}") if plain else _power_of_ten))
     axis.set_minor_formatter(NullFormatter())
     if base != 10:
-        axis.set_major_locator(LogLocator(base=base))
+        axis.set_major_locator(LogLocator(base=base) if high / low >= base**2 else MaxNLocator(4))
         return
     figure: Any = axis.axes.figure
     place = axis.axes.get_position()
