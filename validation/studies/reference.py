@@ -49,7 +49,7 @@ class Options(StudyOptions):
     """Hurst exponents H, rising, at most 1"""
     bandwidths: Rising = (4.0, 8.0, 16.0, 32.0)
     """lambda_long / lambda_short, rising"""
-    reduced_pressures: Rising = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.5)
+    reduced_pressures: Rising = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.57, 0.8, 1.1, 1.5)
     """p* = p0 / (E* h'_rms) with the realised gradient of each surface, rising"""
     periods: Periods = 4.0
     points_per_wave: Ladder = (3.0, 6.0, 12.0, 24.0)
