@@ -188,8 +188,9 @@ def test_a_study_of_one_surface_says_what_a_run_says(doors):
     one = ("--scene", doors / "scene.toml", "--surfaces", 1, "--reduced-pressures", 0.1)
     invoke("study", "area", *one, "--output", doors / "study", "--quiet", "--no-report")
     run, study = (numbers(doors / name) for name in ("run", "study"))
-    # Its solves are listed over the grids, and its kappa is a mean of one quotient.
-    assert differing(run, study, rtol=1e-15 * 4) == ["solve"]
+    # Its solves are listed over the grids, and its kappa is a mean of one quotient. The limit is a fit by
+    # least squares, which turns rounding (NumPy 2.5) into 1e-10 of the area and 2e-9 of its error.
+    assert differing(run, study, rtol=1e-8) == ["solve"]
     assert study.solve.item().split() == run.solve.values.ravel().tolist()
     assert {"area", "kappa", "area_persson", "area_excess", "area_error"} <= set(run) & set(study)
     for name in ("area", "area_pixel", "area_perimeter"):

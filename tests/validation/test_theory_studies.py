@@ -82,7 +82,7 @@ def test_a_report_lists_what_is_uncertain_and_writes_it_as_csv(scored, tmp_path)
     show(tmp_path, study_page)
     page = (tmp_path / "report.html").read_text()
     assert "What is uncertain" in page
-    assert "does not enter" in page
+    assert "What does not enter: depth, theory." in page
     assert (tmp_path / "budget.csv").read_text().startswith("number,value,for this spectrum")
 
 

@@ -231,16 +231,17 @@ def shown(table: ResultTable, *, title: str = "", note: str = "") -> WordTable:
     """Return a table of values in words, those with an interval in one cell, others with five digits.
 
     Units have the prefix that suits the largest number of a column. Columns in which nothing stands are left
-    out, as are those of what enters nowhere.
+    out, as are those of what enters nowhere, which the note names.
     """
     names = [name for name in table.columns if not name.endswith((INTERVAL, SOURCES_OF))]
     cells = [dict(zip(table.columns, row, strict=True)) for row in table.rows]
     columns: list[str] = []
     printed: list[list[str]] = []
-    left = set()
+    left, absent = set(), list[str]()
     for name in names:
         values = [row[name] for row in cells]
-        if {*map(_cell, values)} <= {"", _ENTERS_NOT}:
+        if (words := {*map(_cell, values)}) <= {"", _ENTERS_NOT}:
+            absent += [name.removesuffix(" [%]")] if _ENTERS_NOT in words else []
             continue
         unit = name[name.rindex("[") + 1 : -1] if name.endswith("]") else "1"
         sizes = (abs(value) for value in values if isinstance(value, float) and math.isfinite(value))
@@ -251,11 +252,12 @@ def shown(table: ResultTable, *, title: str = "", note: str = "") -> WordTable:
         if name == names[0] or any(isinstance(cell, str) for cell in column):
             left.add(columns[-1])
         printed.append(list(map(_cell, column)))
+    nowhere = f"What {_ENTERS_NOT}: {', '.join(absent)}." if absent else ""
     return WordTable(
         columns=tuple(columns),
         rows=tuple(zip(*printed, strict=True)),
         title=title,
-        note=" ".join(filter(None, (note, _what_intervals_hold(names, cells)))),
+        note=" ".join(filter(None, (note, _what_intervals_hold(names, cells), nowhere))),
         left=frozenset(left),
         # What a row is stands first, and what it comes to soon after.
         yielding=tuple(reversed(columns[2:])),
