@@ -114,11 +114,12 @@ def _say_once(line: str) -> None:
 
 
 @contextlib.contextmanager
-def atomic_path(path: Path, *, synced: bool = False) -> Iterator[Path]:
+def atomic_path(path: Path, *, synced: bool = False, first: bool = False) -> Iterator[Path]:
     """Yield a temporary path beside `path` that takes its name only when the block ends well.
 
     The bytes are on the disk before the name is, so that a loss of power leaves the old file or the new one;
-    a block may have `synced` them itself, whose caller syncs the folder when it suits it.
+    a block may have `synced` them itself, whose caller syncs the folder when it suits it. It replaces what
+    has the name, unless the `first` is to stay.
 
     Raises
     ------
@@ -130,7 +131,7 @@ def atomic_path(path: Path, *, synced: bool = False) -> Iterator[Path]:
         yield draft
         if not synced:
             _sync(draft)
-        os.replace(draft, path)
+        _name(draft, path) if first else os.replace(draft, path)
         if not synced:
             sync_folder(path.parent)
     except OSError as error:
@@ -146,10 +147,18 @@ def atomic_path(path: Path, *, synced: bool = False) -> Iterator[Path]:
             draft.unlink()
 
 
-def write_whole(path: Path, parts: tuple[bytes | memoryview, ...]) -> None:
+def _name(draft: Path, path: Path) -> None:
+    try:
+        os.link(draft, path)
+    except OSError:
+        if not path.is_file():  # a file system without hard links
+            os.replace(draft, path)
+
+
+def write_whole(path: Path, parts: tuple[bytes | memoryview, ...], *, first: bool = False) -> None:
     """Write a file from its parts as `atomic_path` does; the caller syncs the folder."""
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_CLOEXEC", 0)
-    with atomic_path(path, synced=True) as draft:
+    with atomic_path(path, synced=True, first=first) as draft:
         handle = os.open(draft, flags, 0o666)
         try:
             for part in parts:

@@ -253,7 +253,13 @@ def failing(monkeypatch, name, number, at):
 
     with monkeypatch.context() as patch:
         patch.setattr(files.os, name, call)
+        if name == "replace":  # is what remains where there are no hard links
+            patch.setattr(files.os, "link", no_links)
         yield calls
+
+
+def no_links(*names):
+    raise OSError(errno.EPERM, os.strerror(errno.EPERM))
 
 
 DISKS = ["ENOSPC", "EDQUOT", "EIO", "EROFS", "EFBIG", "EMFILE", "EACCES"]
@@ -309,19 +315,33 @@ def test_what_is_taken_up_again_is_verified_and_not_decoded(stored, monkeypatch)
     assert solve_all([solve, other], store).solved == 0
 
 
-def test_who_stores_a_solve_first_says_how_it_was_made(stored):
-    """Runs that share a store may solve the same; what one has told of it stays true."""
+@pytest.mark.parametrize("while_encoding", [False, True])
+def test_who_stores_a_solve_first_says_how_it_was_made(stored, monkeypatch, while_encoding):
+    """Runs that share a store may solve the same, and at once; what one has told of it stays true."""
     store, solve, _ = stored
-    before = store.read(solve)
-    store.save(solve, before.result, made=dataclasses.replace(MADE, seconds=before.made.seconds + 1))
+    path, before = store.path(solve), store.read(solve)
+    result = before.result if isinstance(solve, Numbers) else solve.do(threads=1)
+    if while_encoding:
+        first, encode = path.read_bytes(), type(solve).encode
+        path.unlink()
+        monkeypatch.setattr(type(solve), "encode", lambda *a: (path.write_bytes(first), encode(*a))[1])
+    store.save(solve, result, made=dataclasses.replace(MADE, seconds=before.made.seconds + 1))
     assert store.read(solve).made == before.made
+
+
+def test_a_file_system_without_hard_links_stores_too(tmp_path, monkeypatch):
+    monkeypatch.setattr(files.os, "link", no_links)
+    store = Store(folder=tmp_path)
+    store.save(Numbers(1), Numbers(1).do(), made=MADE)
+    assert store.read(Numbers(1))
+    assert len(list(tmp_path.iterdir())) == 1
 
 
 def test_bytes_are_on_the_disk_before_the_name_is(stored, monkeypatch):
     """Power may be lost between any two calls: a name appears after its bytes were synced."""
     store, solve, _ = stored
     calls = []
-    for name in ("write", "fsync", "replace"):
+    for name in ("write", "fsync", "link", "replace"):
         real = getattr(os, name)
         monkeypatch.setattr(
             files.os, name, lambda *a, _name=name, _real=real: (calls.append((_name, a[0])), _real(*a))[1]
@@ -330,7 +350,7 @@ def test_bytes_are_on_the_disk_before_the_name_is(stored, monkeypatch):
     store.path(solve).unlink()
     store.save(solve, result, made=MADE)
     names = [name for name, _ in calls]
-    assert names[-2:] == ["fsync", "replace"]
+    assert names[-2:] == ["fsync", "link"]
     assert set(names[:-2]) == {"write"}
     assert {handle for _, handle in calls[:-1]} == {calls[0][1]}, "what was written is what was synced"
     calls.clear()
@@ -368,7 +388,7 @@ def test_a_complete_store_is_used_though_it_cannot_be_written_to(tmp_path, monke
     def refuses(*arguments, **named):
         raise OSError(errno.EROFS, os.strerror(errno.EROFS))
 
-    for name in ("write", "replace", "unlink", "mkdir"):
+    for name in ("write", "link", "replace", "unlink", "mkdir"):
         monkeypatch.setattr(files.os, name, refuses)
     monkeypatch.setattr(files.tempfile, "TemporaryFile", refuses)
     done = solve_all(solves, store)

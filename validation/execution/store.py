@@ -62,7 +62,7 @@ class Store:
         A NotWritten when the system refuses it: a full disk, a folder that is gone.
         """
         path = self.path(solve)
-        if path.is_file():  # another run was faster, and may have told its time
+        if path.is_file():
             return
         solve.written_beside(result, self.folder)
         try:
@@ -73,7 +73,9 @@ class Store:
                 "--workers, or a smaller --memory"
             ) from error
         # The folder is synced by who collects the outcomes: a name lost with the power is a solve to repeat.
-        write_whole(path, (content, seal(content, recipe=solve.recipe_text, made=asdict(made))))
+        # Another run that was faster may have told its time: the first file stays.
+        sealed = seal(content, recipe=solve.recipe_text, made=asdict(made))
+        write_whole(path, (content, sealed), first=True)
 
     def read(self, solve: Solve, *, on_damage: Callable[[str], None] | None = None) -> Stored | None:
         """Read a finished solve and how it was made; None if there is none.
