@@ -1,9 +1,7 @@
 """Effects that a scene lists: read, refused or handed to the slots of the solvers, explained, and stored."""
 
 import json
-import re
 import tomllib
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +11,6 @@ from fem_contact import bem
 from fem_contact.response import BondedLayer, HalfSpace
 from fem_contact.solid import Solid
 from validation.comparison.explain import explain
-from validation.effects import effect_kinds
 from validation.effects.base import ContactModel, Roughness, TheoryInputs, full_contact_energy
 from validation.errors import SceneError, UsageError
 from validation.execution.attempt import warm_up
@@ -285,15 +282,3 @@ def test_no_solve_is_charged_with_loading_what_its_effects_need(with_effects, mo
     assert sticky.pressure.min() < 0
     assert 0 < graded.in_contact.mean() < 1
     assert elements.at_bound.any()
-
-
-def test_blocks_of_the_documentation_are_effects_with_the_defaults_they_name():
-    docs = (Path(__file__).parents[2] / "docs" / "effects.md").read_text()
-    said = []
-    for block in re.findall(r"```toml\n(.*?)```", docs, re.DOTALL):
-        listed = tomllib.loads(block)["effects"]
-        in_full = tomllib.loads(block.replace("# law", "law").replace("# base", "base"))["effects"]
-        read = [TypeAdapter(EffectSpec).validate_python(table) for table in listed]
-        assert read == [TypeAdapter(EffectSpec).validate_python(table) for table in in_full]
-        said += [effect.kind for effect in read]
-    assert sorted(said) == sorted(effect_kinds())
