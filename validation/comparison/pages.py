@@ -16,7 +16,7 @@ from validation.errors import UsageError
 from validation.execution.results import Result
 from validation.report.page import Page, Picture, page_of
 from validation.report.papers import PAPERS
-from validation.report.quantities import as_length, in_prefixed_unit
+from validation.report.quantities import as_length, in_prefixed_unit, quantity_of
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
 
@@ -66,7 +66,7 @@ def result_page(result: Result, *, figures: bool = True, pictures: bool = False)
 def _lead(kind: str, data: xr.Dataset, scene: Scene) -> str:
     if kind == "sweep":
         swept = [
-            f"{data[name].attrs['key']} ({data[name].size} values)"
+            f"{quantity_of(data, name).symbol} ({data[name].size} values)"
             for name in str(data.attrs["keys"]).split()
         ]
         joined = " beside " if data.attrs["mode"] == "zip" else " times "

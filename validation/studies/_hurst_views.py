@@ -28,7 +28,7 @@ def views(data: xr.Dataset) -> Views:
         figures=[
             *(_of_solvers_against_hurst(data) if beside else ()),
             _against_hurst(data),
-            _against_nayak(climbed),
+            _against_nayak(data),
             *(_ladder_figures() if climbed else ()),
         ],
         findings=[
@@ -96,14 +96,12 @@ def _against_hurst(data: xr.Dataset) -> Figure:
     )
 
 
-def _against_nayak(climbed: bool) -> Figure:
-    theories = (Level(y="kappa_bgt"), Level(y="kappa_persson_light"))
-    rungs = Line(y="kappa_by_bandwidth", x="nayak_by_bandwidth", by="ladder")
-    lines = [Line(y="kappa", by=("family", "load")), *([rungs] if climbed else [])]
-    panels = [Panel(marks=(line, *theories), x="nayak", y="kappa", log="x") for line in lines]
-    caption = "The same kappa against the realised Nayak parameter; right, as the bandwidth grows at equal H."
-    width = 4.6 * len(panels)
-    return Figure(name="kappa-against-nayak", caption=caption, panels=panels, width=width, height=4.8)
+def _against_nayak(data: xr.Dataset) -> Figure:
+    marks = (Line(y="kappa", by="family"), Level(y="kappa_bgt"), Level(y="kappa_persson_light"))
+    panels = panels_along(data, "load", Panel(marks=marks, x="nayak", log="x"))
+    caption = "The same kappa against the realised Nayak parameter at each load."
+    width = 2.9 * max(2, len(panels)) + 1
+    return Figure(name="kappa-against-nayak", caption=caption, panels=panels, width=width, height=4.4)
 
 
 def _ladder_figures() -> tuple[Figure, ...]:
@@ -116,6 +114,8 @@ def _ladder_figures() -> tuple[Figure, ...]:
             Line(y=f"kappa_{kind}_limit", x=end, at={"end": 0}, by="ladder", label=""),
         )
         panels.append(Panel(marks=marks, x=f"step_{kind}", y="kappa", title=title))
+    rungs = Line(y="kappa_by_bandwidth", x="nayak_by_bandwidth", by="ladder")
+    theories = (Level(y="kappa_bgt"), Level(y="kappa_persson_light"))
     ratio = [Line(y="kappa_ratio_by_bandwidth", by="ladder")]
     paper, published = "paper_kappa_ratio", "kappa_ratio_published"
     papers = [
@@ -123,6 +123,11 @@ def _ladder_figures() -> tuple[Figure, ...]:
         for k, ls in enumerate((":", "--", "-"))
     ]
     return (
+        Figure(
+            name="kappa-of-wider-bands",
+            caption="kappa against the realised Nayak parameter as the bandwidth grows at equal H.",
+            panels=[Panel(marks=(rungs, *theories), x="nayak_by_bandwidth", y="kappa", log="x")],
+        ),
         Figure(
             name="kappa-limits",
             caption="kappa against the step to its order as the bandwidth grows (left) and the sample (right); lines and "
