@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import fem_contact as fc
 from fem_contact.surface import HeightField, radial_spectrum, random_surface
@@ -21,8 +22,11 @@ from persson.spectrum import SelfAffine
 from validation.audit.reading import audit
 from validation.comparison.explain import explain
 from validation.comparison.run import run_scene
+from validation.comparison.sweep import run_sweep
 from validation.errors import UsageError
+from validation.execution.bench import Bench
 from validation.scenes.scene import load_scene
+from validation.scenes.sweep import load_asked
 from validation.scenes.topography import reading
 from validation.scenes.topography.formats import read_plain
 from validation.scenes.topography.measured import Measured
@@ -551,6 +555,19 @@ def test_the_budget_of_the_treatment_is_what_a_scene_so_treated_says(treated, tm
         change = float(data.treated_area_change.sel(variation=name))
         assert change == pytest.approx(areas[name] / areas[""] - 1, abs=1e-6)
         assert abs(change) > 1e-3
+
+
+def test_a_sweep_of_a_map_has_the_budget_of_each_case(treated):
+    folder, outputs = treated
+    sweep = load_asked(str(folder / "scene.toml"), ["sweep.load.reduced_pressure=[0.1, 0.2]"])
+    swept = run_sweep(sweep, folder / "swept", bench=Bench.at(folder / "results" / "solves"))
+    names = ["treated_area_change", "treated_gradient_change", "treatment_spread"]
+    first = swept.data[names].isel(reduced_pressure=0)
+    xr.testing.assert_allclose(first.drop_vars("reduced_pressure"), outputs.data[names], rtol=1e-12)
+    worst = float(swept.data.treatment_spread.max())
+    text = (swept.folder / "report.html").read_text()
+    assert f"move the area by at most {100 * worst:.2g}" in text
+    assert "Budget of the treatment of the map" in text
 
 
 def test_the_page_says_the_budget_and_that_the_premise_is_judged(treated):

@@ -18,7 +18,7 @@ from validation.effects.base import Judgement, Roughness, TheoryInputs
 from validation.errors import UsageError
 from validation.execution.calibration import effect_costs
 from validation.execution.cost import transform_seconds
-from validation.execution.press import Press, run_solves, solves_of
+from validation.execution.press import Press, run_solves
 from validation.measurements.measurement import has_square_cells
 from validation.report.quantities import as_length, in_prefixed_unit
 from validation.scenes.checks import check_scene
@@ -115,16 +115,13 @@ class Explanation:
 def explain(scene: Scene, problem: ContactProblem | None = None) -> Explanation:
     """Say what a scene will run and at what cost, without solving anything.
 
-    With its problem it is a case of a sweep, which treats no map otherwise.
-
     A UsageError for an effect that a method of the scene lacks, and for numbers that no method can compute
     with.
     """
-    listed = run_solves if problem is None else solves_of
     problem = problem or realise(scene, surveyed=True)
     try:
         check_scene(scene, problem)
-        return _explained(scene, problem, listed(scene, problem))
+        return _explained(scene, problem, run_solves(scene, problem))
     except (fem_errors.InvalidInput, persson_errors.InvalidInput) as error:
         raise UsageError(str(error)) from None
     except (ArithmeticError, np.linalg.LinAlgError) as error:
@@ -194,7 +191,7 @@ def problems_of(sweep: Sweep, *, surveyed: bool = False) -> tuple[ContactProblem
 def solves_of_sweep(sweep: Sweep, cases: Sequence[ContactProblem]) -> tuple[Press, ...]:
     """List the solves of all scenes; what several of them ask for is listed once."""
     each = zip(sweep.scenes, cases, strict=True)
-    return tuple({solve.key: solve for scene, case in each for solve in solves_of(scene, case)}.values())
+    return tuple({solve.key: solve for scene, case in each for solve in run_solves(scene, case)}.values())
 
 
 @dataclass(frozen=True, kw_only=True)

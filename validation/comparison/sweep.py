@@ -15,10 +15,11 @@ from validation.comparison.explain import problems_of, solves_of_sweep
 from validation.comparison.numbers import scene_data
 from validation.comparison.run import solve_and_write
 from validation.comparison.theory_alone import theory_data
+from validation.comparison.treatment import with_treatment
 from validation.errors import RunFailed
 from validation.execution.bench import Bench
 from validation.execution.outputs import Outputs
-from validation.execution.press import solves_of
+from validation.execution.press import run_solves
 from validation.execution.running import Solves
 from validation.report.estimates import gather
 from validation.report.quantities import labelled
@@ -44,7 +45,7 @@ def run_sweep(
     }
 
     def measured(results: Solves) -> tuple[xr.Dataset, Sequence[Path]]:
-        each = (solves_of(*pair) for pair in zip(sweep.scenes, problems, strict=True))
+        each = (run_solves(*pair) for pair in zip(sweep.scenes, problems, strict=True))
         counts = {"solves": len(solves), "asked": sum(map(len, each))}
         return sweep_data(sweep, problems, results).assign_attrs(counts), ()
 
@@ -81,11 +82,12 @@ def sweep_data(sweep: Sweep, cases: Sequence[ContactProblem], results: Solves) -
 
 def _case(scene: Scene, problem: ContactProblem, results: Solves) -> xr.Dataset:
     if scene.methods.solvers:
-        solves = solves_of(scene, problem)
+        solves = run_solves(scene, problem)
         failed = {solve: results.failures[solve] for solve in solves if solve in results.failures}
         done = {solve: results[solve] for solve in solves if solve not in failed}
+        failures = {solve: why for solve, why in failed.items() if not solve.problem.variation}
         try:
-            return scene_data(scene, problem, done, failures=failed)
+            return with_treatment(scene_data(scene, problem, done, failures=failures), problem, done)
         except RunFailed as error:
             return xr.Dataset({"failures": str(error)})
     alone = theory_data(scene, problem)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from validation.comparison.treatment import treatment_findings, treatment_table
 from validation.report.estimates import derive, each, mean, power_law, sources_of, total_error
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Band, Figure, Line, Panel
@@ -60,6 +61,7 @@ def sweep_views(data: xr.Dataset) -> Views:
             "methods on the finest "
             "grid that resolves it.",
         ),
+        more=tuple(treatment_table(data, *_over(data))),
         budget=(answer,),
         figures=tuple(_figures(data)),
         findings=tuple(_findings(data)),
@@ -142,6 +144,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
             agree=float((abs(excess) <= half).sum()),
             count=float(excess.notnull().sum()),
         )
+    yield from treatment_findings(data)
     if "no_limit" in data and bool((data.no_limit != "").any()):
         why = next(str(words) for words in data.no_limit.values.ravel() if words)
         missing = float((data.no_limit != "").sum())

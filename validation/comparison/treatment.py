@@ -49,13 +49,10 @@ def with_treatment(
         rms_curvature=math.sqrt(problem.field.moments[2]) / 2,
     ).assign_attrs(premise=int(traits.is_gaussian))
     others = [solve for solve in results if solve.problem.variation]
-    if not others:
+    on = {(solve.method, solve.grid) for solve in others}
+    own = next((solve for solve in results if solve.is_own and (solve.method, solve.grid) in on), None)
+    if own is None:
         return data
-    own = next(
-        solve
-        for solve in results
-        if solve.is_own and (solve.method, solve.grid) == (others[0].method, others[0].grid)
-    )
     rows = []
     for solve in (own, *others):
         reading = Reading.of(solve, results[solve], bare=not solve.effects, shown=False)
@@ -73,12 +70,13 @@ def with_treatment(
     )
 
 
-def treatment_table(data: xr.Dataset) -> Iterator[Table]:
-    """Yield the budget of the treatment, where it was asked for."""
+def treatment_table(data: xr.Dataset, *cases: str) -> Iterator[Table]:
+    """Yield the budget of the treatment, where it was asked for, along the cases of a sweep."""
     if "treated_area_change" in data:
         yield Table(
-            rows=("variation",),
+            rows=(*cases, "variation"),
             columns=(
+                *cases,
                 "variation",
                 "treated_area_change",
                 "treated_gradient_change",
@@ -86,8 +84,8 @@ def treatment_table(data: xr.Dataset) -> Iterator[Table]:
             ),
             title="Budget of the treatment of the map",
             note="Each row treats the map otherwise and presses it with the same p0 "
-            f"({data.treatment_grid.item()}). Changes are relative to the treatment of the scene on that "
-            "grid; they are no part of the +- of the area.",
+            f"({data.treatment_grid.values.flat[0]}). Changes are relative to the treatment of the scene "
+            "on that grid; they are no part of the +- of the area.",
             file="treatment",
         )
 
@@ -95,10 +93,12 @@ def treatment_table(data: xr.Dataset) -> Iterator[Table]:
 def treatment_findings(data: xr.Dataset) -> Iterator[Finding]:
     """Yield how far the area hangs on the treatment, and whether the theory's premise holds."""
     if "treatment_spread" in data:
-        worst = data.isel(variation=int(np.argmax(np.abs(data.treated_area_change.values))))
+        case = data.isel(data.treatment_spread.argmax(...))
+        worst = case.isel(variation=int(np.argmax(np.abs(case.treated_area_change.values))))
         yield finding(
             "value",
-            "Other treatments of the map move the area by {treatment_spread:.2%} together, most of it "
+            f"Other treatments of the map move the area by {'at most ' * bool(data.treatment_spread.ndim)}"
+            "{treatment_spread:.2%} together, most of it "
             "{variation}: {treated_area_change:+.2%}.",
             worst,
         )
