@@ -16,6 +16,8 @@ from validation.report.marks import Figure, Level, Line, Panel, against, panels_
 from validation.report.values import value_of
 from validation.report.views import Column, Finding, Table, Views, finding
 
+_AREAS = ("area_pixel_each", "area_perimeter_each", "area_located_each", "area_each")
+
 
 def views(data: xr.Dataset) -> Views:
     """Distance of each definition of the area from the limit, grid by grid; stress and patches there; the protocol."""
@@ -26,6 +28,15 @@ def views(data: xr.Dataset) -> Views:
     parts = tuple(Column("cells_at_part", {"part": k}) for k in range(data.sizes["part"]))
     return Views(
         table=Table(rows=("grid",), columns=(*names, *parts, "seconds")),
+        more=(
+            Table(
+                rows=("grid",),
+                columns=("points", "points_per_wave", *(Column(name, {"surface": 0}) for name in _AREAS)),
+                title="The first surface alone, which is that of a scene",
+                note="A/A0 on each grid, and its limit with the interval of the grids.",
+                file="first-surface",
+            ),
+        ),
         budget=("kappa", *(("kappa_fem",) if "element" in data.dims else ())),
         figures=[*_on_grids(data, first)],
         findings=[*_of_areas(data, first), *_of_others(data)],

@@ -17,7 +17,7 @@ def scene_words(options: Any, scene: Scene) -> Iterator[str]:
     values = "; ".join(
         f"{name.replace('_', ' ')} {_shown(value)}"
         for name, value in taken.items()
-        if name not in options.off
+        if name not in options.off and _shown(value) == _shown(getattr(options, name))
     )
     yield (
         f"Surface ({what}), solid and load (p* = {first.reduced_pressure:.4g}{effects}) are those of the scene "
