@@ -139,7 +139,7 @@ def test_a_plain_solve_keeps_its_name_and_an_effect_changes_it(with_effects):
         ((STICKY,), {"fem": True}, r"\[\[effects\]\] 1 kind = 'adhesion': method 'fem' does not handle it"),
         ((COATED,), {"fem": True}, r"'coating': method 'fem'"),
         ((LAYER,), {"theory": True}, r"'thickness': method 'theory'"),
-        ((HARD.replace("40 kPa", "9 kPa"),), {}, r"\[\[effects\]\] 1 hardness = 9000 Pa: must not be below"),
+        ((HARD.replace("40 kPa", "9 kPa"),), {}, r"\[\[effects\]\] 1 hardness = 9 kPa: must not be below"),
         ((STICKY.replace("40 nm", "2 nm"),), {}, r"\[\[effects\]\] 1 reach = 2 nm: grid \[12, 12\] has"),
         ((LAYER,), {"fem": True}, r"methods\.fem\.depth: \[\[effects\]\] 1 thickness says the depth"),
         (

@@ -205,7 +205,7 @@ def test_help_names_the_options_that_are_refused_with_a_scene(scene, name):
         (
             "area",
             YIELDING.replace("reduced_pressure = 0.1", "pressure = 4e4"),
-            "hardness = 30000 Pa: must not be below the nominal pressure",
+            "hardness = 30 kPa: must not be below the nominal pressure",
         ),
     ],
 )

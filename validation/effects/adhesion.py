@@ -11,7 +11,7 @@ from pydantic import Field
 from validation.arrays import Grid
 from validation.effects.base import ContactModel, Effect, Judgement, Roughness, SlotName, TheoryInputs
 from validation.errors import UsageError
-from validation.report.quantities import as_length
+from validation.report.quantities import as_length, in_prefixed_unit
 from validation.units import Length, Work
 
 if TYPE_CHECKING:
@@ -125,8 +125,9 @@ class Adhesion(Effect):
     def unlisted(cls, rough: Roughness) -> Judgement:
         """Name the work of adhesion from which it matters."""
         return cls.unknown(
-            f"U_full = {rough.full_energy:.3g} J/m^2 (Persson 2006, Sec. 8)",
-            f"a work of adhesion and its range; it matters from about {rough.full_energy / 10:.2g} J/m^2",
+            f"U_full = {in_prefixed_unit(rough.full_energy, 'J/m^2', 3)} (Persson 2006, Sec. 8)",
+            "a work of adhesion and its range; it matters from about "
+            f"{in_prefixed_unit(rough.full_energy / 10, 'J/m^2', 2)}",
         )
 
     @classmethod

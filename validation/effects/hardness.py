@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 from validation.arrays import Array, Grid
 from validation.effects.base import ContactModel, Effect, Judgement, Roughness, SlotName, TheoryInputs
 from validation.errors import UsageError
-from validation.report.quantities import as_length
+from validation.report.quantities import as_length, in_prefixed_unit
 from validation.units import Length, Number, Pressure, wrong
 
 if TYPE_CHECKING:
@@ -96,8 +96,8 @@ class Hardness(Effect):
             )
         if not problem.load.held and self.hardness < problem.pressure:
             raise UsageError(
-                f"{key} hardness = {self.hardness:.6g} Pa: must not be below the nominal pressure "
-                f"{problem.pressure:.6g} Pa, or nothing carries the load"
+                f"{key} hardness = {in_prefixed_unit(self.hardness, 'Pa', 6)}: must not be below the nominal "
+                f"pressure {in_prefixed_unit(problem.pressure, 'Pa', 6)}, or nothing carries the load"
             )
 
     def judge(self, rough: Roughness) -> Judgement:
@@ -113,8 +113,8 @@ class Hardness(Effect):
         """Name the hardness above which yielding is rare."""
         scale = rough.modulus * rough.gradient
         return cls.unknown(
-            f"E* h'_rms = {scale:.4g} Pa (Persson 2006, Sec. 6)",
-            f"a hardness; negligible above {_RARE / 2 * scale:.3g} Pa",
+            f"E* h'_rms = {in_prefixed_unit(scale, 'Pa')} (Persson 2006, Sec. 6)",
+            f"a hardness; negligible above {in_prefixed_unit(_RARE / 2 * scale, 'Pa', 3)}",
         )
 
     @classmethod

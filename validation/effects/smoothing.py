@@ -7,6 +7,7 @@ from typing import ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from validation.effects.base import Effect, Judgement, Roughness, SlotName, TheoryInputs
+from validation.report.quantities import in_prefixed_unit
 from validation.units import Pressure, wrong
 
 #: Standard deviations of the full-contact stress beyond which points that yield are rare.
@@ -34,8 +35,8 @@ class Smoothing(Effect):
     def _carried(self) -> Self:
         if self.hardness <= self.pressure:
             raise wrong(
-                f"hardness = {self.hardness:.6g} Pa: must be above the pressure of the squeezing, "
-                f"{self.pressure:.6g} Pa"
+                f"hardness = {in_prefixed_unit(self.hardness, 'Pa', 6)}: must be above the pressure of the "
+                f"squeezing, {in_prefixed_unit(self.pressure, 'Pa', 6)}"
             )
         return self
 

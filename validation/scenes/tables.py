@@ -326,9 +326,9 @@ class Load(Table):
     mean_gap: Annotated[float, quantity("m", "length", "50 nm"), Field(ge=0)] | None = Field(
         default=None, description='mean gap that is held, e.g. "50 nm"'
     )
-    offset: Annotated[float, quantity("m", "length", "-50 nm")] | None = Field(
+    offset: Annotated[float, quantity("m", "length", "400 nm")] | None = Field(
         default=None,
-        description='distance of the mean planes before deformation that is held, e.g. "-50 nm"; -approach',
+        description='distance of the mean planes before deformation that is held, e.g. "400 nm"; -approach',
     )
 
     @model_validator(mode="after")
