@@ -19,7 +19,7 @@ from fem_contact.complementarity.fourier import (
     refined_along,
 )
 from fem_contact.complementarity.grids import Grids
-from fem_contact.complementarity.iteration_arrays import Errors, IterationArrays
+from fem_contact.complementarity.iteration_arrays import Errors, IterationArrays, _levels
 from fem_contact.complementarity.rows import Rows
 from fem_contact.complementarity.slabs import SlabNumpy, Slabs, shares
 from fem_contact.response import Response
@@ -115,15 +115,8 @@ class SlabIterationArrays(IterationArrays):
             rows, ny = -(-rows // 2), -(-ny // 2)
             self._sums.append(_padded(rows, ny, precision))
             self._counts.append(_padded(rows, ny, np.uint8))
-        self.sums = [level[: len(level) - 5] for level in self._sums]
-        self.counts = [level[: len(level) - 5] for level in self._counts]
-        #: The coarser levels, whole.
-        nx = -(-slabs.shape[0] // 2**slabs.depth)
-        self.top, self.top_counts = [np.empty((nx, ny), precision)], [np.empty((nx, ny), np.uint8)]
-        while max(nx, ny) > 4:
-            nx, ny = -(-nx // 2), -(-ny // 2)
-            self.top.append(np.empty((nx, ny), precision))
-            self.top_counts.append(np.empty((nx, ny), np.uint8))
+        self.levels = [level[:-5] for level in self._sums], [level[:-5] for level in self._counts]
+        self.top = _levels(-(-slabs.shape[0] // 2**slabs.depth), ny, self.gap.dtype.type)
 
     def move(self, factor: float, shift: float) -> Errors:
         """Move the gap, and measure the conditions there."""
@@ -140,64 +133,29 @@ class SlabIterationArrays(IterationArrays):
         parts = self.slabs.gathered(self.slope, self.most)
         self.slope, self.most = float(parts[:, 0].sum()), float(parts[:, 1].max())
 
-    def precondition(self) -> tuple[float, float]:
-        """Turn the residual into z = E' M E residual; sum z, and z times the image of the last step."""
-        k, sums, counts, top, top_counts = self.kernels, self.sums, self.counts, self.top, self.top_counts
-        for fine in range(len(sums) - 1):
-            k.pull(sums[fine], counts[fine], sums[fine + 1], counts[fine + 1])
-        top[0], top_counts[0] = self.slabs.whole(sums[-1]), self.slabs.whole(counts[-1])
-        for fine in range(len(top) - 1):
-            k.pull(top[fine], top_counts[fine], top[fine + 1], top_counts[fine + 1])
-        parts = np.take(k.PARTS, top_counts[-1])
-        top[-1] *= parts
-        for fine in range(len(top) - 2, -1, -1):
-            k.push(0, len(top[fine]), top[fine], top_counts[fine], top[fine + 1])
-        self._take_top()
-        for fine in range(len(sums) - 2, -1, -1):
-            k.push(0, len(sums[fine]), sums[fine], counts[fine], self._as_coarse(fine + 1))
-        self.rows.run(k.extend, self.buffer, self.gap, self.working, self._as_coarse(0))
-        self.quick.precondition(self.buffer, self.buffer)
-        self._fill_fine(self._buffer, self._working)
-        rows = len(sums[0])
-        self.coarse_rows.run(
-            k.push_transposed,
-            self._buffer[: 2 * rows + 4],
-            self._working[: 2 * rows + 4].view(np.uint8),
-            self._sums[0][: rows + 2],
-        )
-        for fine in range(len(sums) - 1):
-            self._fill_fine(self._sums[fine], self._counts[fine])
-            rows = len(sums[fine + 1])
-            both = (level[fine][: 2 * rows + 4] for level in (self._sums, self._counts))
-            k.push_transposed(0, rows, *both, self._sums[fine + 1][: rows + 2])
-        top[0] = self.slabs.whole(sums[-1])
-        for fine in range(len(top) - 1):
-            k.push_transposed(0, len(top[fine + 1]), top[fine], top_counts[fine], top[fine + 1])
-        top[-1] *= parts
-        for fine in range(len(top) - 2, -1, -1):
-            k.pull_transposed(top[fine], top_counts[fine], top[fine + 1])
-        self._take_top()
-        for fine in range(len(sums) - 2, -1, -1):
-            k.pull_transposed(sums[fine], counts[fine], sums[fine + 1])
-        total, image = self.rows.add(k.finish, self.buffer, self.working, sums[0], self.image)
-        return total, image
+    def _whole(self, level: AnyArray) -> AnyArray:
+        return self.slabs.whole(level)
 
     def _take_top(self) -> None:
-        first = self.slabs.first >> self.slabs.depth
-        self.sums[-1][...] = self.top[0][first : first + len(self.sums[-1])]
+        first, own = self.slabs.first >> self.slabs.depth, self.levels[0][-1]
+        own[...] = self.top[0][0][first : first + len(own)]
 
     def _as_coarse(self, level: int) -> AnyArray:
-        own, rows = self._sums[level], len(self.sums[level])
+        own, rows = self._sums[level], len(self.levels[0][level])
         own[rows + 1], own[rows] = self.slabs.beyond(own[0], own[rows - 1])
         return own[: rows + 2]
 
-    def _fill_fine(self, own: AnyArray, occupied: AnyArray) -> None:
+    def _as_fine(self, level: int) -> tuple[AnyArray, AnyArray, AnyArray]:
         """Add rows of the neighbours; nothing comes from occupied cells, nor from a row that is alone."""
-        rows = len(own) - 5
+        own = self._buffer if level < 0 else self._sums[level]
+        occupied = self._working.view(np.uint8) if level < 0 else self._counts[level]
+        coarse, rows = self._sums[level + 1], len(own) - 5
         even = rows + rows % 2
         ends = [np.where(occupied[row], own.dtype.type(0), own[row]) for row in (0, rows - 1)]
         own[rows:] = 0
         own[even + 3], own[even] = self.slabs.beyond(ends[0], ends[1] * (1 - rows % 2))
+        count = len(coarse) - 5
+        return own[: 2 * count + 4], occupied[: 2 * count + 4], coarse[: count + 2]
 
 
 def _padded(rows: int, columns: int, dtype: Any) -> AnyArray:

@@ -62,6 +62,16 @@ def _staggered(shape: tuple[int, int], place: int, dtype: type[np.floating[Any]]
     return raw[start : start + size].view(dtype).reshape(shape)
 
 
+def _levels(
+    nx: int, ny: int, precision: type[np.floating[Any]]
+) -> tuple[list[NDArray[Any]], list[NDArray[np.uint8]]]:
+    """Sums and counts on the levels from one of nx x ny cells up."""
+    shapes = [(nx, ny)]
+    while max(shapes[-1]) > 4:
+        shapes.append((-(-shapes[-1][0] // 2), -(-shapes[-1][1] // 2)))
+    return [np.empty(shape, precision) for shape in shapes], [np.empty(shape, np.uint8) for shape in shapes]
+
+
 class IterationArrays:
     """The arrays of one problem and the compiled passes over them, shared out over threads.
 
@@ -115,14 +125,11 @@ class IterationArrays:
         self.step[:] = self.image[:] = 0
         self.working = np.zeros((nx, ny), dtype=bool)
         self.slope, self.most = 0.0, 0.0
-        self.sums: list[NDArray[Any]] = []
-        self.counts: list[NDArray[np.uint8]] = []
-        while max(nx, ny) > 4 or not self.sums:
-            nx, ny = -(-nx // 2), -(-ny // 2)
-            self.sums.append(np.empty((nx, ny), dtype=precision))
-            self.counts.append(np.empty((nx, ny), dtype=np.uint8))
-        self.rows = Rows(heights.shape[0], threads=threads)
-        self.coarse_rows = Rows(self.sums[0].shape[0], threads=threads, least=64)
+        # Sums and counts of points in ever larger cells: levels in slabs, where the grid is, and whole ones.
+        self.top = _levels(-(-nx // 2), -(-ny // 2), precision)
+        self.levels = self.top[0][:1], self.top[1][:1]
+        self.rows = Rows(nx, threads=threads)
+        self.coarse_rows = Rows(-(-nx // 2), threads=threads, least=64)
 
     @property
     def nbytes(self) -> int:
@@ -137,7 +144,7 @@ class IterationArrays:
             self.buffer,
             self.working,
         )
-        return sum(array.nbytes for array in (*fields, *self.sums, *self.counts))
+        return sum(array.nbytes for array in (*fields, *self.top[0], *self.top[1]))
 
     @property
     def load_unit(self) -> float:
@@ -187,8 +194,8 @@ class IterationArrays:
             self.load_unit,
             self.stiffness,
             self.working,
-            self.sums[0],
-            self.counts[0],
+            self.levels[0][0],
+            self.levels[1][0],
         )
         moments, totals, lowest, highest, free, last, images = zip(*parts, strict=True)
         return Errors(
@@ -203,24 +210,50 @@ class IterationArrays:
 
     def precondition(self) -> tuple[float, float]:
         """Turn the residual into z = E' M E residual; sum z, and z times the image of the last step."""
-        k, sums, counts = self.kernels, self.sums, self.counts
-        for fine in range(len(sums) - 1):
+        k, (sums, counts), (top, top_counts) = self.kernels, self.levels, self.top
+        local, whole = range(len(sums) - 1), range(len(top) - 1)
+        for fine in local:
             k.pull(sums[fine], counts[fine], sums[fine + 1], counts[fine + 1])
-        shares = np.take(k.PARTS, counts[-1])
-        sums[-1] *= shares
-        for fine in range(len(sums) - 2, -1, -1):
-            k.push(0, sums[fine].shape[0], sums[fine], counts[fine], sums[fine + 1])
-        self.rows.run(k.extend, self.buffer, self.gap, self.working, sums[0])
+        top[0], top_counts[0] = self._whole(sums[-1]), self._whole(counts[-1])
+        for fine in whole:
+            k.pull(top[fine], top_counts[fine], top[fine + 1], top_counts[fine + 1])
+        shares = np.take(k.PARTS, top_counts[-1])
+        top[-1] *= shares
+        for fine in reversed(whole):
+            k.push(0, len(top[fine]), top[fine], top_counts[fine], top[fine + 1])
+        self._take_top()
+        for fine in reversed(local):
+            k.push(0, len(sums[fine]), sums[fine], counts[fine], self._as_coarse(fine + 1))
+        self.rows.run(k.extend, self.buffer, self.gap, self.working, self._as_coarse(0))
         self.quick.precondition(self.buffer, self.buffer)
-        self.coarse_rows.run(k.push_transposed, self.buffer, self.working.view(np.uint8), sums[0])
-        for fine in range(len(sums) - 1):
-            rows = sums[fine + 1].shape[0]
-            k.push_transposed(0, rows, sums[fine], counts[fine], sums[fine + 1])
-        sums[-1] *= shares
-        for fine in range(len(sums) - 2, -1, -1):
+        self.coarse_rows.run(k.push_transposed, *self._as_fine(-1))
+        for fine in local:
+            k.push_transposed(0, len(sums[fine + 1]), *self._as_fine(fine))
+        top[0] = self._whole(sums[-1])
+        for fine in whole:
+            k.push_transposed(0, len(top[fine + 1]), top[fine], top_counts[fine], top[fine + 1])
+        top[-1] *= shares
+        for fine in reversed(whole):
+            k.pull_transposed(top[fine], top_counts[fine], top[fine + 1])
+        self._take_top()
+        for fine in reversed(local):
             k.pull_transposed(sums[fine], counts[fine], sums[fine + 1])
         total, image = self.rows.add(k.finish, self.buffer, self.working, sums[0], self.image)
         return total, image
+
+    def _whole(self, level: NDArray[Any]) -> NDArray[Any]:
+        return level
+
+    def _take_top(self) -> None:
+        """Take the rows of `levels` over from `top`, whose finest they are."""
+
+    def _as_coarse(self, level: int) -> NDArray[Any]:
+        """Sums of a level as the next finer one reads them."""
+        return self.levels[0][level]
+
+    def _as_fine(self, level: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+        """Values and counts of a level, -1 for the grid, as the next coarser one reads them, and its sums."""
+        return self.buffer, self.working.view(np.uint8), self.levels[0][0]
 
     def trial(self, load: float, *, length: float, beta: float, shift: float) -> None:
         """Write the step to the clipped trial force of the prescribed sum."""
