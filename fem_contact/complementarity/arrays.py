@@ -267,8 +267,9 @@ class PlainIterationArrays(IterationArrays):
             levels.append(self._gathered(rest))
         above = nothing(levels[-1])
         for k in range(len(levels) - 1, -1, -1):
-            own = (levels[k] + above) * shares[k]
-            above = self._repeated(own, levels[k - 1].shape) if k else own
+            nx, ny = levels[k].shape
+            own = (levels[k] + above[:nx, :ny]) * shares[k]
+            above = own if k == 0 else xp.repeat(xp.repeat(own, 2, axis=0), 2, axis=1)
         self.buffer[...] = above
         return self._sum(above), self._sum(above * self.image)
 
@@ -280,13 +281,6 @@ class PlainIterationArrays(IterationArrays):
         if ny % 2:
             fine = xp.concat([fine, xp.zeros_like(fine[:, :1])], axis=1)
         return fine[::2, ::2] + fine[1::2, ::2] + fine[::2, 1::2] + fine[1::2, 1::2]
-
-    def _repeated(self, coarse: Values, shape: tuple[int, int]) -> Values:
-        """Give each point of a level the value of its cell."""
-        xp = self.xp
-        for axis in (0, 1):
-            coarse = xp.repeat(coarse, 2, axis=axis)
-        return coarse[: shape[0], : shape[1]]
 
     def _spread(self, coarse: Values, shape: tuple[int, int]) -> Values:
         """Interpolate a level bilinearly to the next finer one."""
@@ -318,15 +312,12 @@ class PlainIterationArrays(IterationArrays):
         xp, x = self.xp, self.force
         nothing = xp.zeros_like(x)
         y = x + length * (self.buffer + beta * self.step - shift * self._phi)
-        y = xp.where(self.working & (y > 0), y, nothing)
+        y = xp.where(self.working, xp.clip(y, 0.0, None), nothing)
         if self.bound is None:
             total = self._sum(y)
-            if total > 0:
-                y = y * (load / total)
-            self._step_to(y)
+            self._step_to(y * (load / total) if total > 0 else y)
             return
-        y = xp.where(~self.working & (x >= 0.5 * self.bound), self.bound, y)
-        y = xp.where(y < self.bound, y, self.bound)
+        y = xp.where(~self.working & (x >= 0.5 * self.bound), self.bound, xp.clip(y, None, self.bound))
         between = (y > 0) & (y < self.bound)
         missing = load - self._sum(y)
         room = xp.where(between, self.bound - y if missing > 0 else y, nothing)
@@ -338,25 +329,10 @@ class PlainIterationArrays(IterationArrays):
 
     def _step_to(self, force: Values) -> None:
         self.step[...] = force - self.force
+        self._restore(0.0)
+
+    def _restore(self, toward: float) -> None:
         self.slope = self._sum(self.gap * self.step)
-
-    def project(self, load: float) -> None:
-        """Write the step of the projected gradient: to the forces of that sum nearest to x - stiffness g."""
-        xp, mean = self.xp, load / self.count
-        aim = self.force - self.stiffness * self.gap
-
-        def clipped(shift: float) -> Values:
-            moved = xp.where(aim + shift > 0, aim + shift, xp.zeros_like(aim))
-            return moved if self.bound is None else xp.where(moved < self.bound, moved, self.bound)
-
-        low = mean - float(xp.max(aim))
-        high = (mean if self.bound is None else float(xp.max(self.bound))) - float(xp.min(aim))
-        for _ in range(200):
-            middle = 0.5 * (low + high)
-            if not low < middle < high:
-                break
-            low, high = (middle, high) if self._sum(clipped(middle)) < load else (low, middle)
-        self._step_to(clipped(high))
 
     def bend(self) -> float:
         """Apply the response to the step; its curvature, sum s v."""
@@ -376,8 +352,7 @@ class PlainIterationArrays(IterationArrays):
     def advance(self, factor: float) -> tuple[float, float]:
         """Move the force by `factor` steps; sum phi, and phi times the gap there before the offset moves."""
         xp = self.xp
-        moved = self.force + factor * self.step
-        moved = xp.where(moved > 0, moved, xp.zeros_like(moved))
+        moved = xp.clip(self.force + factor * self.step, 0.0, None)
         if self.bound is not None:
             moved = xp.where(moved < self.bound * (1 - 1e-14), moved, self.bound)
         self.force[...] = moved

@@ -55,7 +55,12 @@ class FreeOperator:
     ) -> None:
         self.shape = shape
         self.threads = available_processors() if threads is None else threads
-        cells = _cell_kernel(shape, lengths) / (np.pi * response.contact_modulus)
+        # Displacement at 0 to n cells from a cell under unit pressure.
+        (nx, ny), (dx, dy) = shape, (length / n for length, n in zip(lengths, shape, strict=True))
+        x, y = (np.arange(nx + 2) - 0.5) * dx, (np.arange(ny + 2) - 0.5) * dy
+        x, y = x[:, None], y[None, :]
+        corners = x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))
+        cells: Array = np.diff(np.diff(corners, axis=0), axis=1) / (np.pi * response.contact_modulus)
         qx, qy = (np.pi * np.arange(n) / length for n, length in zip(shape, lengths, strict=True))
         stiffness: Array = 0.5 * response.contact_modulus * np.hypot(qx[:, None], qy[None, :])
         self.stiffness = float(np.mean(stiffness))
@@ -87,15 +92,6 @@ class FreeOperator:
         waves = scipy.fft.dctn(residual, workers=self.threads)
         waves /= self.compliance
         out[...] = scipy.fft.idctn(waves, workers=self.threads, overwrite_x=True)
-
-
-def _cell_kernel(shape: tuple[int, int], lengths: tuple[float, float]) -> Array:
-    """Displacement at 0 to n cells from a cell under unit pressure, times pi E*, (nx + 1, ny + 1) [m]."""
-    (nx, ny), (dx, dy) = shape, (length / n for length, n in zip(lengths, shape, strict=True))
-    x, y = (np.arange(nx + 2) - 0.5) * dx, (np.arange(ny + 2) - 0.5) * dy
-    x, y = x[:, None], y[None, :]
-    corners = x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))
-    return np.asarray(np.diff(np.diff(corners, axis=0), axis=1))
 
 
 def operator_of(

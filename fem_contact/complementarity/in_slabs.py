@@ -98,7 +98,7 @@ class SlabIterationArrays(IterationArrays):
         *,
         bound: Array | None,
         caution: float,
-        units: tuple[float, float] | None,
+        units: tuple[float, float] | None = None,
         threads: int,
     ) -> None:
         super().__init__(operator, heights, bound=bound, caution=caution, units=units, threads=threads)

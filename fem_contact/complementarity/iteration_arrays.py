@@ -65,7 +65,7 @@ def _staggered(shape: tuple[int, int], place: int, dtype: type[np.floating[Any]]
 def _levels(
     nx: int, ny: int, precision: type[np.floating[Any]]
 ) -> tuple[list[NDArray[Any]], list[NDArray[np.uint8]]]:
-    """Sums and counts on the levels from one of nx x ny cells up."""
+    """Return arrays of the sums and counts of the level of nx x ny cells and those above."""
     shapes = [(nx, ny)]
     while max(shapes[-1]) > 4:
         shapes.append((-(-shapes[-1][0] // 2), -(-shapes[-1][1] // 2)))
@@ -248,7 +248,7 @@ class IterationArrays:
         """Take the rows of `levels` over from `top`, whose finest they are."""
 
     def _as_coarse(self, level: int) -> NDArray[Any]:
-        """Sums of a level as the next finer one reads them."""
+        """Return the sums of a level as the next finer one reads them."""
         return self.levels[0][level]
 
     def _as_fine(self, level: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
@@ -294,21 +294,18 @@ class IterationArrays:
 
         Whatever the state, it is a direction of descent; it is slow and used where the other is none.
         """
-        force = self.force * self.load_unit
+        xp, force, mean = self.xp, self.force * self.load_unit, load / self.count
         aim = force - self.stiffness * self.gap
-        top = np.inf if self.bound is None else self.bound * self.load_unit
-        mean = load / self.count
-        low = mean - float(self.xp.max(aim))
-        high = (mean if self.bound is None else float(self.xp.max(top))) - float(self.xp.min(aim))
+        top = None if self.bound is None else self.bound * self.load_unit
+        low = mean - float(xp.max(aim))
+        high = (mean if top is None else float(xp.max(top))) - float(xp.min(aim))
         for _ in range(200):
             middle = 0.5 * (low + high)
             if not low < middle < high:
                 break
-            if float(self.xp.mean(np.clip(aim + middle, 0.0, top))) < mean:
-                low = middle
-            else:
-                high = middle
-        self.step[...] = np.clip(aim + high, 0.0, top) - force
+            below = float(xp.mean(xp.clip(aim + middle, 0.0, top))) < mean
+            low, high = (middle, high) if below else (low, middle)
+        self.step[...] = xp.clip(aim + high, 0.0, top) - force
         self._restore(0.0)
 
     def bend(self) -> float:

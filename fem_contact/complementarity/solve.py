@@ -75,24 +75,18 @@ def solve_bounded(
     if isinstance(operator, ArrayOperator):
         arrays: IterationArrays = PlainIterationArrays(operator, heights, bound=bound, caution=_CAUTION)
     else:
-        units = _units(operator, mean_force=mean_force, length_scale=length_scale) if single else None
         options: dict[str, Any] = {"bound": bound, "caution": _CAUTION, "threads": settings.workers}
+        if single and isinstance(operator, FourierOperator) and length_scale > 0:
+            least, most = (mean_force / length_scale * size for size in operator.extremes)
+            if np.finfo(np.float32).tiny * 1e6 < least and most < np.finfo(np.float32).max * 1e-6:
+                options["units"] = mean_force, length_scale
         if isinstance(operator, SlabOperator):
-            arrays = SlabIterationArrays(operator, heights, units=units, **options)
+            arrays = SlabIterationArrays(operator, heights, **options)
         else:
-            arrays = IterationArrays(operator, heights, units=units, **options)
+            arrays = IterationArrays(operator, heights, **options)
     _set_start(arrays, start, mean_force)
     del start
     return _iterate(arrays, mean_force=mean_force, length_scale=length_scale, settings=settings, draft=draft)
-
-
-def _units(operator: Operator, *, mean_force: float, length_scale: float) -> tuple[float, float] | None:
-    """Force and length in units of which single precision holds a problem; None where it does not."""
-    if not (isinstance(operator, FourierOperator) and length_scale > 0):
-        return None
-    factor, range_ = mean_force / length_scale, np.finfo(np.float32)
-    least, most = (factor * size for size in operator.extremes)
-    return (mean_force, length_scale) if range_.tiny * 1e6 < least and most < range_.max * 1e-6 else None
 
 
 #: Trial length of the first step, and the range it may move in; the preconditioner is scaled like the inverse
@@ -336,9 +330,10 @@ def solve_nested(
     finest, size = grids.shape, math.prod(grids.shape)
     coarsely = replace(settings, tolerance=max(settings.tolerance, _COARSE))
     levels, shapes = [heights], [finest]
-    for shape in [] if given else _coarse_shapes(finest):
-        levels.append(grids.coarsened(levels[-1], shapes[-1], shape))
-        shapes.append(shape)
+    while not given and max(shapes[-1]) > _COARSEST:
+        nx, ny = (n if n <= _COARSEST // 2 else -(-n // 2) for n in shapes[-1])
+        levels.append(grids.coarsened(levels[-1], shapes[-1], (nx, ny)))
+        shapes.append((nx, ny))
     previous = finest
     while len(levels) > 1:
         smooth, shape = levels.pop(), shapes.pop()
@@ -412,13 +407,3 @@ _COARSE = 1e-2
 
 #: Grids are halved down to this number of points.
 _COARSEST = 32
-
-
-def _coarse_shapes(shape: tuple[int, ...]) -> list[tuple[int, int]]:
-    """Coarser and coarser grids below the given one."""
-    shapes = []
-    nx, ny = shape
-    while max(nx, ny) > _COARSEST:
-        nx, ny = (n if n <= _COARSEST // 2 else -(-n // 2) for n in (nx, ny))
-        shapes.append((nx, ny))
-    return shapes
