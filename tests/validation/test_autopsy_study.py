@@ -200,18 +200,39 @@ def test_rings_without_a_wave_are_left_out():
     assert few.tolist() == pytest.approx([1.0, 2**0.5, 2.0])
 
 
-@pytest.fixture(scope="module")
-def data(bench):
+def autopsied(bench, points_per_wave):
     options = autopsy.Options(
         hursts=(0.8,),
         reduced_pressures=(0.1, 4.0),
-        points_per_wave=(4.0, 6.0),
+        points_per_wave=points_per_wave,
         probe_points_per_wave=(6.0, 9.0),
         slope_points_per_wave=(4.0, 6.0, 8.0),
         variance_steps=(0.01, 0.16),
         **SMALL,
     )
     return autopsy.run(options, bench=bench)
+
+
+@pytest.fixture(scope="module")
+def data(bench):
+    return autopsied(bench, (4.0, 6.0))
+
+
+def test_the_grids_share_is_what_finer_grids_change(data, bench):
+    finer = autopsied(bench, (16.0, 24.0))
+    for name in (
+        "square_growth",
+        "square_diffusion",
+        "square_drift",
+        "square_reentry",
+        "area_exponent_pixel",
+    ):
+        share = data[f"{name}_error"].sel(source="grid").isel(load=0).values
+        off = np.abs(data[name] - finer[name]).isel(load=0).values
+        assert np.all(off < 1.5 * share), name
+        assert np.all(share < 0.15), name
+    # P'(0), of three grids: the parabola through them beside the straight line.
+    assert np.all(data.pressure_slope_error.sel(source="grid").isel(load=0) > 0.1)
 
 
 def test_at_full_contact_the_budgets_of_every_octave_are_those_of_the_theory(data):

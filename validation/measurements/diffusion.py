@@ -16,15 +16,13 @@ import xarray as xr
 from persson import elastic
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
-from validation.measurements.limits import solved, stored_variables, two_grid_limit, value_at_zero
+from validation.measurements.limits import ABSENT, solved, stored_variables, two_grid_limit, value_at_zero
 from validation.measurements.measurement import area_limits
 from validation.measurements.rings import AREAS
-from validation.report.estimates import NORMAL, derive, error_of, gather, mean, nearest
+from validation.report.estimates import NORMAL, claim, derive, error_of, gather, mean, nearest
 
 #: d ln A / d ln V of the theory from which on the contact is not full.
 TOUCHED = -0.05
-#: Areas of the theory at which the simulated one is told.
-_SHARES = (0.9, 0.5, 0.2, 0.1)
 #: How near 1/2 an exponent is called so.
 _HALF = 0.03
 #: A relative change of the area too small to be compared with another.
@@ -83,14 +81,17 @@ def budgets_of(
         points_per_wave=("grid", per_wave),
     )
     like = data.pixel.isel(grid=0, drop=True).transpose(*others)
-    value, error = (like.copy(data=part.reshape(like.shape)) for part in area_limits(areas))
+    parts = (*area_limits(areas), area_limits(areas.isel(grid=slice(None, -1)))[0])
+    value, error, coarser = (
+        like.copy(data=part.reshape(like.shape)).drop_vars(["load", "surface"]) for part in parts
+    )
     data = data.drop_vars([*AREAS, "load", "grid", "surface"])
     data = data.rename({str(name): f"{name}_each" for name in data.data_vars if name != "solve"})
     for k, name in enumerate(("area_each", "area_negative_each")):
-        limit = value.drop_vars(["load", "surface"]).isel(sign=k, drop=True)
-        spread = NORMAL * error.drop_vars(["load", "surface"]).isel(sign=k, drop=True)
+        limit = value.isel(sign=k, drop=True)
         data[name] = limit.assign_attrs(reduction="limit", of="subcell")
-        data[f"{name}_error"] = error_of(limit, grid=spread)
+        data[f"{name}_error"] = error_of(limit, grid=NORMAL * error.isel(sign=k, drop=True))
+        data[f"coarser_{name}"] = coarser.isel(sign=k, drop=True)
     return data.assign(grid_spacing=("grid", [1 / n for n in per_wave]))
 
 
@@ -105,11 +106,17 @@ def of_probe(data: xr.Dataset) -> xr.Dataset:
 def with_diffusion_terms(data: xr.Dataset) -> xr.Dataset:
     """Add what the budgets say, surface by surface, and means over the surfaces.
 
+    The grids' share of a mean is how far it moves without the finest grid.
     Coordinates are ``magnification`` (level), ``octave_start`` (octave), ``relative_step`` (variance_step) and
     ``upper`` (bin), edges in units of sqrt(V).
     """
-    data = _with_memory(_with_restarts(_with_area_budget(_with_square_budget(data))))
-    data = _with_profiles(_with_flows(data))
+    coarse_areas = [name for name in map(str, data.data_vars) if name.startswith("coarser_")]
+    coarser = _terms(_without_finest(data, coarse_areas))
+    data = _terms(data.drop_vars(coarse_areas))
+    names = (f"{name}_each" for name in (*_OF_CHAINS, *_OF_PROBES))
+    # Areas have an error of the grids already, P'(0) a drift.
+    moved = [n for n in names if not {f"{n}_error", f"{n}_drift"} & set(data.data_vars)]
+    data = _added(data, **{f"{name}_drift": coarser[name] - data[name] for name in moved})
     data = mean(data, *_OF_CHAINS)
     data = mean(data, *_OF_PROBES, over="probe_surface")
     # Both sides of a budget are of the same surfaces: their gap has no interval of its own.
@@ -119,7 +126,22 @@ def with_diffusion_terms(data: xr.Dataset) -> xr.Dataset:
         square_gap=abs(data.square_told / data.square_growth - 1).max(),
         area_gap=closed.where(data.area_exponent_persson < TOUCHED),
     )
-    return _with_shares(_with_slopes(derive(data, power_excess=f"(power_limit - 0.5) / {_HALF}")))
+    return _with_slopes(derive(data, power_excess=f"(power_limit - 0.5) / {_HALF}"))
+
+
+def _terms(data: xr.Dataset) -> xr.Dataset:
+    data = _with_memory(_with_restarts(_with_area_budget(_with_square_budget(data))))
+    return _with_profiles(_with_flows(data))
+
+
+def _without_finest(data: xr.Dataset, coarse_areas: list[str]) -> xr.Dataset:
+    """Return what there is without the finest grids; a single one that is left stands for its own limit."""
+    data = data.assign({name.removeprefix("coarser_"): data[name] for name in coarse_areas})
+    for grid, spacing in (("grid", "grid_spacing"), ("probe_grid", "grid_spacing_probe")):
+        single = data.sizes[grid] == 2
+        left = data.isel({grid: [0, 0] if single else slice(None, -1)})
+        data = left.assign({spacing: data[spacing]}) if single else left
+    return data.drop_vars(coarse_areas)
 
 
 def _late(data: xr.Dataset) -> dict[str, list[int]]:
@@ -350,24 +372,10 @@ def _with_slopes(data: xr.Dataset) -> xr.Dataset:
     first = data.area_probe.isel(probe_level=0), data.area_probe_error.isel(probe_level=0)
     data = data.assign(start=first[0], start_error=first[1])
     data = derive(
-        data,
+        claim(data, "pressure_slope", **ABSENT),
         slope_ratio="pressure_slope / pressure_slope_persson",
         edge_loss_persson="own / erf(nominal / 2**.5)",
         edge_loss_slope="slope_ratio * own / start",
         edge_loss_excess="edge_loss_slope - edge_loss",
     )
     return data.drop_vars(["nominal", "own", "start", "start_error"])
-
-
-def _with_shares(data: xr.Dataset) -> xr.Dataset:
-    # His area falls along zeta.
-    theory, ratio = (data[name].isel(level=slice(None, None, -1)) for name in ("area_persson", "area_ratio"))
-    ratios = xr.apply_ufunc(
-        lambda x, y: np.interp(_SHARES, x, y, left=np.nan, right=np.nan),
-        theory,
-        ratio,
-        input_core_dims=[["level"], ["level"]],
-        output_core_dims=[["share"]],
-        vectorize=True,
-    )
-    return data.assign_coords(share=list(_SHARES)).assign(area_ratio_at_share=ratios)

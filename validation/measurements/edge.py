@@ -103,7 +103,7 @@ def slopes_of(
     *,
     points_per_wave: Sequence[float],
 ) -> dict[Place, xr.Dataset]:
-    """P'(0) of each surface at dx -> 0, and how far it moves without the coarsest of its grids.
+    """P'(0) of each surface at dx -> 0, and how far it moves on other grids (`edge_limits`).
 
     ``pressure_slope_each`` in units of (E* h'_rms)^-2, by a polynomial of at most second degree in
     dx^(1/2), and its drift. Grids are rising lambda_short/dx; `window_slope` ends at 1.2 E* h'_rms
@@ -124,9 +124,8 @@ def slopes_of(
             for n, dx in zip(points_per_wave, spacing, strict=True)
         }
         data = edge_limits(gather(starts, grid=points_per_wave).assign_coords(spacing=("grid", spacing)))
-        name = "initial_slope_window_each"
-        drift = data.get(f"{name}_drift", 0.0)
-        slopes[place] = xr.Dataset({"pressure_slope_each": data[name], "pressure_slope_each_drift": drift})
+        names = {f"initial_slope_window_each{what}": f"pressure_slope_each{what}" for what in ("", "_drift")}
+        slopes[place] = data[[*names]].rename(names)
     return slopes
 
 
@@ -199,4 +198,7 @@ def edge_limits(data: xr.Dataset) -> xr.Dataset:
         if values.sizes["grid"] > 3:
             finer = (array.isel(grid=slice(1, None)) for array in (values, x))
             data[f"{name}_each_drift"] = value_at_zero(*finer, degree=degree) - limit
+        elif values.sizes["grid"] == 3:
+            # A straight line: two of its points tell a third of what its bend leaves.
+            data[f"{name}_each_drift"] = value_at_zero(values, x, degree=2, places_more=0) - limit
     return data

@@ -192,11 +192,13 @@ def two_grid_limit(values: xr.DataArray, spacing: xr.DataArray) -> xr.DataArray:
     return finest + two_grid_step(values, spacing)
 
 
-def value_at_zero(values: xr.DataArray, x: xr.DataArray, *, degree: int) -> xr.DataArray:
-    """Value at x = 0 by a polynomial along the dimension of x, of at most two coefficients less than its places."""
+def value_at_zero(
+    values: xr.DataArray, x: xr.DataArray, *, degree: int, places_more: int = 1
+) -> xr.DataArray:
+    """Value at x = 0 by a polynomial along the dimension of x; it has more places than coefficients, if more than two."""
 
     def fit(y: NDArray[np.float64], at: NDArray[np.float64]) -> float:
-        most = min(degree, at.size - 2) if at.size > 2 else 1
+        most = min(degree, at.size - 1 - places_more) if at.size > 2 else 1
         return float(np.polyfit(at, y, most)[most])
 
     along = [str(x.dims[-1])]

@@ -192,7 +192,7 @@ def views(data: xr.Dataset) -> Views:
     )
     return Views(
         table=Table(rows=("hurst", "load", "octave"), columns=(*columns, *areas)),
-        budget=("square_growth_late", "edge_loss"),
+        budget=("square_growth_late", "edge_loss", "pressure_slope"),
         figures=[Figure(name=name, caption=_CAPTIONS[name], panels=some) for name, some in panels.items()],
         findings=_findings(data),
     )
@@ -246,7 +246,7 @@ def _findings(data: xr.Dataset) -> list[Finding]:
             "comparison",
             "Eq. 26 with the true slope of P(p) at zero ({place}) has for the loss of area -d ln A/d ln V: {each}.",
             probed,
-            item=f"{{edge_loss_slope}}, {{verdict}} the true {{edge_loss}}, {_WHERE}",
+            item=f"{{edge_loss_slope}}, {{verdict}} the true {{edge_loss}}, {_WHERE} (P'(0) is {{slope_ratio}} times Persson's)",
             by="edge_loss_excess",
             **rows,
         ),
