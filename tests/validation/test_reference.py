@@ -113,7 +113,7 @@ def test_each_kind_of_amplitudes_and_of_gradient_has_its_own_numbers(planted):
     assert gaussian["gap"].value == pytest.approx(1.02 * plain["gap"].value, rel=1e-12)
     with pytest.raises(UsageError, match=r"no cell at H = 0.5.*amplitudes = gaussian"):
         reference.lookup(**asked | {"hurst": 0.5}, amplitudes="gaussian")
-    with pytest.raises(UsageError, match=r"gradient = 'profile': must be one of surface, spectrum"):
+    with pytest.raises(UsageError, match=r"gradient = 'profile': must be 'surface' or 'spectrum'"):
         reference.lookup(**asked, gradient="profile")
     told = ["reference", "--hurst", "0.1", "--ratio", "8", "--reduced-pressure", "0.1", "--json"]
     told += ["--amplitudes", "gaussian", "--gradient", "spectrum"]

@@ -124,7 +124,8 @@ class Contact:
         NoLimit
             Where these grids tell none, with the reason.
         """
-        if not isinstance(grids or [], Sequence) or isinstance(grids, str):
+        grids = [] if grids is None else grids
+        if not isinstance(grids, Sequence) or isinstance(grids, (str, bytes)):
             raise UsageError(f"limit: {grids!r}: give several grids, as limit([32, 48, 64])")
         data = self._on([pair(grid) for grid in grids or map(self._grid, _LADDER)]).data
         if why := str(data.no_limit.item()):
@@ -137,8 +138,8 @@ class Contact:
         ``pressure_difference`` is the relative L2 norm; ``area_pixel_difference`` and
         ``area_perimeter_difference`` are relative, too.
         """
-        if method == self.solve.method:
-            raise UsageError(f"against: it was pressed by {method!r}; name another method")
+        if not isinstance(method, str) or method == self.solve.method:
+            raise UsageError(f"against: it was pressed by {self.solve.method!r}; name another method")
         other = {method: {"grids": [self.solve.grid]}}
         data = pressed(self._methods(other), self.problem, done=self.solved).data
         names = ["pressure_difference", "area_pixel_difference", "area_perimeter_difference"]

@@ -159,7 +159,10 @@ def table(contacts: Iterable[Contact], *, along: str = "reduced_pressure", limit
     UsageError
         For contacts that do not differ in it.
     """
-    pressed_ones = list(contacts) if isinstance(contacts, Iterable) else [contacts]
+    try:
+        pressed_ones: list[Any] = list(contacts)
+    except TypeError:
+        pressed_ones = [contacts]
     if wrong := [one for one in pressed_ones if not isinstance(one, Contact)]:
         raise UsageError(f"table: {wrong[0]!r}: give a list of contacts, as [press(...), press(...)]")
     inputs = [_said(contact) for contact in pressed_ones]

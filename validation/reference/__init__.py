@@ -7,6 +7,7 @@ from dataclasses import replace
 from importlib import resources
 from typing import TYPE_CHECKING
 
+from contact_checks import Checks
 from validation.errors import RunFailed, UsageError
 from validation.reference.interpolation import ReferenceValue, interpolated
 from validation.reference.theory import persson_theory
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
 __all__ = ["ReferenceValue", "lookup", "persson_theory", "table", "wide"]
 
 _QUANTITIES = ("area", "gap", "compliance", "energy_ratio", "density_slope", "patch_density")
-_AMPLITUDES, _GRADIENTS = ("exact", "gaussian"), ("surface", "spectrum")
 
 
 def table() -> xr.Dataset:
@@ -96,16 +96,17 @@ def lookup(
     >>> 0.105 < found.value < 0.115, found.uncertainty < 0.002
     (True, True)
     """
-    for name, choice, known in (("amplitudes", amplitudes, _AMPLITUDES), ("gradient", gradient, _GRADIENTS)):
-        if choice not in known:
-            raise UsageError(f"{name} = {choice!r}: must be one of {', '.join(known)}")
+    check = Checks(UsageError, least=0.0, greatest=1e300)
+    check.choice("amplitudes", amplitudes, ("exact", "gaussian"))
+    check.choice("gradient", gradient, ("surface", "spectrum"))
+    point = {"hurst": hurst, "bandwidth": bandwidth, "reduced_pressure": reduced_pressure}
+    point = {name: check.number(name, value) for name, value in point.items()}
     data = table()
-    if bandwidth > data.bandwidth.max():
+    if point["bandwidth"] > data.bandwidth.max():
         data = wide()
         data = data.sel(bandwidth=data.area.notnull().all("reduced_pressure").any(("amplitudes", "hurst")))
     data = _columns(data, amplitudes, gradient)
     names = [name for name in _QUANTITIES if f"{name}_error" in data.data_vars]
-    point = {"hurst": hurst, "bandwidth": bandwidth, "reduced_pressure": reduced_pressure}
     try:
         values = {name: interpolated(data, name, point) for name in names}
     except UsageError as error:
