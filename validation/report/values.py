@@ -81,8 +81,9 @@ class Value:
             return "not determinable"
         if not self.error:
             digits = 3 if unit else 4
-            rounded = value if value == int(value) else float(f"{value:.{digits}g}")
-            return f"{sign}{rounded:g}{unit}"
+            if value == int(value) and abs(value) < 1e9:  # a count, such as of unknowns
+                return f"{sign}{value:.0f}{unit}"
+            return f"{sign}{float(f'{value:.{digits}g}'):g}{unit}"
         if not math.isfinite(self.error):
             return f"{sign}{significant(value, 3)}{unit}"
         text = with_error(value, factor * self.error)
