@@ -148,7 +148,8 @@ class Run:
         surface |= {key: asked[key] for key in ("path", "second_path") if key in asked and key in surface}
         if self.measured:  # it names no usual treatment of later versions
             surface = {"spikes": "keep", **surface}
-            surface.pop("heights", None)
+            for since in ("heights", "clipped"):
+                surface.pop(since, None)
             k = surface.pop("more_paths", 0)
             asked = {"tilt": "keep", "spikes": "keep", **asked}
             asked = {key: value for key, value in asked.items() if key not in ("treatment", "more_paths")}

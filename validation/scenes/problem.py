@@ -226,6 +226,8 @@ class ContactProblem:
             surface |= {"path": self.measured.digest, "tilt": surface["tilt"] or "keep"}
             if surface["edges"] != "free":  # solves of before counted from the zero of the file
                 surface["heights"] = "over the mean plane"
+            if surface["spikes"] == "clip":  # solves of before knew only what is far from all heights
+                surface["clipped"] = "single points too"
             surface["second_path"] = self.measured.raw.second_digest or None
             surface["more_paths"] = self.realisation  # which of the maps it is
             usual = {"treatment": surface["treatment"], "spikes": "keep"}

@@ -212,7 +212,8 @@ class FileSurface(Table):
     )
     spikes: Literal["keep", "clip"] = Field(
         default="keep",
-        description="what to do with heights more than 6 standard deviations of the middle half away",
+        description="what to do with heights more than 6 standard deviations of the middle half away, and "
+        "with single points that many steps above or below all their neighbours",
     )
     lambda_short: Length | None = Field(
         default=None,
@@ -228,8 +229,7 @@ class FileSurface(Table):
     )
     treatment: bool | None = Field(
         default=None,
-        description="whether a run also treats the map otherwise, which a sweep never does; "
-        "default: where that is cheap",
+        description="whether a run also treats the map otherwise; default: where that is cheap",
     )
 
     @model_validator(mode="after")

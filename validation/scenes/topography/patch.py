@@ -147,12 +147,25 @@ class Topography:
         return replace(self, heights=heights, history=(*self.history, words))
 
     def clipped(self) -> Topography:
-        """Bring heights far from the middle half of all back to that distance."""
+        """Bring heights far from all others back to that distance, and single points to their neighbours.
+
+        Far is beyond six standard deviations of the middle half: of all heights, and, above the highest or
+        below the lowest of the eight neighbours, of the steps from point to point.
+        """
         known = self.heights[np.isfinite(self.heights)]
-        low, middle, high = np.percentile(known, (25, 50, 75))
-        most = _CLIPPED * (high - low) / _QUARTILES
-        heights = np.clip(self.heights, middle - most, middle + most)
-        count = int(np.count_nonzero(np.abs(known - middle) > most))
+        most = _far(known)
+        heights = np.clip(self.heights, np.median(known) - most, np.median(known) + most)
+        padded = np.pad(heights, 1, constant_values=np.nan)
+        nx, ny = heights.shape
+        around = [padded[i : i + nx, j : j + ny] for i in range(3) for j in range(3) if (i, j) != (1, 1)]
+        steps = np.concatenate([np.diff(heights, axis=axis).ravel() for axis in (0, 1)])
+        step = _far(steps[np.isfinite(steps)])
+        above, below = np.fmax.reduce(around), np.fmin.reduce(around)
+        # Where half of all steps are none, in a map of few digits, no step is a measure.
+        if step > 0:
+            heights = np.where(heights > above + step, above, heights)
+            heights = np.where(heights < below - step, below, heights)
+        count = int(np.count_nonzero(np.abs(heights - self.heights) > 0))
         if not count:
             return self
         words = f"{count} heights more than {_CLIPPED:g} standard deviations away clipped"
@@ -224,6 +237,11 @@ def _fitted(heights: Array, tilt: Tilt) -> Array:
         block = np.column_stack([*(c / s for c, s in zip(columns, scale, strict=True)), heights[part][known]])
         triangle = np.asarray(np.linalg.qr(np.vstack([triangle, block]), mode="r"))
     return np.asarray(np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=None)[0] / scale)
+
+
+def _far(values: Array) -> float:
+    low, high = np.percentile(values, (25, 75))
+    return float(_CLIPPED * (high - low) / _QUARTILES)
 
 
 def _harmonic(heights: Array) -> Array:
