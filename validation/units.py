@@ -262,8 +262,22 @@ def unit_registry() -> pint.UnitRegistry[Fraction]:
     return pint.UnitRegistry(non_int_type=Fraction)
 
 
+def sides_of(text: object) -> list[float | str] | None:
+    """Return two values that one text holds, as in "64 um, 48 um" or "[64 um, 48 um]"; None of any other.
+
+    >>> sides_of("64 um, 48 um"), sides_of("1e-4,2e-4"), sides_of("1,5 um")
+    (['64 um', '48 um'], [0.0001, 0.0002], None)
+    """
+    if not isinstance(text, str) or "," not in text:
+        return None
+    sides = [plain_number(side.strip(" []\"'")) for side in text.split(",")]
+    return sides if len({type(side) for side in sides}) == 1 else None  # "1,5 um" is no pair
+
+
 def pair_of(value: object) -> object:
-    """Return a pair; a single value stands for both."""
+    """Return a pair; a single value stands for both, unless it is text of two."""
+    if (sides := sides_of(value)) is not None:
+        return sides
     return [value, value] if not isinstance(value, (list, tuple)) else value
 
 

@@ -14,12 +14,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from typer.testing import CliRunner
 
 import fem_contact as fc
 from fem_contact.surface import HeightField, radial_spectrum, random_surface
 from fem_contact.surface.spectra import estimate_spectrum, window_weights
 from persson.spectrum import SelfAffine
 from validation.audit.reading import audit
+from validation.cli.commands import app
 from validation.comparison.explain import explain
 from validation.comparison.run import run_scene
 from validation.comparison.sweep import run_sweep
@@ -612,6 +614,22 @@ def test_the_map_of_the_docs_is_made_and_gets_the_table_that_they_show(tmp_path,
     explanation = explain(load_scene("scene.toml"))
     # Its own two solves, and five of other treatments on the coarser grid.
     assert [grid.solves for grid in explanation.grids] == [6, 1]
+
+
+@pytest.mark.parametrize("length", ["64 um, 48 um", "64 um", "[64 um, 48 um]", "6.4e-5,4.8e-5"])
+def test_the_table_to_paste_is_a_scene_whatever_the_length_was_written_as(length, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shape = (64, 48) if "," in length else (64, 64)
+    waves = np.random.default_rng(3).normal(size=shape)
+    np.save("afm.npy", waves + 5 * np.arange(shape[0])[:, None])
+    arguments = ["surface", "inspect", "afm.npy", "--length", length, "--unit", "nm"]
+    shown = CliRunner().invoke(app, arguments).output
+    table = re.search(r"^\[surface\]\n(?:\w+ = .*\n)+", shown, re.M)[0]
+    (tmp_path / "scene.toml").write_text(table + REST)
+    assert 'tilt = "plane"' in table
+    size = (6.4e-5, 4.8e-5) if "," in length else (6.4e-5, 6.4e-5)
+    assert load_scene("scene.toml").surface.length == pytest.approx(size)
+    assert fc.measured("afm.npy", length=length, unit="nm", tilt="plane").field.lengths == pytest.approx(size)
 
 
 def test_a_plane_under_a_taper_is_said(tmp_path):

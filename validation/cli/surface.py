@@ -142,11 +142,6 @@ def convert(
     _write(field if grid is None else field.resampled((grid, grid)), target, force=force)
 
 
-def _sides(length: str) -> list[str]:
-    """Split one length or two, as the option or as a scene writes them."""
-    return [side.strip(" []\"'") for side in length.split(",")]
-
-
 def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatment: Any) -> FileSurface:
     """Read the options as the table of a scene is read, so that they allow and refuse the same."""
     from pydantic import ValidationError
@@ -158,8 +153,7 @@ def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatme
 
     table = {"kind": "file", "path": str(path), **treatment}
     if length is not None:
-        size = [plain_number(side) for side in _sides(length)]
-        table["length"] = size if len(size) > 1 else size[0]
+        table["length"] = plain_number(length)
     if unit is not None:
         table["unit"] = plain_number(unit)
     try:
@@ -197,7 +191,7 @@ def _inspected(
         facts |= {"slope along y": raw.slope[1], "share of a plane in the variance": raw.plane_share}
         facts |= {"edge jump over typical step": patch.edge_jump, "treatment": "; ".join(patch.history)}
         if measured.faults:
-            table = {"path": str(surface.path), "length": length and _sides(length), "unit": unit}
+            table = {"path": str(surface.path), "length": length, "unit": unit}
             facts["before it is pressed"] = "\n".join(fault_lines(measured.faults, table))
         field = patch.height_field()
         window: Literal["none", "hann"] = "none" if patch.edge_jump < 4 else "hann"

@@ -34,7 +34,7 @@ from validation.scenes.tables import Surface as SurfaceTable
 from validation.scenes.topography.measured import Measured
 from validation.scenes.topography.patch import Topography
 from validation.scenes.topography.raw import check_shape, real
-from validation.units import metres, unit_of
+from validation.units import metres, sides_of, unit_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -229,7 +229,8 @@ def measured(
             'measured: unit is missing; give the unit of the heights, as unit="1 nm" or unit=1 for m'
         )
     nx, ny = values.shape
-    if length is not None and (isinstance(length, str) or np.ndim(length) == 0) and nx != ny:
+    single = length is not None and np.ndim(length) == 0 and sides_of(length) is None
+    if single and nx != ny:
         raise UsageError(f"measured: one length for {nx} x {ny} points; give both sides, as length=(Lx, Ly)")
     options = {
         "kind": "file",

@@ -36,7 +36,7 @@ from validation.scenes.tables import (
     Title,
 )
 from validation.solvers import Method, Solver, methods
-from validation.units import MOST_POINTS, Table, wrong
+from validation.units import MOST_POINTS, Table, sides_of, wrong
 
 #: Tables whose grids `run --accuracy` chooses, and the context in which they are then read.
 _CHOSEN, _GRIDS_CHOSEN = ("methods.bem", "ensemble"), {"grids": "chosen"}
@@ -286,7 +286,8 @@ def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
 
     try:
         says = file_says(folder / path)
-        if "length" in surface and not isinstance(surface["length"], list):
+        length = surface.get("length")
+        if length is not None and not isinstance(length, list) and sides_of(length) is None:
             says.check_square("surface.length")
     except UsageError as error:
         raise SceneError(scene, [f"surface.path = {path!r}: {error}"]) from None
