@@ -74,11 +74,8 @@ def exponents():
     return hurst.run(options, bench=PlantedBench(_kappa_of))
 
 
-def test_hurst_finds_the_planted_kappa_with_students_interval_over_pairs(exponents):
+def test_hurst_finds_the_planted_kappa(exponents):
     np.testing.assert_allclose(exponents.kappa[0], [[2.03, 2.03], [2.07, 2.07]], rtol=1e-12)
-    # Two pairs, 0 and .02: standard error .01.
-    half = total_error(exponents, "kappa", sources=["surfaces"])
-    np.testing.assert_allclose(half, 0.01 * STUDENT[2], rtol=1e-9)
     table = hurst.views(exponents).table.of(exponents)
     np.testing.assert_allclose(column(table, "kappa"), [2.03, 2.03, 2.07, 2.07], rtol=1e-12)
 
@@ -147,8 +144,6 @@ def test_hurst_has_kappa_by_each_solver_on_its_own_grids_and_its_distance_from_b
     planted = [[2.03, 2.07], [1.01 * 2.03, 1.01 * 2.07]]
     np.testing.assert_allclose(exponents.kappa_by_solver, planted, rtol=1e-9)
     np.testing.assert_allclose(exponents.kappa_by_solver_difference[1], 0.01, rtol=1e-7)
-    half = total_error(exponents, "kappa_by_solver", sources=["surfaces"])
-    np.testing.assert_allclose(half, np.outer([1, 1.01], [1, 1]) * 0.01 * STUDENT[2], rtol=1e-7)
     # All of what the grids leave, on every surface: they are off to one side.
     grids = exponents.area_by_solver_each_error.sel(source="grid") / exponents.area_by_solver_each
     both = (grids**2).sum("solver").mean("surface_by_solver")
@@ -248,13 +243,10 @@ def refined():
     return refinement.run(options, bench=PlantedBench(_refined))
 
 
-def test_refinement_finds_by_how_much_counting_exceeds_the_limit_and_its_interval(refined):
+def test_refinement_finds_by_how_much_counting_exceeds_the_limit(refined):
     # .1 edges of 2 / n each, over the area of each surface.
     each = np.array([[0.2 / n / (0.1 * k) for k in THREE] for n in (16, 24, 32)])
     np.testing.assert_allclose(refined.distance_pixel, each.mean(axis=1), rtol=1e-9)
-    error = each.std(axis=1, ddof=1) / np.sqrt(3)
-    half = total_error(refined, "distance_pixel", sources=["surfaces"])
-    np.testing.assert_allclose(half, STUDENT[3] * error, rtol=1e-9)
     np.testing.assert_allclose(refined.distance_perimeter, 0.0, atol=1e-9)
     counted = [(0.1 + 0.2 / n) / 0.05 for n in (16, 24, 32)]
     np.testing.assert_allclose(refined.kappa_pixel, counted, rtol=1e-12)
@@ -266,8 +258,6 @@ def test_refinement_finds_the_planted_order_and_the_part_of_the_grid(refined):
     assert float(refined.order_pixel) == pytest.approx(1.0, rel=1e-9)
     kappa, theory = 2.0, math.erf(math.sqrt(2) * 0.05) / 0.05
     assert float(refined.kappa) == pytest.approx(kappa, rel=1e-9)
-    half = total_error(refined, "kappa", sources=["surfaces"])
-    assert float(half) == pytest.approx(0.02 * STUDENT[3], rel=1e-9)
     assert float(refined.area_excess) == pytest.approx(kappa / theory - 1, rel=1e-9)
     parts = [[0.2 / n / (0.1 * k + 0.2 / n - 0.05 * theory) for k in THREE] for n in (16, 24, 32)]
     np.testing.assert_allclose(refined.grid_part, np.mean(parts, axis=1), rtol=1e-9)
@@ -375,10 +365,9 @@ def scored():
     return theory_verdict.run(options, bench=PlantedBench(answer))
 
 
-def test_the_verdict_scores_the_planted_ratio_with_students_interval(scored):
+def test_the_verdict_scores_the_planted_ratio(scored):
     ratio, error = scored.area_over.sel(theory="Persson"), scored.area_over_error.sel(theory="Persson")
     np.testing.assert_allclose(ratio, 1.2, rtol=1e-9)
-    np.testing.assert_allclose(error.sel(source="surfaces"), 1.2 * 0.01 * STUDENT[3], rtol=1e-9)
     grid = (scored.area_error / scored.area).sel(source="grid")
     np.testing.assert_allclose(error.sel(source="grid"), 1.2 * grid, rtol=1e-9)
 

@@ -26,7 +26,17 @@ from validation.measurements.convergence import Ladders
 from validation.scenes.scene import load_scene
 from validation.studies import Study, StudyOptions, find_study
 
-__all__ = ["FOLDER", "compute", "machine", "new_numbers", "numbers_of", "of_dataset", "read", "write"]
+__all__ = [
+    "FOLDER",
+    "compute",
+    "machine",
+    "new_numbers",
+    "numbers_of",
+    "of_dataset",
+    "options_of",
+    "read",
+    "write",
+]
 
 FOLDER = Path(__file__).parent / "stored"
 #: Longer arrays are stored as every k-th value, their sum and the sum of their squares.
@@ -46,6 +56,16 @@ def machine() -> dict[str, str]:
     return {"processor": model[1] if model else platform.processor(), **libraries}
 
 
+def options_of(name: str, folder: Path, **changed: Any) -> tuple[Study, StudyOptions, dict[str, Any]]:
+    """Return the study of an entry, what it is asked, and what its ladders are without options for them."""
+    study, told = find_study(name.partition(" ")[0]), {**STUDIES[name], **changed}
+    if "scene" in told:
+        path = folder / "mine.toml"
+        path.write_text(told["scene"], encoding="utf-8")
+        told["scene"] = load_scene(str(path))
+    return study, study.options(**told), LADDERS if name.endswith("with ladders") else {}
+
+
 def new_numbers(study: Study, options: StudyOptions, bench: Bench) -> xr.Dataset:
     """Return the numbers of a study; views are made from them."""
     return study.compute(options, bench=bench)
@@ -57,14 +77,9 @@ def compute(name: str, bench: Bench, folder: Path) -> tuple[Record, xr.Dataset]:
         from gold.scenes import of_scene
 
         return of_scene(name, bench, folder)
-    study, told = find_study(name.partition(" ")[0]), dict(STUDIES[name])
-    if "scene" in told:
-        path = folder / "mine.toml"
-        path.write_text(told["scene"], encoding="utf-8")
-        told["scene"] = load_scene(str(path))
-    small = LADDERS if name.endswith("with ladders") else {}
+    study, options, small = options_of(name, folder)
     with patch.dict(Ladders.__init__.__kwdefaults__, small):
-        data = new_numbers(study, study.options(**told), bench)
+        data = new_numbers(study, options, bench)
     record = dict(_of_dataset("data", data))
     for part, table in (("table", study.table(data)), ("budget", study.budget(data))):
         record |= {} if table is None else _of_table(part, table.columns, table.rows)
