@@ -48,7 +48,10 @@ class LoadSearch:
         """Find the solution whose gap or offset is the prescribed one."""
         problem = self.problem
         if self.gap >= self.clearance:
-            return self._separated()
+            solution = problem.solution(np.zeros(problem.surface.shape), pairs=1.0)
+            nowhere = np.zeros(solution.force.shape, dtype=bool)
+            offset = self.target + (float(np.mean(problem.heights)) if self.of_gap else 0.0)
+            return replace(solution, in_contact=nowhere, offset=offset)
         least_full = -float(np.min(problem.full_pressure()))
         closed = self._closed(least_full)
         if closed is not None:
@@ -61,12 +64,6 @@ class LoadSearch:
         # Where all has yielded the body sinks as far as it is pushed.
         yielded = problem.at(upper)
         return self._moved(yielded) if self._value(yielded) >= self.target else self._search(upper)
-
-    def _separated(self) -> Solution:
-        solution = self.problem.solution(np.zeros(self.problem.surface.shape), pairs=1.0)
-        nowhere = np.zeros(solution.force.shape, dtype=bool)
-        offset = self.target if not self.of_gap else self.target + float(np.mean(self.problem.heights))
-        return replace(solution, in_contact=nowhere, offset=offset)
 
     def _closed(self, least: float) -> Solution | None:
         """Full contact, if the target lies there."""

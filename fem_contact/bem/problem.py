@@ -23,7 +23,7 @@ from fem_contact.complementarity import (
 from fem_contact.complementarity.arrays import ArrayGrids
 from fem_contact.complementarity.grids import Grids
 from fem_contact.complementarity.in_slabs import SlabGrids
-from fem_contact.contact import ContactResult, Cost, Residuals, Status, residuals_of
+from fem_contact.contact import ContactResult, Cost, Status, residuals_of
 from fem_contact.errors import InvalidInput
 from fem_contact.response import FreeHalfSpace, Response, check_response
 from fem_contact.settings import Settings
@@ -75,7 +75,13 @@ class Problem:
         if method == "polonsky-keer" and bound is not None:
             raise InvalidInput("method = 'polonsky-keer' knows no pressure bound: use 'preconditioned'")
         grids = _grids(surface, response, device=device, threads=settings.workers)
-        heights, level = _levelled(surface, grids)
+        heights, level = grids.put(surface.heights), 0.0
+        mean = float(grids.xp.mean(heights))
+        if abs(mean) > _DISTANT * surface.rms_height:
+            heights, level = heights - mean, mean
+        if bound is not None:
+            bound = bound_of("pressure_bound", bound, surface.shape)
+            bound = np.array(np.broadcast_to(bound, surface.shape if bound.ndim else surface.heights.shape))
         return cls(
             surface=surface,
             grids=grids,
@@ -83,7 +89,7 @@ class Problem:
             level=level,
             response=response,
             operator=grids.operator_of(response, surface.shape, surface.lengths),
-            bound=grids.put(_checked_bound(bound, surface)),
+            bound=grids.put(bound),
             settings=settings,
             method=method,
             clock=clock,
@@ -114,40 +120,24 @@ class Problem:
         exact = self._all_at_bound(load) or (None if partial else self._full_contact(load))
         if exact is not None:
             return exact
-        solution = self._iterated(load, start=start, settings=settings or self.settings)
+        scale = self.surface.rms_height
+        if scale <= 8 * np.finfo(float).eps * self._highest():
+            # The length that a flat patch sinks by.
+            scale = load * max(self.surface.lengths) / self.response.contact_modulus
+        options: dict[str, Any] = {
+            "mean_force": load,
+            "length_scale": scale,
+            "settings": settings or self.settings,
+            "start": start,
+        }
+        if self.method == "polonsky-keer":
+            solution = polonsky_keer(self.operator, self.heights, **options)
+        else:
+            options |= {"coarse": self._coarse, "grids": self.grids, "bound": self.bound}
+            solution = solve_nested(self.operator, self.heights, double=self.method == "double", **options)
         # One pair goes into the question whether the contact is full.
         question = 0.0 if partial else self.operator.pairs
         return replace(solution, fft_pairs=solution.fft_pairs + question)
-
-    def _iterated(self, load: float, *, start: Any, settings: Settings) -> Solution:
-        heights, operator = self.heights, self.operator
-        if self.method == "polonsky-keer":
-            return polonsky_keer(
-                operator,
-                heights,
-                mean_force=load,
-                length_scale=self._length_scale(load),
-                settings=settings,
-                start=start,
-            )
-        return solve_nested(
-            operator,
-            heights,
-            coarse=self._coarse,
-            grids=self.grids,
-            mean_force=load,
-            length_scale=self._length_scale(load),
-            settings=settings,
-            start=start,
-            bound=self.bound,
-            double=self.method == "double",
-        )
-
-    def _length_scale(self, load: float) -> float:
-        """Length [m] of residuals: that of the roughness, or of a flat patch the one it sinks by."""
-        scale = self.surface.rms_height
-        flat = scale <= 8 * np.finfo(float).eps * self._highest()
-        return load * max(self.surface.lengths) / self.response.contact_modulus if flat else scale
 
     def _highest(self) -> float:
         """Largest absolute height [m] of the surface as it was given."""
@@ -204,40 +194,32 @@ class Problem:
             peak_bytes=16 * force.shape[0] * force.shape[1],
         )
 
-    def _judged(self, status: Status, residuals: Residuals) -> Status:
-        """Return the status that the residuals of the final fields allow."""
-        if status is Status.CONVERGED and not residuals.within(self.settings.tolerance):
-            status = Status.STAGNATED
-        dx, dy = self.surface.spacing
-        oblong = max(dx, dy) > _OBLONG * min(dx, dy)
-        return Status.OBLONG_CELLS if status is Status.STAGNATED and oblong else status
-
-    def _residuals(self, solution: Solution, gap: Any, target: float | None) -> Residuals:
-        """Measure them where the fields are."""
-        surface = self.surface
-        with np.errstate(all="ignore"):
-            return residuals_of(
-                self.grids.residual_sums(solution.force, gap, solution.at_bound),
-                points=math.prod(surface.shape),
-                rms_height=surface.rms_height,
-                highest=self._highest(),
-                longest=max(surface.lengths),
-                contact_modulus=self.response.contact_modulus,
-                rms_gradient=self.grids.rms_gradient(surface, self.heights),
-                target_pressure=target,
-            )
-
     def result(self, solution: Solution, *, target: float | None) -> ContactResult:
         """Measure a solution and dress it up."""
         surface, grids, lengths = self.surface, self.grids, self.surface.lengths
         gap = solution.displacement - self.heights
         gap += solution.offset
-        residuals = self._residuals(solution, gap, target)
+        with np.errstate(all="ignore"):
+            residuals = residuals_of(
+                grids.residual_sums(solution.force, gap, solution.at_bound),
+                points=math.prod(surface.shape),
+                rms_height=surface.rms_height,
+                highest=self._highest(),
+                longest=max(lengths),
+                contact_modulus=self.response.contact_modulus,
+                rms_gradient=grids.rms_gradient(surface, self.heights),
+                target_pressure=target,
+            )
+        status, (dx, dy) = solution.status, surface.spacing
+        if status is Status.CONVERGED and not residuals.within(self.settings.tolerance):
+            status = Status.STAGNATED
+        if status is Status.STAGNATED and max(dx, dy) > _OBLONG * min(dx, dy):
+            status = Status.OBLONG_CELLS
         mean = float(grids.xp.mean(solution.force))
         solution, gap = grids.fetched(solution), grids.fetched_field(gap)
         held = self.operator.nbytes + (0 if self.bound is None else gap.nbytes)
         if grids.in_slabs:
-            lengths = surface.spacing[0] * gap.shape[0], lengths[1]
+            lengths = dx * gap.shape[0], lengths[1]
         return ContactResult(
             pressure=solution.force,
             gap=gap,
@@ -249,7 +231,7 @@ class Problem:
             contact_modulus=self.response.contact_modulus,
             offset=solution.offset + self.level,
             mean_pressure=mean,
-            status=self._judged(solution.status, residuals),
+            status=status,
             tolerance=self.settings.tolerance,
             residuals=residuals,
             cost=Cost(
@@ -298,17 +280,3 @@ def _grids(surface: HeightField | SlabSurface, response: Response, *, device: ob
     if device is not None:
         raise InvalidInput("device, comm: give one of them")
     return SlabGrids(surface.slabs, threads=threads)
-
-
-def _levelled(surface: HeightField | SlabSurface, grids: Grids) -> tuple[Any, float]:
-    """Heights to solve with, and the level [m] they are counted from."""
-    heights = grids.put(surface.heights)
-    mean = float(grids.xp.mean(heights))
-    return (heights, 0.0) if abs(mean) <= _DISTANT * surface.rms_height else (heights - mean, mean)
-
-
-def _checked_bound(bound: float | Array | None, surface: HeightField | SlabSurface) -> Array | None:
-    if bound is None:
-        return None
-    values = bound_of("pressure_bound", bound, surface.shape)
-    return np.array(np.broadcast_to(values, surface.shape if values.ndim else surface.heights.shape))
