@@ -158,6 +158,9 @@ class Session:
         others = ", a larger growth, or method = 'reduced'" if method == "full" else ""
         needed = needed_bytes(mesh, method, lateral=lateral)
         room_for(f"{mesh.unknowns} unknowns", needed=needed, remedy=f"take a coarser grid{others}")
+        if pressure_bound is not None:
+            pressure_bound = bound_of("pressure_bound", pressure_bound, surface.shape) / solid.young
+            pressure_bound = np.array(np.broadcast_to(pressure_bound, surface.shape))
         problem = Problem(
             mesh=mesh,
             heights=(surface.heights - top) / width,
@@ -169,7 +172,7 @@ class Session:
             tolerance=tolerance,
             steps=max_iterations or (_SETS if method == "full" else _STEPS),
             growth=options.get("growth", 1.2),
-            bound=_checked_bound(pressure_bound, surface.shape, young=solid.young),
+            bound=pressure_bound,
         )
         return cls(
             surface=surface, solid=solid, problem=problem, method=method, width=width, top=top, began=began
@@ -189,18 +192,29 @@ class Session:
                 f"pressure_bound with mean {problem.mean_bound * self.solid.young:.6g} Pa: must not be below "
                 f"mean_pressure = {mean_pressure:.6g} Pa, or nothing carries the load"
             )
-        return self._dressed(self._find(problem, self._guess(start)), target=mean_pressure)
+        first: Mask | Answer | None = None
+        if isinstance(start, BlockSolution):
+            first = self._latest
+        elif start is not None:
+            shape = self.surface.shape
+            if start.shape != shape or start.dtype != np.bool_:
+                raise InvalidInput(f"start = {shown(start)}: must be an array of bool of shape {shape}")
+            first = start.copy() if start.any() else None
+        return self._dressed(self._find(problem, first), target=mean_pressure)
 
     def at_offset(self, offset: float) -> BlockSolution:
         """Solve at an offset [m]."""
         offset = (finite("offset", offset, unit="m") - self.top) / self.width
         problem = replace(self.problem, offset=offset)
-        return self._dressed(self._displaced(problem), target=None)
+        if offset >= 0:
+            answer = _apart(problem)
+        elif self.method == "full":
+            answer = self._find(problem, None)
+        else:
+            from fem_contact.block.reduced.surface import solve_reduced_offset
 
-    def _guess(self, start: Mask | BlockSolution | None) -> Mask | Answer | None:
-        if isinstance(start, BlockSolution):
-            return self._latest
-        return _checked_start(start, self.surface.shape)
+            answer = solve_reduced_offset(problem, self.response, self.operator)
+        return self._dressed(answer, target=None)
 
     def _find(self, problem: Problem, start: Mask | Answer | None) -> Answer:
         if self.method == "full":
@@ -211,16 +225,6 @@ class Session:
             answer = solve_reduced(problem, self.response, self.operator, start=start)
         self._latest = answer
         return answer
-
-    def _displaced(self, problem: Problem) -> Answer:
-        assert problem.offset is not None
-        if problem.offset >= 0:
-            return _apart(problem)
-        if self.method == "full":
-            return self._find(problem, None)
-        from fem_contact.block.reduced.surface import solve_reduced_offset
-
-        return solve_reduced_offset(problem, self.response, self.operator)
 
     @cached_property
     def shared(self) -> Block:
@@ -245,21 +249,22 @@ class Session:
         """The operator of its surface."""
         return surface_operator(self.response, threads=available_processors())
 
-    def _source(self, answer: Answer) -> FieldSource:
-        if answer.field is not None:
-            return ArraySource(field=answer.field * self.width, order=self.problem.mesh.element.order)
-        return FourierSource(
-            response=self.response, force=answer.force, width=self.width, threads=available_processors()
-        )
-
     def _dressed(self, answer: Answer, *, target: float | None) -> BlockSolution:
         contact = self._result(answer, target=target)
         self.began = time.perf_counter(), time.process_time()
+        if answer.field is not None:
+            source: FieldSource = ArraySource(
+                field=answer.field * self.width, order=self.problem.mesh.element.order
+            )
+        else:
+            source = FourierSource(
+                response=self.response, force=answer.force, width=self.width, threads=available_processors()
+            )
         return BlockSolution(
             contact=contact,
             solid=self.solid,
             mesh=self.problem.mesh,
-            source=self._source(answer),
+            source=source,
             modulus=self.problem.modulus,
         )
 
@@ -372,19 +377,3 @@ def _cell_moduli(modulus: Modulus | None, mesh: BlockMesh, width: float) -> Arra
         )
     deep = full[:1, :1]
     return deep.copy() if np.array_equal(full, np.broadcast_to(deep, full.shape)) else full.copy()
-
-
-def _checked_bound(bound: float | Array | None, shape: tuple[int, int], *, young: float) -> Array | None:
-    """Return the bound on the pressure at every node over E."""
-    if bound is None:
-        return None
-    values = bound_of("pressure_bound", bound, shape)
-    return np.full(shape, values / young) if values.ndim == 0 else values / young
-
-
-def _checked_start(start: Mask | None, shape: tuple[int, int]) -> Mask | None:
-    if start is None:
-        return None
-    if not isinstance(start, np.ndarray) or start.shape != shape or start.dtype != np.bool_:
-        raise InvalidInput(f"start = {shown(start)}: must be an array of bool of shape {shape}")
-    return start.copy() if start.any() else None

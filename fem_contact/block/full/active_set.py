@@ -155,26 +155,6 @@ class _SetProblem:
         self.block, self.tied = block, block.vertical(nodes)
         self.preconditioner = CyclePreconditioner(block, nodes)
 
-    def _apply(self, x: Array) -> Array:
-        full = x[:-1].copy()
-        full[self.tied] = x[-1]
-        image = self.block.apply(full)
-        total = image[self.tied].sum()
-        image[self.tied] = 0
-        return np.append(image, total)
-
-    def _apply_free(self, x: Array) -> Array:
-        image = self.block.apply(x)
-        image[self.tied] = 0
-        return image
-
-    def _precondition(self, r: Array) -> Array:
-        free, shift = self.preconditioner.apply(r[:-1], float(r[-1]))
-        return np.append(free, shift)
-
-    def _precondition_free(self, r: Array) -> Array:
-        return self.preconditioner.apply(r, None)[0]
-
     def advance(
         self, state: _State, *, load: float | None, settings: Settings, tolerance: float
     ) -> tuple[_State, LinearSolution]:
@@ -192,24 +172,35 @@ class _SetProblem:
         right[self.tied] = 0
         guess = state.displacement.copy()
         guess[self.tied] = 0
-        tied_offset = load is not None
+
+        def applied(x: Array) -> Array:
+            full = x[: guess.size].copy()
+            if load is not None:
+                full[self.tied] = x[-1]
+            image = self.block.apply(full)
+            moment = image[self.tied].sum()
+            image[self.tied] = 0
+            return image if load is None else np.append(image, moment)
+
+        def preconditioned(r: Array) -> Array:
+            free, shift = self.preconditioner.apply(r[: guess.size], None if load is None else float(r[-1]))
+            return free if load is None else np.append(free, shift)
+
         solution = conjugate_gradients(
-            self._apply if tied_offset else self._apply_free,
-            np.append(right, total - load) if load is not None else right,
-            precondition=self._precondition if tied_offset else self._precondition_free,
-            start=np.append(guess, state.offset) if tied_offset else guess,
+            applied,
+            right if load is None else np.append(right, total - load),
+            precondition=preconditioned,
+            start=guess if load is None else np.append(guess, state.offset),
             scale=self.block.force_scale(
                 state.nodes if plastic is None else state.nodes | plastic, state.offset, load=whole
             ),
             tolerance=tolerance,
             max_iterations=settings.max_linear_iterations,
         )
-        if tied_offset:
+        offset, displacement = state.offset, solution.x[: guess.size] + prescribed
+        if load is not None:
             offset = float(solution.x[-1])
-            displacement = solution.x[:-1] + prescribed
             displacement[self.tied] += offset
-        else:
-            offset, displacement = state.offset, solution.x + prescribed
         solved = state.read(self.block, offset=offset, displacement=displacement)
         return solved.anchored(self.block, whole), solution
 
