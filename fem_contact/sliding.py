@@ -311,6 +311,8 @@ class _Problem:
         both[0, 0] = 1.0
         waves = 2 * self.magnitude * (waves / both - pressure)
         waves[0, 0] = 0.0
+        # In the metric in which steps shrink: sum |f|^2 / |C|.
+        stiffness = np.where(self.magnitude > 0, 1 / np.where(self.magnitude > 0, self.magnitude, 1.0), 0.0)
         return _State(
             contact=contact,
             displacement=displacement,
@@ -318,13 +320,8 @@ class _Problem:
             offset=offset,
             residuals=residuals,
             step=self.backward(waves),
-            size=self._length(waves),
+            size=float(np.sum(self._halves * stiffness * np.abs(waves) ** 2)),
         )
-
-    def _length(self, waves: Complex) -> float:
-        """Length of a step in the metric in which it shrinks: sum |f|^2 / |C|."""
-        stiffness = np.where(self.magnitude > 0, 1 / np.where(self.magnitude > 0, self.magnitude, 1.0), 0.0)
-        return float(np.sum(self._halves * stiffness * np.abs(waves) ** 2))
 
     @property
     def _halves(self) -> Array:

@@ -320,31 +320,24 @@ class _Fields:
             shear, normal = state.T[2:]
             parallel = (2 * solid.shear_modulus * state.T[0] + nu * normal) / (1 - nu)
             across = nu * (parallel + normal)
-            self._put(displacement, along=along, down=down)
-            self._put_stress(stress, parallel=parallel, across=across, normal=normal, shear=shear)
+            waves, summed, places = self.waves, self._summed, self.places
+            sideways = -1j * waves * along[places]
+            displacement[..., 0] = summed(sideways * self.cos)
+            displacement[..., 1] = summed(sideways * self.sin)
+            displacement[..., 2] = -summed(waves * down[places])
+            parallel, across = parallel[places], across[places]
+            # The depth counts down and z counts up, which turns the sign of the shear.
+            slanted = 1j * self.waves * shear[places]
+            stress[..., 0] = summed(waves * (parallel * self.cos2 + across * self.sin2))
+            stress[..., 1] = summed(waves * (parallel * self.sin2 + across * self.cos2))
+            stress[..., 2] = summed(waves * normal[places])
+            stress[..., 3] = summed(slanted * self.sin)
+            stress[..., 4] = summed(slanted * self.cos)
+            stress[..., 5] = summed(waves * (parallel - across) * self.cos * self.sin)
         displacement[..., 2] -= rest * self.body.sunk(depth)
         stress[..., :2] -= rest * nu / (1 - nu)
         stress[..., 2] -= rest
         return AtDepth(depth=depth, displacement=displacement, stress=stress)
-
-    def _put(self, displacement: Array, *, along: Array, down: Array) -> None:
-        sideways = -1j * self.waves * along[self.places]
-        displacement[..., 0] = self._summed(sideways * self.cos)
-        displacement[..., 1] = self._summed(sideways * self.sin)
-        displacement[..., 2] = -self._summed(self.waves * down[self.places])
-
-    def _put_stress(
-        self, stress: Array, *, parallel: Array, across: Array, normal: Array, shear: Array
-    ) -> None:
-        parallel, across = parallel[self.places], across[self.places]
-        # The depth counts down and z counts up, which turns the sign of the shear.
-        slanted = 1j * self.waves * shear[self.places]
-        stress[..., 0] = self._summed(self.waves * (parallel * self.cos2 + across * self.sin2))
-        stress[..., 1] = self._summed(self.waves * (parallel * self.sin2 + across * self.cos2))
-        stress[..., 2] = self._summed(self.waves * normal[self.places])
-        stress[..., 3] = self._summed(slanted * self.sin)
-        stress[..., 4] = self._summed(slanted * self.cos)
-        stress[..., 5] = self._summed(self.waves * (parallel - across) * self.cos * self.sin)
 
     def _summed(self, waves: NDArray[np.complex128]) -> Array:
         return np.asarray(scipy.fft.irfft2(waves, s=self.shape, workers=self.threads))

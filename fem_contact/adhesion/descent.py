@@ -304,31 +304,21 @@ def descend(
         if not moved or slow > 20:
             status = Status.STAGNATED
             break
+    offset, field = point.offset, state.gap + land.heights
+    if offset is None:
+        offset = float(np.mean(state.gap)) + land.mean_height - land.mean_compliance * state.load
+    elastic = 0.5 * (float(np.mean(state.force * field)) + land.mean_compliance * state.load**2)
     return Minimum(
         gap=state.gap,
         force=state.force,
         mean_pressure=state.load,
-        offset=_offset(state),
-        energy=_energy(state),
+        offset=offset,
+        energy=elastic + float(np.mean(land.stored(state.gap))),
         imbalance=state.imbalance,
         status=status,
         iterations=iteration,
         fft_pairs=land.pairs - before,
     )
-
-
-def _offset(state: _State) -> float:
-    if state.point.offset is not None:
-        return state.point.offset
-    land = state.land
-    return float(np.mean(state.gap)) + land.mean_height - land.mean_compliance * state.load
-
-
-def _energy(state: _State) -> float:
-    land = state.land
-    elastic = 0.5 * float(np.mean(state.force * (state.gap + land.heights)))
-    elastic += 0.5 * land.mean_compliance * state.load**2
-    return elastic + float(np.mean(land.stored(state.gap)))
 
 
 def _newton_direction(state: _State, step_limit: float) -> Array:

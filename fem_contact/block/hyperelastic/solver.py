@@ -18,7 +18,6 @@ from fem_contact.block.hyperelastic.newton import Press, State, descend
 from fem_contact.block.hyperelastic.profile import Profile
 from fem_contact.block.mesh import BlockMesh, MeshOptions
 from fem_contact.block.session import planned_mesh
-from fem_contact.block.solution import BlockSolution
 from fem_contact.block.solver import solve
 from fem_contact.errors import InvalidInput, NotConverged
 from fem_contact.solid import Solid
@@ -238,44 +237,30 @@ def solve_slopes(
         steps=_STEPS,
     )
     linear = solve(surface, solid, mean_pressure=mean_pressure, method="full", tolerance=1e-4, **mesh)
-    first = _first(linear, press, solid.young)
-    return _path(press, first, surface=surface, solid=solid, mean_pressure=mean_pressure, factors=factors)
-
-
-def _first(linear: BlockSolution, press: Press, young: float) -> State:
-    """Take the answer of the linear block."""
     contact = linear.contact.checked()
-    width = linear.cell_size[0]
-    return State(
+    first = State(
         field=linear.field[:, :, 1:] / width,
         offset=contact.offset / width,
-        force=contact.pressure / young * press.cells.mesh.aspect,
+        force=contact.pressure / solid.young * planned.aspect,
         nodes=contact.in_contact.copy(),
     )
 
+    def steeper() -> Iterator[FiniteStrain]:
+        done, state = 0.0, first
+        for factor in factors:
+            began = time.process_time()
+            state = _steepened(press, state, done, factor)
+            done = factor
+            yield FiniteStrain(
+                press=press.scaled(factor),
+                state=state,
+                surface=HeightField(heights=factor * surface.heights, lengths=surface.lengths),
+                solid=solid,
+                mean_pressure=factor * mean_pressure,
+                cpu_seconds=time.process_time() - began,
+            )
 
-def _path(
-    press: Press,
-    linear: State,
-    *,
-    surface: HeightField,
-    solid: Solid,
-    mean_pressure: float,
-    factors: list[float],
-) -> Iterator[FiniteStrain]:
-    done, state = 0.0, linear
-    for factor in factors:
-        began = time.process_time()
-        state = _steepened(press, state, done, factor)
-        done = factor
-        yield FiniteStrain(
-            press=press.scaled(factor),
-            state=state,
-            surface=HeightField(heights=factor * surface.heights, lengths=surface.lengths),
-            solid=solid,
-            mean_pressure=factor * mean_pressure,
-            cpu_seconds=time.process_time() - began,
-        )
+    return steeper()
 
 
 def _steepened(press: Press, state: State, done: float, factor: float) -> State:
