@@ -8,7 +8,7 @@ ties stress to displacement, s = Z u: it stays of order one however deep or stif
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -78,10 +78,13 @@ class LayeredSolid:
         return _on_distinct(wave_size(qx, qy), self._compliance)
 
     def _compliance(self, q: Array) -> Array:
-        impedance = np.broadcast_to(_half_space(self.base), (q.size, 2, 2))
-        for solid, thickness in zip(reversed(self.layers), reversed(self.thicknesses), strict=True):
-            impedance = _through(solid, q * thickness, impedance)
-        return _surface(impedance) / q
+        solids = (*self.layers, self.base)
+        return sheet_compliance(
+            q,
+            thicknesses=np.array([*self.thicknesses, np.inf]),
+            shear=np.array([solid.shear_modulus for solid in solids]),
+            poisson=np.array([solid.poisson for solid in solids]),
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,42 +141,44 @@ class ExponentialSolid:
 
     def _smooth(self, q: Array) -> Array:
         """Compliance of many waves, from a spline through q C(q) of fewer."""
-        if q.size <= _TABULATED:
+        if q.size <= TABULATED:
             return self._compliance(q)
         from scipy.interpolate import CubicSpline
 
         # The spline's error, (step / 10)^4 or so, is far below that of the sublayers.
         place = np.log(q / q[0])
-        nodes = np.linspace(0.0, place[-1], _TABULATED)
+        nodes = np.linspace(0.0, place[-1], TABULATED)
         table = q[0] * np.exp(nodes)
         return np.asarray(CubicSpline(nodes, table * self._compliance(table))(place) / q)
 
     def sublayer_edges(self, q: Array) -> Array:
         """Return the depths [m] of the borders of the sublayers for waves [1/m], (sublayers + 1, n)."""
-        reach, edges = self._spacing(samples("q", q, unit="1/m"))
-        return edges[:, None] * reach
+        return self._edges(samples("q", q, unit="1/m"))
 
-    def _spacing(self, q: Array) -> tuple[Array, Array]:
+    def _edges(self, q: Array) -> Array:
         # What lies below min(30 d, 30 / q) is bulk, or out of reach of the wave. Depths are denser near the
         # surface: equal steps of 1 - exp(-z / s) with s of the shorter of both lengths.
         steps = np.linspace(0, 1, self.sublayers + 1)
-        return 1 / (1 / self.depth + q), -3 * np.log1p(-steps * (1 - np.exp(-10.0)))
+        edges = -3 * np.log1p(-steps * (1 - np.exp(-10.0)))
+        return np.asarray(edges[:, None] / (1 / self.depth + q))
+
+    def sheets(self, q: Array) -> dict[str, Array]:
+        """Return the sublayers for waves [1/m] and the bulk below, as `upwards` takes them."""
+        edges, nu = self._edges(q), self.surface.poisson
+        middles = (edges[1:] + edges[:-1]) / 2
+        young = self._young(np.concatenate([middles, edges[-1:]]))
+        return {
+            "thicknesses": np.concatenate([np.diff(edges, axis=0), np.full((1, q.size), np.inf)]),
+            "shear": young / (2 * (1 + nu)),
+            "poisson": np.full(len(young), nu),
+        }
 
     def _compliance(self, q: Array) -> Array:
-        reach, edges = self._spacing(q)
-        nu = self.surface.poisson
-        bulk = Solid(young=1.0, poisson=nu)
-        deepest = self._young(reach * edges[-1])
-        impedance = _half_space(bulk) * deepest[:, None, None]
-        for top, bottom in zip(edges[-2::-1], edges[:0:-1], strict=True):
-            young = self._young(reach * (top + bottom) / 2)[:, None, None]
-            thickness = q * reach * (bottom - top)
-            impedance = young * _through(bulk, thickness, impedance / young)
-        return _surface(impedance) / q
+        return sheet_compliance(q, **self.sheets(q))
 
 
 #: Waves up to which every one is computed, and the number a spline goes through beyond.
-_TABULATED = 512
+TABULATED = 512
 
 
 def _on_distinct(q: Array, compliance: Callable[[Array], Array]) -> Array:
@@ -229,28 +234,34 @@ def impedance_of(displacement: Array, stress: Array) -> Array:
     return np.asarray(np.swapaxes(np.linalg.solve(*turned), -1, -2))
 
 
-def _half_space(solid: Solid) -> Array:
-    """Impedance s = Z u of a half-space, over q."""
-    displacement, stress = waves_down(solid.poisson, solid.shear_modulus, np.zeros(()))
-    return np.asarray(stress @ np.linalg.inv(displacement))
+def upwards(
+    q: Array, *, thicknesses: Array, shear: Array, poisson: Array, base: str = "half-space"
+) -> Iterator[tuple[Array, tuple[Array, Array]]]:
+    """Yield what each sheet reflects, and displacement and stress at its top, from the lowest sheet up.
 
-
-def _through(solid: Solid, thickness: Array, below: Array) -> Array:
-    """Impedance at the top of a layer of scaled thickness q d from that at its bottom.
-
-    The amplitudes of the wave that decays upwards are found from the bottom condition; they come multiplied
-    by exp(-q d) once on the way down and once on the way up, so that thick layers forget what is below.
+    What a sheet reflects, R, follows from the condition A u + B s = 0 at its bottom; its impedance is that
+    condition, -Z u + s = 0, for the sheet above. Amplitudes come multiplied by exp(-q d) once on the way down
+    and once on the way up, so that thick layers forget what is below. Half-spaces, whose thickness is
+    infinite, reflect nothing.
     """
-    material = solid.poisson, solid.shear_modulus
-    down_u, down_s = waves_down(*material, thickness)
-    up_u, up_s = waves_up(*material, np.zeros_like(thickness))
-    # (s - Z u) = 0 at the bottom: [down_s - Z down_u] e^-t a + [up_s - Z up_u] b = 0.
-    decay = np.exp(-thickness)[:, None, None]
-    reflected = np.linalg.solve(up_s - below @ up_u, -(down_s - below @ down_u)) * decay
-    return impedance_of(*at_top(*material, thickness, np.asarray(reflected, dtype=float)))
+    identity, free = np.eye(2), np.zeros((2, 2))
+    bonded, sliding = (identity, free), (np.diag([0.0, 1.0]), np.diag([1.0, 0.0]))
+    condition = sliding if base == "frictionless" else bonded
+    for k in reversed(range(len(thicknesses))):
+        across, nu, modulus = q * thicknesses[k], poisson[k], shear[k]
+        if np.all(np.isfinite(across)):
+            down, up = waves_down(nu, modulus, across), waves_up(nu, modulus, 0 * across)
+            down_missed, up_missed = (condition[0] @ u + condition[1] @ s for u, s in (down, up))
+            reflection = -np.linalg.solve(up_missed, down_missed) * np.exp(-across)[:, None, None]
+            top = at_top(nu, modulus, across, reflection)
+        else:
+            reflection, top = np.zeros((q.size, 2, 2)), waves_down(nu, modulus, 0 * q)
+        yield reflection, top
+        condition = (-impedance_of(*top), identity)
 
 
-def _surface(impedance: Array) -> Array:
-    """Displacement per pressure without shear: q C of the impedance over q."""
-    compliance = np.linalg.inv(impedance)
-    return np.asarray(-compliance[:, 1, 1])
+def sheet_compliance(q: Array, *, thicknesses: Array, shear: Array, poisson: Array) -> Array:
+    """Displacement per pressure without shear [m/Pa] of waves [1/m] on sheets."""
+    for _, top in upwards(q, thicknesses=thicknesses, shear=shear, poisson=poisson):
+        surface = top
+    return np.asarray(-np.linalg.inv(impedance_of(*surface))[:, 1, 1] / q)

@@ -10,22 +10,16 @@ from fem_contact._types import Array
 from fem_contact.errors import UnsupportedEffect
 from fem_contact.graded import (
     MIRROR,
+    TABULATED,
     ExponentialSolid,
     LayeredSolid,
-    at_top,
-    impedance_of,
     plane_waves,
-    waves_down,
-    waves_up,
+    upwards,
 )
 from fem_contact.response import BondedLayer, FrictionlessLayer, HalfSpace, Response
 from fem_contact.solid import Solid
 
 __all__ = ["Exponential", "Layered", "body_of"]
-
-
-#: Waves of a modulus that varies continuously: beyond this number a spline goes through so many.
-_TABULATED = 512
 
 
 def body_of(response: Response) -> Layered | Exponential:
@@ -65,27 +59,12 @@ class Sheets:
     ) -> Sheets:
         """Solve for the amplitudes under a wave of unit pressure, without shear at the surface.
 
-        Upwards: what a sheet reflects, R, follows from the condition A u + B s = 0 at its bottom; its
-        impedance is that condition, -Z u + s = 0, for the sheet above. Downwards: the uppermost sheet bears
-        the pressure, and each other one moves at its top as the one above does at its bottom.
+        Upwards goes what sheets reflect. Downwards the uppermost sheet bears the pressure, and each other one
+        moves at its top as the one above does at its bottom.
         """
         count = len(thicknesses)
-        identity, free = np.eye(2), np.zeros((2, 2))
-        bonded, sliding = (identity, free), (np.diag([0.0, 1.0]), np.diag([1.0, 0.0]))
-        condition = sliding if base == "frictionless" else bonded
-        # Half-spaces reflect nothing.
-        reflection = np.zeros((count, q.size, 2, 2))
-        tops: list[tuple[Array, Array]] = [(identity, identity)] * count
-        for k in reversed(range(count)):
-            across, nu, modulus = q * thicknesses[k], poisson[k], shear[k]
-            if np.all(np.isfinite(across)):
-                down, up = waves_down(nu, modulus, across), waves_up(nu, modulus, 0 * across)
-                down_missed, up_missed = (condition[0] @ u + condition[1] @ s for u, s in (down, up))
-                reflection[k] = -np.linalg.solve(up_missed, down_missed) * np.exp(-across)[:, None, None]
-                tops[k] = at_top(nu, modulus, across, reflection[k])
-            else:
-                tops[k] = waves_down(nu, modulus, 0 * q)
-            condition = (-impedance_of(*tops[k]), identity)
+        stack = [*upwards(q, thicknesses=thicknesses, shear=shear, poisson=poisson, base=base)][::-1]
+        reflection, tops = np.stack([sheet[0] for sheet in stack]), [sheet[1] for sheet in stack]
         down_waves = np.empty((count, q.size, 2))
         down_waves[0] = np.linalg.solve(tops[0][1], np.broadcast_to([[0.0], [-1.0]], (q.size, 2, 1)))[..., 0]
         for k in range(count - 1):
@@ -186,23 +165,12 @@ class Exponential:
 
     def states(self, q: Array) -> Sheets | Splined:
         """Return what gives the state of each wave at a depth."""
-        if q.size <= _TABULATED:
+        if q.size <= TABULATED:
             return self._sheets(q)
-        return Splined(q=q, table=self._sheets(np.geomspace(q.min(), q.max(), _TABULATED)))
+        return Splined(q=q, table=self._sheets(np.geomspace(q.min(), q.max(), TABULATED)))
 
     def _sheets(self, q: Array) -> Sheets:
-        edges = self.solid.sublayer_edges(q)
-        middles = (edges[1:] + edges[:-1]) / 2
-        nu = self.solid.surface.poisson
-        thicknesses = np.diff(edges, axis=0)
-        deepest = np.concatenate([self.solid.young(middles), self.solid.young(edges[-1:])])
-        return Sheets.under_pressure(
-            q,
-            thicknesses=np.concatenate([thicknesses, np.full((1, q.size), np.inf)]),
-            shear=deepest / (2 * (1 + nu)),
-            poisson=np.full(len(deepest), nu),
-            base="half-space",
-        )
+        return Sheets.under_pressure(q, **self.solid.sheets(q), base="half-space")
 
     def solid_at(self, depth: float) -> Solid:
         """Return the solid at a depth."""
