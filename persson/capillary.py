@@ -8,6 +8,7 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.special import lambertw
 
 from persson._checks import Array, non_negative, positive, real, within
 from persson.errors import InvalidInput
@@ -120,7 +121,7 @@ class CapillaryWaves(SpectrumMoments):
             near = (start + a) * (start + delta + b)
             part = np.log1p((b - a) * delta / near) / (b - a) if b > a else delta / near
         elif order == 1:
-            part = (b * np.log1p(delta / (start + b)) - _weighted_log(a, delta, start)) / (b - a)
+            part = (b * np.log1p(delta / (start + b)) - a * np.log1p(delta / (start + a))) / (b - a)
         else:
             part = (b * _excess(b, delta, start) - a * _excess(a, delta, start)) / (b - a)
         scale = self._strength / (4 * math.pi)
@@ -128,10 +129,6 @@ class CapillaryWaves(SpectrumMoments):
         for _ in range(order):
             scale *= q2
         return np.asarray(scale * part)[()]
-
-
-def _weighted_log(a: float, delta: Array, start: float) -> Array:
-    return a * np.log1p(delta / (start + a)) if a > 0 else np.zeros_like(delta)
 
 
 def _excess(root: float, delta: Array, start: float) -> Array:
@@ -168,12 +165,5 @@ def maximum_height(independent_points: float) -> float:
     count = positive("independent_points", independent_points)
     if count < 10:
         raise InvalidInput(f"independent_points = {count!r}: must be at least 10; the formula is for many")
-    ratio, target = math.sqrt(2 * math.log(count)), math.log(count / math.sqrt(2 * math.pi))
-    for _ in range(60):
-        # Newton's method on x^2/2 + ln x = ln(N / sqrt(2 pi)), which is convex and has one root.
-        excess = ratio * ratio / 2 + math.log(ratio) - target
-        step = excess / (ratio + 1 / ratio)
-        ratio -= step
-        if abs(step) < 1e-15 * ratio:
-            break
-    return ratio
+    # With x^2/2 + ln x = ln(N / sqrt(2 pi)), x^2 is Lambert's W of N^2 / (2 pi).
+    return math.sqrt(float(lambertw(count * count / (2 * math.pi)).real))

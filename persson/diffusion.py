@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from persson._checks import Array, in_proportion, non_negative, numbers_of, real, scalar, whole, within
 from persson._window import TAIL, Grid, Pieces, Problem, Wall, distance, find_pieces, make_grid
@@ -214,7 +214,9 @@ def _refined(
         result = replace(result, error_estimate=estimate, tolerance=tolerance)
         if estimate <= tolerance:
             break
-        coarse = _part(result, probes)
+        coarse = replace(
+            result, area_elastic=result.area_elastic[probes], area_plastic=result.area_plastic[probes]
+        )
     return result
 
 
@@ -248,10 +250,6 @@ def _checked(
         hardening=callable(yield_stress),
     )
     return outputs, problem
-
-
-def _part(result: Diffusion, chosen: NDArray[np.int64]) -> Diffusion:
-    return replace(result, area_elastic=result.area_elastic[chosen], area_plastic=result.area_plastic[chosen])
 
 
 def _integrate(problem: Problem, outputs: Array, pieces: Pieces, *, largest: float, modes: int) -> Diffusion:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import erf, erfc
 
 from persson._checks import (
     Array,
@@ -20,9 +19,11 @@ from persson._checks import (
     whole,
     within,
 )
+from persson.elastic import contact_area
 from persson.errors import InvalidInput, NotConverged, OutsideTheory
 from persson.interface import Interface
 from persson.spectrum import Spectrum, area_factor
+from persson.variants import energy_share
 
 __all__ = ["FlawTolerance", "crack_stress", "flaw_tolerant_gradient", "optimal_modulus"]
 
@@ -182,7 +183,13 @@ def optimal_modulus(
     with in_proportion():
         for _ in range(_ROUNDS):
             modulus = unit * relative
-            area, energy = _stored(q, modulus, added, held=held, improved=interface.energy == "improved")
+            square = modulus * modulus
+            variance = np.concatenate([[0.0], np.cumsum(added * (square[1:] + square[:-1]) / 2)])
+            area = contact_area(held, stress_variance=variance)
+            density = energy_share(held, stress_variance=variance, energy=interface.energy) * modulus / q
+            # U_el(q)/A0 [J/m^2] of the waves beyond q, by the trapezoidal rule over the nodes.
+            pieces = added * (density[1:] + density[:-1]) / 2
+            energy = np.concatenate([np.cumsum(pieces[::-1])[::-1], [0.0]])
             work = (area[-1] * star[-1] * bond - energy) / (np.maximum(area, 1e-300) * star)
             if np.any(work <= 0):
                 raise OutsideTheory(
@@ -194,19 +201,3 @@ def optimal_modulus(
             if np.max(np.abs(change)) < tolerance:
                 return FlawTolerance(wavevectors=q, modulus=unit * relative, work=work, area=area)
     raise NotConverged(f"the optimal modulus still changes by {float(np.max(np.abs(change))):.3g} in a round")
-
-
-def _stored(q: Array, modulus: Array, added: Array, *, held: float, improved: bool) -> tuple[Array, Array]:
-    """A(q)/A0, and U_el(q)/A0 [J/m^2] of the waves beyond q, by the trapezoidal rule over the nodes."""
-    square = modulus * modulus
-    variance = np.concatenate([[0.0], np.cumsum(added * (square[1:] + square[:-1]) / 2)])
-    root = np.sqrt(2 * np.where(variance > 0, variance, 1.0))
-    x = np.where(variance > 0, held / root, np.inf)
-    area = np.asarray(erf(x))
-    share = area
-    if improved:
-        near = np.minimum(x, 26.0)
-        share = area + 2 / np.sqrt(np.pi) * near * np.exp(-near * near) - 4 * near * near * erfc(near)
-    density = share * modulus / q
-    pieces = added * (density[1:] + density[:-1]) / 2
-    return area, np.concatenate([np.cumsum(pieces[::-1])[::-1], [0.0]])

@@ -43,7 +43,8 @@ def hertz_pressure(force: ArrayLike, *, radius: float, contact_modulus: float) -
     Persson 2006, Eq. 54, which writes E* for 4/3 of this E* (docs/errata.md).
     """
     load = non_negative("force", force, unit="N")
-    big, stiff = _bodies(radius, contact_modulus)
+    big = positive("radius", radius, unit="m")
+    stiff = 4 / 3 * positive("contact_modulus", contact_modulus, unit="Pa")
     return np.asarray(np.cbrt(load / big / big / stiff) * stiff / math.pi)[()]
 
 
@@ -92,11 +93,6 @@ def yielded_pull_off(
     share = yielded_share(force, radius=radius, contact_modulus=contact_modulus, hardness=hardness)
     work = positive("work_of_adhesion", work_of_adhesion, unit="J/m^2")
     return np.asarray(2 * math.pi * radius * work * share)[()]
-
-
-def _bodies(radius: float, contact_modulus: float) -> tuple[float, float]:
-    big = positive("radius", radius, unit="m")
-    return big, 4 / 3 * positive("contact_modulus", contact_modulus, unit="Pa")
 
 
 @dataclass(frozen=True, kw_only=True)
