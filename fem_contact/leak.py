@@ -72,16 +72,11 @@ def _winding(open_cells: Mask, axis: Axis) -> Mask:
     choice("axis", axis, ("x", "y"))
     labels = find_patches(open_cells, (1.0, 1.0)).labels
     cells = labels if axis == "x" else labels.T
-    winding = [label for label in _meeting(cells) if _winds(cells == label)]
-    return np.isin(labels, winding)
-
-
-def _meeting(labels: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Labels of the clusters that have cells in every row: no other can wind."""
-    spanning = np.unique(labels[0])
-    for row in labels[1:]:
-        spanning = np.intersect1d(spanning, row, assume_unique=False)
-    return spanning[spanning > 0]
+    # No other can wind than those with cells in every row.
+    spanning = np.unique(cells[0])
+    for row in cells[1:]:
+        spanning = np.intersect1d(spanning, row)
+    return np.isin(labels, [label for label in spanning if label > 0 and _winds(cells == label)])
 
 
 def _winds(cluster: Mask) -> bool:

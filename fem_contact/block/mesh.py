@@ -101,6 +101,8 @@ def checked_growth(growth: object) -> float:
 
 
 def _layers(depth: float, first: float, growth: float) -> Array:
+    from scipy.optimize import brentq
+
     ratio = depth / first
     if not ratio < _THINNEST:
         raise InvalidInput(
@@ -116,25 +118,12 @@ def _layers(depth: float, first: float, growth: float) -> Array:
     count = max(math.ceil(needed * (1 - _SLACK)), 1)
     if ratio <= count:
         return np.full(count, depth / count)
-    fitted = _fitted_growth(ratio, count, growth)
-    layers = first * fitted ** np.arange(count, dtype=float)
+    powers, high = np.arange(count, dtype=float), min(growth, ratio)
+    if float(np.sum(high**powers)) > ratio:
+        high = float(brentq(lambda r: float(np.sum(r**powers)) - ratio, 1.0, high, xtol=1e-15))
+    layers = first * high**powers
     layers *= depth / layers.sum()
     return layers
-
-
-def _fitted_growth(ratio: float, count: int, growth: float) -> float:
-    """Solve 1 + r + ... + r^(count-1) = ratio for r in [1, growth] by bisection."""
-    powers = np.arange(count, dtype=float)
-    low, high = 1.0, min(growth, ratio)
-    if float(np.sum(high**powers)) <= ratio:
-        return high
-    for _ in range(100):
-        middle = 0.5 * (low + high)
-        if float(np.sum(middle**powers)) < ratio:
-            low = middle
-        else:
-            high = middle
-    return high
 
 
 @dataclass(frozen=True, kw_only=True)

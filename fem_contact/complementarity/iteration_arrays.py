@@ -220,11 +220,11 @@ class IterationArrays:
         shares = np.take(k.PARTS, top_counts[-1])
         top[-1] *= shares
         for fine in reversed(whole):
-            k.push(0, len(top[fine]), top[fine], top_counts[fine], top[fine + 1])
+            k.push(0, len(top[fine]), top[fine], top_counts[fine], top[fine + 1], None)
         self._take_top()
         for fine in reversed(local):
-            k.push(0, len(sums[fine]), sums[fine], counts[fine], self._as_coarse(fine + 1))
-        self.rows.run(k.extend, self.buffer, self.gap, self.working, self._as_coarse(0))
+            k.push(0, len(sums[fine]), sums[fine], counts[fine], self._as_coarse(fine + 1), None)
+        self.rows.run(k.push, self.buffer, self.working, self._as_coarse(0), self.gap)
         self.quick.precondition(self.buffer, self.buffer)
         self.coarse_rows.run(k.push_transposed, *self._as_fine(-1))
         for fine in local:

@@ -162,24 +162,16 @@ def random_waves(
     if isotropic:
         power = array("spectrum(q)", spectrum(q), power=4)
     else:
-        power = array("spectrum(qx, qy)", _even_power(spectrum, m, n, lengths), power=4)
+        qx, qy = (2 * np.pi / length * number for length, number in zip(lengths, (m, n), strict=True))
+        power = array("spectrum(qx, qy)", spectrum(qx, qy), power=4)
+        opposite = array("spectrum(-qx, -qy)", spectrum(-qx, -qy), power=4)
+        if not np.allclose(power, opposite, rtol=1e-9, atol=0.0):
+            raise InvalidInput("the spectrum C(qx, qy) differs between a wavevector and its opposite")
     if power.shape not in ((), q.shape) or np.any(power < 0):
         raise InvalidInput("the spectrum C(q) is negative or not finite at a wavevector of the surface")
     waves = _random_waves(m, n, seed=seed, gaussian=amplitudes == "gaussian")
     waves *= 2 * np.pi * np.sqrt(power / (lengths[0] * lengths[1]))
     return RandomWaves(m=m, n=n, amplitudes=waves, q_short=q_short, lengths=lengths)
-
-
-def _even_power(
-    spectrum: Callable[..., Array], m: NDArray[np.int64], n: NDArray[np.int64], lengths: Lengths
-) -> Array:
-    """C(qx, qy) of wave numbers; of a real surface it is that of the opposite wave, too."""
-    qx, qy = (2 * np.pi / length * number for length, number in zip(lengths, (m, n), strict=True))
-    power = array("spectrum(qx, qy)", spectrum(qx, qy), power=4)
-    opposite = array("spectrum(-qx, -qy)", spectrum(-qx, -qy), power=4)
-    if not np.allclose(power, opposite, rtol=1e-9, atol=0.0):
-        raise InvalidInput("the spectrum C(qx, qy) differs between a wavevector and its opposite")
-    return power
 
 
 def _check_resolved(shape: Shape, lengths: Lengths, q_short: float, under_resolved: bool) -> None:

@@ -92,7 +92,12 @@ def build_hierarchy(mesh: BlockMesh, *, poisson: float, modulus: Array | None = 
         shape = coarser
         width, across = mesh.cells[0] / shape[0], mesh.aspect * mesh.cells[1] / shape[1]
         cells = replace(mesh, cells=shape, aspect=across / width, layers=mesh.layers / width)
-        coarser = _coarser(shape, (width, across))
+        # Halved are the nodes along the axis of the shorter spacing, or along both where these are alike.
+        least = min((h for n, h in zip(shape, (width, across), strict=True) if n > 1), default=0.0)
+        coarser = (
+            (shape[0] + 1) // 2 if width <= _ALIKE * least else shape[0],
+            (shape[1] + 1) // 2 if across <= _ALIKE * least else shape[1],
+        )
         down = None
         if coarser != shape:
             down = Transfer.between(shape[0], coarser[0]), Transfer.between(shape[1], coarser[1])
@@ -115,10 +120,3 @@ def build_hierarchy(mesh: BlockMesh, *, poisson: float, modulus: Array | None = 
             )
         levels.append(level)
     return Hierarchy(levels=tuple(levels), depth=float(-mesh.planes[0]))
-
-
-def _coarser(shape: tuple[int, int], spacings: tuple[float, float]) -> tuple[int, int]:
-    """Halve the nodes along the axis of the shorter spacing, or along both where these are alike."""
-    least = min((h for n, h in zip(shape, spacings, strict=True) if n > 1), default=0.0)
-    x, y = ((n + 1) // 2 if h <= _ALIKE * least else n for n, h in zip(shape, spacings, strict=True))
-    return x, y

@@ -160,8 +160,13 @@ class SurfaceOperator:
         scale = mesh.aspect * response.width / response.solid.young / mesh.element.types
         table = surface_compliance(response.folded, phase_pairs(half, y))
         table = scale * table.reshape(half.size, y.size, 4, 4)
-        inverse: Array = np.linalg.inv(_padded(table)).astype(float)
-        inverse[0, 0] = _without_mean(table[0, 0])
+        padded, uniform = table.copy(), table[0, 0]
+        # At zero phase, singular for the incompressible solid: from displacements to the forces of zero sum
+        # that cause them, up to a constant.
+        padded[0, 0] = np.eye(4)
+        inverse: Array = np.linalg.inv(padded).astype(float)
+        basis = np.linalg.svd(np.ones((1, 4)))[2][1:].T
+        inverse[0, 0] = basis @ np.linalg.solve(basis.T @ uniform @ basis, basis.T)
         self.compliance = np.moveaxis(table, (2, 3), (0, 1))[:, :, mirror].copy()
         self.inverse = np.moveaxis(inverse, (2, 3), (0, 1))[:, :, mirror].copy()
         self.stiffness = float(np.mean(np.trace(self.inverse)) / 4)
@@ -201,20 +206,6 @@ def surface_operator(response: BlockResponse, *, threads: int = 1) -> FourierOpe
         return SurfaceOperator(response, threads=threads)
     lengths = mesh.cells[0] * response.width, mesh.cells[1] * response.width * mesh.aspect
     return FourierOperator(response, mesh.shape, lengths, threads=threads)
-
-
-def _padded(table: Array) -> Array:
-    """Replace the response at zero phase, singular for the incompressible solid, by the identity."""
-    padded = table.copy()
-    padded[0, 0] = np.eye(table.shape[-1])
-    return padded
-
-
-def _without_mean(compliance: Array) -> Array:
-    """Return the matrix from displacements to the forces of zero sum that cause them, up to a constant."""
-    size = len(compliance)
-    basis = np.linalg.svd(np.ones((1, size)))[2][1:].T
-    return np.asarray(basis @ np.linalg.solve(basis.T @ compliance @ basis, basis.T))
 
 
 def solve_reduced(
