@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from fem_contact._types import Array
-from fem_contact.bem.problem import SLACK, Problem
+from fem_contact.bem.problem import Problem
 from fem_contact.complementarity import Solution
+from fem_contact.complementarity.direct import SLACK, applied
 from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput
 
@@ -48,7 +49,7 @@ class LoadSearch:
         """Find the solution whose gap or offset is the prescribed one."""
         problem = self.problem
         if self.gap >= self.clearance:
-            solution = problem.solution(np.zeros(problem.surface.shape), pairs=1.0)
+            solution = applied(problem.operator, problem.heights, np.zeros(problem.surface.shape), pairs=1.0)
             nowhere = np.zeros(solution.force.shape, dtype=bool)
             offset = self.target + (float(np.mean(problem.heights)) if self.of_gap else 0.0)
             return replace(solution, in_contact=nowhere, offset=offset)
@@ -79,7 +80,7 @@ class LoadSearch:
         force, bound = self.problem.full_pressure() + load, self.problem.bound
         if bound is not None and np.any(force > bound):
             return None
-        return self.problem.solution(force, pairs=2.0)
+        return applied(self.problem.operator, self.problem.heights, force, pairs=2.0)
 
     def _search(self, upper: float) -> Solution:
         """Secant steps in the logarithm of the load, kept inside a shrinking bracket."""

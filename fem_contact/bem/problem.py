@@ -21,6 +21,7 @@ from fem_contact.complementarity import (
     surely_partial,
 )
 from fem_contact.complementarity.arrays import ArrayGrids
+from fem_contact.complementarity.direct import SLACK, all_at_bound, touching
 from fem_contact.complementarity.grids import Grids
 from fem_contact.complementarity.in_slabs import SlabGrids
 from fem_contact.contact import ContactResult, Cost, Status, residuals_of
@@ -29,7 +30,7 @@ from fem_contact.response import FreeHalfSpace, Response, check_response
 from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
-__all__ = ["SLACK", "Method", "Problem"]
+__all__ = ["Method", "Problem"]
 
 Method = Literal["preconditioned", "double", "polonsky-keer"]
 
@@ -117,7 +118,12 @@ class Problem:
         partial = not self.grids.in_slabs and surely_partial(
             self.heights, coarse=self._coarse, mean_force=load, xp=self.grids.xp
         )
-        exact = self._all_at_bound(load) or (None if partial else self._full_contact(load))
+        known: dict[str, Any] = {"bound": self.bound, "xp": self.grids.xp}
+        exact = all_at_bound(self.operator, self.heights, mean_force=load, **known)
+        # The pressure of a patch is not found in a step: what presses it full is iterated.
+        if exact is None and not partial and not isinstance(self.operator, FreeOperator):
+            rough = self.full_pressure()
+            exact = touching(self.operator, self.heights, rough, load, pairs=2.0, **known)
         if exact is not None:
             return exact
         scale = self.surface.rms_height
@@ -153,46 +159,6 @@ class Problem:
         self.operator.invert(self.heights, pressure)
         pressure -= self.grids.xp.mean(pressure)
         return pressure
-
-    def _full_contact(self, load: float) -> Solution | None:
-        """Answer where all points touch; None where that needs tension or more than the bound.
-
-        The pressure of a patch is not found in a step: what presses it full is iterated.
-        """
-        xp = self.grids.xp
-        if isinstance(self.operator, FreeOperator):
-            return None
-        force = self.full_pressure()
-        force += load
-        if float(xp.min(force)) < 0 or (self.bound is not None and bool(xp.any(force > self.bound))):
-            return None
-        return self.solution(force, pairs=2.0)
-
-    def _all_at_bound(self, load: float) -> Solution | None:
-        """Answer where the bound leaves no choice, at the offset of least indentation."""
-        xp = self.grids.xp
-        if self.bound is None or float(xp.mean(self.bound)) > load * (1 + SLACK):
-            return None
-        solution = self.solution(xp.asarray(self.bound, copy=True), pairs=1.0)
-        offset = -float(xp.max(solution.displacement - self.heights))
-        return replace(solution, offset=offset, at_bound=solution.in_contact)
-
-    def solution(self, force: Any, *, pairs: float) -> Solution:
-        """Wrap a known pressure that makes contact everywhere it is positive, or everywhere at all."""
-        xp = self.grids.xp
-        displacement = xp.empty_like(force)
-        self.operator.apply(force, displacement)
-        return Solution(
-            force=force,
-            displacement=displacement,
-            offset=float(xp.mean(self.heights - displacement)),
-            in_contact=xp.ones_like(force, dtype=xp.bool),
-            at_bound=xp.zeros_like(force, dtype=xp.bool),
-            status=Status.CONVERGED,
-            iterations=0,
-            fft_pairs=pairs,
-            peak_bytes=16 * force.shape[0] * force.shape[1],
-        )
 
     def result(self, solution: Solution, *, target: float | None) -> ContactResult:
         """Measure a solution and dress it up."""
@@ -255,10 +221,6 @@ _PLACED = {
     False: "pressure collocated at the grid points",
     True: "pressure constant on each cell of a patch with free surroundings",
 }
-
-#: Relative difference at which a load counts as equal to the bound: means of equal numbers differ by
-#: rounding.
-SLACK = 1e-12
 
 #: Ratio of the sides of a cell beyond which a residual that no longer falls is put down to it.
 _OBLONG = 30.0

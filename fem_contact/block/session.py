@@ -31,6 +31,7 @@ from fem_contact.block.problem import Answer, Problem
 from fem_contact.block.reduced.fields import FourierSource
 from fem_contact.block.reduced.surface import BlockResponse, solve_reduced, surface_operator
 from fem_contact.block.solution import ArraySource, BlockSolution, FieldSource
+from fem_contact.complementarity.direct import SLACK
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.contact import ContactResult, Cost, Status, measure_residuals
 from fem_contact.errors import InvalidInput
@@ -64,9 +65,6 @@ _BASE_BYTES = 250_000_000
 #: Peak bytes per surface node of the reduced system, by order: some 14 arrays, or 4 x 4 tables.
 _BYTES_PER_NODE = {1: 120, 2: 400}
 
-
-#: Relative difference at which a load counts as equal to the bound: means differ by rounding.
-_SLACK = 1e-12
 
 #: Largest ratio of mean pressure and Young's modulus, and the reciprocal of the least.
 _STIFFEST = 1e60
@@ -187,7 +185,7 @@ class Session:
                 "its products leave the range of the arithmetic"
             )
         problem = replace(self.problem, pressure=mean_pressure / self.solid.young)
-        if problem.mean_bound < mean_pressure / self.solid.young * (1 - _SLACK):
+        if problem.mean_bound < mean_pressure / self.solid.young * (1 - SLACK):
             raise InvalidInput(
                 f"pressure_bound with mean {problem.mean_bound * self.solid.young:.6g} Pa: must not be below "
                 f"mean_pressure = {mean_pressure:.6g} Pa, or nothing carries the load"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.fft
@@ -15,7 +16,8 @@ from fem_contact._types import Array
 from fem_contact.block.mesh import BlockMesh, node_weights
 from fem_contact.block.problem import Answer, Problem
 from fem_contact.block.reduced.column import FoldedLayers, fold, surface_compliance
-from fem_contact.complementarity import Operator, Solution, solve_nested, surely_partial
+from fem_contact.complementarity import solve_nested, surely_partial
+from fem_contact.complementarity.direct import all_at_bound, touching
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.rows import Rows
 from fem_contact.contact import Status
@@ -223,7 +225,9 @@ def solve_reduced(
     else:
         # Some force everywhere: one loaded node alone leaves no direction to search.
         first = None if start is None else np.where(start, 1.0, _SPREAD)
-    weights, bound = node_weights(mesh), problem.bound
+    weights, bound, heights, gap = node_weights(mesh), problem.bound, problem.heights, None
+    share = 1.0 if weights is None else weights
+    known: dict[str, Any] = {"bound": None if bound is None else bound * share}
     lengths = float(mesh.cells[0]), mesh.cells[1] * mesh.aspect
     # Coarser grids only lead to a first guess, for which the homogeneous layer is near enough.
     layer = BondedLayer(solid=response.solid, thickness=float(-mesh.planes[0]))
@@ -231,38 +235,51 @@ def solve_reduced(
     def coarse(shape: tuple[int, int]) -> FourierOperator:
         return FourierOperator(layer, shape, lengths, threads=threads)
 
-    direct = _bound_everywhere(problem, operator)
-    if direct is None and not surely_partial(problem.heights, coarse=coarse, mean_force=problem.pressure):
-        direct = _touching_everywhere(problem, operator)
-    if direct is not None:
-        solution, gap = direct.verified(problem), direct.gap
-    else:
+    solution = all_at_bound(operator, heights, mean_force=problem.pressure, **known)
+    if solution is None and not surely_partial(heights, coarse=coarse, mean_force=problem.pressure):
+        rough = np.empty(mesh.shape)
+        operator.invert(heights, rough)
+        uniform = (problem.pressure - rough.mean()) * share
+        solution = touching(operator, heights, rough, uniform, pairs=3 * operator.pairs, **known)
+        if solution is not None:
+            # The uniform compression may be many times larger, and no gap be read off the sum of both.
+            gap = np.empty(mesh.shape)
+            operator.apply(rough, gap)
+            gap -= heights
+            gap -= gap.mean()
+    exact = solution is not None
+    if solution is None:
         solution = solve_nested(
             operator,
-            problem.heights,
+            heights,
             coarse=coarse,
             mean_force=problem.pressure,
             length_scale=problem.roughness,
             settings=Settings(tolerance=problem.tolerance, max_iterations=problem.steps, threads=threads),
             start=first,
-            bound=bound if bound is None or weights is None else bound * weights,
             weights=weights,
+            **known,
         )
-        gap = solution.displacement - problem.heights + solution.offset
+    force = solution.force * (mesh.aspect / mesh.element.types)
+    gap = solution.displacement - heights + solution.offset if gap is None else gap
+    at_bound, status = None if bound is None else solution.at_bound, solution.status
+    if exact and not problem.violation(force, gap, at_bound) <= problem.tolerance:
+        # Rounding left no answer; a NaN is not below the tolerance.
+        status = Status.STAGNATED
     return Answer(
-        force=solution.force * (mesh.aspect / mesh.element.types),
+        force=force,
         gap=gap,
         displacement=solution.displacement,
         in_contact=solution.in_contact,
         offset=solution.offset,
-        status=solution.status,
+        status=status,
         iterations=solution.iterations,
         linear_iterations=0,
         fft_pairs=solution.fft_pairs,
         bytes=max(solution.peak_bytes + operator.nbytes, 4 * solution.force.nbytes + operator.nbytes),
         method="reduced",
         note=f"{solution.iterations} iterations",
-        at_bound=None if bound is None else solution.at_bound,
+        at_bound=at_bound,
     )
 
 
@@ -293,78 +310,3 @@ def solve_reduced_offset(
     excess(root)
     assert answer is not None
     return answer
-
-
-#: Relative difference at which a load counts as equal to the bound: means differ by rounding.
-_SLACK = 1e-12
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Direct:
-    """An answer that no iteration led to."""
-
-    solution: Solution
-    gap: Array  # (nx, ny): Over the cell width
-
-    def verified(self, problem: Problem) -> Solution:
-        """Let the residual say whether rounding left an answer; a NaN is not below the tolerance."""
-        solution, mesh = self.solution, problem.mesh
-        left = problem.violation(
-            solution.force * (mesh.aspect / mesh.element.types),
-            self.gap,
-            None if problem.bound is None else solution.at_bound,
-        )
-        return solution if left <= problem.tolerance else replace(solution, status=Status.STAGNATED)
-
-
-def _bound_everywhere(problem: Problem, operator: Operator) -> _Direct | None:
-    """Return the answer where the bound leaves no choice, at the offset of least indentation."""
-    assert problem.pressure is not None
-    if problem.bound is None or problem.mean_bound > problem.pressure * (1 + _SLACK):
-        return None
-    weights, displacement = node_weights(problem.mesh), np.empty(problem.mesh.shape)
-    force = problem.bound * (1.0 if weights is None else weights)
-    operator.apply(force, displacement)
-    everywhere = np.ones(force.shape, dtype=bool)
-    offset = float(np.min(problem.heights - displacement))
-    solution = Solution(
-        force=force,
-        displacement=displacement,
-        offset=offset,
-        in_contact=everywhere,
-        at_bound=everywhere,
-        status=Status.CONVERGED,
-        iterations=0,
-        fft_pairs=operator.pairs,
-    )
-    return _Direct(solution=solution, gap=displacement - problem.heights + offset)
-
-
-def _touching_everywhere(problem: Problem, operator: FourierOperator | SurfaceOperator) -> _Direct | None:
-    """Return the exact answer where all nodes touch; None where that needs tension."""
-    assert problem.pressure is not None
-    weights = node_weights(problem.mesh)
-    force, displacement = np.empty(problem.mesh.shape), np.empty(problem.mesh.shape)
-    operator.invert(problem.heights, force)
-    operator.apply(force, displacement)
-    # The uniform compression may be larger by many orders, and no gap can be read off the sum of both.
-    gap = displacement - problem.heights
-    gap -= gap.mean()
-    # A uniform pressure moves all nodes alike, so it can be added.
-    force += (problem.pressure - force.mean()) * (1.0 if weights is None else weights)
-    if force.min() < 0 or (
-        problem.bound is not None and np.any(force > problem.bound * (1.0 if weights is None else weights))
-    ):
-        return None
-    operator.apply(force, displacement)
-    solution = Solution(
-        force=force,
-        displacement=displacement,
-        offset=float(np.mean(problem.heights - displacement)),
-        in_contact=np.ones(force.shape, dtype=bool),
-        at_bound=np.zeros(force.shape, dtype=bool),
-        status=Status.CONVERGED,
-        iterations=0,
-        fft_pairs=3 * operator.pairs,
-    )
-    return _Direct(solution=solution, gap=gap)
