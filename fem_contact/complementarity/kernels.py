@@ -118,7 +118,7 @@ def move(lo, hi, x, g, s, v, bound, factor, shift, unit, stiffness, work, sums, 
             free += row_free
             last += row_last
             image += row_image
-        _sum_cells(row, g, work, -one, sums, counts)
+        _sum_gaps(row, g, work, sums, counts)
     # Loops, because numba takes a second to compile `min` and `max` of an array.
     for j in range(ny):
         lowest, highest = min(lowest, lows[j]), max(highest, highs[j])
@@ -126,26 +126,49 @@ def move(lo, hi, x, g, s, v, bound, factor, shift, unit, stiffness, work, sums, 
 
 
 @njit(**_OPTIONS)
-def _sum_cells(row, r, work, sign, sums, counts):
-    """Sum a field, times a sign, and count the points at work over the cells of one coarser row."""
-    nx, ny = r.shape
-    zero, near, far = r.dtype.type(0), 2 * row, min(2 * row + 1, nx - 1)
+def _sum_gaps(row, g, work, sums, counts):
+    """Sum -g and count the working points over the cells of one row of the coarser level."""
+    nx, ny = g.shape
+    zero, near, far = g.dtype.type(0), 2 * row, min(2 * row + 1, nx - 1)
     # The last row of an odd number is alone in its cells.
     twice = np.uint8(far > near)
     for col in range(ny // 2):
-        left, right = work[near, 2 * col] > 0, work[near, 2 * col + 1] > 0
-        value = (r[near, 2 * col] if left else zero) + (r[near, 2 * col + 1] if right else zero)
+        left, right = work[near, 2 * col], work[near, 2 * col + 1]
+        value = (g[near, 2 * col] if left else zero) + (g[near, 2 * col + 1] if right else zero)
         count = np.uint8(left) + np.uint8(right)
-        left, right = work[far, 2 * col] > 0, work[far, 2 * col + 1] > 0
-        other = (r[far, 2 * col] if left else zero) + (r[far, 2 * col + 1] if right else zero)
-        sums[row, col] = sign * (value + (other if twice else zero))
+        left, right = work[far, 2 * col], work[far, 2 * col + 1]
+        other = (g[far, 2 * col] if left else zero) + (g[far, 2 * col + 1] if right else zero)
+        sums[row, col] = -value - (other if twice else zero)
         counts[row, col] = count + twice * (np.uint8(left) + np.uint8(right))
     if ny % 2:
         sums[row, ny // 2], counts[row, ny // 2] = zero, 0
         for i in range(near, near + 1 + twice):
             if work[i, ny - 1]:
-                sums[row, ny // 2] += sign * r[i, ny - 1]
+                sums[row, ny // 2] -= g[i, ny - 1]
                 counts[row, ny // 2] += 1
+
+
+@njit(**_OPTIONS)
+def _sum_cells(row, r, work, sums, counts):
+    """Sum a field and count its occupied points over the cells of one row of the coarser level."""
+    nx, ny = r.shape
+    last = 2 * row + 1 < nx
+    for col in range(ny // 2):
+        value = r[2 * row, 2 * col] + r[2 * row, 2 * col + 1]
+        count = (work[2 * row, 2 * col] > 0) + (work[2 * row, 2 * col + 1] > 0)
+        if last:
+            value += r[2 * row + 1, 2 * col] + r[2 * row + 1, 2 * col + 1]
+            count += (work[2 * row + 1, 2 * col] > 0) + (work[2 * row + 1, 2 * col + 1] > 0)
+        sums[row, col] = value
+        counts[row, col] = count
+    if ny % 2:
+        value = r[2 * row, ny - 1]
+        count = int(work[2 * row, ny - 1] > 0)
+        if last:
+            value += r[2 * row + 1, ny - 1]
+            count += int(work[2 * row + 1, ny - 1] > 0)
+        sums[row, ny // 2] = value
+        counts[row, ny // 2] = count
 
 
 @njit(**_OPTIONS)
@@ -156,7 +179,7 @@ def pull(fine, counts, sums, coarse_counts):
         for i in range(2 * row, min(2 * row + 2, nx)):
             for j in range(ny):
                 fine[i, j] *= PARTS[counts[i, j]]
-        _sum_cells(row, fine, counts, fine.dtype.type(1), sums, coarse_counts)
+        _sum_cells(row, fine, counts, sums, coarse_counts)
 
 
 @njit(**_OPTIONS)
