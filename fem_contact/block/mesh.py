@@ -101,8 +101,6 @@ def checked_growth(growth: object) -> float:
 
 
 def _layers(depth: float, first: float, growth: float) -> Array:
-    from scipy.optimize import brentq
-
     ratio = depth / first
     if not ratio < _THINNEST:
         raise InvalidInput(
@@ -118,9 +116,11 @@ def _layers(depth: float, first: float, growth: float) -> Array:
     count = max(math.ceil(needed * (1 - _SLACK)), 1)
     if ratio <= count:
         return np.full(count, depth / count)
-    powers, high = np.arange(count, dtype=float), min(growth, ratio)
-    if float(np.sum(high**powers)) > ratio:
-        high = float(brentq(lambda r: float(np.sum(r**powers)) - ratio, 1.0, high, xtol=1e-15))
+    powers, low, high = np.arange(count, dtype=float), 1.0, min(growth, ratio)
+    # 1 + r + ... + r^(count - 1) = ratio, by bisection where the growth allowed is more than is needed.
+    for _ in range(100 if float(np.sum(high**powers)) > ratio else 0):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if float(np.sum(middle**powers)) < ratio else (low, middle)
     layers = first * high**powers
     layers *= depth / layers.sum()
     return layers
