@@ -48,16 +48,12 @@ def _settle_cache() -> None:
         return
     os.environ.pop("NUMBA_CACHE_DIR", None)
     packages = [Path(__file__).parents[1] / name / "__pycache__" for name in ("fem_contact", "persson")]
-    if all(_writable(folder) for folder in packages) or _writable(_user_cache() / "numba"):
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"))
+    if all(_writable(folder) for folder in packages) or _writable(cache / "numba"):
         return
     private = _private_folder()
     if private is not None:
         os.environ["NUMBA_CACHE_DIR"] = str(private)
-
-
-def _user_cache() -> Path:
-    value = os.environ.get("XDG_CACHE_HOME")
-    return Path(value) if value else Path(os.path.expanduser("~")) / ".cache"
 
 
 def _writable(folder: Path) -> bool:

@@ -26,10 +26,6 @@ __all__ = [
 ]
 
 
-#: Pressure, gap, heights, points at the bound and weights of one result.
-_Fields = tuple[Array, Array, Array, NDArray[np.bool_] | None, Array | None]
-
-
 class Status(Enum):
     """How a solve ended; the value is a sentence with the remedy."""
 
@@ -279,17 +275,27 @@ def measure_residuals(
     InvalidInput
         For fields of different shapes, which would otherwise be broadcast into residuals of nothing.
     """
-    fields = _checked_fields(pressure, gap, heights, at_bound=at_bound, weights=weights)
+    shape = shape_of("pressure", pressure)
+    for name, values in {"gap": gap, "heights": heights, "at_bound": at_bound, "weights": weights}.items():
+        if values is not None and shape_of(name, values) != shape:
+            raise InvalidInput(f"{name} of shape {np.shape(values)}: must have the shape {shape} of pressure")
+    if 0 in shape or not shape:
+        raise InvalidInput(f"pressure of shape {shape}: must hold at least one point")
+    if at_bound is not None and not (isinstance(at_bound, np.ndarray) and at_bound.dtype == np.bool_):
+        raise InvalidInput(f"at_bound = {shown(at_bound)}: must be an array of bool")
+    # NaN is let through, for it makes the residual NaN.
+    pressure, gap = doubles("pressure", pressure, unit="Pa"), doubles("gap", gap, unit="m")
+    weights = None if weights is None else doubles("weights", weights)
+    heights = doubles("heights", heights, unit="m")
     lx, ly = pair("lengths", lengths, what="two positive periods (Lx, Ly) in m")
     longest = max(positive("Lx", lx, unit="m"), positive("Ly", ly, unit="m"))
     contact_modulus = positive("contact_modulus", contact_modulus, unit="Pa")
     rms_gradient = non_negative("rms_gradient", rms_gradient)
     if target_pressure is not None:
         target_pressure = finite("target_pressure", target_pressure, unit="Pa")
-    heights = fields[2]
     with np.errstate(all="ignore"):
         return residuals_of(
-            residual_sums(fields[0], fields[1], at_bound=fields[3], weights=fields[4]),
+            residual_sums(pressure, gap, at_bound=at_bound, weights=weights),
             points=heights.size,
             rms_height=float(np.std(heights)),
             highest=float(np.max(np.abs(heights))),
@@ -298,29 +304,6 @@ def measure_residuals(
             rms_gradient=rms_gradient,
             target_pressure=target_pressure,
         )
-
-
-def _checked_fields(
-    pressure: Array,
-    gap: Array,
-    heights: Array,
-    *,
-    at_bound: NDArray[np.bool_] | None,
-    weights: Array | None,
-) -> _Fields:
-    """Return all fields as arrays of one shape; NaN is let through, for it makes the residual NaN."""
-    others = {"gap": gap, "heights": heights, "at_bound": at_bound, "weights": weights}
-    shape = shape_of("pressure", pressure)
-    for name, values in others.items():
-        if values is not None and shape_of(name, values) != shape:
-            raise InvalidInput(f"{name} of shape {np.shape(values)}: must have the shape {shape} of pressure")
-    if 0 in shape or not shape:
-        raise InvalidInput(f"pressure of shape {shape}: must hold at least one point")
-    if at_bound is not None and not (isinstance(at_bound, np.ndarray) and at_bound.dtype == np.bool_):
-        raise InvalidInput(f"at_bound = {shown(at_bound)}: must be an array of bool")
-    fields = doubles("pressure", pressure, unit="Pa"), doubles("gap", gap, unit="m")
-    share = None if weights is None else doubles("weights", weights)
-    return *fields, doubles("heights", heights, unit="m"), at_bound, share
 
 
 #: Points whose residuals are measured at once: their temporary arrays stay in the cache.

@@ -140,6 +140,12 @@ def ring_asperities(wavevector: float, *, rms_height: float) -> Asperities:
     )
 
 
+def _check_moments(moments: Moments) -> None:
+    instance("moments", moments, Moments, what="`Moments`")
+    if not (moments.m0 > 0 and moments.m2 > 0 and moments.m4 > 0):
+        raise InvalidInput("moments: a flat surface has no summits")
+
+
 def nayak_asperities(moments: Moments) -> Asperities:
     r"""Density, mean curvature and height scatter of the summits of a Gaussian surface, exact.
 
@@ -159,9 +165,7 @@ def nayak_asperities(moments: Moments) -> Asperities:
     >>> round(ring.density, 4), round(ring.rms_height, 3)
     (0.023, 0.634)
     """
-    instance("moments", moments, Moments, what="`Moments`")
-    if not (moments.m0 > 0 and moments.m2 > 0 and moments.m4 > 0):
-        raise InvalidInput("moments: a flat surface has no summits")
+    _check_moments(moments)
     reduction = 1.5 / moments.nayak * (2 / 3 + 32 / (3 * math.pi) - 2 * math.sqrt(3))
     return Asperities(
         density=moments.m4 / moments.m2 / (8 * math.pi * math.sqrt(3)),
@@ -190,9 +194,7 @@ def bush_gibson_thomas(separation: ArrayLike, *, moments: Moments, contact_modul
     Solids 56, 2555, 2008).
     """
     modulus = positive("contact_modulus", contact_modulus, unit="Pa")
-    instance("moments", moments, Moments, what="`Moments`")
-    if not (moments.m0 > 0 and moments.m2 > 0 and moments.m4 > 0):
-        raise InvalidInput("moments: a flat surface has no summits")
+    _check_moments(moments)
     alpha = moments.nayak
     if not alpha > 1.5 * (1 + 1e-9):
         raise InvalidInput(

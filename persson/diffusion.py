@@ -115,7 +115,13 @@ class Diffusion:
             return np.asarray(np.exp(-0.5 * sigma * sigma / variance) / math.sqrt(2 * math.pi * variance))
         x = (2 * sigma - left - right) / (right - left)
         inside = np.abs(x) <= 1
-        series = _legendre_series(self._coefficients[index])
+        # From basis coefficients and, last, the height at the upper wall.
+        row = self._coefficients[index]
+        scaled = row[:-1] / np.sqrt(4 * np.arange(row.size - 1) + 6.0)
+        series = np.zeros(row.size + 1)
+        series[:-2] += scaled
+        series[2:] -= scaled
+        series[:2] += row[-1] / 2
         return np.where(inside, legendre.legval(np.where(inside, x, 0.0), series), 0.0)
 
 
@@ -385,16 +391,6 @@ def _gaussian_coefficients(window: tuple[float, float, float], modes: int) -> Ar
     coupling = np.diag(-d[:-2] * d[2:] * 2 / (2 * k[:-2] + 5), 2)
     phi = d * (basis[:, :modes] - basis[:, 2:])
     return np.linalg.solve(mass + coupling + coupling.T, phi.T @ density * (x[1] - x[0]))
-
-
-def _legendre_series(row: Array) -> Array:
-    """Legendre coefficients of a density from basis coefficients and, last, its height at the upper wall."""
-    scaled = row[:-1] / np.sqrt(4 * np.arange(row.size - 1) + 6.0)
-    series = np.zeros(row.size + 1)
-    series[:-2] += scaled
-    series[2:] -= scaled
-    series[:2] += row[-1] / 2
-    return series
 
 
 def _window_moments(

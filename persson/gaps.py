@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 from persson._checks import Array, in_proportion, instance, positive, real, within
 from persson.elastic import contact_area, non_contact_area
 from persson.scale import Scale
-from persson.separation import opening_integral
+from persson.separation import opening_integral, panels
 
 __all__ = ["gap_distribution"]
 
@@ -93,10 +93,7 @@ def _leaving(load: float, scale: Scale, ratio: float) -> tuple[Array, Array, Arr
 
 def _mean_gaps(pressure: Array, variance: Array, top: float, *, scale: Scale, ratio: float) -> Array:
     """ubar(zeta) [m] of the contact seen with V, under its own pressure and with the waves beyond."""
-    edges = np.linspace(-18.0, 0.0, 61)
-    points, weights = np.polynomial.legendre.leggauss(3)
-    t = (edges[:-1, None] + np.diff(edges)[:, None] * (1 + points) / 2).ravel()
-    weight = (np.diff(edges)[:, None] * weights / 2).ravel()
+    t, weight = panels(np.linspace(-18.0, 0.0, 61), 3)
     rest = (top - variance)[:, None] * np.exp(t)
     wave = scale.wavevector(variance[:, None] + rest)
     root = np.sqrt(2 * rest)

@@ -66,7 +66,11 @@ class Scale:
         else:
             constant = positive("contact_modulus", contact_modulus, unit="Pa")
             self._modulus = lambda q: np.full(np.shape(q), constant)
-        self._variance = self._sum()
+        if self.graded:
+            first = self._between(np.array([spectrum.q_min]), self._q[:1])
+            self._variance = np.cumsum(np.concatenate([first, self._between(self._q[:-1], self._q[1:])]))
+        else:
+            self._variance = self.variance(self._q)
         keep = np.concatenate([[True], np.diff(self._variance) > 0]) & (self._variance > 0)
         if keep.sum() < 2:
             raise InvalidInput("the spectrum holds no roughness: C(q) vanishes")
@@ -79,13 +83,6 @@ class Scale:
         """E*(q) [Pa]."""
         wave = non_negative("q", q, unit="1/m")
         return returned("contact_modulus(q)", self._modulus(wave), wave.shape, unit="Pa")
-
-    def _sum(self) -> Array:
-        if not self.graded:
-            half = self.modulus(self._q) / 2
-            return np.asarray(self.spectrum.m2(self._q)) * half * half
-        first = self._between(np.array([self.spectrum.q_min]), self._q[:1])
-        return np.cumsum(np.concatenate([first, self._between(self._q[:-1], self._q[1:])]))
 
     def _between(self, low: Array, high: Array) -> Array:
         """Int E*^2/4 dm2 by Simpson's rule in m2, whose middle has half of the interval's m2 below it."""

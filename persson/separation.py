@@ -112,14 +112,18 @@ def _loaded(pressure: ArrayLike) -> Array:
     return load
 
 
+def panels(edges: Array, order: int) -> tuple[Array, Array]:
+    """Return Gauss points and weights between edges."""
+    points, weights = np.polynomial.legendre.leggauss(order)
+    half = np.diff(edges)[:, None]
+    return (edges[:-1, None] + half * (1 + points) / 2).ravel(), (half * weights / 2).ravel()
+
+
 def _waves(scale: Scale) -> tuple[Array, Array]:
     """V [Pa^2] and the energy of full contact dV/(E* q) [J/m^2] that belongs to it, to sum over."""
     instance("scale", scale, Scale, what="a `Scale`")
     top = float(scale.variance(scale.q_short))
-    edges = np.linspace(-30.0, 0.0, 241)
-    points, weights = np.polynomial.legendre.leggauss(5)
-    t = (edges[:-1, None] + np.diff(edges)[:, None] * (1 + points) / 2).ravel()
-    weight = (np.diff(edges)[:, None] * weights / 2).ravel()
+    t, weight = panels(np.linspace(-30.0, 0.0, 241), 5)
     variance = top * np.exp(t)
     wave = scale.wavevector(variance)
     return variance, variance / (scale.modulus(wave) * wave) * weight

@@ -131,12 +131,13 @@ def sine_expansion(
             return _still(s0, modes=modes, variance=end, walls=(below(end), above(end)))
     _refuse_falling(above, end)
     with in_proportion():
-        span = _free(below, above, pressure, end)
+        start = _free(below, above, pressure, end)
         coarse, fine = (
-            _moving(below, above, span, modes=n, tolerance=tolerance) for n in (max(modes // 2, 1), modes)
+            _moving(below, above, pressure, (start, end), modes=n, tolerance=tolerance)
+            for n in (max(modes // 2, 1), modes)
         )
     changes = (fine.area_elastic - coarse.area_elastic, fine.area_plastic - coarse.area_plastic)
-    omitted = _omitted(coarse.amplitudes.size, span.start, below(span.start) + above(span.start))
+    omitted = _omitted(coarse.amplitudes.size, start, below(start) + above(start))
     return replace(fine, error_estimate=2 * max(map(abs, changes)) + omitted + tolerance)
 
 
@@ -168,18 +169,9 @@ def _refuse_falling(above: Callable[[float], float], end: float) -> None:
         )
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Span:
-    """From the free Gaussian, which no wall has met yet, to the V that is asked for."""
-
-    pressure: float
-    start: float
-    end: float
-
-
 def _free(
     below: Callable[[float], float], above: Callable[[float], float], pressure: float, end: float
-) -> _Span:
+) -> float:
     """Find how long the distribution is a Gaussian whose tails beyond 8 deviations no wall has cut."""
     start = end
     for _ in range(200):
@@ -187,13 +179,14 @@ def _free(
         if start <= (max(gap, 0.0) / 8) ** 2:
             break
         start /= 2
-    return _Span(pressure=pressure, start=start, end=end)
+    return start
 
 
 def _moving(
     below: Callable[[float], float],
     above: Callable[[float], float],
-    span: _Span,
+    pressure: float,
+    span: tuple[float, float],
     *,
     modes: int,
     tolerance: float,
@@ -203,10 +196,10 @@ def _moving(
     P does not vanish at s = 0, so its series may not be differentiated term by term there: what this leaves
     of the second derivative is n pi P_Y / sigma_b^2, and the flux is taken from P less its ramp.
     """
-    n, end = np.arange(1, modes + 1), span.end
-    width = below(span.start) + above(span.start)
-    middle = np.sin(np.pi * n * (above(span.start) - span.pressure) / width)
-    gaussian = 2 / width * middle * np.exp(-0.5 * span.start * (np.pi * n / width) ** 2)
+    n, (start, end) = np.arange(1, modes + 1), span
+    width = below(start) + above(start)
+    middle = np.sin(np.pi * n * (above(start) - pressure) / width)
+    gaussian = 2 / width * middle * np.exp(-0.5 * start * (np.pi * n / width) ** 2)
     stretch, shift = _coupling(modes)
     # Of a ramp the truncated matrices are poor: s d/ds and d/ds of 1 - s, less what they make of it.
     ramp, alternate = 2 / (np.pi * n), (-1.0) ** n
@@ -234,10 +227,10 @@ def _moving(
 
     scale = np.append(np.full(modes, 2 / width), 1.0)
     state = np.append(gaussian, 0.0)
-    if span.start < end:
+    if start < end:
         solution = solve_ivp(
             lambda v, a: matrix(v) @ a,
-            (span.start, end),
+            span,
             state,
             method="Radau",
             jac=lambda v, a: matrix(v),

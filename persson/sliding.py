@@ -161,7 +161,13 @@ def friction_of_waves(
     load = positive("pressure", pressure, unit="Pa")
     ratio = within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
     omega = np.abs(x) * abs(scalar("velocity", velocity, unit="m/s"))
-    stored, lost = _parts(modulus, omega, poisson)
+    function("modulus", modulus)
+    given, plane = np.asarray(modulus(omega)), 1 - poisson_ratio(poisson) ** 2
+    stored, lost = (
+        returned("modulus", part, omega.shape, unit="Pa") / plane for part in (given.real, given.imag)
+    )
+    if not (np.all(stored > 0) and np.all(lost >= 0)):
+        raise InvalidInput("modulus: must have a positive storage and no negative loss part, in Pa")
     # In units of the pressure; |E|^2 as two squares, since the parts differ by decades.
     variance = weight * q**2 / 4 * ((stored / load) ** 2 + (lost / load) ** 2)
     heat = weight * q * np.abs(x) / 2 * lost / load
@@ -252,17 +258,3 @@ def rubber_friction(
         poisson=poisson,
         energy_ratio=energy_ratio,
     )
-
-
-def _parts(modulus: object, omega: Array, poisson: float) -> tuple[Array, Array]:
-    """Storage and loss part of E / (1 - nu^2) [Pa] at frequencies."""
-    function("modulus", modulus)
-    assert callable(modulus)
-    given = np.asarray(modulus(omega))
-    plane = 1 - poisson_ratio(poisson) ** 2
-    stored, lost = (
-        returned("modulus", part, omega.shape, unit="Pa") / plane for part in (given.real, given.imag)
-    )
-    if not (np.all(stored > 0) and np.all(lost >= 0)):
-        raise InvalidInput("modulus: must have a positive storage and no negative loss part, in Pa")
-    return stored, lost

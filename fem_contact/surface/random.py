@@ -184,17 +184,6 @@ def _check_resolved(shape: Shape, lengths: Lengths, q_short: float, under_resolv
     )
 
 
-def _checked_generator(seed: int | np.random.Generator) -> np.random.Generator:
-    """Return the generator of a seed; None is refused because nobody could draw that surface again."""
-    if isinstance(seed, np.random.Generator):
-        return seed
-    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-        raise InvalidInput(
-            f"seed = {shown(seed)}: must be a whole number that is not negative, or a numpy.random.Generator"
-        )
-    return np.random.default_rng(int(seed))
-
-
 def _half_plane(
     lengths: Lengths, q_short: float, columns: tuple[int, int] | None
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
@@ -221,7 +210,13 @@ def _random_waves(
     ring = np.maximum(np.abs(m), n)
     along = np.where(m == ring, n, np.where(n == ring, 2 * ring - m, 4 * ring - n))
     position = 2 * ring * (ring - 1) + along
-    phases, sizes = _checked_generator(seed).spawn(2)
+    if not isinstance(seed, np.random.Generator):
+        # None is refused because nobody could draw that surface again.
+        if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
+            whole = "a whole number that is not negative"
+            raise InvalidInput(f"seed = {shown(seed)}: must be {whole}, or a numpy.random.Generator")
+        seed = np.random.default_rng(int(seed))
+    phases, sizes = seed.spawn(2)
     waves: NDArray[np.complex128] = np.exp(2j * np.pi * _drawn(phases, position))
     if gaussian:
         waves *= np.sqrt(-np.log1p(-_drawn(sizes, position)))

@@ -265,6 +265,10 @@ def solve_contact(
         if sets < settings.max_iterations:
             seen.add(_key(state.nodes, state.plastic))
             state = state.moved()
+    at_bound = None
+    if block.bound is not None and state.plastic is not None:
+        # A node that the profile rests on may be among them.
+        at_bound = state.plastic | (state.nodes & (state.force >= (1 - settings.tolerance) * block.bound))
     return ActiveSetSolution(
         displacement=state.displacement.reshape(*block.shape, block.levels, 3),
         force=state.force,
@@ -276,7 +280,7 @@ def solve_contact(
         linear_iterations=linear,
         linear_residual=solution.relative_residual,
         matrix_bytes=peak,
-        at_bound=_at_bound(state, block, settings.tolerance),
+        at_bound=at_bound,
     )
 
 
@@ -290,10 +294,3 @@ def _verdict(
     if state.settled or violation(state.force, state.gap, state.plastic) <= settings.tolerance:
         return Status.CONVERGED
     return Status.CYCLING if state.key in seen else None
-
-
-def _at_bound(state: _State, block: Block, tolerance: float) -> Mask | None:
-    """Nodes whose force is that of the bound; one that the profile rests on may be among them."""
-    if block.bound is None or state.plastic is None:
-        return None
-    return np.asarray(state.plastic | (state.nodes & (state.force >= (1 - tolerance) * block.bound)))
