@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fem_contact import bem
-from fem_contact._checks import instance, positive, samples
+from fem_contact._checks import instance, samples
 from fem_contact.contact import ContactResult, measure_residuals
 from fem_contact.errors import InvalidInput
 from fem_contact.response import HalfSpace
@@ -98,10 +98,8 @@ def creep(
     at = samples("times", times, unit="s")
     if np.any(np.diff(at) < 0):
         raise InvalidInput("times: must not fall, in s")
-    if np.ndim(mean_pressure) == 0:
-        loads = np.full(at.size, positive("mean_pressure", mean_pressure, unit="Pa"))
-    else:
-        loads = samples("mean_pressure", mean_pressure, unit="Pa")
+    given = np.repeat(mean_pressure, at.size) if np.ndim(mean_pressure) == 0 else mean_pressure
+    loads = samples("mean_pressure", given, unit="Pa")
     if loads.size != at.size or loads.min() <= 0:
         raise InvalidInput(
             f"mean_pressure: {loads.size} loads for {at.size} times: must be as many, and positive, in Pa"

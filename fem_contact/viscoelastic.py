@@ -113,9 +113,7 @@ class PronySolid:
         The stresses s_k of the terms obey
         :math:`\sum_j (\delta_{kj}/E_k + 1/E_0)\, s_j' = -s_k/(E_k \tau_k)`.
         """
-        since = array("time", time, unit="s", power=2)
-        if since.size and since.min() < 0:
-            raise InvalidInput(f"time = {float(since.min())!r} s: must not be negative")
+        since = _not_negative("time", time, unit="s")
         at_work = np.array(self.moduli) > 0
         share, decay = np.array(self.moduli)[at_work] / self.relaxed, np.array(self.times)[at_work]
         if not share.size:
@@ -126,7 +124,7 @@ class PronySolid:
 
     def modulus(self, frequency: ArrayLike) -> Complex:
         """E(omega) [Pa] for omega >= 0 [1/s]."""
-        omega = _frequencies(frequency)
+        omega = _not_negative("frequency", frequency, unit="1/s")
         total = np.full(omega.shape, complex(self.relaxed))
         for modulus, time in zip(self.moduli, self.times, strict=True):
             # Of the lesser of omega tau and its inverse, so that nothing overflows.
@@ -189,7 +187,7 @@ class TabulatedSolid:
 
     def modulus(self, frequency: ArrayLike) -> Complex:
         """E(omega) [Pa] for omega >= 0 [1/s]; refused outside the table, 0 excepted."""
-        omega = _frequencies(frequency)
+        omega = _not_negative("frequency", frequency, unit="1/s")
         low, high = self.frequencies[0], self.frequencies[-1]
         given = omega[omega > 0]
         # Frequencies at the ends may have been rounded on their way here.
@@ -205,11 +203,11 @@ class TabulatedSolid:
         return np.asarray(storage_at * (1 + 1j * lag))
 
 
-def _frequencies(frequency: ArrayLike) -> Array:
-    omega = array("frequency", frequency, unit="1/s", power=2)
-    if omega.size and omega.min() < 0:
-        raise InvalidInput(f"frequency = {float(omega.min())!r} 1/s: must not be negative")
-    return omega
+def _not_negative(name: str, value: ArrayLike, *, unit: str) -> Array:
+    values = array(name, value, unit=unit, power=2)
+    if values.size and values.min() < 0:
+        raise InvalidInput(f"{name} = {float(values.min())!r} {unit}: must not be negative")
+    return values
 
 
 def check_viscoelastic(solid: object) -> None:

@@ -62,7 +62,7 @@ class Problem:
         *,
         bound: float | Array | None,
         settings: Settings,
-        method: Method,
+        method: Method = "preconditioned",
         device: object = None,
     ) -> Problem:
         """Refuse what no computation can start from, and set up the operator."""

@@ -179,7 +179,6 @@ def solve_displacement(
         settings=Settings(
             tolerance=tolerance, max_iterations=max_iterations, time_limit=time_limit, threads=threads
         ),
-        method="preconditioned",
     )
     if mean_gap is not None:
         search = LoadSearch(problem, target=finite("mean_gap", mean_gap, unit="m"), of_gap=True)
@@ -216,7 +215,6 @@ def solve_path(
         settings=Settings(
             tolerance=tolerance, max_iterations=max_iterations, time_limit=time_limit, threads=threads
         ),
-        method="preconditioned",
     )
     loads = positives("mean_pressures", mean_pressures, unit="Pa")
     for load in loads:
