@@ -259,14 +259,7 @@ class _State:
         return out
 
 
-def descend(
-    land: Landscape,
-    point: Point,
-    start: Array,
-    *,
-    settings: Settings,
-    step_limit: float = 2.0,
-) -> Minimum:
+def descend(land: Landscape, point: Point, start: Array, *, settings: Settings) -> Minimum:
     """Follow the energy downhill from a gap to a local minimum.
 
     Parameters
@@ -275,8 +268,6 @@ def descend(
         Gap [m] to start from; projected on what is allowed.
     settings : Settings
         Largest `imbalance` that will do, Newton steps and time allowed.
-    step_limit : float
-        Farthest a point within reach may move in one step, in ranges of the law.
     """
     before, clock = land.pairs, time.monotonic()
     state = _State(land, point, start)
@@ -295,11 +286,9 @@ def descend(
             status = Status.TIME_LIMIT
             break
         iteration += 1
-        direction = _newton_direction(state, step_limit)
-        moved = _search(state, direction, step_limit=step_limit)
+        moved = _search(state, _newton_direction(state))
         if not moved:
-            direction = -state.restricted(state.rest) / land.operator.stiffness
-            moved = _search(state, direction, step_limit=step_limit)
+            moved = _search(state, -state.restricted(state.rest) / land.operator.stiffness)
             slow += 1
         if not moved or slow > 20:
             status = Status.STAGNATED
@@ -321,7 +310,7 @@ def descend(
     )
 
 
-def _newton_direction(state: _State, step_limit: float) -> Array:
+def _newton_direction(state: _State) -> Array:
     """Conjugate gradients on the Newton system, stopped where the energy curves down."""
     land = state.land
     curvature = land.slope(state.gap, state.sunk)
@@ -336,7 +325,7 @@ def _newton_direction(state: _State, step_limit: float) -> Array:
         bend = float(np.sum(direction * bent))
         if bend <= 0:
             # Downhill and curving down: as far as a step may go, the line search decides.
-            return step + _farthest(state, direction, step_limit) * direction
+            return step + _farthest(state, direction) * direction
         length = product / bend
         step += length * direction
         residual -= length * bent
@@ -348,11 +337,11 @@ def _newton_direction(state: _State, step_limit: float) -> Array:
     return step
 
 
-def _farthest(state: _State, direction: Array, step_limit: float) -> float:
+def _farthest(state: _State, direction: Array) -> float:
     """Factor of a direction that moves no point by more than it may, those out of reach excepted."""
     reach = state.land.law.reach
     # Nearest point first: surfaces far apart may come as close as that point is.
-    allowed = step_limit * reach + np.maximum(state.gap - 4 * reach, 0.0)
+    allowed = _FARTHEST * reach + np.maximum(state.gap - 4 * reach, 0.0)
     if state.sunk is not None:
         # Below the wall nothing attracts, and the energy is quadratic.
         allowed[state.sunk] = np.inf
@@ -360,16 +349,16 @@ def _farthest(state: _State, direction: Array, step_limit: float) -> float:
     return 1 / fastest if fastest > 0 else 1.0
 
 
-#: Conjugate-gradient steps per Newton step.
-_INNER = 100
+#: Conjugate-gradient steps per Newton step; ranges of the law by which a point within reach may move in one.
+_INNER, _FARTHEST = 100, 2.0
 
 
-def _search(state: _State, direction: Array, *, step_limit: float) -> bool:
+def _search(state: _State, direction: Array) -> bool:
     """Backtrack along the projected direction until the energy falls; False where it never does."""
     land = state.land
     if not np.any(direction):
         return False
-    factor = min(1.0, _farthest(state, direction, step_limit))
+    factor = min(1.0, _farthest(state, direction))
     energy = land.stored(state.gap)
     floor = 1e-15 * float(np.sum(np.abs(energy)))
     for _ in range(30):

@@ -103,16 +103,16 @@ class BlockResponse:
             table = self.trilinear(phase_pairs(x, y)).reshape(x.size, y.size)
         return np.asarray(table[from_x, from_y])
 
-    def trilinear(self, phases: Array, *, states: Array | None = None) -> Array:
-        """Displacement over pressure [m/Pa] at (n, 2) phases per cell, trilinear cells, compiled.
-
-        `states`, of shape (nz - 1, n, 6), receives what the descent into the block needs.
-        """
-        response = self.surface_amplitudes(phases, states=states)[:, 2]
+    def trilinear(self, phases: Array) -> Array:
+        """Displacement over pressure [m/Pa] at (n, 2) phases per cell, trilinear cells, compiled."""
+        response = self.surface_amplitudes(phases)[:, 2]
         return np.asarray(response * (self.mesh.aspect * self.width / self.solid.young))
 
     def surface_amplitudes(self, phases: Array, *, states: Array | None = None) -> Array:
-        """Amplitudes (n, 3) over the cell width under unit vertical nodal force over E width^2."""
+        """Amplitudes (n, 3) over the cell width under unit vertical nodal force over E width^2.
+
+        `states`, of shape (nz - 1, n, 6), receives what the descent into the block needs.
+        """
         from fem_contact.block.reduced.kernels import SIDE_BY_SIDE, pack, sweep
 
         packed, parity = pack(self.folded.coefficients)
