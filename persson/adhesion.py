@@ -330,8 +330,8 @@ def _iterate(
             if case.pressure > 0:
                 raise
             return _empty(case, nodes, count)
-        balance = _balance(case, nodes, state)
-        new_work = balance.work
+        result = _result(case, nodes, state, count)
+        new_work = result.work
         if state.area[-1] < _LOST:
             return _empty(case, nodes, count)
         if case.pressure <= 0 and new_work[0] <= 0:
@@ -339,8 +339,9 @@ def _iterate(
             if failures > 2:
                 return _empty(case, nodes, count)
             new_work = 0.5 * (new_work + np.maximum(work, 0.0))
+            result = replace(result, work=new_work, tensile_limit=_tensile_limit(case, nodes, new_work))
         change = max(float(np.max(np.abs(new_work - work))) / gamma, float(np.max(np.abs(state.area - area))))
-        result = _result(case, nodes, state, replace(balance, work=new_work), change=change, count=count)
+        result = replace(result, error_estimate=change)
         if change < tolerance:
             return result
         damping = 1.0 if count < 40 else 0.5
@@ -395,18 +396,14 @@ def _diffuse(case: _Case, nodes: _Nodes, work: Array, onset: float | None) -> Di
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Balance:
-    """Eq. 37 at the nodes: P~, U_el [J/m^2] and gamma_eff [J/m^2], and gamma_eff at zeta = 1."""
-
-    share: Array
-    energy: Array
-    work: Array
-    macroscopic: float
+def _tensile_limit(case: _Case, nodes: _Nodes, work: Array) -> Array:
+    return detachment_stress(
+        work, contact_modulus=nodes.modulus, wavevector=nodes.q, interface=case.interface
+    )
 
 
-def _balance(case: _Case, nodes: _Nodes, state: Diffusion) -> _Balance:
-    """gamma_eff at the nodes and at zeta = 1 (Persson 2006, Eq. 37)."""
+def _result(case: _Case, nodes: _Nodes, state: Diffusion, count: int) -> AdhesiveContact:
+    """Eq. 37 at the nodes, and at zeta = 1."""
     variance, load = state.variance, case.pressure
     if case.interface.energy == "old":
         share = state.area_elastic
@@ -423,33 +420,21 @@ def _balance(case: _Case, nodes: _Nodes, state: Diffusion) -> _Balance:
     total_energy = energy[0] + density[0]
     gained = state.area[-1] * nodes.factor[-1] * case.interface.work_of_adhesion
     area = np.maximum(state.area, 1e-300)
-    return _Balance(
-        share=share,
-        energy=energy,
-        work=np.asarray((gained - energy) / (area * nodes.factor)),
-        macroscopic=float(gained - total_energy),
-    )
-
-
-def _result(
-    case: _Case, nodes: _Nodes, state: Diffusion, balance: _Balance, *, change: float, count: int
-) -> AdhesiveContact:
+    work = np.asarray((gained - energy) / (area * nodes.factor))
     carried = state.area_plastic * np.where(state.area_plastic != 0, state.yield_stress, 0.0)
     return AdhesiveContact(
         wavevectors=nodes.q,
-        variance=state.variance,
+        variance=variance,
         area=state.area,
         area_plastic=state.area_plastic,
-        work=balance.work,
-        tensile_limit=detachment_stress(
-            balance.work, contact_modulus=nodes.modulus, wavevector=nodes.q, interface=case.interface
-        ),
+        work=work,
+        tensile_limit=_tensile_limit(case, nodes, work),
         contact_force=state.load_elastic + carried,
-        elastic_energy=balance.energy,
-        energy_share=balance.share,
-        macroscopic_work=balance.macroscopic,
+        elastic_energy=energy,
+        energy_share=share,
+        macroscopic_work=float(gained - total_energy),
         real_area=float(state.area[-1]),
-        error_estimate=change,
+        error_estimate=math.nan,
         rounds=count,
         status=AdhesionStatus.CONVERGED,
         _state=state,
