@@ -165,7 +165,7 @@ def slide(
         surface, solid, velocity=velocity, mean_pressure=mean_pressure, settings=settings
     )
     first = None if start is None else pressures("start", start, surface.shape)
-    return problem.dressed(_iterated(problem, first))
+    return _iterated(problem, first)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -360,9 +360,9 @@ class _Problem:
             "dissipation": losses,
         }
 
-    def dressed(self, end: _End) -> SlidingContact:
+    def dressed(self, state: _State, status: Status, **counted: Any) -> SlidingContact:
         """Dress up the last state."""
-        state, surface, inner = end.state, self.surface, end.state.contact
+        surface, inner = self.surface, state.contact
         arrays = (5 * _MEMORY + 10) * self.heights.nbytes + 3 * self.response.nbytes
         contact = replace(
             inner,
@@ -371,15 +371,13 @@ class _Problem:
             heights=surface.heights,
             contact_modulus=self.metric.contact_modulus,
             offset=state.offset + self.level,
-            status=end.status,
+            status=status,
             tolerance=self.settings.tolerance,
             residuals=state.residuals,
             cost=Cost(
                 wall_seconds=time.perf_counter() - self.clock,
                 cpu_seconds=time.process_time() - self.processor,
-                iterations=end.steps,
-                fft_pairs=end.fft_pairs,
-                linear_iterations=end.inner_steps,
+                **counted,
                 unknowns=state.gap.size,
                 peak_bytes=inner.cost.peak_bytes + arrays,
             ),
@@ -396,17 +394,6 @@ class _Problem:
             **self.resistance(inner.pressure),
             contraction=self.contraction,
         )
-
-
-@dataclass(kw_only=True)
-class _End:
-    """Where the splitting ended, and what it cost."""
-
-    state: _State
-    status: Status
-    steps: int
-    fft_pairs: float
-    inner_steps: int
 
 
 class _Acceleration:
@@ -441,7 +428,7 @@ class _Acceleration:
         return np.asarray(there)
 
 
-def _iterated(problem: _Problem, start: Array | None) -> _End:
+def _iterated(problem: _Problem, start: Array | None) -> SlidingContact:
     """Step until the viscoelastic residuals are met; take back accelerated steps that do not pay."""
     settings, began = problem.settings, time.monotonic()
     memory, pressure = _Acceleration(), start
@@ -469,7 +456,7 @@ def _iterated(problem: _Problem, start: Array | None) -> _End:
             continue
         last, plain = state.size, heights + state.step
         heights = memory.after(heights, state.step)
-    return _End(state=state, status=status, steps=steps, fft_pairs=pairs, inner_steps=inner_steps)
+    return problem.dressed(state, status, iterations=steps, fft_pairs=pairs, linear_iterations=inner_steps)
 
 
 def _ending(state: _State, *, steps: int, idle: int, settings: Settings, began: float) -> Status | None:

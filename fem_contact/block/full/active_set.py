@@ -16,9 +16,10 @@ import numpy as np
 from fem_contact._types import Array, Mask
 from fem_contact.block.full.block import Block, CyclePreconditioner
 from fem_contact.block.full.linear import LinearSolution, conjugate_gradients
+from fem_contact.block.problem import Answer
 from fem_contact.contact import Status
 
-__all__ = ["ActiveSetSolution", "Settings", "solve_contact"]
+__all__ = ["Settings", "solve_contact"]
 
 Violation = Callable[[Array, Array, Mask | None], float]
 
@@ -35,25 +36,6 @@ class Settings:
     tolerance: float
     max_iterations: int  # Active sets tried at most
     max_linear_iterations: int  # Conjugate-gradient steps per set
-
-
-@dataclass(frozen=True, kw_only=True)
-class ActiveSetSolution:
-    """State at the end of the iteration, dimensionless."""
-
-    displacement: Array  # (nx, ny, nz, 3): u over the cell width above the clamped plane
-    # (nx, ny): Downward force on the contact nodes over E times the cell width squared; g over the cell
-    # width.
-    force: Array
-    gap: Array
-    in_contact: Mask  # (nx, ny)
-    offset: float  # Offset over the cell width
-    status: Status
-    sets: int
-    linear_iterations: int
-    linear_residual: float
-    matrix_bytes: int
-    at_bound: Mask | None = None  # (nx, ny): Contact nodes held at the bound; None where there is none
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -214,7 +196,7 @@ def solve_contact(
     settings: Settings,
     violation: Violation,
     displacement: Array | None = None,
-) -> ActiveSetSolution:
+) -> Answer:
     """Press a rigid profile into the block.
 
     Parameters
@@ -269,17 +251,22 @@ def solve_contact(
     if block.bound is not None and state.plastic is not None:
         # A node that the profile rests on may be among them.
         at_bound = state.plastic | (state.nodes & (state.force >= (1 - settings.tolerance) * block.bound))
-    return ActiveSetSolution(
-        displacement=state.displacement.reshape(*block.shape, block.levels, 3),
+    field = np.zeros((*block.shape, block.levels + 1, 3))
+    field[:, :, 1:] = state.displacement.reshape(*block.shape, block.levels, 3)
+    return Answer(
         force=state.force,
         gap=state.gap,
+        displacement=-field[:, :, -1, 2],
         in_contact=state.nodes if state.plastic is None else state.nodes | state.plastic,
         offset=state.offset,
         status=status,
-        sets=sets,
+        iterations=sets,
         linear_iterations=linear,
-        linear_residual=solution.relative_residual,
-        matrix_bytes=peak,
+        fft_pairs=0.0,
+        bytes=peak,
+        method="refined" if block.refined else "multigrid",
+        note=f"linear residual {solution.relative_residual:.3g} of the contact forces",
+        field=field,
         at_bound=at_bound,
     )
 

@@ -28,18 +28,8 @@ class Stiffness:
 
     def free(self) -> sp.bsr_array:
         """Return the part over the nodes above the clamped bottom, numbered (i ny + j)(nk - 1) + k - 1."""
-        import scipy.sparse as sp
-
-        nodes = self.matrix.shape[0] // 3
-        above = np.arange(nodes) % self.mesh.planes.size != 0
-        number = np.cumsum(above) - 1
-        rows = np.repeat(np.arange(nodes), np.diff(self.matrix.indptr))
-        keep = above[rows] & above[self.matrix.indices]
-        counts = np.bincount(number[rows[keep]], minlength=int(above.sum()))
-        indptr = np.concatenate(([0], np.cumsum(counts)))
-        size = 3 * int(above.sum())
-        blocks = (self.matrix.data[keep], number[self.matrix.indices[keep]], indptr)
-        return sp.bsr_array(blocks, shape=(size, size))
+        above = np.repeat(np.arange(self.matrix.shape[0] // 3) % self.mesh.planes.size != 0, 3)
+        return self.matrix.tocsr()[above][:, above].tobsr((3, 3))
 
 
 def assemble(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> Stiffness:

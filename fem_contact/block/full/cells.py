@@ -59,11 +59,8 @@ def overlap_means(modulus: Array, shape: tuple[int, int]) -> Array:
         fine = modulus.shape[axis]
         if coarse == fine:
             continue
-        edges = np.arange(fine + 1) / fine
-        share = np.empty((coarse, fine))
-        for cell in range(coarse):
-            inside = np.clip(edges, cell / coarse, (cell + 1) / coarse)
-            share[cell] = np.diff(inside) * coarse
+        edges, cells = np.arange(fine + 1) / fine, np.arange(coarse)[:, None]
+        share = np.diff(np.clip(edges, cells / coarse, (cells + 1) / coarse)) * coarse
         modulus = np.moveaxis(np.tensordot(share, modulus, axes=(1, axis)), 0, axis)
     return np.ascontiguousarray(modulus)
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from fem_contact._types import Array, Mask
-from fem_contact.block.full.active_set import ActiveSetSolution, Settings, solve_contact
+from fem_contact.block.full.active_set import Settings, solve_contact
 from fem_contact.block.full.block import Block
 from fem_contact.block.full.multigrid import build_hierarchy
 from fem_contact.block.full.quadratic import QuadraticBlock, parity_blocks, refined_hierarchy
@@ -61,38 +61,19 @@ def solve_full(problem: Problem, start: Mask | Answer | None, block: Block) -> A
 
     # Vectors are short and everything else is serial: more BLAS threads only wait for each other.
     with threadpool_limits(limits=1, user_api="blas"):
-        answer = _pressed(
+        return _pressed(
             block,
             problem,
             _first(block, problem, start),
             tolerance=problem.tolerance,
             violation=problem.violation,
         )
-    field = np.zeros((*problem.mesh.shape, problem.mesh.planes.size, 3))
-    field[:, :, 1:] = answer.displacement
-    return Answer(
-        force=answer.force,
-        gap=answer.gap,
-        displacement=-answer.displacement[:, :, -1, 2],
-        in_contact=answer.in_contact,
-        offset=answer.offset,
-        status=answer.status,
-        iterations=answer.sets,
-        linear_iterations=answer.linear_iterations,
-        fft_pairs=0.0,
-        bytes=answer.matrix_bytes,
-        method="refined" if block.refined else "multigrid",
-        note=f"linear residual {answer.linear_residual:.3g} of the contact forces",
-        field=field,
-        at_bound=answer.at_bound,
-    )
 
 
 def _first(block: Block, problem: Problem, start: Mask | Answer | None) -> First:
     """Set, offset and displacement to start from: what is known, or what coarser or simpler cells answer."""
     if isinstance(start, Answer):
-        assert start.field is not None
-        return start.in_contact, start.offset, start.field[:, :, 1:]
+        return start.in_contact, start.offset, _above(start)
     if start is not None:
         return start, 0.0, None
     if not isinstance(block, QuadraticBlock):
@@ -104,10 +85,16 @@ def _first(block: Block, problem: Problem, start: Mask | Answer | None) -> First
         bound=bound if bound is None or weights is None else bound / weights,
     )
     answer = _loosely(trilinear, problem)
-    return answer.in_contact, answer.offset, answer.displacement
+    return answer.in_contact, answer.offset, _above(answer)
 
 
-def _loosely(block: Block, problem: Problem) -> ActiveSetSolution:
+def _above(answer: Answer) -> Array:
+    """Displacement above the clamped plane."""
+    assert answer.field is not None
+    return answer.field[:, :, 1:]
+
+
+def _loosely(block: Block, problem: Problem) -> Answer:
     """Solve a block that only proposes a set."""
     return _pressed(
         block,
@@ -124,7 +111,7 @@ def _proposed(block: Block, problem: Problem) -> First:
         return highest_nodes(block.heights, problem), 0.0, None
     answer = _loosely(block.coarser(load=problem.load), problem)
     level = block.hierarchy.levels[0]
-    field = level.prolonged(answer.displacement)
+    field = level.prolonged(_above(answer))
     inside = level.prolonged(answer.in_contact.astype(float)[:, :, None])[:, :, 0] > _INSIDE
     return inside | (answer.offset - block.heights - field[:, :, -1, 2] < 0), answer.offset, field
 
@@ -136,7 +123,7 @@ def _pressed(
     *,
     tolerance: float,
     violation: Violation,
-) -> ActiveSetSolution:
+) -> Answer:
     nodes, offset, displacement = first
     return solve_contact(
         block,
