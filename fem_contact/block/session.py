@@ -33,7 +33,7 @@ from fem_contact.block.reduced.surface import BlockResponse, solve_reduced, surf
 from fem_contact.block.solution import ArraySource, BlockSolution, FieldSource
 from fem_contact.complementarity.direct import SLACK
 from fem_contact.complementarity.fourier import FourierOperator
-from fem_contact.contact import ContactResult, Cost, Status
+from fem_contact.contact import ContactResult, Cost, Status, measure_residuals
 from fem_contact.errors import InvalidInput
 from fem_contact.settings import available_processors
 from fem_contact.solid import Solid
@@ -198,7 +198,7 @@ class Session:
             if start.shape != shape or start.dtype != np.bool_:
                 raise InvalidInput(f"start = {shown(start)}: must be an array of bool of shape {shape}")
             first = start.copy() if start.any() else None
-        return self._dressed(self._find(problem, first), problem)
+        return self._dressed(self._find(problem, first), target=mean_pressure)
 
     def at_offset(self, offset: float) -> BlockSolution:
         """Solve at an offset [m]."""
@@ -212,7 +212,7 @@ class Session:
             from fem_contact.block.reduced.surface import solve_reduced_offset
 
             answer = solve_reduced_offset(problem, self.response, self.operator)
-        return self._dressed(answer, problem)
+        return self._dressed(answer, target=None)
 
     def _find(self, problem: Problem, start: Mask | Answer | None) -> Answer:
         if self.method == "full":
@@ -247,8 +247,8 @@ class Session:
         """The operator of its surface."""
         return surface_operator(self.response, threads=available_processors())
 
-    def _dressed(self, answer: Answer, problem: Problem) -> BlockSolution:
-        contact = self._result(answer, problem)
+    def _dressed(self, answer: Answer, *, target: float | None) -> BlockSolution:
+        contact = self._result(answer, target=target)
         self.began = time.perf_counter(), time.process_time()
         if answer.field is not None:
             source: FieldSource = ArraySource(
@@ -266,14 +266,15 @@ class Session:
             modulus=self.problem.modulus,
         )
 
-    def _result(self, answer: Answer, problem: Problem) -> ContactResult:
-        surface, mesh = self.surface, problem.mesh
+    def _result(self, answer: Answer, *, target: float | None) -> ContactResult:
+        surface, mesh = self.surface, self.problem.mesh
         weights = node_weights(mesh)
         pressure = nodal_pressure(answer.force, mesh) * self.solid.young
+        gap = answer.gap * self.width
         nowhere = np.zeros(surface.shape, dtype=bool)
         return ContactResult(
             pressure=pressure,
-            gap=answer.gap * self.width,
+            gap=gap,
             displacement=answer.displacement * self.width,
             in_contact=answer.in_contact,
             at_bound=nowhere if answer.at_bound is None else answer.at_bound,
@@ -283,7 +284,17 @@ class Session:
             offset=answer.offset * self.width + self.top,
             mean_pressure=float(np.mean(pressure if weights is None else pressure * weights)),
             status=answer.status,
-            residuals=problem.residuals(answer.force, answer.gap, answer.at_bound),
+            residuals=measure_residuals(
+                pressure=pressure,
+                gap=gap,
+                heights=surface.heights,
+                lengths=surface.lengths,
+                contact_modulus=self.solid.contact_modulus,
+                rms_gradient=surface.rms_gradient,
+                target_pressure=target,
+                at_bound=answer.at_bound,
+                weights=weights,
+            ),
             cost=Cost(
                 wall_seconds=time.perf_counter() - self.began[0],
                 cpu_seconds=time.process_time() - self.began[1],
@@ -294,7 +305,7 @@ class Session:
                 peak_bytes=answer.bytes,
             ),
             weights=weights,
-            provenance=_provenance(problem, width=self.width, answer=answer),
+            provenance=_provenance(self.problem, width=self.width, answer=answer),
         )
 
 
