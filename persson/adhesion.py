@@ -264,24 +264,15 @@ def solve_adhesion(
         reference=reference,
     )
     with in_proportion():
-        return _solved(case, start, tolerance, rounds)
-
-
-def _solved(case: _Case, start: AdhesiveContact | None, tolerance: float, rounds: int) -> AdhesiveContact:
-    """Iterate on coarse and on fine nodes."""
-    if start is None and case.pressure <= 0:
-        start = _approach(replace(case, pressure=0.0), tolerance, rounds)
-    coarse: AdhesiveContact | None = None
-    for spacing in _SPACINGS:
-        start = start if coarse is None else coarse
-        fine = _iterate(case, spacing, start, tolerance, rounds)
-        if fine.status is AdhesionStatus.NO_CONTACT:
-            return fine
-        if coarse is not None:
-            change = abs(fine.real_area - coarse.real_area)
-            fine = replace(fine, error_estimate=fine.error_estimate + change)
-        coarse = fine
-    return fine
+        if start is None and pressure <= 0:
+            start = _approach(replace(case, pressure=0.0), tolerance, rounds)
+        coarse = _iterate(case, _SPACINGS[0], start, tolerance, rounds)
+        if coarse.status is AdhesionStatus.NO_CONTACT:
+            return coarse
+        fine = _iterate(case, _SPACINGS[1], coarse, tolerance, rounds)
+        change = abs(fine.real_area - coarse.real_area)
+        lost = fine.status is AdhesionStatus.NO_CONTACT
+        return fine if lost else replace(fine, error_estimate=fine.error_estimate + change)
 
 
 def _approach(case: _Case, tolerance: float, rounds: int) -> AdhesiveContact | None:

@@ -64,10 +64,8 @@ def constant_hardness(pressure: float, *, stress_variance: ArrayLike, yield_stre
     >>> float(areas.plastic), float(areas.elastic)
     (0.01, 0.0)
     """
-    load, hardness = (
-        positive("pressure", pressure, unit="Pa"),
-        positive("yield_stress", yield_stress, unit="Pa"),
-    )
+    load = positive("pressure", pressure, unit="Pa")
+    hardness = positive("yield_stress", yield_stress, unit="Pa")
     if load >= hardness:
         raise OutsideTheory(f"pressure = {load!r} Pa: must stay below yield_stress = {hardness!r} Pa")
     variance = non_negative("stress_variance", stress_variance, unit="Pa^2", power=2)

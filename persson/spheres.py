@@ -97,10 +97,8 @@ def jkr_load(
     F = 4 E* a^3 / (3 R) - sqrt(8 pi w E* a^3) (Johnson, Kendall and Roberts, Proc. R. Soc. A 324, 301, 1971).
     """
     a = non_negative("contact_radius", contact_radius, unit="m")
-    big, modulus = (
-        positive("radius", radius, unit="m"),
-        positive("contact_modulus", contact_modulus, unit="Pa"),
-    )
+    big = positive("radius", radius, unit="m")
+    modulus = positive("contact_modulus", contact_modulus, unit="Pa")
     w = positive("work_of_adhesion", work_of_adhesion, unit="J/m^2")
     cube = a * a * a
     return 4 * modulus * cube / (3 * big) - np.sqrt(8 * math.pi * w * modulus * cube)
