@@ -449,7 +449,14 @@ def _iterated(problem: _Problem, start: Array | None) -> SlidingContact:
         residual = max(state.residuals.complementarity, state.residuals.penetration / 10)
         if residual < best:
             best, since = residual, 0
-        status = _ending(state, steps=steps, idle=since, settings=settings, began=began)
+        if state.residuals.within(settings.tolerance):
+            status = Status.CONVERGED
+        elif settings.expired(began):
+            status = Status.TIME_LIMIT
+        elif since >= _PATIENCE:
+            status = Status.STAGNATED
+        elif steps >= settings.max_iterations:
+            status = Status.ITERATION_LIMIT
         if memory.active and state.size > last:
             memory.clear()
             heights = plain
@@ -457,14 +464,3 @@ def _iterated(problem: _Problem, start: Array | None) -> SlidingContact:
         last, plain = state.size, heights + state.step
         heights = memory.after(heights, state.step)
     return problem.dressed(state, status, iterations=steps, fft_pairs=pairs, linear_iterations=inner_steps)
-
-
-def _ending(state: _State, *, steps: int, idle: int, settings: Settings, began: float) -> Status | None:
-    """Return why to stop now; None to go on."""
-    if state.residuals.within(settings.tolerance):
-        return Status.CONVERGED
-    if settings.expired(began):
-        return Status.TIME_LIMIT
-    if idle >= _PATIENCE:
-        return Status.STAGNATED
-    return Status.ITERATION_LIMIT if steps >= settings.max_iterations else None

@@ -95,7 +95,10 @@ def measured_lay(surface: HeightField) -> Lay:
     """
     instance("surface", surface, HeightField, what="a `HeightField`")
     if isinstance(surface, Patch):
-        xx, yy, xy = _slopes(surface)
+        along, across = (np.diff(surface.heights, axis=k) / surface.spacing[k] for k in (0, 1))
+        # In the middle of four points both are known.
+        both = (along[:, 1:] + along[:, :-1]) * (across[1:] + across[:-1]) / 4
+        xx, yy, xy = (float(np.mean(part)) if part.size else 0.0 for part in (along**2, across**2, both))
     else:
         qx, qy, coefficients = interpolant(surface)
         power = np.abs(coefficients) ** 2
@@ -106,15 +109,6 @@ def measured_lay(surface: HeightField) -> Lay:
     x, y = vectors[:, 0] * (1 if vectors[0, 0] > 0 or (vectors[0, 0] == 0 and vectors[1, 0] > 0) else -1)
     smooth, steep = np.sqrt(np.maximum(values, 0))
     return Lay(along=float(smooth), across=float(steep), direction=float(np.arctan2(y, x)))
-
-
-def _slopes(patch: Patch) -> tuple[float, float, float]:
-    """Mean squares of the slopes along x and y, and the mean of their product, by differences."""
-    along, across = (np.diff(patch.heights, axis=axis) / patch.spacing[axis] for axis in (0, 1))
-    # In the middle of four points both are known.
-    both = (along[:, 1:] + along[:, :-1]) * (across[1:] + across[:-1]) / 4
-    xx, yy, xy = (float(np.mean(part)) if part.size else 0.0 for part in (along**2, across**2, both))
-    return xx, yy, xy
 
 
 def radial_spectrum(surface: HeightField) -> RadialSpectrum:

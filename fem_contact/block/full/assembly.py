@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,7 +50,11 @@ def assemble(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -
     basis, lattice = mesh.basis()
     first, second = lame(poisson)
     forms = LocalForms.integrate(basis, mesh.element)
-    weight = np.ones(basis.nelems) if modulus is None else modulus[_cells(basis, mesh)]
+    weight = np.ones(basis.nelems)
+    if modulus is not None:
+        x, y, z = basis.mesh.doflocs[:, basis.mesh.dofs.element_dofs].mean(axis=1)
+        i, j = np.floor(x).astype(np.int64), np.floor(y / mesh.aspect).astype(np.int64)
+        weight = modulus[i, j, np.searchsorted(mesh.edges, z) - 1]
     rows, columns = lattice[forms.indices].reshape(2, -1)
     pattern = Pattern.build(rows, columns, size=lattice.size)
     data = np.empty((pattern.columns.size, 3, 3))
@@ -59,13 +63,6 @@ def assemble(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -
             block = first * local_dilatation(forms, a, b) + second * local_shear(forms, a, b)
             data[:, a, b] = pattern.summed((block * weight).ravel())
     return Stiffness(matrix=pattern.matrix(data), mesh=mesh)
-
-
-def _cells(basis: Any, mesh: BlockMesh) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Return the indices (i, j, k) of scikit-fem's cells."""
-    points = basis.mesh.doflocs[:, basis.mesh.dofs.element_dofs].mean(axis=1)
-    k = np.searchsorted(mesh.edges, points[2]) - 1
-    return np.floor(points[0]).astype(np.int64), np.floor(points[1] / mesh.aspect).astype(np.int64), k
 
 
 @dataclass(frozen=True, kw_only=True)
