@@ -91,16 +91,8 @@ def graded_layers(depth: float, *, first: float, growth: float) -> Array:
     >>> graded_layers(3.0, first=1.0, growth=1.0)
     array([1., 1., 1.])
     """
-    depth, first, growth = positive("depth", depth), positive("first", first), checked_growth(growth)
-    return _layers(depth, first, growth)
-
-
-def checked_growth(growth: object) -> float:
-    """Return a ratio of neighbouring layers, or refuse."""
-    return within("growth", growth, 1, math.inf, interval="[1, inf)")
-
-
-def _layers(depth: float, first: float, growth: float) -> Array:
+    depth, first = positive("depth", depth), positive("first", first)
+    growth = within("growth", growth, 1, math.inf, interval="[1, inf)")
     ratio = depth / first
     if not ratio < _THINNEST:
         raise InvalidInput(
@@ -328,7 +320,6 @@ def plan_mesh(
     """
     instance("element", element, Element, what="an `Element`, one of `ELEMENTS`")
     shape, lengths = checked_counts(shape), checked_lengths(lengths)
-    growth = checked_growth(growth)
     depth = None if depth is None else positive("depth", depth, unit="m")
     first_layer = None if first_layer is None else positive("first_layer", first_layer, unit="m")
     if any(n % element.order for n in shape):
@@ -351,5 +342,5 @@ def plan_mesh(
     top = min(1.0, thickness / _LEAST_LAYERS) if first_layer is None else first_layer / dx
     if first_layer is not None and depth is not None and first_layer > depth:
         raise InvalidInput(f"first_layer = {first_layer!r}: must not exceed the depth {depth!r} m")
-    layers = _layers(thickness, top, growth)[::-1]
+    layers = graded_layers(thickness, first=top, growth=growth)[::-1]
     return BlockMesh(cells=(nx, ny), aspect=dy / dx, layers=layers, element=element)

@@ -50,7 +50,6 @@ class Problem:
     modulus: Array | None  # (nx or 1, ny or 1, nz): Young's modulus of the cells over E
     tolerance: float
     steps: int  # Iterations allowed
-    growth: float  # Largest ratio of neighbouring layers, for coarser meshes
     bound: Array | None = None  # (nx, ny): Largest pressure at the surface nodes over E
 
     @property

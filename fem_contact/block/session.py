@@ -169,7 +169,6 @@ class Session:
             modulus=moduli,
             tolerance=tolerance,
             steps=max_iterations or (_SETS if method == "full" else _STEPS),
-            growth=options.get("growth", 1.2),
             bound=pressure_bound,
         )
         return cls(
