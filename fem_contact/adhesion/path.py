@@ -235,8 +235,6 @@ class _Walk:
 
     def _lost(self, before: Minimum, after: Minimum) -> float:
         """Energy lost beyond the least that counts; positive for a jump, or a step too long to tell."""
-        if after.separated:
-            return np.inf
         reach = self.problem.law.reach
         one, two = _numbers(before, reach), _numbers(after, reach)
         # Before first contact nothing is within reach: the least area is that of a few points.
@@ -244,22 +242,18 @@ class _Walk:
         return self._dissipated(before, after) - self.least * self.problem.law.work * area
 
     def _dissipated(self, before: Minimum, after: Minimum) -> float:
-        """Work of the load less the energy stored [J/m^2]."""
+        """Work of the load less the energy stored [J/m^2]; without end on surfaces that part for good."""
+        if after.separated:
+            return np.inf
         mean = 0.5 * (before.mean_pressure + after.mean_pressure)
         return -mean * (after.offset - before.offset) - (after.energy - before.energy)
 
     def _jump(self, before: Minimum, after: Minimum) -> None:
         reach = self.problem.law.reach
-        one = _numbers(before, reach)
-        if after.separated:
-            self.jumps.append(Jump(kind="pull-off", before=one, after=None, dissipated=float("inf")))
-            return
-        two = _numbers(after, reach)
-        closer = two.within_reach > one.within_reach
-        lost = self._dissipated(before, after)
-        self.jumps.append(
-            Jump(kind="snap-in" if closer else "pull-off", before=one, after=two, dissipated=lost)
-        )
+        one, two = _numbers(before, reach), None if after.separated else _numbers(after, reach)
+        closer = two is not None and two.within_reach > one.within_reach
+        kind: Literal["snap-in", "pull-off"] = "snap-in" if closer else "pull-off"
+        self.jumps.append(Jump(kind=kind, before=one, after=two, dissipated=self._dissipated(before, after)))
 
     def _predicted(self, state: Minimum, point: Point) -> Array:
         """Gap to start from: points on the wall stay there, the others move with the body."""
