@@ -44,29 +44,9 @@ numbers_of, poisson_ratio, positive = _CHECKS.numbers_of, _CHECKS.poisson_ratio,
 positives, whole, within = _CHECKS.positives, _CHECKS.whole, _CHECKS.within
 
 
-def _bad(value: Array, bad: NDArray[np.bool_]) -> str:
-    return repr(float(value[bad].flat[0]) if value.ndim else float(value))
-
-
-def _computable(array: Array, power: float) -> NDArray[np.bool_]:
-    size = np.abs(array)
-    return np.asarray((array == 0) | ((size >= LAST) & (size <= GREATEST**power)))
-
-
-def _sizes(power: float) -> str:
-    return f"of a size from {LAST:g} to {GREATEST**power:g}"
-
-
 def real(name: str, value: ArrayLike, *, unit: str = "", power: float = 1) -> Array:
     """Return `value` as a float array, refusing NaN, infinities and sizes that cannot be computed with."""
-    array = _CHECKS.doubles(name, value, unit=unit)
-    bad = ~np.isfinite(array)
-    if bad.any():
-        raise InvalidInput(f"{name} = {_bad(array, bad)}: must be finite{in_unit(unit)}")
-    bad = ~_computable(array, power)
-    if bad.any():
-        raise InvalidInput(f"{name} = {_bad(array, bad)}: must be zero or {_sizes(power)}{in_unit(unit)}")
-    return array
+    return _sized(name, value, unit=unit, power=power, signed=True, vanishing=False)
 
 
 def non_negative(
@@ -76,14 +56,21 @@ def non_negative(
 
     Where they may be `vanishing`, such as the tail of a distribution, no size is too small.
     """
+    return _sized(name, value, unit=unit, power=power, signed=False, vanishing=vanishing)
+
+
+def _sized(name: str, value: ArrayLike, *, unit: str, power: float, signed: bool, vanishing: bool) -> Array:
     array = _CHECKS.doubles(name, value, unit=unit)
-    bad = ~(np.isfinite(array) & (array >= 0))
-    if bad.any():
-        raise InvalidInput(f"{name} = {_bad(array, bad)}: must be finite and not negative{in_unit(unit)}")
-    bad = ~_computable(array, power) & ~(vanishing & (array < LAST))
-    if bad.any():
-        raise InvalidInput(f"{name} = {_bad(array, bad)}: must be zero or {_sizes(power)}{in_unit(unit)}")
-    return array
+    size = np.abs(array)
+    fine = np.isfinite(array) & (signed | (array >= 0))
+    computable = (array == 0) | ((size >= LAST) & (size <= GREATEST**power)) | (vanishing & (array < LAST))
+    good = fine & computable
+    if good.all():
+        return array
+    what = "finite" if signed else "finite and not negative"
+    if fine.all():
+        what, fine = f"zero or of a size from {LAST:g} to {GREATEST**power:g}", computable
+    raise InvalidInput(f"{name} = {float(array[~fine].flat[0])!r}: must be {what}{in_unit(unit)}")
 
 
 def scalar(name: str, value: object, *, unit: str = "", power: float = 1) -> float:
