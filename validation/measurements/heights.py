@@ -6,11 +6,10 @@ import numpy as np
 import xarray as xr
 from scipy.special import ndtr
 
-from fem_contact import bem
-from fem_contact.response import HalfSpace
 from validation.arrays import Grid
 from validation.execution.measurement import measurement
 from validation.measurements.flow import located_area
+from validation.measurements.measurement import elastic_path
 from validation.scenes.problem import ContactProblem
 
 #: Edges of the bins of h/h_rms.
@@ -34,12 +33,8 @@ def height_statistics(
 
     `pressures` are rising p0 [Pa]; none for the heights alone.
     """
-    field, start, areas = problem.heights(grid), None, []
-    half_space = HalfSpace(solid=problem.elastic)
-    for pressure in pressures:
-        solved = bem.solve(field, half_space, mean_pressure=pressure, start=start, threads=1).checked()
-        start = solved.pressure
-        areas.append(located_area(solved))
+    field = problem.heights(grid)
+    areas = [located_area(solved) for solved in elastic_path(field, problem.elastic, pressures)]
     z = np.sort(field.heights.ravel() / problem.field.rms_height)
     share = (np.arange(z.size) + 0.5) / z.size
     density = np.histogram(z, bins=HEIGHT_EDGES)[0] / (z.size * np.diff(HEIGHT_EDGES))

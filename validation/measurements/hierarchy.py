@@ -8,15 +8,14 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from fem_contact import bem
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
-from fem_contact.response import HalfSpace
 from fem_contact.surface import HeightField
 from persson.archard import archard_hierarchy
 from validation.arrays import Array
 from validation.execution.measurement import measurement
 from validation.measurements.common import BASE_SOLID
 from validation.measurements.flow import located_area
+from validation.measurements.measurement import elastic_path
 
 #: Amplitude of the largest wave over the period: it scales out.
 _SLOPE = 0.01
@@ -44,12 +43,9 @@ def press_bumps(
     Each level has so many `waves` on a period, from 1, of `heights` over that of the first, moved by
     `places` of a period; `loads` are rising p0 / (E* H_0 / L).
     """
-    field, start, areas = bumps(waves, heights, places, points=points), None, []
-    half_space = HalfSpace(solid=BASE_SOLID.elastic)
-    for load in loads:
-        pressure = load * _SLOPE * half_space.contact_modulus
-        solved = bem.solve(field, half_space, mean_pressure=pressure, start=start, threads=1).checked()
-        start = solved.pressure
+    solid, areas = BASE_SOLID.elastic, []
+    pressures = [load * _SLOPE * solid.contact_modulus for load in loads]
+    for solved in elastic_path(bumps(waves, heights, places, points=points), solid, pressures):
         few = np.count_nonzero(solved.in_contact) < LEAST_CONTACT_POINTS
         areas.append(np.nan if few else located_area(solved))
     return xr.Dataset({"area_each": ("load", areas)})

@@ -16,6 +16,7 @@ from fem_contact.contact import ContactResult
 from fem_contact.extrapolation import Limit, located_limit, perimeter_limit
 from fem_contact.patches import find_patches
 from fem_contact.response import HalfSpace
+from fem_contact.solid import Solid
 from fem_contact.stress import density_at_zero, elastic_energy, window_slope
 from fem_contact.surface import HeightField, random_surface
 from validation.arrays import Array, Grid
@@ -232,19 +233,27 @@ def pressed_path(
     effects: tuple[EffectSpec, ...] = (),
 ) -> Iterator[ContactResult]:
     """Solve the loads of one grid in order, each from the one before; only one result is held at a time."""
-    response, start = HalfSpace(solid=problem.elastic), None
-    for reduced in loads:
-        pressure = reduced * problem.pressure_scale
-        if effects:
-            job = Job(
-                field=field,
-                load={"mean_pressure": pressure},
-                model=ContactModel.filled(problem.elastic, effects),
-                settings={"tolerance": tolerance},
-                threads=1,
-            )
-            yield find_solver("bem").solve(job).contact.checked()
-            continue
+    pressures = [reduced * problem.pressure_scale for reduced in loads]
+    if not effects:
+        yield from elastic_path(field, problem.elastic, pressures, tolerance=tolerance)
+        return
+    for pressure in pressures:
+        job = Job(
+            field=field,
+            load={"mean_pressure": pressure},
+            model=ContactModel.filled(problem.elastic, effects),
+            settings={"tolerance": tolerance},
+            threads=1,
+        )
+        yield find_solver("bem").solve(job).contact.checked()
+
+
+def elastic_path(
+    field: HeightField, solid: Solid, pressures: Sequence[float], *, tolerance: float = TOLERANCE
+) -> Iterator[ContactResult]:
+    """Solve the half-space at pressures [Pa] in order, each from the one before, one result at a time."""
+    response, start = HalfSpace(solid=solid), None
+    for pressure in pressures:
         result = bem.solve(
             field, response, mean_pressure=pressure, start=start, tolerance=tolerance, threads=1
         ).checked()
