@@ -300,3 +300,17 @@ def test_dask_workers_are_warm_before_a_solve_is_timed(tmp_path, monkeypatch):
     outcome = cluster._remote(Numbers(1), Store(folder=tmp_path / "elsewhere"))
     assert "on a file system that they share" in str(outcome.error)
     assert outcome.fatal
+
+
+def test_after_the_warm_up_a_first_dataset_imports_nothing():
+    code = """
+import sys
+from validation.execution.attempt import warm_up
+warm_up([])
+import xarray as xr
+before = set(sys.modules)
+xr.Dataset({"pressure": ("x", [1.0])}, coords={"x": [0.0]})
+print(sorted({name.partition(".")[0] for name in set(sys.modules) - before}))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

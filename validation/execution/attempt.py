@@ -51,7 +51,10 @@ _previous: list[Solve] = []
 
 
 def warm_up(solves: Iterable[Solve]) -> None:
-    """Load the compiled passes of methods and effects, so that no solve is charged with it."""
+    """Load compiled passes of methods and effects, and what writes results, so that no solve is charged."""
+    import xarray as xr
+
+    xr.Dataset(coords={"x": [0.0]})  # xarray then imports the libraries of arrays that are installed
     for solve in solves:
         if solve.code_path not in _warm:
             solve.warm_up()
