@@ -24,6 +24,7 @@ from persson._checks import (
     whole,
     within,
 )
+from persson._window import FALLING
 from persson.errors import InvalidInput, NotConverged, OutsideTheory
 
 __all__ = ["SineExpansion", "sine_expansion"]
@@ -129,7 +130,9 @@ def sine_expansion(
     if not (callable(tensile_limit) or callable(yield_stress)):
         with in_proportion():
             return _still(s0, modes=modes, variance=end, walls=(below(end), above(end)))
-    _refuse_falling(above, end)
+    values = np.array([above(float(v)) for v in np.linspace(0.0, end, 65)])
+    if np.any(np.diff(values) < -1e-12 * np.abs(values[1:])):
+        raise OutsideTheory(FALLING)
     with in_proportion():
         start = _free(below, above, pressure, end)
         coarse, fine = (
@@ -158,15 +161,6 @@ def _still(s0: float, *, modes: int, variance: float, walls: tuple[float, float]
         yield_stress=walls[1],
         error_estimate=_omitted(modes, variance, width) + np.finfo(float).eps,
     )
-
-
-def _refuse_falling(above: Callable[[float], float], end: float) -> None:
-    values = np.array([above(float(v)) for v in np.linspace(0.0, end, 65)])
-    if np.any(np.diff(values) < -1e-12 * np.abs(values[1:])):
-        raise OutsideTheory(
-            "yield_stress(V) falls: with Persson 2006, Eq. 34 the density at the wall would be negative; "
-            "the theory holds for a hardness that is constant or rises with magnification"
-        )
 
 
 def _free(

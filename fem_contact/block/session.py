@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -90,14 +90,9 @@ def planned_mesh(
         if name not in MeshOptions.__annotations__:
             allowed = ", ".join(MeshOptions.__annotations__)
             raise InvalidInput(f"{name} = {shown(value)}: is no option; those of the mesh are {allowed}")
-    return plan_mesh(
-        shape,
-        lengths,
-        depth=options.get("depth"),
-        growth=options.get("growth", 1.2),
-        first_layer=options.get("first_layer"),
-        element=element_for(options.get("element"), poisson=poisson),
-    )
+    given: dict[str, Any] = dict(options)
+    element = element_for(given.pop("element", None), poisson=poisson)
+    return plan_mesh(shape, lengths, element=element, **given)
 
 
 def needed_bytes(mesh: BlockMesh, method: Method, *, lateral: bool = False) -> int:
