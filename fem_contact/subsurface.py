@@ -168,7 +168,9 @@ def fields_below(
     shape = (*contact.shape, planes.size)
     room_for(f"depths = {planes.size}", needed=8.0 * 12 * shape[0] * shape[1] * shape[2])
     displacement, stress = np.empty((*shape, 3)), np.empty((*shape, 6))
-    for k, plane in enumerate(_layers(contact, body, planes, threads)):
+    fields = _Fields(contact, body, threads)
+    for k, depth in enumerate(planes):
+        plane = fields.at(float(depth))
         displacement[:, :, k], stress[:, :, k] = plane.displacement, plane.stress
     for array in (planes, displacement, stress):
         array.setflags(write=False)
@@ -183,7 +185,8 @@ def planes_below(
     Parameters and errors are those of `fields_below`.
     """
     body, planes = _checked(contact, response, depths)
-    return _layers(contact, body, planes, threads)
+    fields = _Fields(contact, body, threads)
+    return (fields.at(float(depth)) for depth in planes)
 
 
 def strongest_point(
@@ -276,14 +279,6 @@ def _checked(
             f"{body.base_depth:.6g} m"
         )
     return body, planes
-
-
-def _layers(
-    contact: ContactResult, body: Layered | Exponential, planes: Array, threads: int | None
-) -> Iterator[AtDepth]:
-    fields = _Fields(contact, body, threads)
-    for depth in planes:
-        yield fields.at(float(depth))
 
 
 class _Fields:

@@ -170,12 +170,8 @@ class Cells:
         pattern, nz = self._pattern, self.mesh.nz
         blocks = np.empty((3, 3, *self.mesh.cells, nz, 8, 8))
         for k in range(nz):
-            layer = Strained(
-                gradient=state.gradient[:, :, k].reshape(-1, 8, 3, 3),
-                cofactor=state.cofactor[:, :, k].reshape(-1, 8, 3, 3),
-                jacobian=state.jacobian[:, :, k].reshape(-1, 8),
-                dilated=state.dilated[:, :, k].reshape(-1, 8),
-            )
+            parts = {name: part[:, :, k].reshape(-1, *part.shape[3:]) for name, part in vars(state).items()}
+            layer = Strained(**parts)
             entries = self._layer(layer, k).reshape(*self.mesh.cells, 8, 3, 8, 3)
             blocks[:, :, :, :, k] = entries.transpose(3, 5, 0, 1, 2, 4)
         data = np.stack([pattern.summed(part.ravel()) for part in blocks.reshape(9, -1)], axis=-1)
