@@ -196,12 +196,8 @@ def advance(steps, edges, diffusion, upper_wall, start, tables, history):  # typ
         h = steps[n]
         _moments(mass, d, now, height, state)
         for i in range(5):
-            left, right, left_rate, right_rate = (
-                edges[0, n, i],
-                edges[1, n, i],
-                edges[2, n, i],
-                edges[3, n, i],
-            )
+            left, right = edges[0, n, i], edges[1, n, i]
+            left_rate, right_rate = edges[2, n, i], edges[3, n, i]
             width = right - left
             weight = h * gamma
             b0, b1 = weight * (left_rate + right_rate) / width, weight * (right_rate - left_rate) / width

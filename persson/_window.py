@@ -171,7 +171,7 @@ class Grid:
 
 def make_grid(problem: Problem, pieces: Pieces, outputs: Array, largest: float) -> Grid:
     """Place steps between marks and outputs, shorter where a wall runs fast."""
-    firsts, lasts, rooted, origins = [], [], [], []
+    parts = []
     for index in range(max(pieces.edges.size - 1, 0)):
         low, high = float(pieces.edges[index]), float(pieces.edges[index + 1])
         marks = np.concatenate([[low], outputs[(outputs > low + 1e-13) & (outputs < high - 1e-13)], [high]])
@@ -181,19 +181,13 @@ def make_grid(problem: Problem, pieces: Pieces, outputs: Array, largest: float) 
         sizes = np.repeat(np.diff(marks) / counts, counts)
         number = np.arange(sizes.size) - np.repeat(np.cumsum(counts) - counts, counts)
         first = np.repeat(marks[:-1], counts) + number * sizes
-        firsts.append(first)
-        lasts.append(np.append(first[1:], marks[-1]))
-        rooted.append(np.full(first.size, root))
-        origins.append(np.full(first.size, low))
-    if not firsts:
+        marked = np.full(first.size, root), np.full(first.size, low)
+        parts.append((first, np.append(first[1:], marks[-1]), *marked))
+    if not parts:
         empty = np.empty(0)
         return Grid(first=empty, last=empty, rooted=empty.astype(bool), origin=empty)
-    grid = Grid(
-        first=np.concatenate(firsts),
-        last=np.concatenate(lasts),
-        rooted=np.concatenate(rooted),
-        origin=np.concatenate(origins),
-    )
+    firsts, lasts, rooted, origins = (np.concatenate(column) for column in zip(*parts, strict=True))
+    grid = Grid(first=firsts, last=lasts, rooted=rooted, origin=origins)
     for _ in range(16):
         fast = _too_long(problem, pieces.reference, grid, largest)
         if not fast.any() or fast.size > _MOST_STEPS:
