@@ -203,18 +203,25 @@ def test_parts_are_joined_and_what_is_missing_stays_open():
 def test_the_size_of_the_sample_is_the_change_that_is_seen_or_the_least_that_would_be():
     dims = ("hurst", "bandwidth", "reduced_pressure")
 
-    def cells(value, width, *, hursts, periods):
-        shape = (len(hursts), 1, 2)
-        coords = {"hurst": hursts, "bandwidth": [8.0], "reduced_pressure": [0.1, 0.2]}
+    def cells(value, width, *, hursts, bandwidths, periods):
+        shape = (len(hursts), len(bandwidths), 2)
+        coords = {"hurst": hursts, "bandwidth": bandwidths, "reduced_pressure": [0.1, 0.2]}
         data = {name: (dims, np.broadcast_to(value, shape).copy()) for name in QUANTITIES}
         made = xr.Dataset(data, coords=coords, attrs={"periods": periods})
         return claim(made, *QUANTITIES, surfaces=width)
 
-    table = cells([2.0, 2.0], 0.006, hursts=[0.3, 0.5, 0.8], periods=4.0)
-    whole = with_size(table, cells([2.1, 2.0], 0.008, hursts=[0.3, 0.8], periods=8.0))
-    # A change of 5 % at the first load; none at the second, told to .01/2 over the root of two cells.
+    table = cells([2.0, 2.0], 0.006, hursts=[0.3, 0.5, 0.8], bandwidths=[8.0, 16.0, 32.0], periods=4.0)
+    there = {"hursts": [0.3, 0.8], "bandwidths": [8.0, 32.0]}
+    small = cells([1.0, 1.0], 0.003, **there, periods=4.0)
+    larger = cells([[1.05, 1.0], [1.0, 1.02]], 0.004, **there, periods=8.0)
+    whole = with_size(table, small, larger)
+    # 5 % at the first load, 0 at four times the bandwidth, each to 0.5 % over the root of two Hurst
+    # exponents; 0 and 2 % at the second. Between them half of both.
     size = whole.gap_error.sel(source="size")
-    assert size.values[1, 0] == pytest.approx([0.1, 2 * 0.005 / 2**0.5])
+    least = 2 * 0.005 / 2**0.5
+    np.testing.assert_allclose(size.values[1], [[0.1, least], [0.05, 0.02], [least, 0.04]], rtol=1e-12)
+    single = with_size(table, *(part.sel(bandwidth=[8.0]) for part in (small, larger)))
+    np.testing.assert_allclose(single.gap_error.sel(source="size").values[2], [[0.1, least]] * 3, rtol=1e-12)
     total = total_error(whole, "gap", sources=["surfaces", "size"])
     assert total.values[2, 0] == pytest.approx(np.hypot(0.006, size.values[2, 0]))
     assert whole.attrs["larger_periods"] == 8.0
@@ -351,13 +358,15 @@ def test_gaussian_amplitudes_have_columns_of_their_own_and_no_part_of_the_size(s
 
 
 def test_larger_samples_have_twice_the_periods_a_quarter_of_the_pairs_and_other_surfaces():
-    options = study.Options(hursts=(0.3, 0.5), bandwidths=(8.0, 16.0))
-    larger = options.larger_samples()
-    assert (larger.hursts, larger.bandwidths, larger.periods) == ((0.3,), (8.0,), 8.0)
-    assert larger.pairs == (20, 5, 2, 1)
-    assert larger.ladder_of(8.0) == (3.0, 6.0, 12.0)
+    options = study.Options(hursts=(0.3, 0.5), bandwidths=(8.0, 32.0), larger_bandwidths=(8.0, 32.0))
+    small, larger = options.samples_by_size()
+    assert (larger.hursts, larger.bandwidths, larger.periods) == ((0.3,), (8.0, 32.0), 8.0)
+    assert small.ladder_of(8.0) == larger.ladder_of(32.0) == (3.0,)
+    assert (small.pairs_of(8.0), larger.pairs_of(8.0)) == ((160,), (40,))
+    assert (small.pairs_of(32.0), larger.pairs_of(32.0)) == ((40,), (10,))
     assert larger.seed > options.seed + 10_000
-    assert study.Options(hursts=(0.5,)).larger_samples() is None
+    assert (small.seed, small.periods) == (options.seed, options.periods)
+    assert study.Options(hursts=(0.5,)).samples_by_size() is None
 
 
 def test_fewer_waves_take_more_surfaces_and_finer_grids():

@@ -114,12 +114,14 @@ class SampledSpectrum:
         if name == BY_SPECTRUM:
             return at_loads(self._values(data, "area", grid), loads=self.loads, targets=self._wanted(data))
         if name == "area":
-            return area_up_to(data, grid, limit=grid >= 2 or grid == len(self.pairs) - 1)
+            return area_up_to(data, grid, limit=grid >= 2 or grid == len(self.pairs) - 1 > 0)
         values = _READ[name](data.isel(grid=grid), self.base.lengths[0] / self.base.longest)
         return np.asarray(values.mean("shift").values)
 
     def _grid_errors(self, name: str, finest: Sequence[xr.Dataset]) -> Array:
         """Half of the 95 % interval of what the grids leave, (load,): alike on all surfaces, it does not average."""
+        if len(self.pairs) == 1:
+            return np.full(len(self.loads), np.nan)
         if name in ("area", BY_SPECTRUM):
             errors = [area_limits(data)[1] for data in finest]
         else:
@@ -197,24 +199,27 @@ def joined(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     return table.sortby(["hurst", "bandwidth", "reduced_pressure"]).assign_attrs(parts[0].attrs)
 
 
-def with_size(table: xr.Dataset, larger: xr.Dataset) -> xr.Dataset:
-    r"""Claim what the size of the sample leaves, from some of the spectra of a table on samples of another size.
+def with_size(table: xr.Dataset, small: xr.Dataset, larger: xr.Dataset) -> xr.Dataset:
+    r"""Claim what the size of the sample leaves: the change from samples as in a table to larger ones, on one grid.
 
-    .. math:: s = \max(|\bar d|, w), \qquad d = Q_\mathrm{larger} / Q_\mathrm{table} - 1
+    .. math:: s = \max(|\bar d|, w), \qquad d = Q_\mathrm{larger} / Q_\mathrm{small} - 1
 
-    The mean of d is over the cells that both have, weighed by the surfaces' variances, and w half of its 95 % interval;
-    the grids are off alike on both and leave d. There is one s for each of `QUANTITIES` and load.
+    d is fitted by a straight line in the logarithm of the bandwidth, weighed by the surfaces' variances, for each of
+    `QUANTITIES` and load; w is half of the 95 % interval of the line. Of a single bandwidth it is a constant.
     """
-    cells = ("hurst", "bandwidth")
-    same = table.sel({name: larger[name] for name in cells})
-    claimed = table
+    claimed, cells = table, ("hurst", "bandwidth")
+    x, at = np.log(small.bandwidth), np.log(table.bandwidth)
     for name in QUANTITIES:
-        small, other = same[name], larger[name]
-        widths = [part[f"{name}_error"].sel(source="surfaces", drop=True) for part in (same, larger)]
+        widths = [part[f"{name}_error"].sel(source="surfaces", drop=True) for part in (small, larger)]
         # Nothing gives way in full contact, on samples of any size.
-        scale = abs(small).where(small != 0, 1.0)
+        scale = abs(small[name]).where(small[name] != 0, 1.0)
         weight = ((widths[0] ** 2 + widths[1] ** 2) / scale**2).clip(min=_SURE**2) ** -1.0
-        mean = (weight * (other - small) / scale).sum(cells) / weight.sum(cells)
-        share = np.maximum(abs(mean), weight.sum(cells) ** -0.5)
-        claimed = claim(claimed, name, size=abs(table[name]) * share)
+        change, whole = (larger[name] - small[name]) / scale, weight.sum(cells)
+        middle = (weight * x).sum(cells) / whole
+        spread = (weight * (x - middle) ** 2).sum(cells)
+        spread = spread.where(spread > _SURE * whole, np.inf)
+        slope = (weight * (x - middle) * change).sum(cells) / spread
+        line = (weight * change).sum(cells) / whole + slope * (at - middle)
+        half = (1 / whole + (at - middle) ** 2 / spread) ** 0.5
+        claimed = claim(claimed, name, size=abs(table[name]) * abs(line).clip(min=half))
     return claimed.assign_attrs(larger_periods=larger.attrs["periods"])

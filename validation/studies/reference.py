@@ -68,8 +68,8 @@ class Options(StudyOptions):
     gaussian_bandwidths: RisingOrNone = (4.0, 8.0)
     """and the bandwidths of these"""
     larger: RisingOrNone = (0.3, 0.8)
-    """those at which samples of twice the periods are solved as well, a quarter as many"""
-    larger_bandwidths: RisingOrNone = (4.0, 8.0)
+    """those at which samples of twice the periods are solved as well, a quarter as many, on the coarsest grid"""
+    larger_bandwidths: RisingOrNone = (4.0, 8.0, 16.0, 32.0)
     """and the bandwidths of these"""
     shifts: int = Field(default=1, ge=1, le=8)
     """sub-grid shifts along each axis"""
@@ -107,17 +107,16 @@ class Options(StudyOptions):
         }
         return self.model_copy(update=selection) if all(selection.values()) else None
 
-    def larger_samples(self) -> Self | None:
-        """Return what makes the samples of twice the periods; None where nobody asks for one."""
+    def samples_by_size(self) -> tuple[Self, Self] | None:
+        """Return what makes samples as in the table, and of twice the periods, on the coarsest grid; None without one."""
         part = self.part(self.larger, self.larger_bandwidths)
-        return part and part.model_copy(
-            update={
-                "periods": 2 * self.periods,
-                "pairs": tuple(-(-count // 4) for count in self.pairs),
-                "wide_pairs": tuple(max(_LEAST_PAIRS, count // 4) for count in self.wide_pairs),
-                "seed": self.seed + _APART,
-            }
-        )
+        if part is None:
+            return None
+        first, wide = self.pairs[0], self.wide_pairs[0]
+        coarsest = {"points_per_wave": self.points_per_wave[:1], "pairs": (first,), "wide_pairs": (wide,)}
+        fewer = {"pairs": (-(-first // 4),), "wide_pairs": (-(-wide // 4),)}
+        twice = {"periods": 2 * self.periods, "seed": self.seed + _APART}
+        return part.model_copy(update=coarsest), part.model_copy(update=coarsest | fewer | twice)
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -128,8 +127,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     off; areas of the exact amplitudes at equal Nayak parameter.
     """
     made = _means(options, "exact", bench)
-    if larger := options.larger_samples():
-        made = with_size(made, _means(larger, "exact", bench))
+    if samples := options.samples_by_size():
+        made = with_size(made, *(_means(part, "exact", bench) for part in samples))
     gaussian = options.part(options.gaussian, options.gaussian_bandwidths)
     whole = joined([made, _means(gaussian, "gaussian", bench)]) if gaussian else made
     return citable(_with_theories(whole))
