@@ -47,18 +47,18 @@ def test_errors_of_several_sources_and_variables_combine_to_intervals_that_hold(
         assert_hold(data, name, truth)
 
 
-#: By kind that decides: outcomes on either side of each threshold, by value and half width.
+#: By kind that decides: outcomes at each threshold and beyond, by value and half width.
 TURNS = {
-    "comparison": {(0.9, 1.0): "0", (1.1, 1.0): "+", (-0.9, 1.0): "0", (-1.1, 1.0): "-", (1.0, np.nan): "?"},
-    "trend": {(0.9, 1.0): "0", (1.1, 1.0): "+", (-0.9, 1.0): "0", (-1.1, 1.0): "-", (1.0, np.nan): "?"},
-    "agreement": {(0.9, 1.0): "agree", (1.1, 1.0): "differ", (-0.9, 1.0): "agree", (-1.1, 1.0): "differ"},
+    "comparison": {(1.0, 1.0): "0", (1.1, 1.0): "+", (-1.0, 1.0): "0", (-1.1, 1.0): "-", (1.0, np.nan): "?"},
+    "trend": {(1.0, 1.0): "0", (1.1, 1.0): "+", (-1.0, 1.0): "0", (-1.1, 1.0): "-", (1.0, np.nan): "?"},
+    "agreement": {(1.0, 1.0): "agree", (1.1, 1.0): "differ", (-1.0, 1.0): "agree", (-1.1, 1.0): "differ"},
     "equivalence": {
         (0.6, 0.3): "within",
-        (0.8, 0.3): "undecided",
+        (0.75, 0.25): "undecided",
         (1.2, 0.3): "undecided",
-        (1.4, 0.3): "beyond",
+        (1.25, 0.25): "beyond",
         (-0.6, 0.3): "within",
-        (-1.4, 0.3): "beyond",
+        (-1.25, 0.25): "beyond",
         (0.0, np.nan): "?",
     },
 }
