@@ -12,7 +12,6 @@ import xarray as xr
 from made_results import made_areas
 
 from fem_contact import bem
-from fem_contact.area import TRAITS
 from fem_contact.extrapolation import located_limit
 from fem_contact.response import BondedLayer, FrictionlessLayer, HalfSpace
 from fem_contact.solid import Solid
@@ -33,7 +32,7 @@ from validation.execution.netcdf import dataset_bytes
 from validation.execution.press import Press
 from validation.execution.running import Execution
 from validation.measurements import ensemble
-from validation.measurements.measurement import limits_at_loads
+from validation.measurements.pairs import Areas
 from validation.report.estimates import claim, derive
 from validation.report.findings import finding
 from validation.report.table import budget_table, shown
@@ -182,27 +181,23 @@ def test_an_accuracy_claims_twice_the_standard_error_of_the_grids_and_the_tolera
 
 
 def test_the_mean_over_surfaces_claims_their_interval_the_grids_whole_error_and_the_tolerance():
-    located = 0.2 + 0.01 * np.sin(np.arange(64.0)) + np.array([0.0, 1e-3])[:, None, None]
-    others = {"pixel": 0.2, "perimeter": 0.2, "edge_fraction": 0.02, "seconds": 1.0, "peak_bytes": 8.0}
-    areas = xr.Dataset({"subcell": (("grid", "shift", "load"), located)})
-    areas = areas.assign({name: 0 * areas.subcell + value for name, value in others.items()})
-    areas = areas.assign(dict.fromkeys(TRAITS, 0 * areas.subcell))
-    sides = np.array([32, 64])
-    grids = {"points": sides, "cells": sides**2, "points_per_wave": sides / 4}
-    areas = areas.assign_coords({name: ("grid", values) for name, values in grids.items()})
-    ending = [areas.isel(grid=slice(0, n)) for n in (1, 2)]
+    read = np.empty((10, 64, 2))
+    read[:] = np.array([0.2, 0.2, 0.2, 0.02, 1.0, 8.0, 0.0, 0.0, 0.0, 0.0])[:, None, None]
+    read[2, :, 0] = 0.2 + 0.01 * np.sin(np.arange(64.0))
+    read[2, :, 1] = read[2, :, 0] + 1e-3
+    ending = [Areas(grids=((32, 32), (64, 64))[:n], lengths=(1.0, 1.0), read=read[..., :n]) for n in (1, 2)]
     told = np.cos(np.arange(64.0))[:, None]
-    times = [np.full((64, 1), float(n)) for n in (1, 2)]
+    times = [areas.seconds[:, None] for areas in ending]
     samples = ensemble.Chained(unsolved=told[:32], further=told, unsolved_seconds=1.0, seconds=times)
-    found = ensemble._estimated(ending, samples, grids=((32, 32), (64, 64)), tolerance=1e-3)
-    limits = limits_at_loads(areas)
+    found = ensemble._estimated(ending, samples, tolerance=1e-3)
+    limits = ending[1].limits(1)
     # The difference between the grids is the same everywhere: only the coarse mean and its step are left.
     assert found.estimate.value == pytest.approx(np.mean([one.value for one in limits]), rel=0.01)
     grid = 1.96 * math.sqrt(np.mean([one.uncertainty**2 for one in limits]))
     assert found.grid == pytest.approx(grid + 7e-3 * found.estimate.value, rel=1e-12)
     assert found.half_width == pytest.approx(math.hypot(found.grid, found.estimate.half_width), rel=1e-12)
     assert (found.surfaces, found.peak_bytes) == (128, 8)
-    assert found.scatter == pytest.approx(np.std(located[0], ddof=1) / np.mean(located[0]), rel=1e-12)
+    assert found.scatter == pytest.approx(np.std(read[2, :, 0], ddof=1) / np.mean(read[2, :, 0]), rel=1e-12)
 
 
 def test_a_recipe_tells_tolerances_shifts_and_grids_apart():

@@ -10,8 +10,8 @@ from validation.effects.hardness import Hardness
 from validation.execution.press import Press
 from validation.measurements.common import base_surface
 from validation.measurements.control_variates import unsolved_pairs
-from validation.measurements.ensemble import area_pairs
-from validation.measurements.measurement import area_up_to, limit_over, limits_at_loads
+from validation.measurements.measurement import limit_over
+from validation.measurements.pairs import Areas, area_pairs
 from validation.scenes.problem import ContactProblem
 from validation.scenes.tables import Load, SolidSpec
 
@@ -28,9 +28,8 @@ def base(load):
 @pytest.mark.parametrize("effects", [(), (Hardness(hardness=1.5e8),)])
 def test_a_block_reads_the_areas_of_each_surface_and_its_mirror_image(load, effects):
     case = area_pairs(problem=base(load), grids=GRIDS, first=7, count=2, tolerance=1e-7, effects=effects)
-    measured = case.do()
-    limits = limits_at_loads(measured)
-    on_grids = np.array([area_up_to(measured, i, limit=False) for i in range(len(GRIDS))])
+    areas = Areas.joined(case, [case.do()])
+    limits = areas.limits(1)
     for k, inverted in ((0, False), (1, True), (2, False), (3, True)):
         surface = replace(base(load).further(7 + k // 2), inverted=inverted)
         own = []
@@ -40,22 +39,22 @@ def test_a_block_reads_the_areas_of_each_surface_and_its_mirror_image(load, effe
             told = {"edge_constant": EDGE_CONSTANTS["bem"], "subcell": not effects}
             own.append(contact_areas(press.do(threads=1).contact, **told))
             expected = own[-1].perimeter if effects else own[-1].subcell
-            assert on_grids[i, k] == pytest.approx(expected, rel=1e-9)
+            assert areas.on_grid(i)[k] == pytest.approx(expected, rel=1e-9)
         assert limits[k].value == pytest.approx(limit_over(own).value, rel=1e-9)
         assert limits[k].definition == ("perimeter" if effects else "subcell")
     # Neighbours in the list are no copies of each other.
-    assert len(set(np.round(on_grids[1], 9))) == 4
+    assert len(set(np.round(areas.on_grid(1), 9))) == 4
 
 
-def test_the_statistics_of_surfaces_without_a_solve_are_of_each_pair():
-    told = {"problem": base(Load(reduced_pressure=0.2)), "grid": GRIDS[0]}
-    block = unsolved_pairs(first=3, count=3, **told).do()
-    single = unsolved_pairs(first=5, count=1, **told).do()
-    np.testing.assert_allclose(block.value.values[2:], single.value.values, rtol=1e-12)
-    names = block.attrs["statistics"].split("; ")
-    assert (len(names), names[-1]) == (block.sizes["statistic"], "h'_rms")
+def test_the_statistics_of_a_block_are_those_of_the_same_surfaces_that_are_not_solved():
+    told = {"problem": base(Load(reduced_pressure=0.2)), "first": 3, "count": 3}
+    solved = area_pairs(grids=GRIDS[:1], **told).do().value.values
+    looked = unsolved_pairs(grid=GRIDS[0], **told).do()
+    np.testing.assert_allclose(solved, looked.value.values, rtol=1e-12)
+    names = looked.attrs["statistics"].split("; ")
+    assert (len(names), names[-1]) == (solved.shape[1], "h'_rms")
     # Random amplitudes scatter it.
-    assert np.ptp(block.value.values[:, -1]) > 0.005
+    assert np.ptp(solved[:, -1]) > 0.005
 
 
 def test_the_name_of_a_block_tells_loads_effects_and_surfaces_apart():

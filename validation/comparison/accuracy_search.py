@@ -19,8 +19,9 @@ from validation.execution.cost import memory_words
 from validation.execution.measurement import Call
 from validation.execution.press import Press, solves_of
 from validation.execution.solve import Prediction
-from validation.measurements.ensemble import MeanArea, area_pairs, mean_area
+from validation.measurements.ensemble import MeanArea, mean_area
 from validation.measurements.measurement import TOLERANCES_LEFT, has_square_cells, limit_over
+from validation.measurements.pairs import area_pairs
 from validation.report.words import percent, significant
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Methods, Scene

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 import scipy.special
@@ -15,18 +14,12 @@ import xarray as xr
 from validation.arrays import Array, Grid
 from validation.errors import NoLimit
 from validation.execution.bench import Bench
-from validation.execution.measurement import Call, measurement
+from validation.execution.measurement import Call
 from validation.measurements.control_variates import unsolved_pairs
 from validation.measurements.controlled import Controlled, Known, allocation, chained_mean
 from validation.measurements.limits import solved
-from validation.measurements.measurement import (
-    TOLERANCES_LEFT,
-    area_up_to,
-    grid_for,
-    limits_at_loads,
-    predicted_seconds,
-    press_on_grids,
-)
+from validation.measurements.measurement import TOLERANCES_LEFT, grid_for
+from validation.measurements.pairs import Areas, area_pairs
 from validation.measurements.statistics import pair_means
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import EffectSpec
@@ -43,41 +36,8 @@ _STUDENT = 2.1
 #: Share of an interval that the grids may take; with more, surfaces that make up for it are too many.
 _GRID_SHARE = 0.9
 
-
-def _block_recipe(made: dict[str, Any], problem: ContactProblem, first: int) -> dict[str, Any]:
-    return {n: v for n, v in (made | problem.further(first).recipe).items() if n != "first"}
-
-
-@measurement(
-    "pairs-{size}",
-    kind="AreaPairs",
-    words="{count} pairs of surfaces, to",
-    located=True,
-    version=1,
-    recipe=_block_recipe,
-    seconds=lambda grids, effects, count: 2 * count * predicted_seconds(grids, effects=effects),
-    bytes=120,
-    compiled=lambda tolerance, effects: (("bem", {"tolerance": tolerance}, effects),),
-)
-def area_pairs(
-    *,
-    problem: ContactProblem,
-    grids: tuple[Grid, ...],
-    first: int,
-    count: int,
-    tolerance: float = 1e-6,
-    effects: tuple[EffectSpec, ...] = (),
-) -> xr.Dataset:
-    """Press `count` pairs +h, -h from the first realisation on, each as `press_on_grids` does, without shifts.
-
-    What that gives, where the places along `load` are the surfaces, h and -h of a pair after each other: one
-    file for many small solves.
-    """
-    drawn = (problem.further(k) for k in range(first, first + count))
-    surfaces = [replace(one, inverted=inverted) for one in drawn for inverted in (False, True)]
-    how: dict[str, Any] = {"grids": grids, "shifts": 1, "tolerance": tolerance, "effects": effects}
-    solves = [press_on_grids(problem=surface, **how).do() for surface in surfaces]
-    return xr.concat(solves, "load", combine_attrs="drop")
+#: Last grid, or how many there are for pairs that are only looked at; and the first pair of a block.
+_Name = tuple[int, int]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,20 +47,9 @@ class Chained:
     unsolved: Array  # (n, k): Statistics without a solve of the pairs that end with the coarsest grid
     further: Array  # (m, k): The same of pairs that are not solved at all
     unsolved_seconds: float  # Processor time of the statistics of all these
-    # (surface, load): That of the solves, by the last grid of a surface, coarsest first.
-    seconds: Sequence[Array]
-
-    @classmethod
-    def of(
-        cls, seconds: Iterable[Array], *, coarsest: Sequence[xr.Dataset], further: Sequence[xr.Dataset]
-    ) -> Chained:
-        """Join what `unsolved_pairs` left of the pairs that end with the coarsest grid, and of further ones."""
-        return cls(
-            unsolved=np.concatenate([data.value.values for data in coarsest]),
-            further=np.concatenate([data.value.values for data in further]),
-            unsolved_seconds=sum(float(data.attrs["seconds"]) for data in (*coarsest, *further)),
-            seconds=tuple(seconds),
-        )
+    seconds: Sequence[
+        Array
+    ]  # (surface, load): That of the solves, by the last grid of a surface, coarsest first
 
     def chains(self, values: Callable[[int, int], Array]) -> list[tuple[Controlled, ...]]:
         """Return the controlled means of a quantity on all grids, for each load; the last is the one that counts.
@@ -206,10 +155,10 @@ def mean_area(
     """
     grids = tuple(grids) or tuple(grid_for(base, points) for points in (3.0, 6.0, 12.0))
     drawn = _Drawn(base=base, grids=grids, tolerance=tolerance, effects=tuple(effects))
-    known = solved(bench, drawn.cases())
+    known: dict[_Name, xr.Dataset] = solved(bench, drawn.cases())
     for rounds in itertools.count(1):
         ending, chained = drawn.samples(known)
-        result = _estimated(ending, chained, grids=grids, tolerance=tolerance)
+        result = _estimated(ending, chained, tolerance=tolerance)
         target = half_width * result.estimate.value
         left = float(np.sqrt(max(target**2 - result.grid**2, 0.0)))
         enough = result.estimate.half_width <= left or result.grid >= _GRID_SHARE * target
@@ -229,32 +178,31 @@ def mean_area(
     return result
 
 
-def _estimated(
-    ending: Sequence[xr.Dataset], chained: Chained, *, grids: tuple[Grid, ...], tolerance: float
-) -> MeanArea:
+def _estimated(ending: Sequence[Areas], chained: Chained, *, tolerance: float) -> MeanArea:
     levels = len(ending)
+    limits = [areas.limits(grid) for grid, areas in enumerate(ending)]
     # Coarser ones are controls: their areas are read as they are.
-    finest = limits_at_loads(ending[-1])
-    for limit in finest:
+    for limit in itertools.chain(*limits[min(2, levels - 1) :]):
         if limit.doubt:
             raise NoLimit(f"a surface of the ensemble has no limit: {limit.doubt}; all solves are stored")
 
     def values(last: int, grid: int) -> Array:
-        limit = grid >= 2 or grid == levels - 1
-        return area_up_to(ending[last], grid, limit=limit)[None]
+        if grid >= 2 or grid == levels - 1:
+            return np.array([[limit.value for limit in ending[last].limits(grid)]])
+        return ending[last].on_grid(grid)[None]
 
     (chain,) = chained.chains(values)
-    coarse, errors = values(0, 0), [limit.uncertainty for limit in finest]
+    coarse, errors = values(0, 0), [limit.uncertainty for limit in limits[-1]]
     # Alike on all surfaces, it does not average.
     grid_error = 1.96 * float(np.sqrt(np.mean(np.square(errors))))
     return MeanArea(
         chain=chain,
         grid=grid_error + TOLERANCES_LEFT * tolerance * chain[-1].value,
-        grids=grids,
-        pairs=tuple(data.sizes["load"] // 2 for data in ending),
+        grids=ending[-1].grids,
+        pairs=tuple(areas.read.shape[1] // 2 for areas in ending),
         unsolved=len(chained.further),
         scatter=float(coarse.std(ddof=1) / coarse.mean()),
-        peak_bytes=int(max(data.peak_bytes.max() for data in ending)),
+        peak_bytes=max(areas.peak_bytes for areas in ending),
     )
 
 
@@ -272,9 +220,9 @@ class _Drawn:
     def __post_init__(self) -> None:
         self.counts = [self._block(last) for last in range(len(self.grids))]
 
-    def cases(self) -> dict[tuple[Any, ...], Call]:
-        """Return blocks of pairs that end with each grid, and those that are looked at: on the coarsest, and further."""
-        calls: dict[tuple[Any, ...], Call] = {}
+    def cases(self) -> dict[_Name, Call]:
+        """Return the blocks of pairs that end with each grid, and of those that are only looked at."""
+        calls: dict[_Name, Call] = {}
         for last, count in enumerate(self.counts):
             size = self._block(last)
             for k in range(0, count, size):
@@ -286,26 +234,29 @@ class _Drawn:
                     tolerance=self.tolerance,
                     effects=self.effects,
                 )
-        looked = {"coarsest": (0, self.counts[0], _FIRST[0])}
-        looked["further"] = (len(self.grids) * _APART, self.further, _FIRST_UNSOLVED)
-        return calls | {
-            (name, k): unsolved_pairs(problem=self.base, grid=self.grids[0], first=first + k, count=size)
-            for name, (first, count, size) in looked.items()
-            for k in range(0, count, size)
-        }
+        for k in range(0, self.further, _FIRST_UNSOLVED):
+            first = k + len(self.grids) * _APART
+            calls[len(self.grids), k] = unsolved_pairs(
+                problem=self.base, grid=self.grids[0], first=first, count=_FIRST_UNSOLVED
+            )
+        return calls
 
     def _block(self, last: int) -> int:
         return _FIRST[0] if last == 0 else _FIRST[len(_FIRST) - len(self.grids) + last]
 
-    def samples(self, known: Mapping[tuple[Any, ...], xr.Dataset]) -> tuple[list[xr.Dataset], Chained]:
-        """Return the solves that end with each grid, and their statistics and times."""
-        *blocks, coarsest, further = (
-            [known[name] for name in self.cases() if name[0] == part]
-            for part in (*range(len(self.grids)), "coarsest", "further")
+    def samples(self, known: Mapping[_Name, xr.Dataset]) -> tuple[list[Areas], Chained]:
+        """Return what was read off the surfaces that end with each grid, and their statistics and times."""
+        cases = self.cases()
+        *parts, looked = ([n for n in cases if n[0] == last] for last in range(len(self.grids) + 1))
+        ending = [Areas.joined(cases[names[0]], [known[name] for name in names]) for names in parts]
+        return ending, Chained(
+            unsolved=np.concatenate([known[name].value.values for name in parts[0]]),
+            further=np.concatenate([known[name].value.values for name in looked]),
+            # Of the pairs that are solved, too: as long for each as for those that are not.
+            unsolved_seconds=sum(float(known[name].attrs["seconds"]) for name in looked)
+            * (1 + self.counts[0] / self.further),
+            seconds=[areas.seconds[:, None] for areas in ending],
         )
-        ending = [xr.concat(some, "load") for some in blocks]
-        seconds = (data.seconds.sum(("grid", "shift")).values[:, None] for data in ending)
-        return ending, Chained.of(seconds, coarsest=coarsest, further=further)
 
     def grow(self, numbers: Sequence[int]) -> None:
         """Take at least so many pairs that end with each grid, and so many that are only looked at, in whole blocks."""

@@ -131,11 +131,11 @@ def _recipe(
     )
 
 
-def predicted_seconds(
+def _seconds(
     grids: tuple[Grid, ...],
-    shifts: int = 1,
-    effects: tuple[EffectSpec, ...] = (),
-    reduced_pressures: tuple[float, ...] = (),
+    shifts: int,
+    effects: tuple[EffectSpec, ...],
+    reduced_pressures: tuple[float, ...],
 ) -> float:
     """Return predicted seconds of processor time: `shifts` is along one side, so squared."""
     each = sum(2e-3 + 8e-7 * nx * ny for nx, ny in grids)
@@ -143,12 +143,7 @@ def predicted_seconds(
 
 
 @measurement(
-    "measure-{size}",
-    kind="Measurement",
-    words="areas to",
-    recipe=_recipe,
-    seconds=predicted_seconds,
-    bytes=120,
+    "measure-{size}", kind="Measurement", words="areas to", recipe=_recipe, seconds=_seconds, bytes=120
 )
 def press_on_grids(
     *,
@@ -373,33 +368,14 @@ def stored_areas(
     )
 
 
-def limits_at_loads(dataset: xr.Dataset) -> list[Limit]:
-    """Return the limit of A/A0 over the grids of one measurement, for each load.
+def area_limits(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+    """Return the limit of A/A0 over the grids of one measurement and its standard error, for each load.
 
     It is that of the located areas (`fem_contact.extrapolation`), else of those corrected at their edge, on
-    grids of `LEAST_POINTS_PER_WAVE` or more.
+    grids of `LEAST_POINTS_PER_WAVE` or more. Both are NaN where the contact is too small to carry the law.
     """
-    return [
+    limits = [
         limit_over(areas_of(dataset, k, least_points_per_wave=LEAST_POINTS_PER_WAVE))
         for k in range(dataset.sizes["load"])
     ]
-
-
-def area_limits(dataset: xr.Dataset) -> tuple[Array, Array]:
-    """Return the values of `limits_at_loads` and their standard errors, (load,).
-
-    Both are NaN where the contact is too small to carry the law.
-    """
-    limits = limits_at_loads(dataset)
     return np.array([limit.value for limit in limits]), np.array([limit.uncertainty for limit in limits])
-
-
-def area_up_to(dataset: xr.Dataset, grid: int, *, limit: bool) -> Array:
-    """Return A/A0 over the grids up to one, (load,): their limit, or the mean over the shifts of that grid alone.
-
-    There it is located where edges are, else corrected.
-    """
-    if limit:
-        return area_limits(dataset.isel(grid=slice(0, grid + 1)))[0]
-    located, corrected = (dataset[name].values[grid] for name in ("subcell", "perimeter"))
-    return np.asarray(np.where(np.isnan(located), corrected, located).mean(axis=0))

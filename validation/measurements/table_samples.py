@@ -19,13 +19,7 @@ from validation.measurements.common import persson_area
 from validation.measurements.control_variates import unsolved_pairs
 from validation.measurements.ensemble import Chained
 from validation.measurements.limits import ABSENT
-from validation.measurements.measurement import (
-    TOLERANCES_LEFT,
-    area_limits,
-    area_up_to,
-    grid_for,
-    press_on_grids,
-)
+from validation.measurements.measurement import TOLERANCES_LEFT, area_limits, grid_for, press_on_grids
 from validation.report.estimates import LIMIT, claim, error_of
 from validation.scenes.problem import ContactProblem
 from validation.scenes.surfaces import spectrum_of
@@ -113,9 +107,14 @@ class SampledSpectrum:
         """Return a quantity of a surface on one grid over the loads; the area by its limit where the grids allow one."""
         if name == BY_SPECTRUM:
             return at_loads(self._values(data, "area", grid), loads=self.loads, targets=self._wanted(data))
-        if name == "area":
-            return area_up_to(data, grid, limit=grid >= 2 or grid == len(self.pairs) - 1 > 0)
-        values = _READ[name](data.isel(grid=grid), self.base.lengths[0] / self.base.longest)
+        if name == "area" and (grid >= 2 or grid == len(self.pairs) - 1 > 0):
+            return area_limits(data.isel(grid=slice(0, grid + 1)))[0]
+        on_grid = data.isel(grid=grid)
+        values = (
+            on_grid.subcell
+            if name == "area"
+            else _READ[name](on_grid, self.base.lengths[0] / self.base.longest)
+        )
         return np.asarray(values.mean("shift").values)
 
     def _grid_errors(self, name: str, finest: Sequence[xr.Dataset]) -> Array:
@@ -135,12 +134,15 @@ class SampledSpectrum:
         ``area_by_spectrum_reading`` what the interpolation to these loads leaves, a part of the grids'
         error.
         """
+        coarsest, further = measured["coarsest",], measured["further",]
         ending = [
             [data for case, data in measured.items() if case[0] == last] for last in range(len(self.pairs))
         ]
-        chained = Chained.of(
-            (np.array([d.seconds.sum(("grid", "shift")).values for d in group]) for group in ending),
-            **{name: [measured[name,]] for name in ("coarsest", "further")},
+        chained = Chained(
+            unsolved=coarsest.value.values,
+            further=further.value.values,
+            unsolved_seconds=float(coarsest.attrs["seconds"]) + float(further.attrs["seconds"]),
+            seconds=[np.array([d.seconds.sum(("grid", "shift")).values for d in group]) for group in ending],
         )
         at = {"reduced_pressure": list(self.loads)}
         data = xr.Dataset(coords=at)
