@@ -12,7 +12,7 @@ from persson.hardness import constant_hardness
 from persson.spectrum import SelfAffine
 from validation.comparison.fields import with_distribution
 from validation.comparison.numbers import scene_data
-from validation.comparison.run_views import run_views
+from validation.comparison.run_views import pressure_figure, run_views
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import TheoryInputs
 from validation.effects.hardness import Hardness
@@ -83,6 +83,14 @@ def test_a_scene_that_yields_is_set_beside_its_theory(write_scene, tmp_path):
     elastic = float(found.area_persson_own - found.area_plastic_persson)
     assert np.trapezoid(density, stress) == pytest.approx(elastic, rel=2e-2)
     assert not np.any(density[stress * problem.pressure_scale > 40e3])
+    # It ends where simulations do, however far down the theory goes, and a grid looks alike on both panels.
+    drawn["density_wide_persson"] = np.maximum(drawn.density_wide_persson, 1e-300)
+    near, wide = pressure_figure(drawn).panels
+    counted = drawn.density_wide.values[drawn.density_wide.values > 0]
+    assert counted.min() / 100 < wide.bottom < counted.min()
+    assert counted.max() < wide.top < 10 * max(counted.max(), density.max())
+    finest = [[mark.look["ls"] for mark in panel.marks if mark.steps][-1] for panel in (near, wide)]
+    assert finest == ["-", "-"]
 
 
 @pytest.mark.parametrize("name", ["quickstart", "hardness", "adhesion", "soft-layer"])

@@ -442,17 +442,24 @@ def pressure_figure(data: xr.Dataset) -> Figure:
         marks: list[Any] = []
         for k in range(data.sizes["solver"]):
             there = np.flatnonzero(data[f"density_{name}"][k].notnull().any(name).values).tolist()
-            at: Any = {"solver": [k], "grid": sorted({there[0], there[-1]} if there else ())}
-            marks.append(Line(y=f"density_{name}", by=("solver", "grid"), at=at, steps=True))
+            # A line looks alike on both panels.
+            for grid in sorted({there[0], there[-1]} if there else ()):
+                look = {"ls": "-" if grid == there[-1] else "--"}
+                at: Any = {"solver": [k], "grid": [grid]}
+                marks.append(Line(y=f"density_{name}", by=("solver", "grid"), at=at, steps=True, look=look))
         theory = f"density_{name}_persson"
         marks.append(Line(y=theory, x=f"stress_{name}_exact", look={"lw": 2, "ls": "-"}))
         if name == "near":
             panels.append(Panel(marks=marks, x=f"stress_{name}", y=f"density_{name}"))
             continue
         # The tail of the theory may end hundreds of decades below what a simulation counts.
-        lowest = float(data.density_wide.where(data.density_wide > 0).min()) / 10
-        bottom = lowest if lowest > 0 else None
-        panels.append(Panel(marks=marks, x=f"stress_{name}", y=f"density_{name}", log="y", bottom=bottom))
+        counted = data.density_wide.where(data.density_wide > 0)
+        bottom = top = None
+        if counted.notnull().any():
+            most = max(float(data[y].max()) for y in ("density_wide", theory) if y in data)
+            bottom, top = float(counted.min()) / 10, 3 * most
+        wide = Panel(marks=marks, x=f"stress_{name}", y=f"density_{name}", log="y", bottom=bottom, top=top)
+        panels.append(wide)
     return Figure(
         name="pressure-distribution",
         caption="Distribution of contact pressure: left near zero on the coarsest and the finest grid, where "
