@@ -103,7 +103,7 @@ def _reference(width: int) -> tuple[dict[str, float], dict[str, float]]:
         [_areas(subject, surface.shifted(shift)) for surface in surfaces.values() for shift in _SHIFTS]
     )
     low_coarse, low = (_low(subject, surfaces[points]) for points in (8, 16))
-    coarse, fine = (_means(subject, surfaces[points]) for points in (8, 16))
+    coarse, fine = (_means(subject, surfaces[points]) for points in (12, 16))
     # Low pressures are counted, so that their share is off in first order.
     values = {"area": limit.value, "low": 2 * low - low_coarse, **fine}
     errors = {"area": 2 * limit.uncertainty, "low": abs(low - low_coarse) / 2}
