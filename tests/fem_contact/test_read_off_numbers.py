@@ -222,7 +222,7 @@ def test_what_a_window_takes_from_the_power_is_made_up_for():
 
 def test_energy_lost_in_a_step_is_the_work_of_the_mean_load_less_what_is_stored():
     def state(load, offset, energy):
-        return SimpleNamespace(mean_pressure=load, offset=offset, energy=energy)
+        return SimpleNamespace(mean_pressure=load, offset=offset, energy=energy, separated=False)
 
     # Moved inwards by 0.2 under a load that rises from 1 to 3, storing 0.15: 2 * 0.2 - 0.15.
     lost = _Walk._dissipated(None, state(1.0, 0.5, 0.0), state(3.0, 0.3, 0.15))

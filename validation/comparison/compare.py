@@ -351,7 +351,8 @@ def _farthest(data: xr.Dataset, name: str, k: int) -> Finding:
         return abs(float(apart.value)) / apart.error
 
     places = list(_places(data, name))
-    symbol, first, other = quantity_of(data, name).title, *(str(data.result.values[j]) for j in (0, k))
+    what, first, other = quantity_of(data, name), *(str(data.result.values[j]) for j in (0, k))
+    symbol = ", ".join(filter(None, (what.symbol, what.which)))
     if not places:
         return note("{symbol}: no value in common.", symbol=symbol)
     place, here = max(places, key=weight)
@@ -367,7 +368,7 @@ def _farthest(data: xr.Dataset, name: str, k: int) -> Finding:
         )
     return finding(
         "agreement",
-        "{symbol}{place}: {other} has {mine} and {first} {its}; they {verdict} (difference {apart:+}).",
+        "{symbol}{place}: {other} has {mine:p} and {first} {its:p}; they {verdict} (difference {apart:+p}).",
         by="apart",
         symbol=symbol,
         place=at,

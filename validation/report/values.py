@@ -50,25 +50,33 @@ class Value:
     def __repr__(self) -> str:
         if isinstance(self.value, str) or not self.name:
             return f"{self}"
-        factor, unit = prefixed_unit(self.unit, abs(self.value))
-        text = f"{Value(value=factor * self.value, error=factor * self.error if self.error else self.error)}"
+        return f"{quantity(self.name).symbol} = {self:p}"
+
+    def _prefixed(self, spec: str) -> str:
+        value = float(self.value)
+        factor, unit = prefixed_unit(self.unit, abs(value))
+        number = Value(value=factor * value, error=factor * self.error if self.error else self.error)
+        text = f"{number:{spec}}"
         bare = unit == "1" or "(" in text or "+-" not in text
         parts = [text if bare else f"({text})", unit if unit != "1" else "", self._held]
-        return f"{quantity(self.name).symbol} = {' '.join(filter(None, parts))}"
+        return " ".join(filter(None, parts))
 
     @property
     def _held(self) -> str:
         return f"({self.sources})" if self.sources else ""
 
     def __format__(self, spec: str) -> str:
-        """Return it in words: ``%`` in per cent, ``+`` with sign, ``~`` without error, ``u`` with unit.
+        """Return it in words: ``%`` in per cent, ``+`` with sign, ``~`` without error.
 
-        With a number, as in ``.2`` or ``+.2%``, that many digits and no error.
+        ``u`` is with prefixed unit and no error, ``p`` with both. With a number, as in ``.2`` or ``+.2%``,
+        that many digits and no error.
         """
         if isinstance(self.value, str):
             return self.value
         if "u" in spec:
             return in_prefixed_unit(self.value, quantity(self.name).unit, 3)
+        if "p" in spec:
+            return self._prefixed(spec.replace("p", ""))
         if "." in spec and math.isfinite(self.value):
             if "%" not in spec:
                 return f"{self.value:{spec}g}"
