@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 
 def harmless(text: object) -> str:
@@ -61,6 +62,14 @@ class SceneError(UsageError):
 
 class RunFailed(Exception):
     """A run that ended early; what was finished is stored and the next run continues after it."""
+
+
+class SolvesFailed(RunFailed):
+    """Solves that failed, each with why, while the others were done."""
+
+    def __init__(self, words: str, failures: Mapping[Any, str]) -> None:
+        self.failures = failures
+        super().__init__(words)
 
 
 class NoLimit(RunFailed):

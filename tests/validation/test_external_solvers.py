@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import psutil
 import pytest
+import xarray as xr
 from solving import still_running
 
 from fem_contact.area import contact_areas
@@ -19,7 +20,8 @@ from validation.effects import Effect, effect_kinds
 from validation.effects.base import ContactModel
 from validation.effects.hardness import Hardness
 from validation.effects.thickness import Thickness
-from validation.errors import UsageError
+from validation.errors import SolvesFailed, UsageError
+from validation.execution.bench import Bench
 from validation.execution.press import solves_of
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import realise
@@ -27,6 +29,7 @@ from validation.scenes.scene import load_scene
 from validation.solvers import find_method, find_solver, methods
 from validation.solvers.base import Job, Solver, example_field
 from validation.solvers.bem import Bem
+from validation.studies import find_study
 
 METHODS = (Path(__file__).parents[2] / "docs" / "methods.md").read_text(encoding="utf-8")
 SCENE = """
@@ -117,6 +120,31 @@ def test_a_claim_of_convergence_is_recomputed_from_the_pressure(own_module: Path
     with pytest.raises(NotConverged, match="above the tolerance"):
         found.checked()
 
+
+@pytest.mark.parametrize("where", ["options", "scene"])
+def test_a_study_whose_solver_fails_is_that_of_the_others(own_module: Path, bench: Bench, where: str) -> None:
+    raising = written("raising", "raise ValueError('not on this grid')")
+
+    def studied(name: str, *methods: str) -> xr.Dataset:
+        study = find_study(name)
+        if where == "options":
+            options = study.parse(["--methods", ",".join(["bem", *methods]), *FEW])
+            return study.compute(options, bench=bench)
+        table = f'[methods.own]\nsolver = "{raising}"\ngrids = [16]\n' if raising in methods else ""
+        Path("mine.toml").write_text(SCENE + table, encoding="utf-8")
+        return study.compute(study.parse(["--surfaces", "2"], scene=load_scene("mine.toml")), bench=bench)
+
+    name, others = ("cross", ("my_module:solve",)) if where == "options" else ("refinement", ())
+    found = studied(name, raising, *others)
+    assert "not on this grid" in found.attrs.pop("failures")
+    assert found.identical(studied(name, *others))
+    if where == "options":
+        with pytest.raises(SolvesFailed, match="not on this grid"):
+            studied(name, raising)
+
+
+#: Options of a study of a second.
+FEW = ("--surfaces", "2", "--bandwidth", "2", "--method-points-per-wave", "3,4")
 
 #: Right pressures, after whatever else a solver does.
 RIGHT = """

@@ -101,6 +101,7 @@ def study(
         bench = Bench(store=Store(folder=store_folder), execution=execution, progress=bar)
         outputs = run_study(chosen, parsed, prepare_folder(folder), bench=bench, report=with_report)
     print_outputs(outputs, as_json=as_json)
+    outputs.check()
 
 
 def _scene_of_study(scene: str | None, settings: Sequence[str]) -> Scene | None:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from validation.errors import RunFailed, UsageError
+from validation.errors import RunFailed, SolvesFailed, UsageError
 from validation.execution.attempt import Outcome, Progress, attempt, warm_up
 from validation.execution.cost import available_memory, too_large
 from validation.execution.provenance import Made
@@ -132,15 +132,15 @@ def solve_all(
             progress.done(solve)
     finally:
         sync_folder(store.folder)
+    results.failures = {solve: failed[solve.key] for solve in results if solve.key in failed}
     if failed and not (despite_failures and len(failed) < len(results)):
         errors = list(failed.values())
         if len(errors) == 1 == len(missing):
-            raise RunFailed(errors[0])
+            raise SolvesFailed(errors[0], results.failures)
         listed = "\n".join(f"  {error}" for error in errors[:10])
         more = f"\n  and {len(errors) - 10} more" if len(errors) > 10 else ""
         head = f"{len(errors)} of {len(missing)} solves failed, the others are stored:"
-        raise RunFailed(f"{head}\n{listed}{more}")
-    results.failures = {solve: failed[solve.key] for solve in results if solve.key in failed}
+        raise SolvesFailed(f"{head}\n{listed}{more}", results.failures)
     results.solves = tuple(solve for solve in results if solve.key not in failed)
     results.solved = len(missing) - len(failed)
     return results

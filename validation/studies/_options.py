@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import types
 import typing
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, ConfigDict, Field, ValidationError, ValidationInfo, field_validator
@@ -146,6 +146,28 @@ class StudyOptions(Table):
         return (
             base_surface(**spectrum) if until is None else truncated_surface(until, gradient=0.1, **spectrum)
         )
+
+    def without(self, failures: Iterable[Any]) -> typing.Self | None:
+        """Return the same without the methods that solved failures are of; None where not all are of such."""
+        asked = {name: chosen_solver(name) for name in getattr(self, "methods", ()) if name != "bem"}
+        left = set(asked)
+        for solve in failures:
+            told = dict(getattr(solve, "arguments", ()))
+            settings = dict(told.get("settings", ())).items()
+            of = {
+                n for n, (s, own) in asked.items() if s.name == told.get("method") and own.items() <= settings
+            }
+            if not of:
+                return None
+            left -= of
+        return self._with_methods(tuple(n for n in getattr(self, "methods", ()) if n == "bem" or n in left))
+
+    def _with_methods(self, names: tuple[str, ...]) -> typing.Self | None:
+        given = {name: getattr(self, name) for name in self.model_fields_set}
+        try:
+            return self.model_validate({**given, "methods": names})
+        except ValidationError:
+            return None  # nothing is left of the question
 
     def record(self) -> dict[str, Any]:
         """Return what was asked, as JSON-ready data."""

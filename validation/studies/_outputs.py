@@ -30,7 +30,7 @@ def run_study(
     """Run a study on a bench and write its outputs into a folder, without `report` tables and JSON alone."""
     data = study.compute(options, bench=bench)
     data.attrs[SOLVES_MADE] = "\n".join(made_words(bench.made()))
-    return leave(
+    outputs = leave(
         folder,
         data,
         study_page,
@@ -41,6 +41,7 @@ def run_study(
         store=bench.store.folder,
         words=list(options.remarks()),
     )
+    return replace(outputs, failures=tuple(data.attrs.get("failures", "").splitlines()))
 
 
 def study_page(result: Result, *, figures: bool = True) -> Page:
@@ -66,6 +67,10 @@ def study_page(result: Result, *, figures: bool = True) -> Page:
 
 
 def _undetermined(data: xr.Dataset) -> Iterator[str]:
+    if "failures" in data.attrs:
+        first, *others = data.attrs["failures"].splitlines()
+        more = f", and {len(others)} more" if others else ""
+        yield f"Not all solves succeeded; their methods are left out: {first}{more}."
     for name in ("area", "limit", "kappa"):
         if name not in data.data_vars:
             continue

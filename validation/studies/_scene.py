@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from validation.arrays import Grid
 from validation.effects.base import SlotName, effect_key
@@ -210,6 +210,21 @@ class PressedOptions(StudyOptions):
             )
             for name, table in tables.items()
         )
+
+    def _with_methods(self, names: tuple[str, ...]) -> Self | None:
+        if self.scene is None:
+            return super()._with_methods(names)
+        methods = self.scene.methods
+        left = [n for n in methods.solvers if getattr(methods.options(n), "solver", n) not in names]
+        fewer = self.scene.model_copy(update={"methods": methods.model_copy(update=dict.fromkeys(left))})
+        said = {*self.taken(self.scene, self.first), "scene"} - {"surfaces", "reduced_pressures"}
+        if isinstance(self.scene.surface, FileSurface):
+            said |= {"surfaces"}
+        given = {name: getattr(self, name) for name in self.model_fields_set - said}
+        try:
+            return self.model_validate({**given, "scene": fewer})
+        except ValidationError:
+            return None
 
     def tolerance(self, usual: float) -> float:
         """Return the tolerance of boundary elements: that of the scene where it says one."""

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
-from validation.errors import RunFailed, UsageError
+from validation.errors import RunFailed, SolvesFailed, UsageError
 from validation.execution.measurement import Call
 from validation.measurements.limits import solved
 from validation.report.estimates import gather
@@ -52,7 +52,7 @@ class Study:
         return options_class
 
     def compute(self, options: StudyOptions, *, bench: Bench) -> xr.Dataset:
-        """Run the study on a bench.
+        """Run the study on a bench; of other methods that fail beside boundary elements ``failures`` says why.
 
         Raises
         ------
@@ -66,6 +66,13 @@ class Study:
             raise UsageError(f"study {self.name}: {wrong}")
         try:
             return labelled(self.module.run(options, bench=bench)).assign_attrs(study=self.name)
+        except SolvesFailed as error:
+            others = options.without(error.failures)
+            if others is None:
+                raise
+            data = self.compute(others, bench=bench)  # all of it is stored
+            whys = [data.attrs.get("failures", ""), *error.failures.values()]
+            return data.assign_attrs(failures="\n".join(dict.fromkeys(filter(None, whys))))
         except ValidationError as error:
             lines = "; ".join(problems(error))
             raise UsageError(f"study {self.name}: its options make no case: {lines}") from None
