@@ -37,7 +37,7 @@ _ENLARGED = 170
 
 _BUDGET = (
     "Half widths of 95 % intervals by source, in per cent of the value. Where all sources are measured, "
-    "the columns in front are the root of the sum of their squares."
+    "the columns for this spectrum and period, and for any, are the roots of the sums of their squares."
 )
 
 
