@@ -24,6 +24,7 @@ from validation.audit.reading import audit
 from validation.cli.commands import app
 from validation.comparison.explain import explain
 from validation.comparison.run import run_scene
+from validation.comparison.run_views import run_views
 from validation.comparison.sweep import run_sweep
 from validation.errors import UsageError
 from validation.execution.bench import Bench
@@ -581,6 +582,10 @@ def test_the_page_says_the_budget_and_that_the_premise_is_judged(treated):
         "rms curvature",
     ):
         assert words in report
+    sure = next(str(card.answer) for card in run_views(outputs.data).cards if card.question == "How sure?")
+    error = float((outputs.data.area_error**2).sum()) ** 0.5 / float(outputs.data.area)
+    assert ("by treatment" in sure) == bool(outputs.data.treatment_spread > error)
+    assert f"{100 * float(outputs.data.treatment_spread):.2g}" in sure
     assert float(outputs.data.pixel) == pytest.approx(1.25e-7, rel=1e-12)
     assert float(outputs.data.steep_share) > 0.02
 

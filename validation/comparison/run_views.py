@@ -182,9 +182,16 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
     scatter = (
         "single surfaces scatter by {scatter:.2%}" if several else "the scatter between surfaces is unknown"
     )
-    if "treatment_spread" in data:
-        scatter += "; the treatment of the map: {treatment_spread:.2%}"
     held = f"95 %: {sources_of(data.area_error) or 'all sources'}; " if half is not None else ""
+    if "treatment_spread" in data:
+        if half is None or data.treatment_spread > half / float(
+            area.value
+        ):  # the larger of the two is the answer
+            held = f"{answer} ({held.removesuffix('; ')}); " if held else ""
+            answer = told("{treatment_spread:.2%} by treatment")
+            held += "other treatments of the map move the area so far; "
+        else:
+            held += "treatment of the map: {treatment_spread:.2%}; "
     yield Card("How sure?", answer, told(held + scatter))
     if "area_excess" in data and np.isfinite(data.area_persson_own):
         basis = (

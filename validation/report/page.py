@@ -36,8 +36,8 @@ _WIDE = 1.7
 _ENLARGED = 170
 
 _BUDGET = (
-    "Half widths of 95 % intervals by source, in per cent of the value. Where all sources are measured, "
-    "the columns for this spectrum and period, and for any, are the roots of the sums of their squares."
+    "Half widths of 95 % intervals by source, in per cent of the value. Together they are the root of the "
+    "sum of their squares, where all are measured."
 )
 
 
