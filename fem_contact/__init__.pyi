@@ -39,7 +39,6 @@ from .graded import LayeredSolid as LayeredSolid
 from .hardness import Hardness as Hardness
 from .hardness import YieldedContact as YieldedContact
 from .hardness import press_yielding as press_yielding
-from .hardness import unload as unload
 from .hardness import yielded as yielded
 from .leak import GapFlow as GapFlow
 from .leak import critical_gap as critical_gap
@@ -62,7 +61,6 @@ from .stress import contact_stiffness as contact_stiffness
 from .stress import density_at_zero as density_at_zero
 from .stress import elastic_energy as elastic_energy
 from .stress import gap_distribution as gap_distribution
-from .stress import limit_density as limit_density
 from .stress import loading_work as loading_work
 from .stress import pressure_distribution as pressure_distribution
 from .stress import von_mises as von_mises

@@ -81,7 +81,7 @@ def write_block(path: Path, solution: BlockSolution, *, deformation: float = 1.0
     _write_mesh(path, mesh)
 
 
-def write_subsurface(path: Path, below: Subsurface, *, deformation: float = 0.0) -> None:
+def write_subsurface(path: Path, below: Subsurface) -> None:
     """Write displacement and stress below a contact for ParaView and the like (``.vtu`` or ``.xdmf``).
 
     Point data, in single precision: displacement [m], stress (xx, yy, zz, yz, xz, xy) [Pa] and von Mises
@@ -93,8 +93,6 @@ def write_subsurface(path: Path, below: Subsurface, *, deformation: float = 0.0)
         File to write; it appears under this name only once complete.
     below : Subsurface
         On at least two depths.
-    deformation : float
-        Factor on the displacement of the written points; 0 gives the undeformed solid.
 
     Raises
     ------
@@ -105,7 +103,6 @@ def write_subsurface(path: Path, below: Subsurface, *, deformation: float = 0.0)
 
     path = _mesh_path(path)
     instance("below", below, Subsurface, what="a `Subsurface`")
-    deformation = finite("deformation", deformation)
     if below.depths.size < 2:
         raise InvalidInput(f"below: has {below.depths.size} depth; a file of cells needs at least two")
     import meshio
@@ -115,7 +112,7 @@ def write_subsurface(path: Path, below: Subsurface, *, deformation: float = 0.0)
     displacement, stress = (
         _unfolded(field[:, :, upwards].astype(np.float32)) for field in (below.displacement, below.stress)
     )
-    points = _grid_points(below.contact, -below.depths[upwards]) + deformation * displacement
+    points = _grid_points(below.contact, -below.depths[upwards])
     mesh = meshio.Mesh(
         points=points.reshape(-1, 3),
         cells=[("hexahedron", _cells(points.shape[:3], _CORNERS, step=1))],
@@ -187,10 +184,10 @@ def _cells(
     return np.stack(columns, axis=1)
 
 
-def render_surface(
-    path: Path, solution: ContactResult | BlockSolution, *, magnification: float | None = None
-) -> None:
+def render_surface(path: Path, solution: ContactResult | BlockSolution) -> None:
     """Draw the deformed surface, coloured by the contact pressure (dark is high), into a picture, off screen.
+
+    The deepest dent is drawn a tenth of the period deep.
 
     Parameters
     ----------
@@ -198,13 +195,6 @@ def render_surface(
         File to write, ``.png`` for instance.
     solution : ContactResult or BlockSolution
         Of whichever solver: the contact alone is drawn.
-    magnification : float, optional
-        Factor on the displacement; by default the deepest dent is drawn a tenth of the period deep.
-
-    Raises
-    ------
-    InvalidInput
-        For a magnification that is not finite.
     """
     path = _checked_path(path)
     if not isinstance(solution, ContactResult):
@@ -213,9 +203,7 @@ def render_surface(
     contact = solution if isinstance(solution, ContactResult) else solution.contact
     rise = -(contact.displacement - contact.displacement.min())
     depth = float(np.ptp(rise))
-    if magnification is None:
-        magnification = 0.1 * max(contact.lengths) / depth if depth > 0 else 1.0
-    magnification = finite("magnification", magnification)
+    magnification = 0.1 * max(contact.lengths) / depth if depth > 0 else 1.0
     (nx, ny), (dx, dy) = contact.shape, contact.spacing
     x, y = np.meshgrid(np.arange(nx + 1) * dx, np.arange(ny + 1) * dy, indexing="ij")
     # Lengths in periods: the drawing library's tolerances are absolute.

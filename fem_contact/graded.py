@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem_contact._checks import array, instance, listed, positive, positives, samples, whole
+from fem_contact._checks import array, instance, listed, positive, positives, whole
 from fem_contact._types import Array
 from fem_contact.errors import InvalidInput
 from fem_contact.response import wave_size
@@ -150,10 +150,6 @@ class ExponentialSolid:
         nodes = np.linspace(0.0, place[-1], TABULATED)
         table = q[0] * np.exp(nodes)
         return np.asarray(CubicSpline(nodes, table * self._compliance(table))(place) / q)
-
-    def sublayer_edges(self, q: Array) -> Array:
-        """Return the depths [m] of the borders of the sublayers for waves [1/m], (sublayers + 1, n)."""
-        return self._edges(samples("q", q, unit="1/m"))
 
     def _edges(self, q: Array) -> Array:
         # What lies below min(30 d, 30 / q) is bulk, or out of reach of the wave. Depths are denser near the

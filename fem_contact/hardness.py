@@ -6,23 +6,21 @@ have moved into each other for good (Persson 2006, Sec. 6).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact import bem
-from fem_contact._checks import bound, instance, non_negative, positives
+from fem_contact._checks import bound, instance, non_negative
 from fem_contact._types import Array
 from fem_contact.contact import ContactResult, Cost, Status
-from fem_contact.errors import InvalidInput
 from fem_contact.patches import find_patches
 from fem_contact.response import Response
-from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
-__all__ = ["Hardness", "YieldedContact", "press_by_patches", "press_yielding", "unload", "yielded"]
+__all__ = ["Hardness", "YieldedContact", "press_by_patches", "press_yielding", "yielded"]
 
 #: Solves after which the patches are given up on.
 _ROUNDS = 100
@@ -108,8 +106,8 @@ def yielded(contact: ContactResult) -> YieldedContact:
     """Read areas, loads and the smoothed surface off a result of any solver that knows a pressure bound.
 
     Pressing the smoothed surface again, against the solid without a bound, gives the same pressure at the
-    same load: what has yielded answers elastically up to the load it yielded under. It does not depend on
-    which of the two bodies took the indentation.
+    same load: what has yielded answers elastically up to the load it yielded under, and `bem.solve_path` of
+    falling loads unloads it. It does not depend on which of the two bodies took the indentation.
 
     Examples
     --------
@@ -221,49 +219,3 @@ def press_by_patches(
     cost = replace(result.cost, **{name: sum(getattr(c, name) for c in costs) for name in names})
     status = result.status if settled else Status.ITERATION_LIMIT
     return replace(result, cost=cost, status=status if result.status is Status.CONVERGED else result.status)
-
-
-def unload(
-    contact: ContactResult,
-    response: Response,
-    *,
-    mean_pressures: Iterable[float],
-    tolerance: float = 1e-8,
-    time_limit: float | None = None,
-    threads: int | None = None,
-) -> list[ContactResult]:
-    """Follow a yielded contact to lower loads, elastically.
-
-    Parameters
-    ----------
-    contact : ContactResult
-        State under the largest load so far.
-    response : Response
-        The solid.
-    mean_pressures : iterable of float
-        Loads [Pa], none above that of `contact`: beyond it more would yield.
-    tolerance, time_limit, threads
-        As in `fem_contact.bem.solve`.
-
-    Raises
-    ------
-    InvalidInput
-        For a load above that of `contact`.
-    """
-    instance("contact", contact, ContactResult, what="a `ContactResult`")
-    Settings(tolerance=tolerance)
-    loads = positives("mean_pressures", mean_pressures, unit="Pa")
-    for load in loads:
-        if not load <= contact.mean_pressure * (1 + tolerance):
-            raise InvalidInput(
-                f"mean_pressures: {load!r} Pa is above the {contact.mean_pressure!r} Pa that the surface "
-                "yielded under; press further with `press_yielding`"
-            )
-    return bem.solve_path(
-        yielded(contact).surface,
-        response,
-        mean_pressures=loads,
-        tolerance=tolerance,
-        time_limit=time_limit,
-        threads=threads,
-    )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact._checks import mask, pair, positive, truth
+from fem_contact._checks import mask, pair, positive
 
 __all__ = ["Patches", "find_patches"]
 
@@ -39,10 +39,8 @@ class Patches:
         return float(np.sum(self.areas**2)) / total if total > 0 else 0.0
 
 
-def find_patches(
-    in_contact: NDArray[np.bool_], spacing: tuple[float, float], *, diagonal: bool = False
-) -> Patches:
-    """Find the connected patches of a periodic contact map.
+def find_patches(in_contact: NDArray[np.bool_], spacing: tuple[float, float]) -> Patches:
+    """Find the patches of a periodic contact map: cells connected by their sides.
 
     Parameters
     ----------
@@ -50,8 +48,6 @@ def find_patches(
         Contact cells.
     spacing : tuple of float
         Cell size (dx, dy) [m].
-    diagonal : bool
-        Whether cells that touch at a corner belong together.
 
     Raises
     ------
@@ -71,26 +67,15 @@ def find_patches(
     mask("in_contact", in_contact)
     sizes = pair("spacing", spacing, what="the size of a cell (dx, dy) in m")
     dx, dy = (positive("spacing", size, unit="m") for size in sizes)
-    truth("diagonal", diagonal)
-    structure = np.ones((3, 3)) if diagonal else None
     open_labels = np.zeros(in_contact.shape, dtype=np.int64)
-    count = int(scipy.ndimage.label(in_contact, structure=structure, output=open_labels))
-    pairs = [
-        _seam(open_labels[-1], open_labels[0], diagonal),
-        _seam(open_labels[:, -1], open_labels[:, 0], diagonal),
-    ]
-    first, second = np.concatenate(pairs, axis=1)
+    count = int(scipy.ndimage.label(in_contact, output=open_labels))
+    # Labels that touch across the period.
+    first, second = np.concatenate([open_labels[[-1, 0]], open_labels[:, [-1, 0]].T], axis=1)
+    both = (first > 0) & (second > 0)
+    first, second = first[both], second[both]
     graph = coo_array((np.ones(first.size), (first, second)), shape=(count + 1, count + 1))
     _, merged = connected_components(graph, directed=False)
     # Label 0 (no contact) is a node of its own and keeps the component number 0.
     labels = merged[open_labels].astype(np.int64)
     cells = np.bincount(labels.ravel(), minlength=1)[1:]
     return Patches(labels=labels, areas=np.asarray(cells * (dx * dy), dtype=np.float64))
-
-
-def _seam(last: NDArray[np.int64], first: NDArray[np.int64], diagonal: bool) -> NDArray[np.int64]:
-    """Pairs of labels that touch across the period, as rows of a (2, n) array."""
-    shifts = (-1, 0, 1) if diagonal else (0,)
-    rows = [np.stack([last, np.roll(first, shift)]) for shift in shifts]
-    pairs = np.concatenate(rows, axis=1)
-    return pairs[:, (pairs[0] > 0) & (pairs[1] > 0)]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fem_contact._checks import array, doubles, listed, non_negative, pair, positive, whole, within
+from fem_contact._checks import array, doubles, listed, non_negative, pair, whole
 from fem_contact._types import Array
 from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput
@@ -17,7 +17,6 @@ from fem_contact.surface import HeightField
 
 __all__ = [
     "DensityAtZero",
-    "DensityLimit",
     "GapDistribution",
     "PressureDistribution",
     "WindowSlope",
@@ -25,10 +24,8 @@ __all__ = [
     "density_at_zero",
     "elastic_energy",
     "gap_distribution",
-    "limit_density",
     "loading_work",
     "pressure_distribution",
-    "refined_edges",
     "von_mises",
     "window_slope",
 ]
@@ -110,11 +107,15 @@ class DensityAtZero:
     spacing: float
 
 
-def density_at_zero(result: ContactResult, *, factor: float = 0.2) -> DensityAtZero:
+#: Window of `density_at_zero` in units of E* h'_rms, at one point per length l.
+_WINDOW = 0.2
+
+
+def density_at_zero(result: ContactResult) -> DensityAtZero:
     r"""Density of contact pressure at vanishing pressure, seen through a window that closes with the grid.
 
     .. math:: P(0^+) \approx \frac1\epsilon \int_0^\epsilon P\,d\sigma,\qquad
-              \epsilon = f\, E^* h' \sqrt{\Delta x / \ell},\quad \ell = 2\pi\sqrt{m_2/m_4}
+              \epsilon = 0.2\, E^* h' \sqrt{\Delta x / \ell},\quad \ell = 2\pi\sqrt{m_2/m_4}
 
     A window of fixed width would tend to the slope times half its width, never to zero; near an edge the
     pressure grows like the square root of the distance, so a window that shrinks like sqrt(dx) sees a fixed
@@ -124,8 +125,6 @@ def density_at_zero(result: ContactResult, *, factor: float = 0.2) -> DensityAtZ
     ----------
     result : ContactResult
         Of a rough surface.
-    factor : float
-        f, the window in units of E* h'_rms at one point per length l.
 
     Raises
     ------
@@ -133,13 +132,12 @@ def density_at_zero(result: ContactResult, *, factor: float = 0.2) -> DensityAtZ
         For a flat surface, which has no such pressure scale.
     """
     check_result("result", result)
-    factor = positive("factor", factor)
     _, m2, m4 = HeightField(heights=result.heights, lengths=result.lengths).moments
     if not m2 > 0:
         raise InvalidInput("a flat surface has no scale of pressure: P(0+) is undefined")
     dx, dy = result.spacing
     stress = result.contact_modulus * np.sqrt(m2)
-    threshold = float(factor * stress * np.sqrt(np.sqrt(dx * dy) * np.sqrt(m4 / m2) / (2 * np.pi)))
+    threshold = float(_WINDOW * stress * np.sqrt(np.sqrt(dx * dy) * np.sqrt(m4 / m2) / (2 * np.pi)))
     pressure, share = _contact_pressures(result)
     below = pressure < threshold
     density = float(share[below].sum()) / threshold
@@ -149,61 +147,6 @@ def density_at_zero(result: ContactResult, *, factor: float = 0.2) -> DensityAtZ
         threshold=threshold,
         points=int(np.count_nonzero(below)),
         spacing=float(np.sqrt(dx * dy)),
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
-class DensityLimit:
-    """P(0+) extrapolated to vanishing spacing, by a straight line in the square root of the spacing.
-
-    Attributes
-    ----------
-    value, uncertainty : float
-        Intercept and its standard error, times E* h'_rms; 0 within the error means that P starts from zero.
-    growth : float
-        Slope against (spacing / finest spacing)^(1/2).
-    exponent : float
-        Order of the fall observed between the grids, d ln P / d ln dx; about 1/2 where the value is 0.
-    """
-
-    value: float
-    uncertainty: float
-    growth: float
-    exponent: float
-
-
-def limit_density(densities: Sequence[DensityAtZero]) -> DensityLimit:
-    """Limit of P(0+) of one surface over its grids.
-
-    Weights follow from the number of points that each estimate rests on.
-
-    Raises
-    ------
-    InvalidInput
-        For fewer than three estimates, a single spacing, or estimates that rest on no point.
-    """
-    listed("densities", densities, DensityAtZero, what="`DensityAtZero`")
-    spacing = np.array([one.spacing for one in densities])
-    if len(densities) < 3 or np.unique(spacing).size < 2:
-        raise InvalidInput(f"{len(densities)} densities: a limit needs three on at least two spacings")
-    points = np.array([one.points for one in densities], dtype=float)
-    if points.min() < 1:
-        raise InvalidInput("a density rests on no point: widen its window or leave that grid out")
-    value = np.array([one.reduced for one in densities])
-    root = np.sqrt(spacing / spacing.min())
-    deviation = value / np.sqrt(points)
-    design = np.stack([np.ones_like(root), root], axis=1) / deviation[:, None]
-    covariance = np.linalg.inv(design.T @ design)
-    intercept, growth = covariance @ (design.T @ (value / deviation))
-    # Counting noise is the least; where the points scatter more about the line, that counts.
-    rest = value / deviation - design @ np.array([intercept, growth])
-    scatter = max(1.0, float(rest @ rest) / (len(densities) - 2))
-    exponent = np.polyfit(np.log(spacing), np.log(value), 1, w=np.sqrt(points))[0]
-    return DensityLimit(
-        value=float(intercept),
-        uncertainty=float(np.sqrt(covariance[0, 0] * scatter)),
-        growth=float(growth),
-        exponent=float(exponent),
     )
 
 
@@ -274,19 +217,6 @@ def window_slope(
         uncertainty=slope / np.sqrt(count) if count > 0 else np.inf,
         patches=find_patches(result.in_contact, result.spacing).count,
     )
-
-
-def refined_edges(top: float, *, bins: int = 40, power: float = 2.0) -> Array:
-    """Bin edges from 0 to `top` [Pa] that crowd near zero, like (k / bins)^power.
-
-    Examples
-    --------
-    >>> refined_edges(16.0, bins=4)
-    array([ 0.,  1.,  4.,  9., 16.])
-    """
-    top, power = positive("top", top, unit="Pa"), within("power", power, 0, 100, interval="(0, 100]")
-    bins = whole("bins", bins, least=1, most=10**6)
-    return np.asarray(top * np.linspace(0.0, 1.0, bins + 1) ** power)
 
 
 @dataclass(frozen=True, kw_only=True)

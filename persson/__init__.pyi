@@ -35,7 +35,6 @@ from .graded import ExponentialLayers as ExponentialLayers
 from .graded import GradedModulus as GradedModulus
 from .graded import SurfaceLayer as SurfaceLayer
 from .hardness import constant_hardness as constant_hardness
-from .hardness import nix_gao_hardness as nix_gao_hardness
 from .hardness import size_dependent_hardness as size_dependent_hardness
 from .heights import height_distribution as height_distribution
 from .leakage import effective_medium as effective_medium
@@ -49,8 +48,6 @@ from .separation import elastic_energy as elastic_energy
 from .separation import macroasperity_magnification as macroasperity_magnification
 from .separation import macroasperity_pressure as macroasperity_pressure
 from .separation import mean_separation as mean_separation
-from .sine import SineExpansion as SineExpansion
-from .sine import sine_expansion as sine_expansion
 from .sliding import SlidingFriction as SlidingFriction
 from .sliding import adhesional_pressure as adhesional_pressure
 from .sliding import friction_of_waves as friction_of_waves

@@ -310,13 +310,8 @@ class FullerTabor:
 
     @property
     def stretch(self) -> float:
-        """delta_c [m]: the stretch at which an asperity lets go."""
+        """delta_c [m]: the stretch at which an asperity lets go; adhesion is lost where h* is much larger."""
         return 0.75 * self._length * (self._length / self.asperities.radius)
-
-    @property
-    def adhesion_parameter(self) -> float:
-        """Roughness over stretch, h* / delta_c: adhesion is lost when it is large."""
-        return self.asperities.rms_height / self.stretch
 
     def pressure(self, separation: ArrayLike) -> Array:
         """Nominal pressure [Pa] at separations d [m] from the mean summit height, on pulling apart.
@@ -345,10 +340,6 @@ class FullerTabor:
         h, c = self.asperities.rms_height, self.stretch
         d = np.linspace(-2 * h - 2 * c, 4 * h + 2 * c, 1200)
         return float(max(-np.min(self.pressure(d)), 0.0))
-
-    def flat_pull_off(self) -> float:
-        """Pull-off [Pa] of the same asperities if all had one height: n_0 3/2 pi w R."""
-        return 1.5 * math.pi * self.work_of_adhesion * self.asperities.radius * self.asperities.density
 
 
 def _jkr_radius(approach: Array) -> Array:

@@ -15,7 +15,7 @@ from persson.diffusion import Diffusion, solve_diffusion
 from persson.errors import InvalidInput, OutsideTheory
 from persson.scale import Scale
 
-__all__ = ["ContactAreas", "constant_hardness", "nix_gao_hardness", "size_dependent_hardness"]
+__all__ = ["ContactAreas", "constant_hardness", "size_dependent_hardness"]
 
 #: V / sigma_Y^2 up to which images converge faster than the eigenfunction series.
 _IMAGES = 0.35
@@ -173,29 +173,3 @@ def size_dependent_hardness(
         yield_stress=lambda variance: np.asarray(yield_stress(scale.wavevector(variance))),
         tolerance=tolerance,
     )
-
-
-def nix_gao_hardness(depth: ArrayLike, *, bulk: float, length: float) -> Array:
-    """Indentation hardness H = H_0 sqrt(1 + h*/h) [Pa], a size effect to build sigma_Y(q) from.
-
-    Parameters
-    ----------
-    depth : float or array
-        Depth h [m] of the indentation, positive; for roughness at wavevector q of the order of h' / q.
-    bulk, length : float
-        H_0 [Pa] and h* [m].
-
-    Notes
-    -----
-    Nix and Gao, J. Mech. Phys. Solids 46, 411 (1998): H_0 = 581 MPa and h* = 1.60 um for (111) copper single
-    crystals, 834 MPa and 0.464 um for cold-worked polycrystalline copper.
-
-    Examples
-    --------
-    >>> round(float(nix_gao_hardness(1.6e-6, bulk=581e6, length=1.6e-6)) / 1e6)
-    822
-    """
-    h = non_negative("depth", depth, unit="m")
-    if np.any(h == 0):
-        raise InvalidInput("depth = 0: must be positive; the hardness has no limit there")
-    return positive("bulk", bulk, unit="Pa") * np.sqrt(1 + positive("length", length, unit="m") / h)

@@ -9,8 +9,8 @@ from persson._checks import positive, within
 __all__ = ["fibre_modulus", "foam_modulus"]
 
 
-def foam_modulus(young: float, *, wall: float, cell: float, factor: float = 1.0) -> float:
-    """Effective Young's modulus E_eff = c E (d/D)^3 [Pa] of a foam: cells of size D, walls of d.
+def foam_modulus(young: float, *, wall: float, cell: float) -> float:
+    """Effective Young's modulus E_eff = E (d/D)^3 [Pa] of a foam: cells of size D, walls of d.
 
     Parameters
     ----------
@@ -18,13 +18,12 @@ def foam_modulus(young: float, *, wall: float, cell: float, factor: float = 1.0)
         E [Pa] of the walls.
     wall, cell : float
         d < D [m].
-    factor : float
-        c, of order 1, which depends on the shape of the cells; 4/sqrt(3) for regular hexagons in their plane.
 
     Notes
     -----
     Persson 2006, Sec. 4, caption of the adhesion pad, after L. J. Gibson and M. F. Ashby, Proc. R. Soc. A
-    382, 43 (1982): walls bend.
+    382, 43 (1982): walls bend. A number of order 1 depends on the shape of the cells; for regular hexagons in
+    their plane it is 4/sqrt(3).
 
     Examples
     --------
@@ -33,7 +32,7 @@ def foam_modulus(young: float, *, wall: float, cell: float, factor: float = 1.0)
     """
     size = positive("cell", cell, unit="m")
     thin = within("wall", wall, 0, size, interval="(0, cell)", unit="m") / size
-    return positive("young", young, unit="Pa") * positive("factor", factor) * thin * thin * thin
+    return positive("young", young, unit="Pa") * thin * thin * thin
 
 
 def fibre_modulus(young: float, *, radius: float, length: float, density: float, angle: float) -> float:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from persson._checks import Array, instance, non_negative, positive, whole
+from persson._checks import Array, instance, non_negative, positive
 from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
 from persson.errors import InvalidInput, OutsideTheory
 from persson.hardness import constant_hardness
@@ -24,6 +24,9 @@ __all__ = [
     "yielded_pull_off",
     "yielded_share",
 ]
+
+#: Wavevectors at which the smoothed spectrum is tabulated.
+_NODES = 400
 
 
 def hertz_pressure(force: ArrayLike, *, radius: float, contact_modulus: float) -> Array:
@@ -133,7 +136,6 @@ def roughness_barrier(
     pressure: float,
     yield_stress: float,
     interface: Interface,
-    nodes: int = 400,
 ) -> RoughnessBarrier:
     """Squeeze a rough contact with a nominal pressure until its short waves yield, and let go.
 
@@ -147,8 +149,6 @@ def roughness_barrier(
         sigma_0 and hardness sigma_Y [Pa].
     interface : Interface
         Work of adhesion and the reading of the theory.
-    nodes : int
-        Wavevectors at which Cbar(q) is tabulated.
 
     Notes
     -----
@@ -164,9 +164,7 @@ def roughness_barrier(
     if not spectrum.q_min > 0:
         raise InvalidInput("q_min = 0: the size L of the sample matters without load; give q_min = 2 pi / L")
     scale = Scale(spectrum, contact_modulus=contact_modulus)
-    q = spectrum.q_min * np.geomspace(
-        1.0, spectrum.q_short / spectrum.q_min, whole("nodes", nodes, least=8, most=20_000)
-    )
+    q = spectrum.q_min * np.geomspace(1.0, spectrum.q_short / spectrum.q_min, _NODES)
     q[-1] = spectrum.q_short
     areas = constant_hardness(load, stress_variance=scale.variance(q), yield_stress=limit)
     yielded = np.minimum(areas.plastic * (limit / load), 1.0)

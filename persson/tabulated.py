@@ -63,10 +63,6 @@ class Tabulated(SpectrumMoments):
         c = real("power", power, unit="m^4", power=4) / (4 * math.pi**2)
         return cls(wavevectors=real("wavevectors", wavevectors, unit="1/m"), power=c)
 
-    def areal_psd(self) -> Array:
-        """(2 pi)^2 C(q) [m^4] at the points."""
-        return 4 * math.pi**2 * self.power
-
     @property
     def q_min(self) -> float:
         """First wavevector [1/m]."""

@@ -26,7 +26,6 @@ from persson import (
     plate,
     scale,
     separation,
-    sine,
     sliding,
     soft_structures,
     spectrum,
@@ -128,7 +127,7 @@ def theory_doors() -> dict[str, Door]:
             {"velocity": 1e-3, "loss_compliance": hard.loss_compliance, "relaxed": 1e6}
             | {"tip_radius": 1e-9, "contact_size": 1e-5},
         ),
-        (soft_structures.foam_modulus, {"young": 1e9, "wall": 1e-7, "cell": 1e-6, "factor": 1.0}),
+        (soft_structures.foam_modulus, {"young": 1e9, "wall": 1e-7, "cell": 1e-6}),
         (
             soft_structures.fibre_modulus,
             {"young": 1e9, "radius": 1e-6, "length": 1e-4, "density": 1e10, "angle": 0.7},
@@ -147,7 +146,7 @@ def theory_doors() -> dict[str, Door]:
         (squeezed_spheres.yielded_pull_off, SPHERE | {"hardness": 1e9}),
         (
             squeezed_spheres.roughness_barrier,
-            {"spectrum": smooth, "yield_stress": 1e8, "nodes": 40},
+            {"spectrum": smooth, "yield_stress": 1e8},
         ),
         (variants.energy_factor, {"variant": "yang_persson"}),
         (variants.energy_share, {"energy": "xu"}),
@@ -160,7 +159,6 @@ def theory_doors() -> dict[str, Door]:
             hardness.size_dependent_hardness,
             {"yield_stress": lambda q: 1e9 + 0 * q, "wavevectors": [2e5, 1e6], "tolerance": 1e-4},
         ),
-        (hardness.nix_gao_hardness, {"depth": 1e-6, "bulk": 1e8, "length": 1e-6}),
         (
             diffusion.solve_diffusion,
             {"variance": [1.0, 4.0], "pressure": 1.0, "tensile_limit": 0.5, "yield_stress": 9.0}
@@ -174,22 +172,6 @@ def theory_doors() -> dict[str, Door]:
         (
             diffusion.solve_diffusion([1.0, 4.0], pressure=1.0).distribution,
             {"index": 0, "stress": 1.0},
-        ),
-        (
-            sine.sine_expansion,
-            {"variance": 1.0, "pressure": 1.0, "tensile_limit": 0.5, "yield_stress": 4.0}
-            | {"modes": 20, "tolerance": 1e-6},
-        ),
-        (
-            sine.sine_expansion,
-            {"variance": 1.0, "pressure": 1.0, "tensile_limit": lambda v: 0.5}
-            | {"yield_stress": lambda v: 4.0, "modes": 10},
-        ),
-        (
-            sine.sine_expansion(
-                1.0, pressure=1.0, tensile_limit=0.5, yield_stress=4.0, modes=20
-            ).distribution,
-            {"stress": 1.0},
         ),
         (adhesion.Interface, {"energy": "old", "area": "star", "alpha": 1.0, "ideal_strength": 1e9}),
         (adhesion.detachment_stress, {"work": 0.05}),

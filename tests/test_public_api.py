@@ -203,7 +203,6 @@ def test_every_public_function_is_among_the_doors(package):
         "Moments",
         "SpectrumMoments",
         "Diffusion",
-        "SineExpansion",
         "BlockSolution",
         "CellStress",
         "Equilibrium",

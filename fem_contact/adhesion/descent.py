@@ -379,9 +379,7 @@ def _search(state: _State, direction: Array) -> bool:
     return False
 
 
-def least_curvature(
-    land: Landscape, point: Point, gap: Array, *, steps: int = 60, seed: int = 7
-) -> tuple[float, float]:
+def least_curvature(land: Landscape, point: Point, gap: Array) -> tuple[float, float]:
     """Smallest curvature of the energy over the points free to move, relative to the preconditioner.
 
     Returns
@@ -395,14 +393,14 @@ def least_curvature(
     if np.count_nonzero(state.free) <= (1 if state.held else 0):
         return np.inf, 0.0
     curvature = land.slope(state.gap, state.sunk)
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(7)
     v = state.restricted(rng.standard_normal(gap.shape))
     image = state.restricted(land.soften(v))
     norm = float(np.sqrt(np.sum(v * image)))
     old = np.zeros_like(v)
     beta, alphas, betas = 0.0, [], []
     value = uncertainty = np.inf
-    for _ in range(steps):
+    for _ in range(_LANCZOS):
         v, image = v / norm, image / norm
         bent = state.hessian(curvature, image) - beta * old
         alpha = float(np.sum(bent * image))
@@ -420,5 +418,5 @@ def least_curvature(
     return value, max(uncertainty, _SETTLED * float(np.max(np.abs(values))))
 
 
-#: Relative uncertainty at which the least curvature counts as found.
-_SETTLED = 1e-6
+#: Steps of Lanczos's method, and the relative uncertainty at which the least curvature counts as found.
+_LANCZOS, _SETTLED = 80, 1e-6

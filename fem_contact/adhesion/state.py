@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem_contact import bem
-from fem_contact._checks import bound, field, finite, instance, positive, whole
+from fem_contact._checks import bound, field, finite, instance, positive
 from fem_contact._types import Array
 from fem_contact.adhesion.descent import Landscape, Minimum, Point, descend, least_curvature
 from fem_contact.adhesion.laws import GapLaw
@@ -185,7 +185,7 @@ def solve(
     return problem.packed(problem.at(point, problem.first_gap(point, start)))
 
 
-def stability(state: AdhesiveContact, response: Response, *, steps: int = 80, seed: int = 7) -> Stability:
+def stability(state: AdhesiveContact, response: Response) -> Stability:
     """Measure the least curvature of the energy at a state held at its offset, or load where it may yield.
 
     Parameters
@@ -193,15 +193,9 @@ def stability(state: AdhesiveContact, response: Response, *, steps: int = 80, se
     state : AdhesiveContact
     response : Response
         The solid it was computed with.
-    steps : int
-        Lanczos steps.
-    seed : int
-        Of the random vector they start from.
     """
     instance("state", state, AdhesiveContact, what="an `AdhesiveContact`")
     check_response(response)
-    whole("steps", steps, least=1, most=10_000)
-    whole("seed", seed, least=0, most=2**63 - 1)
     contact = state.contact
     land = Landscape(
         contact.heights,
@@ -213,7 +207,7 @@ def stability(state: AdhesiveContact, response: Response, *, steps: int = 80, se
     held = (
         Point(offset=contact.offset) if state.hardness is None else Point(mean_pressure=contact.mean_pressure)
     )
-    value, uncertainty = least_curvature(land, held, contact.gap, steps=steps, seed=seed)
+    value, uncertainty = least_curvature(land, held, contact.gap)
     return Stability(curvature=value, uncertainty=uncertainty)
 
 

@@ -148,7 +148,7 @@ def test_least_curvature_has_the_sign_and_size_of_the_dense_eigenvalue():
         dense[:, column] = (land.stiff(unit) + law.slope(gap) * unit).ravel()[free]
         metric[:, column] = land.soften(unit).ravel()[free]
     exact = np.linalg.eigvals(metric @ dense).real.min()
-    value, uncertainty = least_curvature(land, point, gap, steps=80)
+    value, uncertainty = least_curvature(land, point, gap)
     assert value == pytest.approx(exact, abs=max(uncertainty, 1e-8))
 
 

@@ -20,17 +20,14 @@ def test_patches_are_joined_across_both_periods() -> None:
 
 def test_patches_do_not_depend_on_where_the_period_starts() -> None:
     contact = np.random.default_rng(5).random((40, 33)) < 0.45
-    for diagonal in (False, True):
-        areas = sorted(find_patches(contact, (1.0, 1.0), diagonal=diagonal).areas)
-        moved = np.roll(contact, (17, 8), axis=(0, 1))
-        assert sorted(find_patches(moved, (1.0, 1.0), diagonal=diagonal).areas) == areas
-        assert sum(areas) == contact.sum()
+    areas = sorted(find_patches(contact, (1.0, 1.0)).areas)
+    moved = np.roll(contact, (17, 8), axis=(0, 1))
+    assert sorted(find_patches(moved, (1.0, 1.0)).areas) == areas
+    assert sum(areas) == contact.sum()
 
 
-def test_corners_join_only_when_asked() -> None:
-    contact = np.eye(6, dtype=bool)
-    assert find_patches(contact, (1.0, 1.0)).count == 6
-    assert find_patches(contact, (1.0, 1.0), diagonal=True).count == 1
+def test_corners_do_not_join() -> None:
+    assert find_patches(np.eye(6, dtype=bool), (1.0, 1.0)).count == 6
 
 
 def test_no_contact_and_full_contact() -> None:

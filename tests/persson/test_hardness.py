@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from persson.elastic import contact_area
-from persson.errors import InvalidInput, OutsideTheory
-from persson.hardness import constant_hardness, nix_gao_hardness, size_dependent_hardness
+from persson.errors import OutsideTheory
+from persson.hardness import constant_hardness, size_dependent_hardness
 from persson.scale import Scale
 from persson.spectrum import SelfAffine
 
@@ -71,16 +71,6 @@ def test_falling_hardness_and_too_much_load_are_refused_with_the_reason():
         )
     with pytest.raises(OutsideTheory, match="yield_stress"):
         constant_hardness(2.0, stress_variance=1.0, yield_stress=2.0)
-
-
-def test_copper_is_three_times_harder_at_a_depth_of_a_fifth_of_a_micrometre():
-    """Nix and Gao (1998): H^2 is linear in 1/h with H_0 = 581 MPa, h* = 1.60 um for (111) copper."""
-    h = np.array([0.2e-6, 0.4e-6, 0.8e-6])
-    hardness = nix_gao_hardness(h, bulk=581e6, length=1.6e-6)
-    assert hardness[0] == pytest.approx(3 * 581e6, rel=1e-12)
-    assert np.diff(hardness**2) / np.diff(1 / h) == pytest.approx([581e6**2 * 1.6e-6] * 2, rel=1e-12)
-    with pytest.raises(InvalidInput, match="depth"):
-        nix_gao_hardness(0.0, bulk=1.0, length=1.0)
 
 
 @pytest.mark.parametrize("graded", [False, True])

@@ -82,9 +82,7 @@ def asperities(units):
         contact_modulus=2e7 * stress,
         work_of_adhesion=0.05 * stress * length,
     )
-    return np.array(
-        [found.area, found.pressure / stress, sticky.pull_off() / stress, sticky.adhesion_parameter]
-    )
+    return np.array([found.area, found.pressure / stress, sticky.pull_off() / stress])
 
 
 def graded(units):
