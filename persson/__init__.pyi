@@ -48,6 +48,8 @@ from .separation import elastic_energy as elastic_energy
 from .separation import macroasperity_magnification as macroasperity_magnification
 from .separation import macroasperity_pressure as macroasperity_pressure
 from .separation import mean_separation as mean_separation
+from .sine import SineExpansion as SineExpansion
+from .sine import sine_expansion as sine_expansion
 from .sliding import SlidingFriction as SlidingFriction
 from .sliding import adhesional_pressure as adhesional_pressure
 from .sliding import friction_of_waves as friction_of_waves

@@ -14,6 +14,12 @@ from persson.errors import InvalidInput, OutsideTheory
 
 __all__ = ["TAIL", "Grid", "Pieces", "Problem", "Wall", "distance", "find_pieces", "make_grid"]
 
+#: Why a hardness must not fall.
+FALLING = (
+    "yield_stress(V) falls: with Persson 2006, Eq. 34 the density at the wall would be negative; "
+    "the theory holds for a hardness that is constant or rises with magnification"
+)
+
 Flags = NDArray[np.bool_]
 
 #: A stress limit [Pa] as a function of the stress variance V [Pa^2], for arrays; a constant; or None for no
@@ -136,10 +142,7 @@ def _refuse(problem: Problem, last: float, coarse: Array) -> None:
     if above[0] <= 0:
         raise OutsideTheory(f"pressure = {problem.pressure!r} Pa: must stay below the yield stress")
     if problem.hardening and np.any(np.diff(above) < -1e-12 * (np.abs(above[1:]) + abs(problem.pressure))):
-        raise OutsideTheory(
-            "yield_stress(V) falls: with Persson 2006, Eq. 34 the density at the wall would be negative; "
-            "the theory holds for a hardness that is constant or rises with magnification"
-        )
+        raise OutsideTheory(FALLING)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -26,6 +26,7 @@ from persson import (
     plate,
     scale,
     separation,
+    sine,
     sliding,
     soft_structures,
     spectrum,
@@ -172,6 +173,22 @@ def theory_doors() -> dict[str, Door]:
         (
             diffusion.solve_diffusion([1.0, 4.0], pressure=1.0).distribution,
             {"index": 0, "stress": 1.0},
+        ),
+        (
+            sine.sine_expansion,
+            {"variance": 1.0, "pressure": 1.0, "tensile_limit": 0.5, "yield_stress": 4.0}
+            | {"modes": 20, "tolerance": 1e-6},
+        ),
+        (
+            sine.sine_expansion,
+            {"variance": 1.0, "pressure": 1.0, "tensile_limit": lambda v: 0.5}
+            | {"yield_stress": lambda v: 4.0, "modes": 10},
+        ),
+        (
+            sine.sine_expansion(
+                1.0, pressure=1.0, tensile_limit=0.5, yield_stress=4.0, modes=20
+            ).distribution,
+            {"stress": 1.0},
         ),
         (adhesion.Interface, {"energy": "old", "area": "star", "alpha": 1.0, "ideal_strength": 1e9}),
         (adhesion.detachment_stress, {"work": 0.05}),

@@ -203,6 +203,7 @@ def test_every_public_function_is_among_the_doors(package):
         "Moments",
         "SpectrumMoments",
         "Diffusion",
+        "SineExpansion",
         "BlockSolution",
         "CellStress",
         "Equilibrium",

@@ -9,12 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.special import erf
-from sine_series import between_moving_walls, between_still_walls
 
 from persson import _galerkin
 from persson.diffusion import solve_diffusion
 from persson.elastic import pressure_distribution
 from persson.errors import InvalidInput, NotConverged, OutsideTheory
+from persson.sine import sine_expansion
 
 
 def moving(v):
@@ -74,7 +74,7 @@ def test_hardness_that_rises_gives_the_reference_areas():
 
 
 @pytest.mark.slow
-def test_sine_series_and_galerkin_agree_between_moving_walls():
+def test_sine_expansion_and_galerkin_agree_between_moving_walls():
     """Two methods on one problem.
 
     The sine coefficients fall like n^-3 under a moving wall, so the error like n^-2 ... n^-3.
@@ -84,54 +84,64 @@ def test_sine_series_and_galerkin_agree_between_moving_walls():
     ).checked()
     errors = []
     for modes in (60, 120):
-        sine = between_moving_walls(
-            3.0, pressure=1.0, below=lambda v: float(moving(v)), above=lambda v: 20.0, modes=modes
+        sine = sine_expansion(
+            3.0, pressure=1.0, tensile_limit=lambda v: float(moving(v)), yield_stress=20.0, modes=modes
         )
         errors.append(abs(sine.area_elastic - reference.area_elastic[0]))
     assert errors[0] < 1e-3
     assert errors[1] < errors[0] / 2
 
 
-def test_hardness_that_rises_obeys_equation_34():
-    """P(sigma_Y) = 2 A_pl dsigma_Y/dV, not 0: what sines leave of the flux at the wall falls like 1/modes."""
+def test_sine_expansion_obeys_equation_34_where_the_hardness_rises():
+    """P(sigma_Y) = 2 A_pl dsigma_Y/dV, not 0: what is left of the flux at the wall falls like 1/modes."""
     walls = {"tensile_limit": 0.3, "yield_stress": lambda v: 1 + 0.2 * v}
     found = solve_diffusion([1.0], pressure=0.5, tolerance=1e-7, **walls).checked()
     reference = np.array([found.area_elastic[0], found.area_plastic[0]])
-    moved = {"pressure": 0.5, "below": lambda v: 0.3, "above": walls["yield_stress"], "tolerance": 1e-8}
-    coarse, fine = (between_moving_walls(1.0, modes=n, **moved) for n in (32, 64))
+    coarse, fine = (sine_expansion(1.0, pressure=0.5, modes=n, tolerance=1e-8, **walls) for n in (32, 64))
     areas = np.array([[s.area_elastic, s.area_plastic] for s in (coarse, fine)])
     errors = areas - reference
     assert errors[0] / errors[1] == pytest.approx(2.0, abs=0.15)
     assert 2 * areas[1] - areas[0] == pytest.approx(reference, abs=3e-5)
+    assert fine.density_at_yield == pytest.approx(2 * 0.2 * fine.area_plastic, rel=1e-6)
     assert fine.distribution(np.array([1.2 * (1 - 1e-9)]))[0] == pytest.approx(
         found.distribution(0, 1.2 * (1 - 1e-9)), rel=4e-3
     )
 
 
 @pytest.mark.parametrize(
-    ("variance", "pressure", "below", "above"),
+    ("variance", "pressure", "walls"),
     [
-        (0.5, 0.4, lambda v: 0.0, lambda v: 1 + 0.01 * v),
-        (5.0, 0.3, lambda v: 0.2 + 0.1 * v, lambda v: 1.5 * (1 + v) ** 0.25),
+        (1.0, 0.5, (0.3, lambda v: 1 + 0.2 * v)),
+        (0.5, 0.4, (0.0, lambda v: 1 + 0.01 * v)),
+        (5.0, 0.3, (lambda v: 0.2 + 0.1 * v, lambda v: 1.5 * (1 + v) ** 0.25)),
+        (1e-3, 0.6, (0.5, 2.0)),
     ],
 )
-def test_areas_between_two_moving_walls_are_those_of_the_sine_series(variance, pressure, below, above):
-    walls = {"tensile_limit": lambda v: below(v) + 0 * v, "yield_stress": above}
+def test_the_error_estimate_of_the_sine_expansion_bounds_both_areas(variance, pressure, walls):
+    walls = dict(zip(("tensile_limit", "yield_stress"), walls, strict=True))
     exact = solve_diffusion([variance], pressure=pressure, tolerance=1e-7, **walls).checked()
-    found = np.array([exact.area_elastic[0], exact.area_plastic[0]])
-    moved = {"pressure": pressure, "below": below, "above": above, "tolerance": 1e-8}
-    coarse, fine = (
-        np.array([series.area_elastic, series.area_plastic])
-        for series in (between_moving_walls(variance, modes=n, **moved) for n in (16, 32))
-    )
-    # The error falls like 1/modes at the slowest.
-    assert np.all(np.abs(fine - found) < 2 * np.abs(fine - coarse) + 1e-7)
-    assert np.max(np.abs(fine - found)) < 0.02
+    for modes in (16, 32):
+        sine = sine_expansion(variance, pressure=pressure, modes=modes, tolerance=1e-8, **walls)
+        errors = [getattr(sine, name) - getattr(exact, name)[0] for name in ("area_elastic", "area_plastic")]
+        assert np.max(np.abs(errors)) < sine.error_estimate < 0.2
 
 
-def test_areas_and_distribution_between_walls_that_stand_are_those_of_the_sine_series():
+def test_the_error_estimate_of_too_few_sines_is_no_smaller_than_the_error():
+    walls = {"tensile_limit": 0.0, "yield_stress": lambda v: 4.8 + 0.24 * v}
+    exact = solve_diffusion([0.038], pressure=0.27, tolerance=1e-7, **walls).checked()
+    for modes in (2, 4, 8):
+        sine = sine_expansion(0.038, pressure=0.27, modes=modes, tolerance=1e-8, **walls)
+        assert abs(sine.area_elastic - exact.area_elastic[0]) < sine.error_estimate
+
+
+def test_sine_expansion_refuses_a_hardness_that_falls():
+    with pytest.raises(OutsideTheory, match="falls"):
+        sine_expansion(1.0, pressure=0.5, tensile_limit=0.3, yield_stress=lambda v: 2 - 0.1 * v)
+
+
+def test_sine_expansion_is_exact_between_walls_that_stand():
     stress = np.linspace(-0.5, 2.0, 30)
-    sine = between_still_walls(0.8, pressure=0.6, below=0.5, above=2.0, modes=60)
+    sine = sine_expansion(0.8, pressure=0.6, tensile_limit=0.5, yield_stress=2.0, modes=60)
     result = solve_diffusion(
         [0.8], pressure=0.6, tensile_limit=0.5, yield_stress=2.0, tolerance=1e-9
     ).checked()
