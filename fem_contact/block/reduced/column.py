@@ -15,10 +15,12 @@ Lengths are in cell widths, stiffness in Young's modulus; theta is the phase per
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fem_contact._types import Array
 from fem_contact.block.elements import Element
@@ -26,19 +28,17 @@ from fem_contact.block.mesh import BlockMesh, element_matrices
 from fem_contact.complementarity.rows import Rows
 from fem_contact.settings import available_processors
 
-__all__ = [
-    "FoldedLayers",
-    "SurfaceStates",
-    "eliminate",
-    "fold",
-    "split_layer",
-    "surface_compliance",
-    "surface_response",
-]
+__all__ = ["FoldedLayers", "fold", "surface_compliance"]
 
 
 #: Functions of one phase that folded matrices are made of: 1, cos(t/2), cos t, sin(t/2), sin t.
 _FUNCTIONS = 5
+
+Numbers = NDArray[np.int64]
+SweepPlan = tuple[Numbers, Numbers, Array, Numbers, Numbers, Numbers]
+
+#: Columns eliminated side by side by one instruction stream, of small and of large matrices.
+_LANES = (64, 16)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +51,7 @@ class FoldedLayers:
     coefficients: Array
     types: int  # Kinds of nodes per plane
     pressures: int  # Pressure modes kept as unknowns
+    falls: Array  # (nz,): Logarithm by which a wave of phase 1 at least falls within each layer, if thin
 
     @property
     def plane(self) -> int:
@@ -62,18 +63,19 @@ class FoldedLayers:
         """Unknowns of the inner plane of a cell."""
         return int(self.coefficients.shape[-1]) - 2 * self.plane - self.pressures
 
-    def matrices(self, layer: int, phases: Array) -> Array:
-        """Folded matrix of a layer at (n, 2) phases, (n, m, m)."""
-        size = self.coefficients.shape[-1]
-        x, y = _functions(phases[:, 0]), _functions(phases[:, 1])
-        products = (x[:, :, None] * y[:, None, :]).reshape(len(phases), -1)
-        values = products @ self.coefficients[layer].reshape(_FUNCTIONS**2, -1)
-        return np.asarray(values.reshape(-1, size, size))
+    @cached_property
+    def plan(self) -> SweepPlan:
+        """What `kernels` read: entries, terms, weights, places, below and counts."""
+        from fem_contact.block.reduced.kernels import plan_folding
 
-
-def _functions(phase: Array) -> Array:
-    half = 0.5 * phase
-    return np.stack([np.ones_like(phase), np.cos(half), np.cos(phase), np.sin(half), np.sin(phase)], axis=1)
+        plane, inner, pressures = self.plane, self.inner, self.pressures
+        # A layer's pressures are eliminated together with the plane above it, which constrains them; that way
+        # nothing is singular for the incompressible solid, not even at zero phase.
+        below = np.append(np.arange(plane), plane + inner + np.arange(pressures))
+        top = plane + inner + pressures + np.arange(plane + pressures)
+        places = np.concatenate([np.arange(plane + inner), top[plane:], top[:plane]])
+        counts = np.array([plane, inner, self.types, _LANES[plane > 3]])
+        return *plan_folding(self.coefficients), places, below, counts
 
 
 def fold(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> FoldedLayers:
@@ -118,7 +120,11 @@ def _folded(layers: tuple[float, ...], aspect: float, element: Element, poisson:
             for i, j, sign in _wave_terms(shift, turned[b] - turned[a]):
                 coefficients[:, i, j, row, column] += sign * matrices[:, a, b]
     coefficients.setflags(write=False)
-    return FoldedLayers(coefficients=coefficients, types=types, pressures=pressures)
+    # Where cells lock, waves fall as slowly as those of pressure do under shear; of the modes that a mean
+    # dilatation leaves to thick cells nothing is known, nor of those of triquadratic cells.
+    rate = math.sqrt((0.5 - poisson) / (1 - poisson)) / max(aspect, 1.0)
+    falls = (0.0 if element.pressures or order == 2 else rate) * mesh.layers
+    return FoldedLayers(coefficients=coefficients, types=types, pressures=pressures, falls=falls)
 
 
 def _wave_terms(shift: tuple[int, int], turn: int) -> list[tuple[int, int, int]]:
@@ -133,93 +139,20 @@ def _wave_terms(shift: tuple[int, int], turn: int) -> list[tuple[int, int, int]]
     return [term for term in terms if term[2]]
 
 
-@dataclass(frozen=True, kw_only=True)
-class SurfaceStates:
-    """What the layers below each boundary amount to, for a set of phases."""
-
-    # (n, s, s): State at the surface: stiffness of its plane, bordered by the top layer's pressures.
-    top: Array
-    # The states at the boundaries below it, from the bottom upwards, if they were asked for.
-    below: list[Array]
-
-
-def eliminate(folded: FoldedLayers, phases: Array, *, keep: bool = False) -> SurfaceStates:
-    """Eliminate the planes from the bottom upwards, at (n, 2) phases, for any element.
-
-    For trilinear cells it is the NumPy twin of the compiled kernel.
-
-    A layer's pressures are eliminated together with the plane above it, which constrains them; that way
-    nothing is singular for the incompressible solid, not even at zero phase.
-    """
-    below: list[Array] = []
-    plane, inner, pressures = folded.plane, folded.inner, folded.pressures
-    state = None
-    for layer in range(len(folded.coefficients)):
-        matrix = folded.matrices(layer, phases)
-        if state is not None and keep:
-            below.append(state)
-        eliminated, coupling, kept = split_layer(matrix, state, plane=plane, inner=inner, pressures=pressures)
-        state = kept
-        if eliminated.shape[1]:
-            state = kept - coupling.swapaxes(1, 2) @ np.linalg.solve(eliminated, coupling)
-    assert state is not None
-    return SurfaceStates(top=state, below=below)
-
-
-def split_layer(
-    matrix: Array, state: Array | None, *, plane: int, inner: int, pressures: int
-) -> tuple[Array, Array, Array]:
-    """Split one layer on what lies below into {bottom, pressures below, inner} and {top, pressures}.
-
-    Without a state the bottom plane is clamped.
-    """
-    middle = np.arange(plane, plane + inner)
-    modes = np.arange(plane + inner, plane + inner + pressures)
-    top = np.arange(plane + inner + pressures, matrix.shape[1])
-    retained = np.concatenate([top, modes])
-    kept = matrix[:, retained[:, None], retained]
-    if state is None:
-        return matrix[:, middle[:, None], middle], matrix[:, middle[:, None], retained], kept
-    own = np.concatenate([np.arange(plane), middle])
-    at = np.concatenate([np.arange(plane), np.arange(plane + pressures, plane + pressures + inner)])
-    eliminated = np.zeros((len(matrix), plane + pressures + inner, plane + pressures + inner))
-    eliminated[:, : plane + pressures, : plane + pressures] = state
-    eliminated[:, at[:, None], at] += matrix[:, own[:, None], own]
-    coupling = np.zeros((len(matrix), plane + pressures + inner, retained.size))
-    coupling[:, at] = matrix[:, own[:, None], retained]
-    return eliminated, coupling, kept
-
-
-def surface_response(folded: FoldedLayers, states: SurfaceStates) -> Array:
-    """Amplitudes of the surface plane under unit vertical nodal forces of each kind, (n, 3 types, types)."""
-    size, types = states.top.shape[1], folded.types
-    loads = np.zeros((size, types))
-    loads[3 * np.arange(types) + 2, np.arange(types)] = 1
-    answer = np.linalg.solve(states.top, np.broadcast_to(loads, (len(states.top), size, types)))
-    return np.asarray(answer[:, : folded.plane])
-
-
-def surface_compliance(folded: FoldedLayers, phases: Array) -> Array:
+def surface_compliance(folded: FoldedLayers, phases: Array, *, states: Array | None = None) -> Array:
     """Vertical displacement under unit vertical nodal forces, no tangential ones, (n, types, types).
 
     Parameters
     ----------
     phases : (n, 2) array
         Phases per cell.
+    states : (nz, n, s (s + 1) / 2) array, optional
+        Receives what lies below the top of each layer: the stiffness of its plane, bordered by its pressures.
     """
-    from fem_contact.block.reduced.dense_kernels import LANES, compliances, plan_folding
+    from fem_contact.block.reduced.kernels import sweep
 
-    plane, inner, pressures = folded.plane, folded.inner, folded.pressures
-    eliminated, size = plane + inner + pressures, plane + pressures
-    # Rows of a layer are bottom, inner, pressures, top; eliminated are bottom, inner, the pressures below.
-    bottom, middle = np.arange(plane), np.arange(plane, plane + inner)
-    top = eliminated + np.arange(plane)
-    modes = eliminated + plane + np.arange(pressures)
-    places = np.concatenate([bottom, middle, modes, top])
-    state_places = np.concatenate([bottom, plane + inner + np.arange(pressures)])
     out = np.empty((len(phases), folded.types, folded.types))
-    counts = np.array([eliminated, size, folded.types])
-    plan, phases = plan_folding(folded.coefficients), np.ascontiguousarray(phases)
-    rows = Rows(-(-len(phases) // LANES), threads=available_processors(), least=8)
-    rows.run(compliances, *plan, places, state_places, counts, phases, out)
+    retained = np.empty((0, 0, 0)) if states is None else states
+    rows = Rows(-(-len(phases) // int(folded.plan[-1][-1])), threads=available_processors(), least=8)
+    rows.run(sweep, *folded.plan, folded.falls, np.ascontiguousarray(phases), retained, out)
     return out

@@ -1,8 +1,19 @@
-"""Compiled elimination of columns of trilinear cells; its NumPy twin is `column.eliminate`."""
+"""Compiled elimination of columns of cells, and the way back down; the tests hold NumPy twins of both.
+
+| letter | shape | what it is |
+|---|---|---|
+| entries, terms, weights | (k, 2), (k, 4), (nz, k, 4) | `plan_folding` |
+| places | (m,) | row in w of each row of a layer: bottom, inner, pressures, top |
+| below | (s,) | row in w of what lies below a layer: its plane onto the bottom, then its pressures |
+| counts | (4,) | unknowns of a plane and of an inner one, kinds of nodes, columns side by side |
+| w | (m + pressures, same, lanes) | bottom, inner, pressures below, top, pressures; upper triangles |
+| states | (nz, n, s (s + 1) / 2) | what lies below the top of each layer: upper triangles, row by row |
+"""
+
+# Types are numba's business here.
+# mypy: disallow-untyped-defs=False
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 from numba import njit
@@ -10,225 +21,235 @@ from numpy.typing import NDArray
 
 from fem_contact._types import Array
 
-__all__ = ["ENTRIES", "SIDE_BY_SIDE", "descend", "pack", "sweep"]
+__all__ = ["FoldingPlan", "descend", "plan_folding", "sweep"]
 
+FoldingPlan = tuple[NDArray[np.int64], NDArray[np.int64], Array]
 
-#: Columns treated together.
-SIDE_BY_SIDE = 64
+_OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
 
 #: Logarithm by which a wave has fallen where what lies below changes nothing (it comes back as much smaller),
 #: and by which it falls within one layer at most: in a thick one to 2 - sqrt(3).
 _REACH, _FALL = 17.0, 1.3
 
-#: Upper triangle of the 6 x 6 folded matrix (bottom, top), in the order the kernel reads it.
-ENTRIES = (
-    *((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)),
-    *((0, 3), (0, 4), (0, 5), (1, 3), (1, 4), (1, 5), (2, 3), (2, 4), (2, 5)),
-    *((3, 3), (3, 4), (3, 5), (4, 4), (4, 5), (5, 5)),
-)
 
-
-def pack(coefficients: Array) -> tuple[Array, NDArray[np.int64]]:
-    """Compress folded layers of trilinear cells for the kernel.
+def plan_folding(coefficients: Array) -> FoldingPlan:
+    """List the products of phase functions that each entry of the folded matrices consists of.
 
     Parameters
     ----------
-    coefficients : (nz, 5, 5, 6, 6) array
+    coefficients : (nz, 5, 5, m, m) array
         As in `column.FoldedLayers`.
 
     Returns
     -------
-    (nz, 21, 4) array
-        Coefficients of each entry in its four products of functions.
-    (21,) array
-        Parity of each entry: 0 even-even, 1 odd in x, 2 odd in y, 3 odd in both.
+    (k, 2) array of int
+        Row and column of the entries of the upper triangle that are not zero.
+    (k, 4) array of int
+        Numbers 5 i + j of their products f_i(theta_x) f_j(theta_y); at most four each.
+    (nz, k, 4) array
+        Coefficients.
     """
-    even, odd = np.array([0, 2]), np.array([4])
-    packed, parity = np.zeros((len(coefficients), len(ENTRIES), 4)), np.zeros(len(ENTRIES), dtype=np.int64)
-    for entry, (row, column) in enumerate(ENTRIES):
-        both = coefficients[:, :, :, row, column]
-        scale = np.abs(both).max(initial=0.0)
-        for number, (x, y) in enumerate(((even, even), (odd, even), (even, odd), (odd, odd))):
-            part = both[:, x[:, None], y].reshape(len(coefficients), -1)
-            if np.abs(part).max(initial=0.0) > 1e-13 * scale:
-                parity[entry] = number
-                packed[:, entry] = 0
-                packed[:, entry, : part.shape[1]] = part
-    return packed, parity
+    layers, size = len(coefficients), coefficients.shape[-1]
+    flat = coefficients.reshape(layers, -1, size, size)
+    small = 1e-14 * np.abs(flat).max(axis=(1, 2, 3), keepdims=True)
+    present = np.any(np.abs(flat) > small, axis=0)
+    entries = [(r, c) for r in range(size) for c in range(r, size) if present[:, r, c].any()]
+    terms, weights = np.zeros((len(entries), 4), dtype=np.int64), np.zeros((layers, len(entries), 4))
+    for number, (r, c) in enumerate(entries):
+        places = np.flatnonzero(present[:, r, c])
+        terms[number, : places.size] = places
+        weights[:, number, : places.size] = flat[:, places, r, c]
+    return np.array(entries), terms, weights
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
-def _solve3(a: Any, b: Any) -> None:
-    """Solve a positive definite 3 x 3 system (packed 00 01 02 11 12 22) for the columns of b, in place."""
-    d0 = a[0]
-    l1, l2 = a[1] / d0, a[2] / d0
-    d1 = a[3] - l1 * a[1]
-    m = a[4] - l1 * a[2]
-    l3 = m / d1
-    d2 = a[5] - l2 * a[2] - l3 * m
-    for c in range(3):
-        y0 = b[0, c]
-        y1 = b[1, c] - l1 * y0
-        y2 = b[2, c] - l2 * y0 - l3 * y1
-        x2 = y2 / d2
-        x1 = y1 / d1 - l3 * x2
-        b[2, c] = x2
-        b[1, c] = x1
-        b[0, c] = y0 / d0 - l1 * x1 - l2 * x2
+@njit(**_OPTIONS)
+def _eliminate(w, count, size):
+    """Eliminate the first unknowns of symmetric matrices (upper triangles), without pivoting.
+
+    Displacements come before the pressures that constrain them, so that every pivot is of one sign and none
+    small.
+    """
+    lanes = w.shape[2]
+    f, inverse = np.empty(lanes), np.empty(lanes)
+    for k in range(count):
+        for p in range(lanes):
+            inverse[p] = 1.0 / w[k, k, p]
+        for i in range(k + 1, size):
+            for p in range(lanes):
+                f[p] = w[k, i, p] * inverse[p]
+            for j in range(i, size):
+                for p in range(lanes):
+                    w[i, j, p] -= f[p] * w[k, j, p]
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
-def _write_functions(phase_x: float, phase_y: float, f: Any, p: int) -> None:
-    """Products of functions of the phases, four slots per parity."""
-    cx, sx, cy, sy = np.cos(phase_x), np.sin(phase_x), np.cos(phase_y), np.sin(phase_y)
-    f[0, p], f[1, p], f[2, p], f[3, p] = 1.0, cy, cx, cx * cy
-    f[4, p], f[5, p] = sx, sx * cy
-    f[8, p], f[9, p] = sy, cx * sy
-    f[12, p] = sx * sy
+@njit(**_OPTIONS)
+def _write_products(x, y, p, out):
+    fx = (1.0, np.cos(0.5 * x), np.cos(x), np.sin(0.5 * x), np.sin(x))
+    fy = (1.0, np.cos(0.5 * y), np.cos(y), np.sin(0.5 * y), np.sin(y))
+    for i in range(5):
+        for j in range(5):
+            out[5 * i + j, p] = fx[i] * fy[j]
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
-def _combine(weights: Any, f: Any, out: Any) -> None:
-    for p in range(out.size):
-        out[p] = weights[0] * f[0, p] + weights[1] * f[1, p]
-        out[p] += weights[2] * f[2, p] + weights[3] * f[3, p]
+@njit(**_OPTIONS)
+def _write_layer(entries, terms, weights, places, products, w):
+    """Folded matrix of a layer, upper triangle in the order of the work matrix."""
+    w[:] = 0.0
+    for e in range(entries.shape[0]):
+        a, b = places[entries[e, 0]], places[entries[e, 1]]
+        out = w[min(a, b), max(a, b)]
+        w0, w1, w2, w3 = weights[e]
+        f0, f1 = products[terms[e, 0]], products[terms[e, 1]]
+        f2, f3 = products[terms[e, 2]], products[terms[e, 3]]
+        for p in range(out.size):
+            out[p] = w0 * f0[p] + w1 * f1[p] + w2 * f2[p] + w3 * f3[p]
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
-def _climb(s: Any, m: Any) -> None:
-    """Eliminate one plane: s becomes the stiffness at the top of the layer m that stands on s."""
-    for p in range(s.shape[1]):
-        a0, a1, a2 = s[0, p] + m[0, p], s[1, p] + m[1, p], s[2, p] + m[2, p]
-        a3, a4, a5 = s[3, p] + m[3, p], s[4, p] + m[4, p], s[5, p] + m[5, p]
-        l1, l2 = a1 / a0, a2 / a0
-        d1 = a3 - l1 * a1
-        l3 = (a4 - l1 * a2) / d1
-        d2 = a5 - l2 * a2 - l3 * l3 * d1
-        # With A = L D L^T and Y = L^-1 B, the Schur complement is C - Y^T D^-1 Y.
-        u0, u1, u2 = m[6, p], m[7, p], m[8, p]
-        v0, v1, v2 = m[9, p] - l1 * u0, m[10, p] - l1 * u1, m[11, p] - l1 * u2
-        w0 = m[12, p] - l2 * u0 - l3 * v0
-        w1 = m[13, p] - l2 * u1 - l3 * v1
-        w2 = m[14, p] - l2 * u2 - l3 * v2
-        i0, i1, i2 = 1.0 / a0, 1.0 / d1, 1.0 / d2
-        s[0, p] = m[15, p] - u0 * u0 * i0 - v0 * v0 * i1 - w0 * w0 * i2
-        s[1, p] = m[16, p] - u0 * u1 * i0 - v0 * v1 * i1 - w0 * w1 * i2
-        s[2, p] = m[17, p] - u0 * u2 * i0 - v0 * v2 * i1 - w0 * w2 * i2
-        s[3, p] = m[18, p] - u1 * u1 * i0 - v1 * v1 * i1 - w1 * w1 * i2
-        s[4, p] = m[19, p] - u1 * u2 * i0 - v1 * v2 * i1 - w1 * w2 * i2
-        s[5, p] = m[20, p] - u2 * u2 * i0 - v2 * v2 * i1 - w2 * w2 * i2
+@njit(**_OPTIONS)
+def _clamp(w, below):
+    """Clamp the bottom plane: unit pivots without coupling take it out."""
+    for r in below:
+        for c in range(w.shape[0]):
+            w[min(r, c), max(r, c)] = 1.0 if r == c else 0.0
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
-def _sweep_block(
-    packed: Any, parity: Any, falls: Any, phases: Any, states: Any, response: Any, start: int
-) -> None:
-    size = min(SIDE_BY_SIDE, phases.shape[0] - start)
-    f, m, s = np.zeros((16, size)), np.empty((21, size)), np.empty((6, size))
-    least = np.inf
-    for p in range(size):
-        x, y = phases[start + p, 0], phases[start + p, 1]
-        _write_functions(x, y, f, p)
-        least = min(least, np.hypot(x, y))
-    first, fall = (packed.shape[0] - 1 if states.shape[0] == 0 else 0), 0.0
-    while first > 0 and fall < _REACH:
-        fall += min(least * falls[first], _FALL)
-        first -= 1
-    for layer in range(first, packed.shape[0]):
-        for e in range(15 if layer == first else 0, 21):
-            _combine(packed[layer, e], f[4 * parity[e] : 4 * parity[e] + 4], m[e])
-        if layer == first:
-            s[:] = m[15:]
-            continue
-        if states.shape[0] > 0:
-            for e in range(6):
-                for p in range(size):
-                    states[layer - 1, start + p, e] = s[e, p]
-        _climb(s, m)
-    for p in range(size):
-        # Unit vertical force: the last column of the inverse.
-        l1, l2 = s[1, p] / s[0, p], s[2, p] / s[0, p]
-        d1 = s[3, p] - l1 * s[1, p]
-        l3 = (s[4, p] - l1 * s[2, p]) / d1
-        d2 = s[5, p] - l2 * s[2, p] - l3 * l3 * d1
-        z = 1.0 / d2
-        response[start + p, 2] = z
-        response[start + p, 1] = -l3 * z
-        response[start + p, 0] = -l2 * z + l1 * l3 * z
-
-
-@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
-def sweep(
-    lo: int, hi: int, packed: Any, parity: Any, falls: Any, phases: Any, states: Any, response: Any
-) -> tuple[float]:
-    """Eliminate columns from the bottom upwards, blocks lo to hi of `SIDE_BY_SIDE`.
+@njit(**_OPTIONS)
+def sweep(lo, hi, entries, terms, weights, places, below, counts, falls, phases, states, out):
+    """Eliminate columns from the bottom upwards, blocks lo to hi of columns that lie side by side.
 
     Parameters
     ----------
-    packed, parity : arrays
-        From `pack`.
     falls : (nz,) array
         Logarithm by which a wave of phase 1 at least falls within each layer, if it is thin.
     phases : (n, 2) array
-    states : (nz - 1, n, 6) array, or (0, 0, 6) to keep none
-        Receives the stiffness at the inner boundaries (packed upper triangle).
-    response : (n, 3) array
-        Receives (u_x, u_y, u_z) of the surface under a unit vertical force.
-
-    Notes
-    -----
-    Columns are treated in blocks whose numbers lie side by side, so that one instruction serves several of
-    them. Where no state is kept, layers that no wave of a block reaches are left out.
+    states : (nz, n, s (s + 1) / 2) array, or (0, 0, 0) to keep none
+        Where none is kept, layers that no wave of a block reaches are left out.
+    out : (n, types, types) array
+        Receives the vertical displacement under unit vertical forces, over E times the cell width.
     """
+    _, inner, types, lanes = counts
+    size, layers, keep = below.size, weights.shape[0], states.shape[0] > 0
+    eliminated, total = size + inner, 2 * size + inner
+    w, v = np.empty((total, total, lanes)), np.zeros((size + types, size + types, lanes))
+    products = np.empty((25, lanes))
     for block in range(lo, hi):
-        _sweep_block(packed, parity, falls, phases, states, response, block * SIDE_BY_SIDE)
+        count = min(lanes, phases.shape[0] - block * lanes)
+        least = np.inf
+        for p in range(lanes):
+            x, y = phases[block * lanes + min(p, count - 1)]
+            _write_products(x, y, p, products)
+            least = min(least, np.hypot(x, y))
+        first, fall = 0 if keep else layers - 1, 0.0
+        while first > 0 and fall < _REACH:
+            fall += min(least * falls[first], _FALL)
+            first -= 1
+        for layer in range(first, layers):
+            _write_layer(entries, terms, weights[layer], places, products, w)
+            if layer == first:
+                _clamp(w, below)
+            else:
+                for r in range(size):
+                    for c in range(r, size):
+                        a, b = below[r], below[c]
+                        onto, state = w[min(a, b), max(a, b)], v[r, c]
+                        for p in range(lanes):
+                            onto[p] += state[p]
+            _eliminate(w, eliminated, total)
+            v[:size, :size] = w[eliminated:, eliminated:]
+            if keep:
+                e = 0
+                for r in range(size):
+                    for c in range(r, size):
+                        for p in range(count):
+                            states[layer, block * lanes + p, e] = v[r, c, p]
+                        e += 1
+        v[:, size:] = 0.0
+        for t in range(types):
+            v[3 * t + 2, size + t] = 1.0
+        _eliminate(v, size, size + types)
+        for p in range(count):
+            for r in range(types):
+                for c in range(types):
+                    out[block * lanes + p, r, c] = -v[size + min(r, c), size + max(r, c), p]
     return (0.0,)
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
-def _descend_row(packed: Any, parity: Any, phases: Any, state: Any, quadrant: Any, amplitudes: Any) -> None:
-    f = np.zeros((16, 1))
-    m, a = np.empty((15, 1)), np.empty(6)
-    x = np.empty((3, 3))
-    for j in range(amplitudes.shape[0]):
-        mirrored = quadrant[j] < 0
-        point = -1 - quadrant[j] if mirrored else quadrant[j]
-        _write_functions(phases[point, 0], phases[point, 1], f, 0)
-        for e in range(15):
-            _combine(packed[e], f[4 * parity[e] : 4 * parity[e] + 4], m[e])
-        for e in range(6):
-            a[e] = state[point, e] + m[e, 0]
-        sign = -1.0 if mirrored else 1.0
-        u, v, w = sign * amplitudes[j, 0], amplitudes[j, 1], amplitudes[j, 2]
-        for r in range(3):
-            force = m[6 + 3 * r, 0] * u + m[7 + 3 * r, 0] * v + m[8 + 3 * r, 0] * w
-            x[r, 0], x[r, 1], x[r, 2] = force.real, force.imag, 0.0
-        _solve3(a, x)
-        amplitudes[j, 0] = -sign * complex(x[0, 0], x[0, 1])
-        amplitudes[j, 1] = -complex(x[1, 0], x[1, 1])
-        amplitudes[j, 2] = -complex(x[2, 0], x[2, 1])
-
-
-@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
+@njit(**_OPTIONS)
 def descend(
-    lo: int, hi: int, packed: Any, parity: Any, phases: Any, state: Any, quadrant: Any, amplitudes: Any
-) -> tuple[float]:
-    """Step from the top plane of one layer to its bottom plane, rows lo to hi of waves.
+    lo, hi, entries, terms, weights, places, below, counts, phases, states, quadrant, signs, waves, middle
+):
+    """Step from the top plane of one layer to its bottom plane, blocks lo to hi of waves.
 
     Parameters
     ----------
-    packed, parity : (21, 4) and (21,) arrays
-        The layer, from `pack`.
+    weights : (k, 4) array
+        Of this layer.
     phases : (n, 2) array
         Phases of one quadrant.
-    state : (n, 6) array
-        Stiffness of what lies below the layer.
-    quadrant : (nx, ny) array of int
-        Which of them each wave mirrors onto; a negative entry -1 - i says so for a wave with negative
+    states : (n, s (s + 1) / 2) array, or (0, 0)
+        What lies below the layer; nothing where its bottom is clamped.
+    quadrant : (waves,) array of int
+        Which of the phases each wave mirrors onto; a negative entry -1 - i says so for a wave with negative
         theta_x.
-    amplitudes : (nx, ny, 3) complex array
-        Amplitudes of the top plane on entry, of the bottom plane on return.
+    signs : (s,) array
+        Of what a mirror in x turns.
+    waves : (waves, s) complex array
+        Amplitudes of the top plane, and of the layer's pressures, on entry; of what lies below on return.
+    middle : (waves, inner) complex array
+        Receives those of the inner plane.
     """
-    for i in range(lo, hi):
-        _descend_row(packed, parity, phases, state, quadrant[i], amplitudes[i])
+    plane, inner, _, lanes = counts
+    size, clamped = below.size, states.shape[0] == 0
+    eliminated = size + inner
+    w = np.empty((eliminated + size, eliminated + size, lanes))
+    products, b, point = np.empty((25, lanes)), np.empty((2, eliminated, lanes)), np.empty(lanes, np.int64)
+    for block in range(lo, hi):
+        first = block * lanes
+        count = min(lanes, quadrant.size - first)
+        for p in range(lanes):
+            number = quadrant[first + min(p, count - 1)]
+            point[p] = number if number >= 0 else -1 - number
+            _write_products(phases[point[p], 0], phases[point[p], 1], p, products)
+        _write_layer(entries, terms, weights, places, products, w)
+        if clamped:
+            _clamp(w, below)
+        else:
+            e = 0
+            for r in range(size):
+                for c in range(r, size):
+                    onto = w[min(below[r], below[c]), max(below[r], below[c])]
+                    for p in range(lanes):
+                        onto[p] += states[point[p], e]
+                    e += 1
+        b[:] = 0.0
+        for c in range(size):
+            for p in range(count):
+                wave = waves[first + p, c] * (signs[c] if quadrant[first + p] < 0 else 1.0)
+                for r in range(eliminated):
+                    b[0, r, p] -= w[r, eliminated + c, p] * wave.real
+                    b[1, r, p] -= w[r, eliminated + c, p] * wave.imag
+        for k in range(eliminated):
+            for i in range(k + 1, eliminated):
+                for p in range(lanes):
+                    f = w[k, i, p] / w[k, k, p]
+                    b[0, i, p] -= f * b[0, k, p]
+                    b[1, i, p] -= f * b[1, k, p]
+                    for j in range(i, eliminated):
+                        w[i, j, p] -= f * w[k, j, p]
+        for k in range(eliminated - 1, -1, -1):
+            for j in range(k + 1, eliminated):
+                for p in range(lanes):
+                    b[0, k, p] -= w[k, j, p] * b[0, j, p]
+                    b[1, k, p] -= w[k, j, p] * b[1, j, p]
+            for p in range(lanes):
+                b[0, k, p] /= w[k, k, p]
+                b[1, k, p] /= w[k, k, p]
+        for p in range(count):
+            mirrored = quadrant[first + p] < 0
+            for c in range(size):
+                sign = signs[c] if mirrored else 1.0
+                waves[first + p, c] = sign * complex(b[0, below[c], p], b[1, below[c], p])
+            for c in range(inner):
+                sign = signs[c] if mirrored else 1.0
+                middle[first + p, c] = sign * complex(b[0, plane + c, p], b[1, plane + c, p])
     return (0.0,)

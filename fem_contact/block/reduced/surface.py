@@ -19,11 +19,10 @@ from fem_contact.block.reduced.column import FoldedLayers, fold, surface_complia
 from fem_contact.complementarity import solve_nested, surely_partial
 from fem_contact.complementarity.direct import all_at_bound, touching
 from fem_contact.complementarity.fourier import FourierOperator
-from fem_contact.complementarity.rows import Rows
 from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput
 from fem_contact.response import BondedLayer
-from fem_contact.settings import Settings, available_processors
+from fem_contact.settings import Settings
 from fem_contact.solid import Solid
 
 __all__ = ["BlockResponse", "SurfaceOperator", "phase_pairs", "solve_reduced", "surface_operator"]
@@ -98,34 +97,11 @@ class BlockResponse:
             # Square cells do not tell x from y, either.
             upper = np.triu_indices(x.size)
             table = np.empty((x.size, x.size))
-            table[upper] = table.T[upper] = self.trilinear(np.stack([x[upper[0]], x[upper[1]]], axis=1))
+            phases = np.stack([x[upper[0]], x[upper[1]]], axis=1)
+            table[upper] = table.T[upper] = surface_compliance(self.folded, phases)[:, 0, 0]
         else:
-            table = self.trilinear(phase_pairs(x, y)).reshape(x.size, y.size)
-        return np.asarray(table[from_x, from_y])
-
-    def trilinear(self, phases: Array) -> Array:
-        """Displacement over pressure [m/Pa] at (n, 2) phases per cell, trilinear cells, compiled."""
-        response = self.surface_amplitudes(phases)[:, 2]
-        return np.asarray(response * (self.mesh.aspect * self.width / self.solid.young))
-
-    def surface_amplitudes(self, phases: Array, *, states: Array | None = None) -> Array:
-        """Amplitudes (n, 3) over the cell width under unit vertical nodal force over E width^2.
-
-        `states`, of shape (nz - 1, n, 6), receives what the descent into the block needs.
-        """
-        from fem_contact.block.reduced.kernels import SIDE_BY_SIDE, pack, sweep
-
-        packed, parity = pack(self.folded.coefficients)
-        response = np.empty((len(phases), 3))
-        retained = np.empty((0, 0, 6)) if states is None else states
-        # Where cells lock, waves fall as slowly as those of pressure do under shear; of the modes that a mean
-        # dilatation leaves to thick cells nothing is known.
-        nu, longer = self.solid.poisson, max(self.mesh.aspect, 1.0)
-        rate = 0.0 if self.mesh.element.pressures else math.sqrt((0.5 - nu) / (1 - nu)) / longer
-        falls = rate * self.mesh.layers
-        rows = Rows(-(-len(phases) // SIDE_BY_SIDE), threads=available_processors())
-        rows.run(sweep, packed, parity, falls, np.ascontiguousarray(phases), retained, response)
-        return response
+            table = surface_compliance(self.folded, phase_pairs(x, y)).reshape(x.size, y.size)
+        return np.asarray(table * (self.mesh.aspect * self.width / self.solid.young))[from_x, from_y]
 
 
 def _sizes(q: Array) -> tuple[Array, NDArray[np.intp]]:
