@@ -118,7 +118,8 @@ def rough_surface(subject: Subject, *, width: int) -> Iterator[Check]:
     values, errors = _reference(width)
     area, known = values["area"], errors["area"] / values["area"]
     excess = (coarse.pixel - area) / (fine.pixel - area)
-    yield within("A/A0 counted, excess at 4 over that at 8 points per wave", excess, 1, 4)
+    # Of first order it is 2; of one area with its scatter the order is between a half and two.
+    yield within("A/A0 counted, excess at 4 over that at 8 points per wave", excess, math.sqrt(2), 4)
     allowed = abs(fine.perimeter - coarse.perimeter) / area + known + _CORRECTION_LEFT
     yield relative("A/A0, perimeter-corrected, 8 points per wave", fine.perimeter, area, allowed)
     if fine.subcell is not None:
