@@ -6,40 +6,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from contact_checks import Checks, in_unit, shown
+from contact_checks import Checks, in_unit
+from contact_checks import shown as shown
 from fem_contact._types import Array
 from fem_contact.errors import InsufficientMemory, InvalidInput
-
-__all__ = [
-    "GREATEST",
-    "LEAST",
-    "alike",
-    "array",
-    "bound",
-    "choice",
-    "doubles",
-    "field",
-    "finite",
-    "function",
-    "instance",
-    "listed",
-    "mask",
-    "non_negative",
-    "numbers_of",
-    "pair",
-    "poisson_ratio",
-    "positive",
-    "positives",
-    "pressures",
-    "room_for",
-    "samples",
-    "shape_of",
-    "shown",
-    "truth",
-    "whole",
-    "within",
-]
-
 
 #: Sizes of numbers, in SI units, between which squares neither vanish nor products of squares overflow.
 LEAST, GREATEST = 1e-120, 1e30

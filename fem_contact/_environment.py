@@ -11,8 +11,6 @@ import stat
 import tempfile
 from pathlib import Path
 
-__all__ = ["settle"]
-
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 

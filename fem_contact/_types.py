@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Array", "Lengths", "Mask", "Shape"]
-
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Shape = tuple[int, int]

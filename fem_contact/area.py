@@ -20,20 +20,6 @@ from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput
 from fem_contact.height_traits import height_traits
 
-__all__ = [
-    "EDGE_CONSTANTS",
-    "EDGE_MAPS",
-    "TRAITS",
-    "ContactAreas",
-    "Edges",
-    "contact_areas",
-    "contact_edges",
-    "discretisation",
-    "mean_areas",
-    "subcell_area",
-    "subgrid_shifts",
-]
-
 _T = TypeVar("_T")
 
 #: Excess of the counted area over the true one, per counted edge length and spacing: "bem" for pressures

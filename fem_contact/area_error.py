@@ -33,19 +33,6 @@ from fem_contact._checks import pair, positive, whole
 from fem_contact._types import Array
 from fem_contact.area import ContactAreas
 
-__all__ = [
-    "ALONE",
-    "LOCATED",
-    "PERIMETER",
-    "ErrorLaw",
-    "PlannedGrid",
-    "error_covariance",
-    "kink_error",
-    "kinked",
-    "mean_error",
-    "too_rough",
-]
-
 
 @dataclass(frozen=True, kw_only=True)
 class PlannedGrid:

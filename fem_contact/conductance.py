@@ -16,8 +16,6 @@ from fem_contact.errors import InvalidInput, NotConverged, UnsupportedEffect
 from fem_contact.response import Response, check_response
 from fem_contact.settings import Settings
 
-__all__ = ["FrozenContact", "contact_conductance", "frozen_contact"]
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FrozenContact:

@@ -15,16 +15,6 @@ from fem_contact._checks import doubles, finite, instance, non_negative, pair, p
 from fem_contact._types import Array
 from fem_contact.errors import InvalidInput, NotConverged
 
-__all__ = [
-    "ContactResult",
-    "Cost",
-    "Residuals",
-    "Status",
-    "measure_residuals",
-    "residual_sums",
-    "residuals_of",
-]
-
 
 class Status(Enum):
     """How a solve ended; the value is a sentence with the remedy."""

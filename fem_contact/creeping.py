@@ -28,8 +28,6 @@ from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from fem_contact.viscoelastic import PronySolid
 
-__all__ = ["creep"]
-
 #: Range of the tolerances of the elastic contacts.
 _FINEST, _LOOSEST = 1e-13, 1e-3
 

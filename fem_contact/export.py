@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from fem_contact.block import BlockSolution
     from fem_contact.subsurface import Subsurface
 
-__all__ = ["render_section", "render_surface", "write_block", "write_subsurface"]
-
-
 #: Corners of a hexahedron in VTK's order.
 _CORNERS = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
 

@@ -19,8 +19,6 @@ from fem_contact.errors import InvalidInput
 from fem_contact.response import wave_size
 from fem_contact.solid import Solid
 
-__all__ = ["ExponentialSolid", "LayeredSolid"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class LayeredSolid:

@@ -20,8 +20,6 @@ from fem_contact.patches import find_patches
 from fem_contact.response import Response
 from fem_contact.surface import HeightField
 
-__all__ = ["Hardness", "YieldedContact", "press_by_patches", "press_yielding", "yielded"]
-
 #: Solves after which the patches are given up on.
 _ROUNDS = 100
 

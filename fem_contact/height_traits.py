@@ -10,9 +10,6 @@ from numpy.typing import NDArray
 
 from fem_contact._types import Array
 
-__all__ = ["HeightTraits", "are_level", "height_traits", "traits_of", "wave_sums"]
-
-
 #: Rows of waves that are added up at once.
 _BAND = 128
 

@@ -15,8 +15,6 @@ from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput, NotConverged
 from fem_contact.patches import find_patches
 
-__all__ = ["GapFlow", "critical_gap", "flow_conductance", "open_gap", "percolates"]
-
 Axis = Literal["x", "y"]
 
 #: By how much the flux through the cross-sections may differ, relative to the flux.

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from fem_contact._checks import mask, pair, positive
 
-__all__ = ["Patches", "find_patches"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Patches:

@@ -14,8 +14,6 @@ from fem_contact._types import Array
 from fem_contact.errors import UnsupportedEffect
 from fem_contact.solid import Solid
 
-__all__ = ["BondedLayer", "FreeHalfSpace", "FrictionlessLayer", "GivenResponse", "HalfSpace", "Response"]
-
 
 @runtime_checkable
 class Response(Protocol):

@@ -8,8 +8,6 @@ from dataclasses import dataclass, replace
 
 from fem_contact._checks import positive, whole, within
 
-__all__ = ["Settings", "available_processors"]
-
 #: A larger residual would say nothing about the answer.
 LARGEST_TOLERANCE = 0.1
 

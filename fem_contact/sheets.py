@@ -19,8 +19,6 @@ from fem_contact.graded import (
 from fem_contact.response import BondedLayer, FrictionlessLayer, HalfSpace, Response
 from fem_contact.solid import Solid
 
-__all__ = ["Exponential", "Layered", "body_of"]
-
 
 def body_of(response: Response) -> Layered | Exponential:
     """Return the sheets of a solid."""

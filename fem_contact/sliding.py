@@ -31,8 +31,6 @@ from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 from fem_contact.viscoelastic import ViscoelasticSolid, check_viscoelastic
 
-__all__ = ["SlidingContact", "slide"]
-
 Complex = NDArray[np.complex128]
 
 #: Steps that the acceleration remembers.

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 from fem_contact._checks import instance, poisson_ratio, positive
 
-__all__ = ["Solid", "composite_modulus"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Solid:

@@ -15,21 +15,6 @@ from fem_contact.errors import InvalidInput
 from fem_contact.patches import find_patches
 from fem_contact.surface import HeightField
 
-__all__ = [
-    "DensityAtZero",
-    "GapDistribution",
-    "PressureDistribution",
-    "WindowSlope",
-    "contact_stiffness",
-    "density_at_zero",
-    "elastic_energy",
-    "gap_distribution",
-    "loading_work",
-    "pressure_distribution",
-    "von_mises",
-    "window_slope",
-]
-
 
 @dataclass(frozen=True, kw_only=True)
 class PressureDistribution:

@@ -24,17 +24,6 @@ from fem_contact.settings import Settings
 from fem_contact.sheets import Exponential, Layered, body_of
 from fem_contact.stress import von_mises
 
-__all__ = [
-    "AtDepth",
-    "Strongest",
-    "Subsurface",
-    "default_depths",
-    "fields_below",
-    "planes_below",
-    "strongest_point",
-]
-
-
 #: Growth of the default depths from one to the next, and the deepest of them over the longer period.
 _GROWTH, _DEEPEST = 1.25, 1.0
 

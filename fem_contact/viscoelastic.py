@@ -15,8 +15,6 @@ from fem_contact._checks import array, instance, poisson_ratio, positive, sample
 from fem_contact._types import Array
 from fem_contact.errors import InvalidInput
 
-__all__ = ["PronySolid", "TabulatedSolid", "ViscoelasticSolid"]
-
 Complex = NDArray[np.complex128]
 
 

@@ -9,28 +9,9 @@ from contextlib import contextmanager
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact_checks import Checks, in_unit, shown
+from contact_checks import Checks, in_unit
+from contact_checks import shown as shown
 from persson.errors import InvalidInput, OutsideTheory, PerssonError
-
-__all__ = [
-    "Array",
-    "alike",
-    "choice",
-    "function",
-    "in_proportion",
-    "instance",
-    "non_negative",
-    "numbers_of",
-    "poisson_ratio",
-    "positive",
-    "positives",
-    "real",
-    "returned",
-    "scalar",
-    "shown",
-    "whole",
-    "within",
-]
 
 Array = NDArray[np.float64]
 

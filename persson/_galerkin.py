@@ -16,8 +16,6 @@ import numpy as np
 
 from persson._checks import Array
 
-__all__ = ["advance", "matrices"]
-
 #: Coefficients below the diagonal; the diagonal is 1/4, the weights are the last row.
 _LOWER = np.array(
     [

@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 from persson._checks import Array, returned, within
 from persson.errors import InvalidInput, OutsideTheory
 
-__all__ = ["TAIL", "Grid", "Pieces", "Problem", "Wall", "distance", "find_pieces", "make_grid"]
-
 #: Why a hardness must not fall.
 FALLING = (
     "yield_stress(V) falls: with Persson 2006, Eq. 34 the density at the wall would be negative; "

@@ -31,26 +31,13 @@ from persson._checks import (
 )
 from persson.diffusion import Diffusion, Wall, diffuse_once
 from persson.errors import InvalidInput, NotConverged, OutsideTheory
-from persson.interface import (
-    Interface,
-    closing_work,
-    crossover_length,
-    detachment_stress,
-    opening_work,
-)
+from persson.interface import Interface as Interface
+from persson.interface import closing_work as closing_work
+from persson.interface import crossover_length as crossover_length
+from persson.interface import detachment_stress as detachment_stress
+from persson.interface import opening_work as opening_work
 from persson.scale import Scale
 from persson.spectrum import area_factor
-
-__all__ = [
-    "AdhesionStatus",
-    "AdhesiveContact",
-    "Interface",
-    "closing_work",
-    "crossover_length",
-    "detachment_stress",
-    "opening_work",
-    "solve_adhesion",
-]
 
 #: Spacing of the nodes in ln V and in ln q, on the coarse and on the fine level.
 _SPACINGS = (0.24, 0.12)

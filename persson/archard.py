@@ -12,8 +12,6 @@ from numpy.typing import ArrayLike
 from persson._checks import Array, in_proportion, non_negative, positive, positives
 from persson.errors import InvalidInput
 
-__all__ = ["HierarchyContact", "archard_hierarchy"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class HierarchyContact:

@@ -22,15 +22,6 @@ from persson.spectrum import Moments
 #: Height in standard deviations beyond which series replace parabolic cylinder functions.
 _FAR = 12.0
 
-__all__ = [
-    "Asperities",
-    "AsperityContact",
-    "FullerTabor",
-    "bush_gibson_thomas",
-    "nayak_asperities",
-    "ring_asperities",
-]
-
 
 def tail_moment(order: float, height: ArrayLike) -> Array:
     """Int_t^inf (x - t)^n phi(x) dx for the normal density phi, in parabolic cylinder functions."""

@@ -14,8 +14,6 @@ from persson._checks import Array, non_negative, positive, real, within
 from persson.errors import InvalidInput
 from persson.spectrum import EDGE, SpectrumMoments
 
-__all__ = ["BOLTZMANN", "CapillaryWaves", "maximum_height"]
-
 #: Boltzmann constant [J/K], exact in the SI.
 BOLTZMANN = 1.380649e-23
 

@@ -21,10 +21,9 @@ from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
 
 from persson._checks import Array, in_proportion, non_negative, numbers_of, real, scalar, whole, within
-from persson._window import TAIL, Grid, Pieces, Problem, Wall, distance, find_pieces, make_grid
+from persson._window import TAIL, Grid, Pieces, Problem, distance, find_pieces, make_grid
+from persson._window import Wall as Wall
 from persson.errors import InvalidInput, NotConverged
-
-__all__ = ["Diffusion", "Wall", "solve_diffusion"]
 
 #: Largest steps in ln V and numbers of basis functions tried in turn until the ledger closes.
 _LEVELS = ((0.2, 48), (0.1, 56), (0.05, 80), (0.025, 120), (0.012, 180))

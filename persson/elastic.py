@@ -16,22 +16,6 @@ from persson._checks import Array, alike, instance, non_negative, positive, real
 from persson.errors import InvalidInput
 from persson.spectrum import Spectrum
 
-__all__ = [
-    "KAPPA_BGT",
-    "KAPPA_PERSSON",
-    "area_against_magnification",
-    "contact_area",
-    "diffusion_parameter",
-    "initial_slope",
-    "kappa",
-    "non_contact_area",
-    "persson_kappa",
-    "pressure_distribution",
-    "pressure_for_area",
-    "reduced_pressure",
-    "stress_variance",
-]
-
 #: Slope of A/A0 against p* = p0/(E* h'_rms) at light load, Persson 2006, Eqs. 13 and 22:
 #: sqrt(8/pi) = 1.596.
 KAPPA_PERSSON = math.sqrt(8 / math.pi)

@@ -11,8 +11,6 @@ from numpy.typing import ArrayLike
 from persson._checks import Array, instance, positive, real
 from persson.asperities import Asperities, tail_moment
 
-__all__ = ["YieldingContact", "yielding_asperities"]
-
 #: Standard deviations above the mean beyond which there are no summits.
 _HIGHEST = 12.0
 

@@ -25,8 +25,6 @@ from persson.interface import Interface
 from persson.spectrum import Spectrum, area_factor
 from persson.variants import energy_share
 
-__all__ = ["FlawTolerance", "crack_stress", "flaw_tolerant_gradient", "optimal_modulus"]
-
 _ROUNDS = 400
 
 

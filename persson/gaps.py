@@ -13,8 +13,6 @@ from persson.elastic import contact_area, non_contact_area
 from persson.scale import Scale
 from persson.separation import opening_integral, panels
 
-__all__ = ["gap_distribution"]
-
 #: Intervals of V over which area leaves contact, on each side of half of the whole variance.
 _INTERVALS = 120
 

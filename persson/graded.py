@@ -21,8 +21,6 @@ from persson._checks import (
 )
 from persson.errors import InvalidInput
 
-__all__ = ["ExponentialLayers", "GradedModulus", "SurfaceLayer"]
-
 
 def checked_wavevectors(value: ArrayLike) -> Array:
     """Return positive wavevectors [1/m]."""

@@ -15,8 +15,6 @@ from persson.diffusion import Diffusion, solve_diffusion
 from persson.errors import InvalidInput, OutsideTheory
 from persson.scale import Scale
 
-__all__ = ["ContactAreas", "constant_hardness", "size_dependent_hardness"]
-
 #: V / sigma_Y^2 up to which images converge faster than the eigenfunction series.
 _IMAGES = 0.35
 

@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike
 
 from persson._checks import Array, positive, real
 
-__all__ = ["height_distribution"]
-
 
 def height_distribution(height: ArrayLike, *, rms_height: float) -> Array:
     r"""Distribution of heights P_h = <delta(h - h(x))> of a surface whose waves have independent phases.

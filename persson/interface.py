@@ -13,8 +13,6 @@ from numpy.typing import ArrayLike
 
 from persson._checks import Array, alike, choice, instance, non_negative, positive, real
 
-__all__ = ["Interface", "closing_work", "crossover_length", "detachment_stress", "opening_work"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Interface:

@@ -9,8 +9,6 @@ from scipy.optimize import brentq
 from persson._checks import non_negative
 from persson.errors import InvalidInput
 
-__all__ = ["effective_medium"]
-
 
 def effective_medium(conductances: ArrayLike, shares: ArrayLike) -> float:
     r"""Conductance of a plane patchwork, by Bruggeman's effective medium.

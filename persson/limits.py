@@ -12,8 +12,6 @@ from persson.errors import InvalidInput, OutsideTheory
 from persson.scale import Scale
 from persson.spectrum import Spectrum
 
-__all__ = ["critical_roughness", "pull_off_stress"]
-
 
 class ScalableSpectrum(Spectrum, Protocol):
     """A spectrum that can be made rougher or smoother."""

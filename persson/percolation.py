@@ -9,8 +9,6 @@ from scipy.special import erfinv
 from persson._checks import instance, positive, within
 from persson.scale import Scale
 
-__all__ = ["COMPUTED_THRESHOLDS", "MEASURED_THRESHOLD", "SITE_THRESHOLD", "percolation_magnification"]
-
 #: A/A0 at which the gaps percolate if contact is scattered at random, Persson 2006: 1 - p_c, 0.7 of sites.
 SITE_THRESHOLD = 0.3
 

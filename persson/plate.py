@@ -10,8 +10,6 @@ from numpy.typing import ArrayLike
 from persson._checks import Array, poisson_ratio, positive
 from persson.graded import checked_wavevectors
 
-__all__ = ["ElasticPlate"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class ElasticPlate:

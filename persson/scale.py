@@ -12,8 +12,6 @@ from persson._checks import Array, instance, non_negative, positive, returned
 from persson.errors import InvalidInput
 from persson.spectrum import Spectrum
 
-__all__ = ["Scale"]
-
 #: Points per e-fold of q - q_min in the table that inverts V(q), and where it starts.
 _DENSITY = 24
 _START = 1e-14

@@ -15,14 +15,6 @@ from persson.scale import Scale
 from persson.spectrum import Spectrum
 from persson.variants import EnergyReading, energy_share
 
-__all__ = [
-    "contact_stiffness",
-    "elastic_energy",
-    "macroasperity_magnification",
-    "macroasperity_pressure",
-    "mean_separation",
-]
-
 #: Least d^2 ln A / d(ln zeta)^2 that is a bend: second differences of rounded areas leave some 1e-10.
 _BEND = 1e-6
 

@@ -27,8 +27,6 @@ from persson._checks import (
 from persson._window import FALLING
 from persson.errors import InvalidInput, NotConverged, OutsideTheory
 
-__all__ = ["SineExpansion", "sine_expansion"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class SineExpansion:

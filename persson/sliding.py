@@ -27,16 +27,6 @@ from persson.errors import InvalidInput
 from persson.spectrum import Spectrum
 from persson.variants import energy_factor
 
-__all__ = [
-    "SlidingFriction",
-    "adhesional_pressure",
-    "friction_of_waves",
-    "local_shear_stress",
-    "nominal_shear_stress",
-    "rubber_friction",
-    "slip_energy",
-]
-
 #: Rings of the integral over q for each e-fold, and directions in a quarter of each.
 _RINGS, _DIRECTIONS = 40, 64
 #: Wavevectors whose lengths agree to this many digits of the shortest make one ring.

@@ -6,8 +6,6 @@ import math
 
 from persson._checks import positive, within
 
-__all__ = ["fibre_modulus", "foam_modulus"]
-
 
 def foam_modulus(young: float, *, wall: float, cell: float) -> float:
     """Effective Young's modulus E_eff = E (d/D)^3 [Pa] of a foam: cells of size D, walls of d.

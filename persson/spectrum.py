@@ -17,8 +17,6 @@ from scipy.special import erfcx
 from persson._checks import Array, choice, non_negative, positive, real, scalar, within
 from persson.errors import InvalidInput
 
-__all__ = ["Moments", "SelfAffine", "Spectrum", "SpectrumMoments", "area_factor"]
-
 #: Relative slack with which a wavevector may exceed an edge it equals up to rounding.
 EDGE = 1e-12
 

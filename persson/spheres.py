@@ -12,19 +12,6 @@ from scipy.optimize import minimize_scalar
 from persson._checks import Array, non_negative, positive, real
 from persson.errors import InvalidInput
 
-__all__ = [
-    "DoubleHertz",
-    "HertzContact",
-    "derjaguin_pull_off",
-    "effective_radius",
-    "hertz",
-    "hertz_pressure_distribution",
-    "jkr_load",
-    "jkr_pull_off",
-    "maugis_pull_off",
-    "tabor_parameter",
-]
-
 
 def effective_radius(first: float, second: float) -> float:
     """R = R1 R2 / (R1 + R2) [m] of two spheres; infinite second radius for a flat."""

@@ -17,14 +17,6 @@ from persson.scale import Scale
 from persson.spectrum import Spectrum
 from persson.tabulated import Tabulated, smoothed
 
-__all__ = [
-    "RoughnessBarrier",
-    "hertz_pressure",
-    "roughness_barrier",
-    "yielded_pull_off",
-    "yielded_share",
-]
-
 #: Wavevectors at which the smoothed spectrum is tabulated.
 _NODES = 400
 

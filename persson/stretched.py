@@ -13,8 +13,6 @@ from persson._checks import Array, instance, non_negative, positive, real, withi
 from persson.errors import InvalidInput
 from persson.spectrum import Spectrum, SpectrumMoments
 
-__all__ = ["Stretched"]
-
 #: Points of the quadrature over directions, on each panel between the ends of the spectrum.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 

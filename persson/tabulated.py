@@ -13,8 +13,6 @@ from persson._checks import Array, choice, instance, non_negative, positive, rea
 from persson.errors import InvalidInput
 from persson.spectrum import EDGE, Spectrum, SpectrumMoments, growth
 
-__all__ = ["Tabulated", "smoothed"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Tabulated(SpectrumMoments):

@@ -11,8 +11,6 @@ from persson._checks import Array, alike, non_negative, positive, real
 from persson.elastic import contact_area, non_contact_area
 from persson.errors import OutsideTheory
 
-__all__ = ["AdhesionLoad", "adhesion_load"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class AdhesionLoad:

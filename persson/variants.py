@@ -18,15 +18,6 @@ from persson._checks import Array, alike, choice, non_negative, real, shown, wit
 from persson.elastic import KAPPA_PERSSON, contact_area
 from persson.errors import InvalidInput
 
-__all__ = [
-    "EnergyReading",
-    "Variant",
-    "corrected_contact_area",
-    "energy_factor",
-    "energy_share",
-    "light_load_kappa",
-]
-
 Variant = Literal["persson", "yang_persson", "wang_mueser", "xu"]
 
 #: What is said of the elastic energy of a partial contact without adhesion.

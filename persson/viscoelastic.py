@@ -13,8 +13,6 @@ from scipy.optimize import brentq
 from persson._checks import Array, function, in_proportion, non_negative, positive, returned
 from persson.errors import InvalidInput
 
-__all__ = ["StandardSolid", "crack_dissipation"]
-
 #: E-folds of frequency below the highest over which is summed, and in how many panels.
 _SPAN, _PANELS = 60.0, 100
 

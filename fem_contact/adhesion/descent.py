@@ -24,8 +24,6 @@ from fem_contact.contact import Status
 from fem_contact.response import Response
 from fem_contact.settings import Settings
 
-__all__ = ["Landscape", "Minimum", "Point", "descend", "least_curvature"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class _Softened:

@@ -14,8 +14,6 @@ import numpy as np
 from fem_contact._checks import array, positive, within
 from fem_contact._types import Array
 
-__all__ = ["Dugdale", "Exponential", "GapLaw"]
-
 
 @runtime_checkable
 class GapLaw(Protocol):

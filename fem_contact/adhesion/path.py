@@ -24,8 +24,6 @@ from fem_contact.response import Response
 from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
-__all__ = ["AdhesionPath", "Jump", "PathPoint", "follow"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class PathPoint:

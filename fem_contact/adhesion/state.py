@@ -22,18 +22,6 @@ from fem_contact.response import Response, check_response
 from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
-__all__ = [
-    "CELLS_NEEDED",
-    "AdhesionProblem",
-    "AdhesiveContact",
-    "Stability",
-    "cells_in_process_zone",
-    "checked_point",
-    "solve",
-    "stability",
-]
-
-
 #: Cells that the length E* w / sigma_th^2 must span. On a sphere the pull-off force is then within 2 % of
 #: its limit; below it cells snap one by one and the front of a contact is pinned by the lattice.
 CELLS_NEEDED = 2.0

@@ -14,9 +14,6 @@ from fem_contact.complementarity.direct import SLACK, applied
 from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput
 
-__all__ = ["LoadSearch"]
-
-
 #: Relative width of a bracket in which no load is left to be tried.
 _JUMP = 1e-12
 

@@ -28,9 +28,6 @@ from fem_contact.surface import HeightField, random_waves, resolves
 if TYPE_CHECKING:
     from fem_contact.area import ContactAreas
 
-__all__ = ["SlabResult", "SlabSurface", "communicator"]
-
-
 #: Rows beyond a slab that the edges of contact in it are located with: those that their direction depends on.
 _BEYOND = 8
 

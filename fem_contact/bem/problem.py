@@ -30,8 +30,6 @@ from fem_contact.response import FreeHalfSpace, Response, check_response
 from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
-__all__ = ["Method", "Problem"]
-
 Method = Literal["preconditioned", "double", "polonsky-keer"]
 
 

@@ -17,8 +17,6 @@ from fem_contact.response import FreeHalfSpace, Response
 from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
-__all__ = ["solve", "solve_displacement", "solve_path"]
-
 
 @overload
 def solve(

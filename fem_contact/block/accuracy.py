@@ -16,8 +16,6 @@ from fem_contact.errors import InvalidInput
 from fem_contact.response import BondedLayer
 from fem_contact.solid import Solid
 
-__all__ = ["WaveError", "wave_errors"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class WaveError:

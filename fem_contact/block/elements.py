@@ -22,16 +22,6 @@ from fem_contact.errors import InvalidInput
 if TYPE_CHECKING:
     from skfem import CellBasis
 
-__all__ = [
-    "ELEMENTS",
-    "Element",
-    "element_for",
-    "lame",
-    "local_dilatation",
-    "local_shear",
-]
-
-
 #: Poisson ratio above which trilinear displacement elements are no longer chosen: at .4 they are .7 % too
 #: stiff at 12 nodes per wavelength, at .45 3 %, and refinement helps slowly.
 _LOCKING = 0.4

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from fem_contact._types import Array
 from fem_contact.block.mesh import BlockMesh, element_matrices, node_weights
 
-__all__ = ["Equilibrium", "measure_equilibrium"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Equilibrium:

@@ -31,17 +31,6 @@ from fem_contact.surface.heights import checked_counts, checked_lengths
 if TYPE_CHECKING:
     from skfem import CellBasis
 
-__all__ = [
-    "BlockMesh",
-    "MeshOptions",
-    "element_matrices",
-    "graded_layers",
-    "nodal_pressure",
-    "node_weights",
-    "plan_mesh",
-]
-
-
 #: A layer count is not raised for a rounding error in depth / first layer.
 _SLACK = 1e-9
 

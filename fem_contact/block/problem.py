@@ -10,8 +10,6 @@ from fem_contact._types import Array, Mask
 from fem_contact.block.mesh import BlockMesh, nodal_force, nodal_pressure, node_weights
 from fem_contact.contact import Residuals, Status, measure_residuals
 
-__all__ = ["Answer", "Problem"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:

@@ -43,8 +43,6 @@ if TYPE_CHECKING:
     from fem_contact.block.full.block import Block
     from fem_contact.block.reduced.surface import SurfaceOperator
 
-__all__ = ["Method", "Modulus", "Session", "check_method", "needed_bytes", "planned_mesh"]
-
 Method = Literal["full", "reduced"]
 Modulus = Callable[[Array, Array, Array], Array]
 

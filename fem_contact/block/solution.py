@@ -19,9 +19,6 @@ from fem_contact.contact import ContactResult
 from fem_contact.solid import Solid
 from fem_contact.stress import von_mises
 
-__all__ = ["ArraySource", "BlockSolution", "CellLayer", "CellStress", "FieldSource"]
-
-
 #: Components of symmetric tensors, in the order in which they are stored.
 _PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 

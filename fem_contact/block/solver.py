@@ -16,8 +16,6 @@ from fem_contact.block.solution import BlockSolution
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 
-__all__ = ["Estimate", "estimate", "solve", "solve_displacement", "solve_path"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate:

@@ -24,9 +24,6 @@ from fem_contact.response import Response
 if TYPE_CHECKING:
     from fem_contact.complementarity.operator import Operator, Solution
 
-__all__ = ["ArrayGrids", "ArrayOperator", "PlainIterationArrays"]
-
-
 #: What the compiled passes have as `PARTS`, for one and for two.
 ALONE, PAIRED = 0.5, 0.46
 

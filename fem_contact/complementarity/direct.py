@@ -10,9 +10,6 @@ import numpy as np
 from fem_contact.complementarity.operator import Operator, Solution
 from fem_contact.contact import Status
 
-__all__ = ["SLACK", "all_at_bound", "applied", "touching"]
-
-
 #: Relative difference at which a load counts as equal to the bound: means of equal numbers differ by
 #: rounding.
 SLACK = 1e-12

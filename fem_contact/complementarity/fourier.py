@@ -18,8 +18,6 @@ from fem_contact.errors import InvalidInput
 from fem_contact.response import Response
 from fem_contact.settings import available_processors
 
-__all__ = ["FourierOperator", "carried", "coarsened", "long_waves", "nearest", "refined", "refined_along"]
-
 Single = NDArray[np.float32]
 
 

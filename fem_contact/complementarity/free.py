@@ -11,8 +11,6 @@ from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.response import FreeHalfSpace, Response
 from fem_contact.settings import available_processors
 
-__all__ = ["FreeOperator", "operator_of"]
-
 Single = NDArray[np.float32]
 
 

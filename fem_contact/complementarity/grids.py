@@ -13,8 +13,6 @@ from fem_contact.complementarity.operator import Solution
 from fem_contact.contact import residual_sums
 from fem_contact.response import Response
 
-__all__ = ["Grids"]
-
 
 class Grids:
     """Grids whose arrays are NumPy's, each as a whole.

@@ -24,8 +24,6 @@ from fem_contact.complementarity.rows import Rows
 from fem_contact.complementarity.slabs import SlabNumpy, Slabs, shares
 from fem_contact.response import Response
 
-__all__ = ["SlabGrids", "SlabIterationArrays", "SlabOperator"]
-
 AnyArray = NDArray[Any]
 
 

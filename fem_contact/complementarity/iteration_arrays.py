@@ -15,8 +15,6 @@ from fem_contact.complementarity.rows import Rows
 if TYPE_CHECKING:
     from fem_contact.complementarity.operator import Operator
 
-__all__ = ["Errors", "IterationArrays"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Errors:

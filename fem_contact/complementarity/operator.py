@@ -19,8 +19,6 @@ from typing import Protocol
 from fem_contact._types import Array, Mask
 from fem_contact.contact import Status
 
-__all__ = ["Operator", "Solution"]
-
 
 class Operator(Protocol):
     """A symmetric positive semi-definite response S and an approximate inverse of it."""

@@ -11,8 +11,6 @@ from fem_contact.complementarity.operator import Operator, Solution
 from fem_contact.contact import Status
 from fem_contact.settings import Settings
 
-__all__ = ["polonsky_keer"]
-
 
 def polonsky_keer(
     operator: Operator,

@@ -7,8 +7,6 @@ from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 from typing import Any
 
-__all__ = ["Rows"]
-
 
 class Rows:
     """Blocks of rows, and the threads that work on them.

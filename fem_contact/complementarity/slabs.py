@@ -22,8 +22,6 @@ from fem_contact._types import Shape
 from fem_contact.errors import InvalidInput
 from fem_contact.settings import Settings
 
-__all__ = ["SlabNumpy", "SlabSettings", "Slabs", "shares"]
-
 AnyArray = NDArray[Any]
 
 #: Bytes of the rows that are transposed at once, and the number of turns that this is done in at most.

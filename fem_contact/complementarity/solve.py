@@ -20,8 +20,6 @@ from fem_contact.complementarity.operator import Operator, Solution
 from fem_contact.contact import Status
 from fem_contact.settings import Settings
 
-__all__ = ["solve_bounded", "solve_nested", "surely_partial"]
-
 
 def solve_bounded(
     operator: Operator,

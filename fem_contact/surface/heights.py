@@ -15,8 +15,6 @@ from fem_contact._checks import GREATEST, array, function, pair, positive, room_
 from fem_contact._types import Array, Lengths, Shape
 from fem_contact.errors import InvalidInput
 
-__all__ = ["HeightField", "Patch", "checked_lengths", "checked_shape", "interpolant"]
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class HeightField:

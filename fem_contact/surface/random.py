@@ -20,9 +20,6 @@ from fem_contact._types import Array, Lengths, Shape
 from fem_contact.errors import InvalidInput
 from fem_contact.surface.heights import HeightField, checked_lengths, checked_shape
 
-__all__ = ["RandomWaves", "random_surface", "random_waves", "resolves"]
-
-
 #: Relative slack when a wavevector is compared with a limit it may equal up to rounding.
 _EDGE = 1e-12
 

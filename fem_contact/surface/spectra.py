@@ -13,16 +13,6 @@ from fem_contact._types import Array
 from fem_contact.errors import InvalidInput
 from fem_contact.surface.heights import HeightField, Patch, checked_shape, interpolant
 
-__all__ = [
-    "Lay",
-    "RadialSpectrum",
-    "Window",
-    "estimate_spectrum",
-    "measured_lay",
-    "radial_spectrum",
-    "window_weights",
-]
-
 Window = Literal["none", "hann", "tukey"]
 
 

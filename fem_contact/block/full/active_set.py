@@ -19,8 +19,6 @@ from fem_contact.block.full.linear import LinearSolution, conjugate_gradients
 from fem_contact.block.problem import Answer
 from fem_contact.contact import Status
 
-__all__ = ["Settings", "solve_contact"]
-
 Violation = Callable[[Array, Array, Mask | None], float]
 
 #: Linear tolerance while the set still moves; it only has to tell contact from separation at most nodes.

@@ -11,9 +11,6 @@ from fem_contact.block.mesh import BlockMesh, node_weights
 from fem_contact.block.solution import BlockSolution
 from fem_contact.errors import InvalidInput, NotConverged
 
-__all__ = ["assembled_field"]
-
-
 #: Of conjugate gradients.
 _STEPS = 1000
 #: Peak bytes per unknown, by order of the cells: matrix, its parts while it is assembled, grids of the cycle.

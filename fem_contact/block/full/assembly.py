@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
     from fem_contact.block.mesh import BlockMesh
 
-__all__ = ["Pattern", "Stiffness", "assemble"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Stiffness:

@@ -13,9 +13,6 @@ from fem_contact._types import Array, Mask
 from fem_contact.block.full.levels import StencilLevel, Transfer
 from fem_contact.block.full.multigrid import Hierarchy
 
-__all__ = ["Block", "CyclePreconditioner"]
-
-
 #: Least ratio of what the bound can carry and the load on a coarser grid.
 _CARRYING = 1.01
 

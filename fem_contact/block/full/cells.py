@@ -16,9 +16,6 @@ import numpy as np
 from fem_contact._types import Array
 from fem_contact.block.mesh import BlockMesh, element_matrices
 
-__all__ = ["BlockFactors", "corner_coefficients", "overlap_means"]
-
-
 #: Neighbours of a column on the stack of cells towards +x and +y: itself, along x, along y, the diagonal one.
 _SIDES = ((0, 0), (1, 0), (0, 1), (1, 1))
 

@@ -13,8 +13,6 @@ from fem_contact.block.full import cell_kernels, kernels
 from fem_contact.block.full.cells import BlockFactors
 from fem_contact.block.full.stencil import LineFactors
 
-__all__ = ["CellLevel", "Level", "StencilLevel", "Transfer"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Transfer:

@@ -9,8 +9,6 @@ import numpy as np
 
 from fem_contact._types import Array
 
-__all__ = ["LinearSolution", "conjugate_gradients"]
-
 #: Residual over what rounding leaves of the product, and over the scale, up to which nothing is left to gain:
 #: of nearly incompressible blocks the first stops at 1e-12 to 1e-11, where pressures are right to 2e-12.
 _ROUNDED = (4.0, 1e-10)

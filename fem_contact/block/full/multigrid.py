@@ -20,9 +20,6 @@ from fem_contact.block.full.stencil import LineFactors, stencil
 if TYPE_CHECKING:
     from fem_contact.block.mesh import BlockMesh
 
-__all__ = ["Hierarchy", "Level", "Transfer", "build_hierarchy"]
-
-
 #: Spacings along both axes count as equal up to this ratio, and are then doubled together.
 _ALIKE = 1.5
 

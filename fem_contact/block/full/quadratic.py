@@ -21,9 +21,6 @@ from fem_contact.block.full.multigrid import Hierarchy, build_hierarchy
 from fem_contact.block.full.quadratic_kernels import apply_quadratic
 from fem_contact.block.mesh import BlockMesh, element_matrices
 
-__all__ = ["QuadraticBlock", "parity_blocks", "refined_hierarchy"]
-
-
 #: a + c, m and c - a from the nodes a, m, c of one axis, and whether they are odd.
 _COMBINATIONS = np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 1.0]])
 _ODD = (0, 0, 1)

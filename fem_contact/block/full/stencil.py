@@ -20,9 +20,6 @@ import numpy as np
 from fem_contact._types import Array
 from fem_contact.block.mesh import BlockMesh, element_matrices
 
-__all__ = ["TERMS", "LineFactors", "stencil"]
-
-
 #: Coefficients in the order of the kernels: component of the force, of the displacement, and the neighbour
 #: (x, y) that stands for its mirror images; odd along x (y) where exactly one of the components is x (y).
 TERMS = (

@@ -14,9 +14,6 @@ from fem_contact.block.full.quadratic import QuadraticBlock, parity_blocks, refi
 from fem_contact.block.mesh import node_weights
 from fem_contact.block.problem import Answer, Problem
 
-__all__ = ["highest_nodes", "prepared", "solve_full"]
-
-
 #: Set, offset and displacement to start from.
 First = tuple[Mask, float, Array | None]
 Violation = Callable[[Array, Array, Mask | None], float]

@@ -33,8 +33,6 @@ from fem_contact.block.mesh import BlockMesh
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
-__all__ = ["Cells", "Strained", "cofactors", "stress"]
-
 
 def cofactors(gradient: Array) -> tuple[Array, Array]:
     """Cofactors (..., 3, 3) and determinants (...) of matrices."""

@@ -31,9 +31,6 @@ from fem_contact.block.hyperelastic.profile import Heights, Profile
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
-__all__ = ["Press", "State", "descend"]
-
-
 #: Bounds on the linear residual of a step, over the contact forces.
 _LOOSE = 1e-2
 #: Halvings of a step that would turn a cell inside out.

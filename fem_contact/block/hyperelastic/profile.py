@@ -11,8 +11,6 @@ from fem_contact._types import Array
 from fem_contact.surface import HeightField
 from fem_contact.surface.heights import interpolant
 
-__all__ = ["Heights", "Profile"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Heights:

@@ -23,9 +23,6 @@ from fem_contact.errors import InvalidInput, NotConverged
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 
-__all__ = ["FiniteStrain", "solve_finite_strain", "solve_slopes"]
-
-
 #: Newton steps at most.
 _STEPS = 25
 #: Least part of the way from flat to the slope asked for that is taken at once.

@@ -28,9 +28,6 @@ from fem_contact.block.mesh import BlockMesh, element_matrices
 from fem_contact.complementarity.rows import Rows
 from fem_contact.settings import available_processors
 
-__all__ = ["FoldedLayers", "fold", "surface_compliance"]
-
-
 #: Functions of one phase that folded matrices are made of: 1, cos(t/2), cos t, sin(t/2), sin t.
 _FUNCTIONS = 5
 

@@ -16,8 +16,6 @@ from fem_contact.block.reduced.surface import BlockResponse, phase_pairs
 from fem_contact.block.solution import CellLayer
 from fem_contact.complementarity.rows import Rows
 
-__all__ = ["FourierSource"]
-
 Waves = NDArray[np.complex128]
 
 

@@ -21,8 +21,6 @@ from numpy.typing import NDArray
 
 from fem_contact._types import Array
 
-__all__ = ["FoldingPlan", "descend", "plan_folding", "sweep"]
-
 FoldingPlan = tuple[NDArray[np.int64], NDArray[np.int64], Array]
 
 _OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"contract"}}

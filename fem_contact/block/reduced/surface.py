@@ -25,9 +25,6 @@ from fem_contact.response import BondedLayer
 from fem_contact.settings import Settings
 from fem_contact.solid import Solid
 
-__all__ = ["BlockResponse", "SurfaceOperator", "phase_pairs", "solve_reduced", "surface_operator"]
-
-
 #: Share of the force of a proposed contact node that the others start with.
 _SPREAD = 0.01
 
