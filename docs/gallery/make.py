@@ -1,6 +1,6 @@
-"""Make the pictures of the gallery from the studies at their default settings, hurst at a smaller one.
+"""Make the pictures of the gallery from the studies at their default settings.
 
-    python docs/gallery/make.py                    # all of them: a quarter of an hour on one core
+    python docs/gallery/make.py                    # all of them: half an hour on one core
     python docs/gallery/make.py cross refinement   # those of some studies
     python docs/gallery/make.py scorecard          # our solvers beside tamaas, ContactMechanics, CalculiX
     python docs/gallery/make.py --redraw           # from the datasets in results/, solving nothing
@@ -15,7 +15,6 @@ import argparse
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from PIL import Image
 
@@ -52,17 +51,6 @@ SHOWN = {
 
 #: The solvers of the scorecard, where they are installed.
 SCORED = ("bem", "fem", "tamaas", "contact_mechanics", "calculix")
-
-#: Options that are not the defaults: these take a tenth of the time and show the same.
-OPTIONS: dict[str, dict[str, Any]] = {
-    "hurst": {
-        "hursts": (0.3, 0.5, 0.8),
-        "bandwidths": (8.0,),
-        "reduced_pressures": (0.02, 0.1),
-        "pairs": 6,
-        "ladder_hursts": (),
-    },
-}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -117,7 +105,7 @@ def _outputs(name: str, *, redraw: bool, workers: int) -> Outputs:
     if redraw:
         return show(folder, study_page)
     study, bench = find_study(name), Bench.at(execution=Execution(workers=workers))
-    return run_study(study, study.options(**OPTIONS.get(name, {})), folder, bench=bench)
+    return run_study(study, study.options(), folder, bench=bench)
 
 
 if __name__ == "__main__":

@@ -79,6 +79,12 @@ def test_what_is_no_accuracy_is_refused_in_one_line(text):
     assert "\n" not in str(caught.value)
 
 
+def test_a_plain_number_that_may_mean_per_cent_is_asked_about():
+    with pytest.raises(UsageError, match=r"0\.5% or 50%"):
+        parse_accuracy("0.5")
+    assert parse_accuracy("50%") == 0.5
+
+
 def test_the_claimed_error_holds_on_finer_grids(scene, bench, tmp_path):
     truth, uncertainty = truth_of(scene, tmp_path / "fine")
     costs = []

@@ -146,9 +146,11 @@ def test_a_table_tells_contacts_apart_by_what_differs():
     assert soft.reduced_pressure.values == pytest.approx(loads)
     assert (soft.plastic.diff("reduced_pressure") > 0).all()
     assert (soft.persson_plastic > 0).all()
-    with pytest.raises(UsageError, match="do not tell the contacts apart"):
+    swept = [press(SURFACE, **SOLID, reduced_pressure=0.05, hardness=h) for h in ("150 MPa", "200 MPa")]
+    assert table(swept).hardness.dims == ("hardness",)
+    with pytest.raises(UsageError, match=r"does not tell the contacts apart$"):
         table([press(SURFACE, **SOLID, reduced_pressure=0.05)] * 2)
-    with pytest.raises(UsageError, match="one of: reduced_pressure, pressure"):
+    with pytest.raises(UsageError, match="these do: reduced_pressure, pressure"):
         table([press(SURFACE, **SOLID, reduced_pressure=0.05)], along="colour")
 
 

@@ -71,7 +71,7 @@ def reference(
 
     if theory or csv is not None:
         folder = prepare_folder(output or Path("results") / "reference-score")
-        options = Options(theory=tuple(theory or ()), csv=csv)
+        options = Options(theory=tuple(",".join(theory or ()).split(",")) if theory else (), csv=csv)
         outputs = run_study(find_study("reference-score"), options, folder, bench=Bench.at())
         print_outputs(outputs, as_json=as_json)
         return

@@ -40,7 +40,8 @@ _LAWFUL = frozenset({"pressure bound", "response"})
 def parse_accuracy(text: str) -> float:
     """Read "1%" or "0.01" as a share.
 
-    A UsageError for anything else, and for what is not above 0 and at most 50 %.
+    A UsageError for anything else, for what is not above 0 and at most 50 %, and for more than 0.1 without
+    the sign: many mean half a per cent by 0.5.
 
     >>> parse_accuracy("1%"), parse_accuracy("0.01"), parse_accuracy("2.5 %")
     (0.01, 0.01, 0.025)
@@ -50,6 +51,8 @@ def parse_accuracy(text: str) -> float:
     value = float(match[1]) / (100 if match[2] else 1) if match else math.nan
     if not 0 < value <= 0.5:
         raise UsageError(f"--accuracy = {text!r}: {allowed}")
+    if value > 0.1 and match and not match[2]:
+        raise UsageError(f"--accuracy = {text!r}: is that {value:g}% or {100 * value:g}%? say which")
     return value
 
 

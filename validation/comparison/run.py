@@ -21,7 +21,7 @@ from validation.comparison.theory_alone import theory_data
 from validation.comparison.treatment import with_treatment
 from validation.execution.bench import Bench
 from validation.execution.outputs import Outputs, leave, show
-from validation.execution.press import Press, run_solves, solves_of
+from validation.execution.press import Press, run_solves
 from validation.execution.provenance import SOLVES_MADE, made_words
 from validation.execution.results import clear_results, record_of
 from validation.execution.running import Solves
@@ -57,7 +57,6 @@ def run_scene(
     settings: dict[str, Any] = {"scene": scene.model_dump(mode="json", exclude_none=True)}
     if accurate is not None:
         settings["accuracy"] = dict(accurate)
-    listed = run_solves if accurate is None else solves_of
     bench = bench or Bench.at(folder / "solves")
     for grids, words in oblong_grids(scene, problem):
         bench.progress.note(f"{grids}: {words}")
@@ -77,7 +76,7 @@ def run_scene(
         return data.assign_attrs(effects_words=effects_words(scene, problem)), written
 
     kind = "run" if scene.methods.solvers else "theory"
-    solves, shown = listed(scene, problem), {"report": report, "pictures": pictures}
+    solves, shown = run_solves(scene, problem), {"report": report, "pictures": pictures}
     return solve_and_write(bench, folder, solves, measured, kind=kind, settings=settings, **shown)
 
 

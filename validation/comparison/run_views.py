@@ -182,11 +182,10 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
     scatter = (
         "single surfaces scatter by {scatter:.2%}" if several else "the scatter between surfaces is unknown"
     )
-    held = f"95 %: {sources_of(data.area_error) or 'all sources'}; " if half is not None else ""
-    if "treatment_spread" in data:
-        if half is None or data.treatment_spread > half / float(
-            area.value
-        ):  # the larger of the two is the answer
+    sources = sources_of(data.area_error) or "all sources of this spectrum and period"
+    held = f"95 %: {sources}; " if half is not None else ""
+    if "treatment_spread" in data:  # the larger of the two is the answer
+        if half is None or data.treatment_spread > half / float(area.value):
             held = f"{answer} ({held.removesuffix('; ')}); " if held else ""
             answer = told("{treatment_spread:.2%} by treatment")
             held += "other treatments of the map move the area so far; "
@@ -305,9 +304,9 @@ def _methods(data: xr.Dataset) -> Iterator[Finding]:
         here = data.isel(solver=k)
         shared = np.flatnonzero(here.pressure_difference.notnull().values)
         if not shared.size:
-            yield note(
-                f"{_label(data, k)} and {_label(data, 0)} share no grid: their pressures are not compared."
-            )
+            if "failures" not in data:  # which may be of the grid they share
+                both = f"{_label(data, k)} and {_label(data, 0)}"
+                yield note(f"{both} share no grid: their pressures are not compared.")
             continue
         at = here.isel(grid=int(shared[-1]))
         order = ""

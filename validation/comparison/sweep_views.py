@@ -32,6 +32,7 @@ def sweep_views(data: xr.Dataset) -> Views:
         Column(name, {"solver": k})
         for k in range(data.sizes.get("solver", 0))
         for name in ("area_perimeter_finest", "area_pixel_finest", "area_plastic_pixel_finest", "grid_finest")
+        if k or name != "area_plastic_pixel_finest"  # which stands beside the theory's
     ]
     return Views(
         table=Table(
@@ -44,6 +45,7 @@ def sweep_views(data: xr.Dataset) -> Views:
                 "area_persson",
                 "area_ratio",
                 "scatter",
+                Column("area_plastic_pixel_finest", {"solver": 0}),
                 "area_plastic_persson",
                 "area_plastic_ensemble",
                 *(("area_ensemble",) if answer == "area" else ()),
@@ -112,8 +114,12 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
     if "area" in data and bool((data.area_error > 0).any()):
         held = dict.fromkeys(sources_of(here.area_error) for here in each(data, *_over(data)))
         share = total_error(data, "area") / data.area
-        basis = f"95 %: {' or '.join(filter(None, held)) or 'all sources'}"
-        yield Card("How sure?", _ends("+- {low:.2%} to {high:.2%}", share), basis)
+        basis = f"95 %: {' or '.join(filter(None, held)) or 'all sources of this spectrum and period'}"
+        answer: Finding | str = _ends("+- {low:.2%} to {high:.2%}", share)
+        if "treatment_spread" in data and data.treatment_spread.max() > share.max():
+            basis = f"{answer} ({basis}); other treatments of the map move the area so far"
+            answer = _ends("{low:.2%} to {high:.2%} by treatment", data.treatment_spread)
+        yield Card("How sure?", answer, basis)
     if "scatter" in data and _several(data):
         answer = _ends("{low:.2%} to {high:.2%}", data.scatter)
         basis = "standard deviation of one over their mean"

@@ -102,6 +102,10 @@ def treatment_findings(data: xr.Dataset) -> Iterator[Finding]:
             "{variation}: {treated_area_change:+.2%}.",
             worst,
         )
+    elif "premise" in data.attrs:
+        yield note(
+            "How far its treatment moves the area was not asked: treatment = true in [surface] asks it."
+        )
     if data.attrs.get("premise") == 0:
         yield finding(
             "value",

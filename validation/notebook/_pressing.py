@@ -142,15 +142,16 @@ def theory(
     return variables.rename({n: names[n] for n in names if n in variables}).assign_attrs(note=note)
 
 
-def table(contacts: Iterable[Contact], *, along: str = "reduced_pressure", limit: bool = False) -> xr.Dataset:
+def table(contacts: Iterable[Contact], *, along: str | None = None, limit: bool = False) -> xr.Dataset:
     """Return the numbers of several contacts as one dataset.
 
     Parameters
     ----------
     contacts : iterable of Contact
-    along : str
-        What differs between them, and becomes the coordinate: ``reduced_pressure``, ``pressure``, ``method``,
-        ``points``, or a key of surface, solid or effect such as ``hurst``, ``seed``, ``young``, ``hardness``.
+    along : str, optional
+        What becomes the coordinate: ``reduced_pressure``, ``pressure``, ``method``, ``points``, or a key of
+        surface, solid or effect such as ``hurst``, ``seed``, ``young``, ``hardness``. The first that tells
+        all apart if not given.
     limit : bool
         Also take the limit over grids of each and half of its 95 % interval, which presses each on some more.
 
@@ -167,11 +168,15 @@ def table(contacts: Iterable[Contact], *, along: str = "reduced_pressure", limit
         raise UsageError(f"table: {wrong[0]!r}: give a list of contacts, as [press(...), press(...)]")
     inputs = [_said(contact) for contact in pressed_ones]
     known = dict.fromkeys(name for one in inputs for name in one)
-    if any(along not in one for one in inputs) or not inputs:
-        raise UsageError(f"table: along = {along!r}: not known of every contact; one of: {', '.join(known)}")
+    telling = [
+        name for name in known if len({_close(one.get(name)) for one in inputs} - {None}) == len(inputs)
+    ]
+    if along is None:
+        along = next(iter(telling), "reduced_pressure")
+    if along not in telling:
+        some = f"; these do: {', '.join(telling)}" if telling else ""
+        raise UsageError(f"table: along = {along!r}: does not tell the contacts apart{some}")
     values = [one[along] for one in inputs]
-    if len(set(values)) < len(values):
-        raise UsageError(f"table: along = {along!r}: {values[0]!r} and so on do not tell the contacts apart")
     rows = xr.concat(
         [_numbers(contact, limit=limit) for contact in pressed_ones], along, combine_attrs="drop"
     )
@@ -212,6 +217,11 @@ def _numbers(contact: Contact, *, limit: bool) -> xr.Dataset:
             limit=value, limit_error=half, kappa_limit=value / load, kappa_limit_error=half / load
         )
     return row
+
+
+def _close(value: Any) -> Any:
+    """Return a number without what rounding does, so that what is the same is one."""
+    return float(f"{value:.9g}") if isinstance(value, float) else value
 
 
 def _said(contact: Contact) -> dict[str, Any]:

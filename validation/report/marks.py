@@ -216,7 +216,8 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
         options: dict[str, Any] = {"label": label, "factors": factors, "look": look}
         drawn.append(Drawn(artist=artist, axes=axes, mark=mark, x=x, data=here, **options))
     for axis in panel.log:
-        getattr(axes, f"set_{axis}scale")("log", base=panel.base if axis == "x" else 10)
+        if any(_positive(one, axis) for one in drawn):
+            getattr(axes, f"set_{axis}scale")("log", base=panel.base if axis == "x" else 10)
     if isinstance(panel.marks[0], Image):
         y = panel.marks[0].rows
         scale_y = _scale(quantity(y), [data[y]])
@@ -381,6 +382,12 @@ def _legend(canvas: Any, axes: Sequence[Axes]) -> None:
     canvas.legend(
         options.values(), options, fontsize=7, ncols=columns, loc="outside lower center", frameon=False
     )
+
+
+def _positive(one: Drawn, axis: str) -> bool:
+    """Whether a logarithmic axis has anything of it to show."""
+    name = one.x if axis == "x" else one.mark.y
+    return isinstance(one.mark, Image) or bool((one.data[name] > 0).any())
 
 
 def _caption(text: str, drawn: Sequence[Drawn]) -> str:

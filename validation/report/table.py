@@ -271,7 +271,7 @@ def _what_intervals_hold(names: Sequence[str], cells: Sequence[Mapping[str, floa
         held = dict.fromkeys(str(row.get(f"{name} {SOURCES_OF}") or "") for row in cells)
         if sources := " or ".join(filter(None, held)):
             of.setdefault(sources, []).append(name)
-    if len(of) == 1:
+    if len(of) == 1 and sum(f"{name} {INTERVAL}" in cells[0] for name in names) == len(*of.values()):
         return f"Intervals (95 %) hold: {next(iter(of))}."
     each_of = (f"{sources} ({', '.join(names)})" for sources, names in of.items())
     return f"Intervals (95 %) hold: {'; '.join(each_of)}." if of else ""

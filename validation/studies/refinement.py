@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Self
 
+import numpy as np
 import xarray as xr
 from pydantic import Field, model_validator
 
@@ -32,7 +33,7 @@ from validation.measurements.measurement import TOLERANCE, grid_for, press_on_gr
 from validation.measurements.references import beside_published, papers_of
 from validation.measurements.theory import ensemble_area
 from validation.report.estimates import claim, gather
-from validation.solvers.theory import predict
+from validation.solvers.theory import Prediction, predict
 from validation.studies._options import Element, Hurst, Methods, ReducedPressure, Surfaces
 from validation.studies._refinement_views import views
 from validation.studies._scene import PressedOptions, SolverRequest
@@ -219,15 +220,21 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 def _of_boundary_elements(options: Options, measured: Mapping[_Case, xr.Dataset]) -> xr.Dataset:
     surfaces, load = range(options.surfaces), options.reduced_pressure
     data = gather({k: on_grids(measured["grids", k]) for k in surfaces}, surface=surfaces)
-    ensemble = ensemble_area(options.first.spectrum, [load], rms_gradients=data.rms_gradient_each.values)
-    data = data.assign(reduced_pressure=load, area_persson=_theory(options))
-    data["area_ensemble_each"] = "surface", ensemble[:, 0]
+    theory = _theory(options)
+    ensemble = ensemble_area(options.first.spectrum, [load], rms_gradients=data.rms_gradient_each.values)[
+        :, 0
+    ]
+    if options.effects:
+        alone = None if theory is None else theory.ensemble_area
+        ensemble = np.full(options.surfaces, np.nan if alone is None else alone)
+    data = data.assign(reduced_pressure=load, area_persson=np.nan if theory is None else theory.area)
+    data["area_ensemble_each"] = "surface", ensemble
     data = with_distances(data, theory=not options.effects)
     usual = measured["grids", 0].isel(grid=slice(0, measured["strict",].sizes["grid"]))
     return claim(data, "kappa", solver=solver_error(usual, measured["strict",]) * data.kappa)
 
 
-def _theory(options: Options) -> float:
-    """A/A0 of Persson's theory with the effects of a scene; NaN where it does not know them."""
+def _theory(options: Options) -> Prediction | None:
+    """Return Persson's theory with the effects of a scene; None where it does not know them."""
     known = all(type(effect).has_theory() for effect in options.effects)
-    return predict(options.first, options.effects).area if known else float("nan")
+    return predict(options.first, options.effects) if known else None
