@@ -177,7 +177,8 @@ class Verdict:
         if self.error or self.left_out or not self.checks:
             return self.error or self.left_out or "no number came"
         worst = max(self.checks, key=lambda check: check.used)
-        return f"{worst.quantity} is {worst.computed:.4g}, not {worst.reference:.4g} +- {worst.tolerance:.2g}"
+        found = "not determinable" if math.isnan(worst.computed) else f"{worst.computed:.4g}"
+        return f"{worst.quantity} is {found}, not {worst.reference:.4g} +- {worst.tolerance:.2g}"
 
     @property
     def used(self) -> float:

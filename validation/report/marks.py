@@ -128,6 +128,7 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawi
     from validation.report.figure import new_figure
 
     drawn: list[Drawn] = []
+    figure = replace(figure, panels=[p for p in figure.panels if _shows(p, data)] or figure.panels[:1])
     if axes is None:
         columns = len(figure.panels)
         width = figure.width or min(1.0 + 4.0 * columns, 13.0)
@@ -163,6 +164,16 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawi
         data=data[[n for n in names if n in data]].drop_attrs(deep=False).assign_attrs(attrs),
         caption=_caption(figure.caption, drawn),
         drawn=tuple(drawn),
+    )
+
+
+def _shows(panel: Panel, data: xr.Dataset) -> bool:
+    """Whether a panel has anything to show; on a logarithmic axis that is a positive number."""
+    part = data.isel(panel.at, missing_dims="ignore")
+    return any(
+        "y" not in panel.log or isinstance(mark, Image) or bool((here[mark.y] > 0).any())
+        for mark in panel.marks
+        for here in _places(mark, part)
     )
 
 
@@ -216,8 +227,7 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
         options: dict[str, Any] = {"label": label, "factors": factors, "look": look}
         drawn.append(Drawn(artist=artist, axes=axes, mark=mark, x=x, data=here, **options))
     for axis in panel.log:
-        if any(_positive(one, axis) for one in drawn):
-            getattr(axes, f"set_{axis}scale")("log", base=panel.base if axis == "x" else 10)
+        getattr(axes, f"set_{axis}scale")("log", base=panel.base if axis == "x" else 10)
     if isinstance(panel.marks[0], Image):
         y = panel.marks[0].rows
         scale_y = _scale(quantity(y), [data[y]])
@@ -382,12 +392,6 @@ def _legend(canvas: Any, axes: Sequence[Axes]) -> None:
     canvas.legend(
         options.values(), options, fontsize=7, ncols=columns, loc="outside lower center", frameon=False
     )
-
-
-def _positive(one: Drawn, axis: str) -> bool:
-    """Whether a logarithmic axis has anything of it to show."""
-    name = one.x if axis == "x" else one.mark.y
-    return isinstance(one.mark, Image) or bool((one.data[name] > 0).any())
 
 
 def _caption(text: str, drawn: Sequence[Drawn]) -> str:

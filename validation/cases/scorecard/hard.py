@@ -36,7 +36,7 @@ def near_full(subject: Subject) -> Iterator[Check]:
     allowed = (2 * math.pi * math.sqrt(2) / n) ** 2 / 4 + subject.pressure_error
     error = np.abs(flat.claim.pressure - exact).max() / EGG_BOX_FLAT
     yield below("error of the pressure over the mean, at 1.0001 of the flattening load", error, allowed)
-    yield near("A/A0 at it", flat.result.in_contact.mean(), 1.0, 0.0)
+    yield near("A/A0 at 1.0001 of the flattening load", flat.result.in_contact.mean(), 1.0, 0.0)
     for miss in (0.02, 0.04):
         pressed = subject.press(egg_box(n), (1 - miss) * EGG_BOX_FLAT).result
         open_share = 3 / (2 * math.pi) * miss
