@@ -78,6 +78,15 @@ def _read(file: Path) -> Iterator[Mutant]:
         yield Mutant(tests=tests, **entry)
 
 
+def tests_of_audit() -> set[str]:
+    """Return the tests of the independent reader, each of which a fault of that reader must break."""
+    return {
+        f"{path.relative_to(ROOT).as_posix()}::{name}"
+        for path in (ROOT / "tests/validation").glob("test_audit*.py")
+        for name in re.findall(r"^def (test_\w+)", path.read_text(encoding="utf-8"), flags=re.M)
+    }
+
+
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
     """What became of one fault: killed, survived or broken; the tests that failed; seconds."""
@@ -186,7 +195,7 @@ def main() -> int:
     asked = parser.parse_args()
     chosen = [m for m in catalogue() if any(word in m.name or word in m.file for word in asked.only)]
     counts: dict[str, int] = {}
-    unexpected = 0
+    unexpected, left = 0, tests_of_audit()
     for outcome in run_all(chosen, workers=asked.workers, tests=asked.tests):
         mutant, verdict = outcome.mutant, outcome.verdict
         counts[verdict] = counts.get(verdict, 0) + 1
@@ -194,9 +203,12 @@ def main() -> int:
         print(f"{verdict:8s} {outcome.seconds:6.1f} s  {mutant.file}: {mutant.name}", flush=True)
         for test in outcome.failed:
             print(f"           by {test}", flush=True)
+            left.discard(test.partition("[")[0])
         if verdict == "broken":
             print(outcome.output[-600:], flush=True)
     print(", ".join(f"{n} {verdict}" for verdict, n in sorted(counts.items())))
+    total = len(tests_of_audit())
+    print(f"{total - len(left)} of {total} tests of the audit are broken by a fault")
     return 1 if unexpected else 0
 
 
