@@ -26,7 +26,7 @@ _T = TypeVar("_T")
 #: collocated at the points of a Fourier grid, from Hertzian contacts 18 to 38 cells in radius (standard error
 #: .0015); "bem free" for pressures constant on each cell of a patch with free surroundings (10 to 38 cells,
 #: .002); "fem" for nodal forces on trilinear hexahedra as deep as wide at nu = .3 (.002; .17 at nu = 0); and
-#: for each element of the block by its name (.003).
+#: for each element of the block by its name, twenty nodes in radius at nu = .3, .45, .3 and .5 (.003).
 EDGE_CONSTANTS = MappingProxyType(
     {
         **{"bem": 0.103, "bem free": 0.090, "fem": 0.198},

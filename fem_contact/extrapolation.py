@@ -42,21 +42,18 @@ class Limit:
         A/A0 in the limit.
     uncertainty : float
         Its standard error, from the scatter of the grids about the fit.
-    edge_constant : float
-        Fitted excess per edge fraction; of the located area, on the coarsest grid.
     grids : int
         Number of areas that went into the fit.
     definition : str
-        Which area was extrapolated: "pixel" or "subcell".
+        Which area was extrapolated: "subcell" or "perimeter".
     doubt : str
         Why there is no limit, in words, with NaN as its value and uncertainty; empty where there is one.
     """
 
     value: float
     uncertainty: float
-    edge_constant: float
     grids: int
-    definition: str = "pixel"
+    definition: str
     doubt: str = ""
 
     @property
@@ -151,7 +148,7 @@ def _limit(areas: Sequence[ContactAreas], definition: Literal["subcell", "perime
     if doubt:
         return _no_limit(doubt, len(areas), definition=definition)
     if fraction == 0 or not 0 < value[0] < 1:
-        return _checked(Limit(value=float(value[0]), uncertainty=0.0, edge_constant=0.0, **described))
+        return _checked(Limit(value=float(value[0]), uncertainty=0.0, **described))
     size = np.array([grid.size for grid in plan])
     coarser = size > 1.01 * size[0]
     weights = np.linalg.inv(error_covariance(law, float(value[0]), fraction, plan, like=finest))
@@ -168,15 +165,7 @@ def _limit(areas: Sequence[ContactAreas], definition: Literal["subcell", "perime
         kinked(finest) * float(np.max(left, initial=0.0)),
         kink_error(finest, alone=not left.size),
     )
-    coarsest = fraction * size[-1] / size[0]
-    return _checked(
-        Limit(
-            value=limit,
-            uncertainty=uncertainty,
-            edge_constant=float((value[-1] - limit) / coarsest),
-            **described,
-        )
-    )
+    return _checked(Limit(value=limit, uncertainty=uncertainty, **described))
 
 
 def too_small(areas: Sequence[ContactAreas]) -> str:
@@ -205,10 +194,7 @@ def _check_areas(areas: Sequence[ContactAreas]) -> None:
 
 
 def _no_limit(doubt: str, grids: int, *, definition: str) -> Limit:
-    nan = float("nan")
-    return Limit(
-        value=nan, uncertainty=nan, edge_constant=nan, grids=grids, definition=definition, doubt=doubt
-    )
+    return Limit(value=math.nan, uncertainty=math.nan, grids=grids, definition=definition, doubt=doubt)
 
 
 def _checked(limit: Limit) -> Limit:
@@ -247,43 +233,3 @@ def predicted_uncertainty(coarse: ContactAreas, grids: Sequence[PlannedGrid]) ->
     alone = ALONE if len(ordered) == 1 else 1.0
     expected = alone / float(np.sqrt(np.linalg.inv(covariance).sum()))
     return math.hypot(expected, kink_error(replace(coarse, edge_fraction=fraction), alone=len(ordered) == 1))
-
-
-def limit_area(areas: Sequence[ContactAreas]) -> Limit:
-    """Limit of the counted area of one surface over its grids, by regression of fixed order.
-
-    It is fitted as A + c (P_edge dx); the order is not fitted, since the order observed on a few grids
-    scatters too much to extrapolate with. Where an edge falls between grid points is random, so the area of
-    one grid scatters like (number of edges)^(1/2) dx dy, and each grid is weighted accordingly.
-
-    Parameters
-    ----------
-    areas : sequence of ContactAreas
-        Of one surface at one load, on at least three grids, not all of one spacing; several shifts of a grid
-        may appear.
-
-    Raises
-    ------
-    InvalidInput
-        For fewer than three areas, or areas of a single spacing.
-    """
-    _check_areas(areas)
-    sizes = {area.spacing for area in areas}
-    if len(areas) < 3 or len(sizes) < 2:
-        raise InvalidInput(
-            f"{len(areas)} areas on {len(sizes)} spacings: a limit needs three areas on at least two spacings"
-        )
-    fraction = np.array([area.edge_fraction for area in areas])
-    cell = np.array([area.spacing[0] * area.spacing[1] for area in areas])
-    value = np.array([area.pixel for area in areas])
-    if not np.any(fraction):
-        return Limit(value=float(value.mean()), uncertainty=0.0, edge_constant=0.0, grids=len(areas))
-    deviation = np.sqrt(fraction) * np.sqrt(cell / cell.max())
-    deviation = np.maximum(deviation / deviation.max(), 1e-3)
-    design = np.stack([np.ones_like(fraction), fraction], axis=1) / deviation[:, None]
-    target = value / deviation
-    (limit, constant), *_ = np.linalg.lstsq(design, target)
-    rest = target - design @ np.array([limit, constant])
-    covariance = float(rest @ rest) / (target.size - 2) * np.linalg.pinv(design.T @ design)
-    error = float(np.sqrt(covariance[0, 0]))
-    return Limit(value=float(limit), uncertainty=error, edge_constant=float(constant), grids=len(areas))

@@ -155,7 +155,6 @@ def solver_doors() -> dict[str, Door]:
         (area.mean_areas, {"areas": areas[:1] * 2}),
         area.contact_edges,
         (area.subcell_area, {"edge_map": area.EDGE_MAPS["bem"]}),
-        (extrapolation.limit_area, {}),
         (extrapolation.PlannedGrid, {"spacing": (1.0, 1.0), "cells": 9, "solves": 1}),
         *(extrapolation.located_limit, extrapolation.perimeter_limit, extrapolation.too_small),
         (extrapolation.predicted_uncertainty, {"coarse": areas[0], "grids": [grid, grid]}),

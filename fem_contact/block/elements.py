@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact._checks import choice, instance, positive, whole
+from fem_contact._checks import choice
 from fem_contact._types import Array
 from fem_contact.errors import InvalidInput
 
@@ -38,10 +38,6 @@ class Element:
     pressures : int
         Pressure modes of a cell: 0 (the dilatation enters pointwise), 1 (its mean) or 4 (its projection on
         linear functions).
-    edge_constant : float
-        Excess of the counted contact area over the true one, per counted edge and cell, from Hertzian
-        contacts of twenty nodes in radius (standard error .003): at nu = .3, .45, .3, .5. It depends on nu,
-        from .174 at 0 for Hex1.
     quadrature : int
         Polynomial order that is integrated exactly: two points per direction for trilinear elements, three
         for triquadratic.
@@ -50,16 +46,7 @@ class Element:
     name: str
     order: int
     pressures: int
-    edge_constant: float
     quadrature: int
-
-    def __post_init__(self) -> None:
-        instance("name", self.name, str, what="a text")
-        for name, allowed in (("order", (1, 2)), ("pressures", (0, 1, 4))):
-            if whole(name, getattr(self, name), least=0, most=4) not in allowed:
-                raise InvalidInput(f"{name} = {getattr(self, name)}: must be one of {allowed}")
-        positive("edge_constant", self.edge_constant)
-        whole("quadrature", self.quadrature, least=1, most=20)
 
     @property
     def types(self) -> int:
@@ -70,10 +57,10 @@ class Element:
 ELEMENTS = {
     element.name: element
     for element in (
-        Element(name="Hex1", order=1, pressures=0, edge_constant=0.198, quadrature=2),
-        Element(name="Hex1/P0", order=1, pressures=1, edge_constant=0.260, quadrature=2),
-        Element(name="Hex2", order=2, pressures=0, edge_constant=0.137, quadrature=4),
-        Element(name="Hex2/P1disc", order=2, pressures=4, edge_constant=0.205, quadrature=4),
+        Element(name="Hex1", order=1, pressures=0, quadrature=2),
+        Element(name="Hex1/P0", order=1, pressures=1, quadrature=2),
+        Element(name="Hex2", order=2, pressures=0, quadrature=4),
+        Element(name="Hex2/P1disc", order=2, pressures=4, quadrature=4),
     )
 }
 

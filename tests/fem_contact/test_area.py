@@ -21,7 +21,6 @@ from fem_contact.area import (
 from fem_contact.bem import solve
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
-from fem_contact.extrapolation import limit_area, located_limit
 from fem_contact.response import FreeHalfSpace, HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, Patch
@@ -54,9 +53,9 @@ def test_the_edge_constant_is_that_of_the_element_that_made_the_result() -> None
     contact = np.zeros((4, 4), dtype=bool)
     contact[0, 0] = True
     result = made_contact(contact)
-    for element in block.ELEMENTS.values():
-        made = dataclasses.replace(result, provenance={"method": "finite elements", "element": element.name})
-        assert contact_areas(made).edge_constant == element.edge_constant
+    for name in block.ELEMENTS:
+        made = dataclasses.replace(result, provenance={"method": "finite elements", "element": name})
+        assert contact_areas(made).edge_constant == EDGE_CONSTANTS[name]
         assert contact_areas(made, edge_constant=0.1).edge_constant == 0.1
     assert contact_areas(result).edge_constant == EDGE_CONSTANTS["bem"]
 
@@ -64,7 +63,7 @@ def test_the_edge_constant_is_that_of_the_element_that_made_the_result() -> None
 def test_a_pressed_block_is_corrected_with_its_own_constant() -> None:
     solid = Solid(young=1.0, poisson=0.3)
     pressed = block.solve(rough(309).resampled((24, 24)), solid, mean_pressure=0.02, element="Hex2")
-    assert contact_areas(pressed.contact).edge_constant == block.ELEMENTS["Hex2"].edge_constant
+    assert contact_areas(pressed.contact).edge_constant == EDGE_CONSTANTS["Hex2"]
 
 
 @pytest.mark.parametrize(
@@ -100,21 +99,10 @@ def areas_on(
     return made_areas(pixel, n, edge / n, perimeter=pixel - 0.1 * edge / n, subcell=None)
 
 
-def test_limit_of_full_contact_is_one() -> None:
-    limit = limit_area([areas_on(n, limit=1.0, constant=0.1, edge=0.0) for n in (32, 64, 128)])
-    assert (limit.value, limit.uncertainty) == (1.0, 0.0)
-
-
-def test_limit_needs_three_areas_and_two_spacings() -> None:
-    one = areas_on(32, limit=0.1, constant=0.1)
-    with pytest.raises(InvalidInput, match="three areas"):
-        limit_area([one, areas_on(64, limit=0.1, constant=0.1)])
-    with pytest.raises(InvalidInput, match="two spacings"):
-        limit_area([one, one, one])
-
-
 def test_constants_are_named_by_discretisation() -> None:
     assert set(EDGE_CONSTANTS) == {"bem", "bem free", "fem", *block.ELEMENTS}
+    # The same cells, by two sets of contacts.
+    assert EDGE_CONSTANTS["Hex1"] == EDGE_CONSTANTS["fem"]
     with pytest.raises(TypeError):
         EDGE_CONSTANTS["bem"] = 1.0  # type: ignore[index]
 
@@ -214,14 +202,6 @@ def test_located_area_of_rough_surfaces_is_right_to_three_per_mille_at_eight_poi
         errors.append(coarse.subcell / fine.subcell - 1)
         assert coarse.pixel > 1.04 * fine.subcell
     assert np.sqrt(np.mean(np.square(errors))) < 3e-3
-
-
-def test_limits_of_counted_and_located_areas_agree() -> None:
-    areas = [rough_areas(304, resolution) for resolution in (8, 10, 12, 16, 20, 24)]
-    counted, located = limit_area(areas), located_limit(areas)
-    assert located.uncertainty < 0.2 * counted.uncertainty
-    # Student's t with 4 degrees of freedom: one in a hundred lies beyond 4.6.
-    assert abs(counted.value - located.value) < 4.6 * counted.uncertainty
 
 
 def test_edges_come_in_pairs_along_each_direction() -> None:

@@ -16,13 +16,14 @@ from fem_contact.adhesion.laws import Exponential
 from fem_contact.adhesion.path import _Walk
 from fem_contact.adhesion.state import AdhesionProblem, Stability
 from fem_contact.contact import Status
-from fem_contact.extrapolation import limit_area, located_limit
+from fem_contact.extrapolation import located_limit
 from fem_contact.graded import ExponentialSolid, LayeredSolid
 from fem_contact.response import HalfSpace
 from fem_contact.settings import Settings
 from fem_contact.solid import Solid
 from fem_contact.stress import pressure_distribution
 from fem_contact.surface import HeightField, estimate_spectrum, random_surface
+from validation.measurements.grids import counted_limit
 
 
 def _width(area, fraction):
@@ -105,13 +106,14 @@ def test_the_error_of_a_counted_limit_is_that_of_the_intercept_with_two_numbers_
     # Edges chosen so that all grids weigh alike: fraction times spacing^2 is constant.
     points, x = np.array([16, 32, 48, 64]), np.array([16, 32, 48, 64]) ** 2 / 1e5
     y = 0.2 + 0.1 * x + np.array([1, -1, -1, 1]) * 1e-3
-    found = limit_area([made_areas(*row) for row in zip(y, points, x, strict=True)])
+    value, error = counted_limit(y, x, 1 / points)
     sxx = np.sum((x - x.mean()) ** 2)
     slope = np.sum((x - x.mean()) * y) / sxx
     intercept = y.mean() - slope * x.mean()
     variance = np.sum((y - intercept - slope * x) ** 2) / (4 - 2)
-    assert found.value == pytest.approx(intercept, rel=1e-9)
-    assert found.uncertainty == pytest.approx(math.sqrt(variance * (1 / 4 + x.mean() ** 2 / sxx)), rel=1e-9)
+    assert value == pytest.approx(intercept, rel=1e-9)
+    assert error == pytest.approx(math.sqrt(variance * (1 / 4 + x.mean() ** 2 / sxx)), rel=1e-9)
+    assert counted_limit(np.ones(3), np.zeros(3), 1 / points[:3]) == (1.0, 0.0)
 
 
 def test_a_state_is_stable_only_where_its_curvature_exceeds_its_uncertainty():

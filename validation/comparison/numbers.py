@@ -32,7 +32,7 @@ from validation.solvers import find_method
 from validation.solvers.theory import predict
 
 _TOO_FEW = "it needs two resolved grids of boundary elements with square cells, or three solves on two grids"
-_NO_LIMIT = Limit(value=math.nan, uncertainty=math.nan, edge_constant=math.nan, grids=0)
+_NO_LIMIT = Limit(value=math.nan, uncertainty=math.nan, grids=0, definition="none")
 _ABSENT = {"theory": "it is simulated"}
 _HALF_SPACE = {"depth": "boundary elements press a half-space"}
 

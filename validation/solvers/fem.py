@@ -171,9 +171,9 @@ class Fem(Solver):
 
     def edge_constant(self, result: ContactResult) -> float:
         """Return that of the finite element used."""
-        from fem_contact.block import ELEMENTS
+        from fem_contact.area import EDGE_CONSTANTS
 
-        return ELEMENTS[result.provenance["element"]].edge_constant
+        return EDGE_CONSTANTS[result.provenance["element"]]
 
     def facts(self, options: FemOptions, problem: ContactProblem) -> Iterator[tuple[str, str]]:
         """Yield for each grid the discretisation error that its waves are answered with."""
