@@ -94,8 +94,8 @@ def _of_areas(data: xr.Dataset, first: int) -> Iterator[Finding]:
     limit = "In the limit kappa is {kappa} at p* = {reduced_pressure}, lambda_long/lambda_short = {bandwidth}"
     values: dict[str, Any] = {"bandwidth": float(data.attrs["bandwidth"])}
     if np.isfinite(data.area_persson):
-        form = ": {verdict} Persson's {kappa_persson:~} ({kappa_ensemble:~} from C(q) alone), by {area_excess:+%}. Of what "
-        form = limit + form + "counting finds more than the theory the grid makes {each}."
+        form = ": {verdict} Persson's {kappa_persson:~} ({kappa_ensemble:~} from C(q) alone), by {area_excess:+%}. "
+        form = limit + form + "Of the counted excess over the theory the grid makes {each}."
         item = "{grid_part:%} at lambda_short/dx = {points_per_wave}"
         yield finding("comparison", form, resolved, item=item, over="grid", by="area_excess", **values)
     else:
@@ -108,8 +108,8 @@ def _of_areas(data: xr.Dataset, first: int) -> Iterator[Finding]:
     yield finding("order", form, resolved, item="{distance_pixel:+%} at {points_per_wave}", over="grid")
     values = {"coarse": float(resolved.points_per_wave[0]), "fine": float(resolved.points_per_wave[-1])}
     form = "The first moment of P(sigma) is p0 on every grid; the zeroth, the area, is {area_pixel_change:+%} on {coarse} "
-    form += "against {fine} points per wave. Of that excess {small_stress_part:%} lies at sigma < {small} E* h'_rms, and above "
-    form += "it the coarse grid holds {large_stress_change:+%}."
+    form += "against {fine} points per wave. Pressures below {small} E* h'_rms make {small_stress_part:%} of that excess; of "
+    form += "larger ones the coarse grid has {large_stress_change:+%}."
     yield finding("share", form, data, small=SMALL, **values)
 
 
