@@ -24,16 +24,8 @@ Violation = Callable[[Array, Array, Mask | None], float]
 #: Linear tolerance while the set still moves; it only has to tell contact from separation at most nodes.
 _LOOSE = 1e-3
 
-
-@dataclass(frozen=True, kw_only=True)
-class Settings:
-    """When the active-set iteration stops."""
-
-    # Bound on the linear residual over the norm of the contact forces, and on what an unsettled set may
-    # still violate.
-    tolerance: float
-    max_iterations: int  # Active sets tried at most
-    max_linear_iterations: int  # Conjugate-gradient steps per set
+#: Conjugate-gradient steps allowed for one active set.
+_LINEAR_STEPS = 3000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,7 +128,7 @@ class _SetProblem:
         self.preconditioner = CyclePreconditioner(block, nodes)
 
     def advance(
-        self, state: _State, *, load: float | None, settings: Settings, tolerance: float
+        self, state: _State, *, load: float | None, tolerance: float
     ) -> tuple[_State, LinearSolution]:
         """Solve for displacement and offset with the nodes of the set tied to the profile."""
         prescribed = np.zeros_like(state.displacement)
@@ -175,7 +167,7 @@ class _SetProblem:
                 state.nodes if plastic is None else state.nodes | plastic, state.offset, load=whole
             ),
             tolerance=tolerance,
-            max_iterations=settings.max_linear_iterations,
+            max_iterations=_LINEAR_STEPS,
         )
         offset, displacement = state.offset, solution.x[: guess.size] + prescribed
         if load is not None:
@@ -191,7 +183,8 @@ def solve_contact(
     load: float | None,
     offset: float,
     start: Mask,
-    settings: Settings,
+    tolerance: float,
+    max_iterations: int,
     violation: Violation,
     displacement: Array | None = None,
 ) -> Answer:
@@ -205,6 +198,11 @@ def solve_contact(
         Prescribed offset over the cell width, or its first guess.
     start : (nx, ny) array of bool
         First active set.
+    tolerance : float
+        Bound on the linear residual over the norm of the contact forces, and on what an unsettled set may
+        still violate.
+    max_iterations : int
+        Active sets tried at most.
     violation : callable
         Dimensionless measure of what nodal forces and gaps violate, given the nodes at the bound.
     displacement : (nx, ny, nz, 3) array, optional
@@ -220,35 +218,35 @@ def solve_contact(
     """
     state = _State.initial(block, start=start, offset=offset, displacement=displacement)
     seen: set[bytes] = set()
-    tolerance = max(_LOOSE, settings.tolerance)
+    loosely = max(_LOOSE, tolerance)
     status = Status.ITERATION_LIMIT
     linear, peak, sets = 0, 0, 0
-    while sets < settings.max_iterations:
+    while sets < max_iterations:
         problem = _SetProblem(block, state.nodes)
         peak, sets = max(peak, problem.preconditioner.nbytes), sets + 1
-        state, solution = problem.advance(state, load=load, settings=settings, tolerance=tolerance)
+        state, solution = problem.advance(state, load=load, tolerance=loosely)
         linear += solution.iterations
-        if not solution.converged and solution.iterations >= settings.max_linear_iterations:
+        if not solution.converged and solution.iterations >= _LINEAR_STEPS:
             # What is not solved loosely will not be solved tightly, and sets read off it mean nothing.
             status = Status.ITERATION_LIMIT
             break
-        if tolerance > settings.tolerance and (state.settled or state.key in seen):
-            tolerance = settings.tolerance
+        if loosely > tolerance and (state.settled or state.key in seen):
+            loosely = tolerance
             seen.clear()
-            state, solution = problem.advance(state, load=load, settings=settings, tolerance=tolerance)
+            state, solution = problem.advance(state, load=load, tolerance=tolerance)
             linear += solution.iterations
-        if tolerance == settings.tolerance:
-            verdict = _verdict(state, solution, seen=seen, settings=settings, violation=violation)
+        if loosely == tolerance:
+            verdict = _verdict(state, solution, seen=seen, tolerance=tolerance, violation=violation)
             if verdict is not None:
                 status = verdict
                 break
-        if sets < settings.max_iterations:
+        if sets < max_iterations:
             seen.add(_key(state.nodes, state.plastic))
             state = state.moved()
     at_bound = None
     if block.bound is not None and state.plastic is not None:
         # A node that the profile rests on may be among them.
-        at_bound = state.plastic | (state.nodes & (state.force >= (1 - settings.tolerance) * block.bound))
+        at_bound = state.plastic | (state.nodes & (state.force >= (1 - tolerance) * block.bound))
     field = np.zeros((*block.shape, block.levels + 1, 3))
     field[:, :, 1:] = state.displacement.reshape(*block.shape, block.levels, 3)
     return Answer(
@@ -270,12 +268,11 @@ def solve_contact(
 
 
 def _verdict(
-    state: _State, solution: LinearSolution, *, seen: set[bytes], settings: Settings, violation: Violation
+    state: _State, solution: LinearSolution, *, seen: set[bytes], tolerance: float, violation: Violation
 ) -> Status | None:
     """Return how the iteration ends with a set solved to the tolerance; None where it goes on."""
     if not solution.converged:
-        limited = solution.iterations >= settings.max_linear_iterations
-        return Status.ITERATION_LIMIT if limited else Status.STAGNATED
-    if state.settled or violation(state.force, state.gap, state.plastic) <= settings.tolerance:
+        return Status.ITERATION_LIMIT if solution.iterations >= _LINEAR_STEPS else Status.STAGNATED
+    if state.settled or violation(state.force, state.gap, state.plastic) <= tolerance:
         return Status.CONVERGED
     return Status.CYCLING if state.key in seen else None

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from fem_contact._types import Array, Mask
-from fem_contact.block.full.active_set import Settings, solve_contact
+from fem_contact.block.full.active_set import solve_contact
 from fem_contact.block.full.block import Block
 from fem_contact.block.full.multigrid import build_hierarchy
 from fem_contact.block.full.quadratic import QuadraticBlock, parity_blocks, refined_hierarchy
@@ -26,9 +26,6 @@ _COARSE_TOLERANCE = 1e-3
 
 #: A node all of whose parents on the coarser grid touch is taken to touch.
 _INSIDE = 0.999
-
-#: Conjugate-gradient steps allowed for one active set.
-_LINEAR_STEPS = 3000
 
 
 def prepared(problem: Problem) -> Block:
@@ -128,9 +125,8 @@ def _pressed(
         offset=offset if problem.offset is None else problem.offset,
         start=nodes if nodes.any() else highest_nodes(block.heights, problem),
         displacement=displacement,
-        settings=Settings(
-            tolerance=tolerance, max_iterations=problem.steps, max_linear_iterations=_LINEAR_STEPS
-        ),
+        tolerance=tolerance,
+        max_iterations=problem.steps,
         violation=violation,
     )
 

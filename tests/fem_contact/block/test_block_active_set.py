@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fem_contact.block import plan_mesh, solve
-from fem_contact.block.full import active_set, system
-from fem_contact.block.full.active_set import Settings, solve_contact
+from fem_contact.block.full import active_set
+from fem_contact.block.full.active_set import solve_contact
 from fem_contact.block.full.block import Block
 from fem_contact.block.full.linear import LinearSolution
 from fem_contact.block.full.multigrid import build_hierarchy
@@ -13,7 +13,7 @@ from fem_contact.contact import Status
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 
-SETTINGS = Settings(tolerance=1e-9, max_iterations=30, max_linear_iterations=100)
+LIMITS = {"tolerance": 1e-9, "max_iterations": 30}
 
 
 def bumpy_block() -> Block:
@@ -48,7 +48,7 @@ def test_a_set_that_returns_is_a_cycle_unless_nothing_is_violated(
         load=0.1,
         offset=0.0,
         start=start,
-        settings=SETTINGS,
+        **LIMITS,
         violation=lambda *_: violation,
     )
     assert found.status is status
@@ -56,7 +56,7 @@ def test_a_set_that_returns_is_a_cycle_unless_nothing_is_violated(
 
 
 def test_linear_systems_that_do_not_converge_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(system, "_LINEAR_STEPS", 2)
+    monkeypatch.setattr(active_set, "_LINEAR_STEPS", 2)
     x = np.arange(8) / 8
     surface = HeightField(
         heights=1e-3 * np.cos(2 * np.pi * x)[:, None] * np.cos(2 * np.pi * x), lengths=(1.0, 1.0)
@@ -69,16 +69,18 @@ def test_linear_systems_that_do_not_converge_are_reported(monkeypatch: pytest.Mo
 def test_updated_set_is_contact_under_pressure_and_penetrating_nodes() -> None:
     block = bumpy_block()
     start = np.ones((4, 4), dtype=bool)
-    settings = replace(SETTINGS, max_iterations=1)
     first = solve_contact(
-        block, load=0.05, offset=0.0, start=start, settings=settings, violation=lambda *_: 1.0
+        block,
+        load=0.05,
+        offset=0.0,
+        start=start,
+        **(LIMITS | {"max_iterations": 1}),
+        violation=lambda *_: 1.0,
     )
     assert first.status is Status.ITERATION_LIMIT
     assert first.force.sum() == pytest.approx(0.05, rel=1e-2)
     assert first.force.min() < 0
-    last = solve_contact(
-        block, load=0.05, offset=0.0, start=start, settings=SETTINGS, violation=lambda *_: 1.0
-    )
+    last = solve_contact(block, load=0.05, offset=0.0, start=start, **LIMITS, violation=lambda *_: 1.0)
     assert last.status is Status.CONVERGED
     assert last.force[last.in_contact].min() > 0
     assert last.gap[~last.in_contact].min() >= 0
