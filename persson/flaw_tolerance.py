@@ -16,8 +16,6 @@ from persson._checks import (
     poisson_ratio,
     positive,
     scalar,
-    whole,
-    within,
 )
 from persson.elastic import contact_area
 from persson.errors import InvalidInput, NotConverged, OutsideTheory
@@ -25,7 +23,9 @@ from persson.interface import Interface
 from persson.spectrum import Spectrum, area_factor
 from persson.variants import energy_share
 
-_ROUNDS = 400
+#: Wavevectors of the optimal modulus, evenly spaced in ln q; its relative change at which the iteration
+#: stops, and rounds allowed.
+_NODES, _SETTLED, _ROUNDS = 300, 1e-8, 400
 
 
 def crack_stress(work: ArrayLike, *, contact_modulus: float, length: ArrayLike) -> Array:
@@ -123,8 +123,6 @@ def optimal_modulus(
     pressure: float,
     tensile_limit: float,
     interface: Interface,
-    nodes: int = 300,
-    tolerance: float = 1e-8,
 ) -> FlawTolerance:
     r"""Find the graded modulus with which sigma_a does not depend on the magnification, on a rough surface.
 
@@ -140,10 +138,6 @@ def optimal_modulus(
         sigma_a [Pa] that is wanted at every magnification, such as the ideal strength.
     interface : Interface
         Delta gamma, alpha, the energy ("old" or "improved") and the areas of Eq. 37.
-    nodes : int
-        Wavevectors, evenly spaced in ln q.
-    tolerance : float
-        Relative change of E~* at which the iteration stops.
 
     Raises
     ------
@@ -162,16 +156,13 @@ def optimal_modulus(
     instance("interface", interface, Interface, what="an `Interface`")
     limit = positive("tensile_limit", tensile_limit, unit="Pa")
     held = scalar("pressure", pressure, unit="Pa") + limit
-    within("tolerance", tolerance, 1e-13, 0.1, interval="[1e-13, 0.1]")
     if held <= 0:
         raise OutsideTheory(f"pressure = {pressure!r} Pa: the tension must stay below the tensile limit")
     if interface.energy == "as_printed":
         raise InvalidInput("interface.energy = 'as_printed': must be 'improved' or 'old' here")
     if not spectrum.q_min > 0:
         raise InvalidInput("q_min = 0: must be positive; give q_min = 2 pi / L")
-    q = spectrum.q_min * np.geomspace(
-        1.0, spectrum.q_short / spectrum.q_min, whole("nodes", nodes, least=8, most=20_000)
-    )
+    q = spectrum.q_min * np.geomspace(1.0, spectrum.q_short / spectrum.q_min, _NODES)
     q[-1] = spectrum.q_short
     added = np.diff(np.asarray(spectrum.m2(q))) / 4
     star = np.asarray(area_factor(spectrum.m2(q))) if interface.area == "star" else np.ones_like(q)
@@ -196,6 +187,6 @@ def optimal_modulus(
                 )
             change = np.log(bond / work / relative)
             relative = relative * np.exp(0.5 * change)
-            if np.max(np.abs(change)) < tolerance:
+            if np.max(np.abs(change)) < _SETTLED:
                 return FlawTolerance(wavevectors=q, modulus=unit * relative, work=work, area=area)
     raise NotConverged(f"the optimal modulus still changes by {float(np.max(np.abs(change))):.3g} in a round")

@@ -19,17 +19,11 @@ from persson.variants import EnergyReading, energy_share
 _BEND = 1e-6
 
 
-def elastic_energy(
-    pressure: ArrayLike,
-    *,
-    scale: Scale,
-    energy: EnergyReading = "old",
-    energy_ratio: float = 1.0,
-) -> Array:
+def elastic_energy(pressure: ArrayLike, *, scale: Scale, energy: EnergyReading = "old") -> Array:
     r"""Elastic energy stored at the interface, per nominal area, without adhesion.
 
     .. math:: \frac{U_\mathrm{el}}{A_0} = \int \frac{dV}{E^* q}\, \tilde P, \qquad
-              \tilde P = P\,[g + (1-g)P^2], \quad P = \operatorname{erf}\frac{\sigma_0}{\sqrt{2V}}
+              \tilde P = P = \operatorname{erf}\frac{\sigma_0}{\sqrt{2V}} \text{ ("old")}
 
     Parameters
     ----------
@@ -38,10 +32,8 @@ def elastic_energy(
     scale : Scale
         Spectrum and modulus.
     energy : str
-        P~ as `persson.variants.energy_share` has it: "old", Eq. 43 of Persson 2006, the formula above with
-        g = 1; "improved", Eqs. 44-49; "as_printed", Eq. 50; and the variants.
-    energy_ratio : float
-        g in (0, 1], the correction of Yang and Persson (2008): 0.45 there. For "old" alone.
+        P~ as `persson.variants.energy_share` has it: "old", Eq. 43 of Persson 2006; "improved", Eqs. 44-49;
+        "as_printed", Eq. 50; and the variants.
 
     Returns
     -------
@@ -53,13 +45,10 @@ def elastic_energy(
     Persson 2006, Secs. 8.2 and 8.3. Without adhesion P~ exceeds P at light load and tends to 2 P
     (docs/errata.md); computed energies lie below Eq. 43 there, by half at p* = .05 and more below Eq. 48.
     """
-    ratio = within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
-    if energy != "old" and ratio != 1:
-        raise InvalidInput(f"energy_ratio = {ratio!r}: belongs to energy = 'old'; must be 1 with {energy!r}")
     load = non_negative("pressure", pressure, unit="Pa")
     variance, length = _waves(scale)
     share = energy_share(load[..., None], stress_variance=variance, energy=energy)
-    return np.asarray((share * (ratio + (1 - ratio) * share * share)) @ length)[()]
+    return np.asarray(share @ length)[()]
 
 
 def contact_stiffness(pressure: ArrayLike, *, scale: Scale, energy_ratio: float = 1.0) -> Array:

@@ -123,13 +123,7 @@ def _bell(s: Array) -> Array:
     return np.asarray(2 / math.sqrt(math.pi) * s * np.exp(-s * s))
 
 
-def _ratio(variant: Variant, energy_ratio: float | None) -> float:
-    if energy_ratio is None:
-        return XU_RATIO if variant == "xu" else ENERGY_RATIO
-    return within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
-
-
-def light_load_kappa(variant: Variant, *, energy_ratio: float | None = None) -> float:
+def light_load_kappa(variant: Variant) -> float:
     """Limit of (A/A0)/p* at vanishing load: sqrt(8/pi) / sqrt(S(0)).
 
     Examples
@@ -138,18 +132,11 @@ def light_load_kappa(variant: Variant, *, energy_ratio: float | None = None) -> 
     (2.141, 2.379)
     """
     choice("variant", variant, get_args(Variant))
-    ratio = _ratio(variant, energy_ratio)
-    zero = ratio if variant == "xu" else float(energy_factor(0.0, variant=variant, energy_ratio=ratio))
+    zero = XU_RATIO if variant == "xu" else float(energy_factor(0.0, variant=variant))
     return KAPPA_PERSSON / math.sqrt(zero)
 
 
-def corrected_contact_area(
-    pressure: ArrayLike,
-    *,
-    stress_variance: ArrayLike,
-    variant: Variant,
-    energy_ratio: float | None = None,
-) -> Array:
+def corrected_contact_area(pressure: ArrayLike, *, stress_variance: ArrayLike, variant: Variant) -> Array:
     r"""Relative contact area of an elastic solid in a variant of the theory.
 
     .. math:: \frac{dV}{dV_\mathrm{full}} = S(P), \qquad P = \operatorname{erf}\frac{\sigma_0}{\sqrt{2V}}
@@ -162,10 +149,8 @@ def corrected_contact_area(
         V_full [Pa^2], the variance at full contact.
     variant : {"persson", "yang_persson", "wang_mueser", "xu"}
         As for `energy_factor`; "xu" is V = [g + (1 - g) P] V_full, which needs no integration (Xu, Zhu,
-        Xiao and Zhou, Tribol. Lett. 2024, doi 10.1007/s11249-024-01838-4).
-    energy_ratio : float, optional
-        g: .45 of Yang and Persson, .42 of Xu et al. as in the code they published. That code takes .42
-        for the variant of Yang and Persson, too.
+        Xiao and Zhou, Tribol. Lett. 2024, doi 10.1007/s11249-024-01838-4), with g = .42 as in the code they
+        published. That code takes .42 for the variant of Yang and Persson, too; here it is .45.
 
     Notes
     -----
@@ -180,7 +165,6 @@ def corrected_contact_area(
     load = non_negative("pressure", pressure, unit="Pa")
     full = non_negative("stress_variance", stress_variance, unit="Pa^2", power=2)
     choice("variant", variant, get_args(Variant))
-    ratio = _ratio(variant, energy_ratio)
     if variant == "persson":
         return contact_area(load, stress_variance=full)
     alike(pressure=load, stress_variance=full)
@@ -190,17 +174,17 @@ def corrected_contact_area(
     x = np.where(loaded, np.where(loaded, root, 1.0) / np.where(loaded, load, 1.0), 1.0)
     # Beyond it the square could not be represented, and the area is proportional to the load.
     limited = np.minimum(x, 1e100)
-    y = _xu(limited**2, ratio) if variant == "xu" else _grown(limited**2, variant, ratio)
+    y = _xu(limited**2) if variant == "xu" else _grown(limited**2, variant)
     area = np.asarray(erf(1 / np.sqrt(2 * y))) * (limited / x)
     return np.where(loaded, area, np.where(load > 0, 1.0, 0.0))[()]
 
 
-def _grown(x: Array, variant: Variant, ratio: float) -> Array:
+def _grown(x: Array, variant: Variant) -> Array:
     """Invert x = int_0^y dy' / S(erf(1/sqrt(2 y'))); below y = 1e-3 S is 1."""
     points, weights = np.polynomial.legendre.leggauss(8)
 
     def rate(y: Array) -> Array:
-        return np.asarray(1 / energy_factor(erf(1 / np.sqrt(2 * y)), variant=variant, energy_ratio=ratio))
+        return np.asarray(1 / energy_factor(erf(1 / np.sqrt(2 * y)), variant=variant))
 
     low, high = _NODES[:-1, None], _NODES[1:, None]
     inner = low + (high - low) * (1 + points) / 2
@@ -216,12 +200,12 @@ def _grown(x: Array, variant: Variant, ratio: float) -> Array:
     return np.where(x < table[0], x, np.where(x > table[-1], x * (y / inside), y))
 
 
-def _xu(x: Array, ratio: float) -> Array:
+def _xu(x: Array) -> Array:
     """Solve y = [g + (1 - g) erf(1/sqrt(2y))] x, whose right side falls with y, by bisection in ln y."""
-    low, high = np.log(ratio * x), np.log(x)
+    low, high = np.log(XU_RATIO * x), np.log(x)
     for _ in range(60):
         middle = (low + high) / 2
         y = np.exp(middle)
-        above = y > (ratio + (1 - ratio) * erf(1 / np.sqrt(2 * y))) * x
+        above = y > (XU_RATIO + (1 - XU_RATIO) * erf(1 / np.sqrt(2 * y))) * x
         low, high = np.where(above, low, middle), np.where(above, middle, high)
     return np.asarray(np.exp((low + high) / 2))

@@ -119,7 +119,7 @@ def theory_doors() -> dict[str, Door]:
         (flaw_tolerance.flaw_tolerant_gradient, {"ideal_strength": 1e8, "alpha": 1.0}),
         (
             flaw_tolerance.optimal_modulus,
-            {"spectrum": smooth, "pressure": 0.0, "tensile_limit": 1e5, "nodes": 40, "tolerance": 1e-3},
+            {"spectrum": smooth, "pressure": 0.0, "tensile_limit": 1e5},
         ),
         (viscoelastic.StandardSolid, RUBBER),
         *(hard.loss_compliance, hard.modulus),

@@ -168,7 +168,6 @@ def tolerance(units):
         pressure=0.0,
         tensile_limit=1e6 * stress,
         interface=Interface(work_of_adhesion=0.05 * stress * length),
-        nodes=50,
     )
     return np.concatenate([found.modulus / stress, found.area, found.growth])
 
