@@ -12,6 +12,7 @@ from .archard import archard_hierarchy as archard_hierarchy
 from .asperities import FullerTabor as FullerTabor
 from .asperities import bush_gibson_thomas as bush_gibson_thomas
 from .asperities import nayak_asperities as nayak_asperities
+from .asperities import yielding_asperities as yielding_asperities
 from .capillary import CapillaryWaves as CapillaryWaves
 from .capillary import maximum_height as maximum_height
 from .diffusion import Diffusion as Diffusion
@@ -24,13 +25,13 @@ from .elastic import pressure_distribution as pressure_distribution
 from .elastic import pressure_for_area as pressure_for_area
 from .elastic import reduced_pressure as reduced_pressure
 from .elastic import stress_variance as stress_variance
-from .elastoplastic_asperities import yielding_asperities as yielding_asperities
 from .errors import InvalidInput as InvalidInput
 from .errors import PerssonError as PerssonError
 from .flaw_tolerance import crack_stress as crack_stress
 from .flaw_tolerance import flaw_tolerant_gradient as flaw_tolerant_gradient
 from .flaw_tolerance import optimal_modulus as optimal_modulus
 from .gaps import gap_distribution as gap_distribution
+from .graded import ElasticPlate as ElasticPlate
 from .graded import ExponentialLayers as ExponentialLayers
 from .graded import GradedModulus as GradedModulus
 from .graded import SurfaceLayer as SurfaceLayer
@@ -41,7 +42,6 @@ from .leakage import effective_medium as effective_medium
 from .limits import critical_roughness as critical_roughness
 from .limits import pull_off_stress as pull_off_stress
 from .percolation import percolation_magnification as percolation_magnification
-from .plate import ElasticPlate as ElasticPlate
 from .scale import Scale as Scale
 from .separation import contact_stiffness as contact_stiffness
 from .separation import elastic_energy as elastic_energy

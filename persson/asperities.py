@@ -1,8 +1,8 @@
 """Contact as a sum over independent asperities (Persson 2006, Secs. 3.2 and 3.3).
 
-Greenwood and Williamson (1966) with equal spheres, Bush, Gibson and Thomas (1975) with the ellipsoidal
-summits of a Gaussian surface, Fuller and Tabor (1975) with adhesion. The statistics of summits are those of
-Nayak (1971).
+Greenwood and Williamson (1966) with equal spheres, which may yield, Bush, Gibson and Thomas (1975) with the
+ellipsoidal summits of a Gaussian surface, Fuller and Tabor (1975) with adhesion. The statistics of summits
+are those of Nayak (1971).
 """
 
 from __future__ import annotations
@@ -21,6 +21,9 @@ from persson.spectrum import Moments
 
 #: Height in standard deviations beyond which series replace parabolic cylinder functions.
 _FAR = 12.0
+
+#: Standard deviations above the mean beyond which there are no summits.
+_HIGHEST = 12.0
 
 
 def tail_moment(order: float, height: ArrayLike) -> Array:
@@ -51,12 +54,15 @@ class AsperityContact:
         Asperities in contact per area [1/m^2].
     patch_area : array
         Mean patch sum A_i^2 / sum A_i [m^2]; nan where the theory does not give it.
+    area_plastic : array
+        The part of the area that has yielded.
     """
 
     area: Array
     pressure: Array
     density: Array
     patch_area: Array
+    area_plastic: ArrayLike = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -264,6 +270,66 @@ def _axis_ratio(curvatures: float) -> float:
         return (e / (ratio * ratio) - k) / (k - e) - curvatures
 
     return math.exp(brentq(miss, -12.0, -1e-5, xtol=1e-13)) if miss(-1e-5) < 0 else 1.0
+
+
+def yielding_asperities(
+    separation: ArrayLike, *, asperities: Asperities, contact_modulus: float, hardness: float
+) -> AsperityContact:
+    r"""Contact of equal spheres of Gaussian heights that yield where their mean pressure would exceed H.
+
+    .. math:: s_c = R\Bigl(\frac{3\pi H}{4E^*}\Bigr)^2, \qquad
+              A_i = \pi R\,(2s - s_c), \quad F_i = H A_i \quad (s > s_c)
+
+    Parameters
+    ----------
+    separation : float or array
+        d [m] between the plane and the mean summit height.
+    asperities : Asperities
+        Density, radius and height scatter.
+    contact_modulus : float
+        E* [Pa].
+    hardness : float
+        H [Pa], the indentation hardness.
+
+    Notes
+    -----
+    Below the approach s_c each asperity is that of Hertz, Eqs. 10-12. Above, its volume is kept (W. R.
+    Chang, I. Etsion and D. B. Bogy, J. Tribol. 109, 257, 1987), with H for their pressure at yield, so
+    that area and load of an asperity are continuous. Great H is Greenwood and Williamson's contact; small
+    H gives A/A0 = sigma_0/H.
+    """
+    instance("asperities", asperities, Asperities, what="`Asperities`")
+    modulus = positive("contact_modulus", contact_modulus, unit="Pa")
+    limit = positive("hardness", hardness, unit="Pa")
+    height, radius = asperities.rms_height, asperities.radius
+    t = real("separation", separation, unit="m") / height
+    onset = radius / height * min(0.75 * math.pi * limit / modulus, 1e15) ** 2
+    late = t + onset
+    beyond = tail_moment(1, late)
+    scale = asperities.density * radius * height
+    plastic = math.pi * scale * (2 * beyond + onset * tail_moment(0, late))
+    below = np.maximum(tail_moment(1, t) - beyond - onset * tail_moment(0, late), 0.0)
+    slope = math.sqrt(height / radius)
+    elastic = 4 / 3 * modulus * scale * slope * _unyielded(t, onset)
+    area = np.asarray(math.pi * scale * below + plastic)[()]
+    return AsperityContact(
+        area=area,
+        area_plastic=np.asarray(plastic)[()],
+        pressure=(elastic + limit * plastic)[()],
+        density=np.asarray(asperities.density * tail_moment(0, t))[()],
+        patch_area=np.full(np.shape(area), np.nan)[()],
+    )
+
+
+def _unyielded(t: Array, span: float) -> Array:
+    """Int_t^(t + span) (x - t)^(3/2) phi(x) dx; x = t + w y^2 takes the root away."""
+    points, weights = np.polynomial.legendre.leggauss(160)
+    y = (1 + points) / 2
+    width = np.minimum(span, np.maximum(_HIGHEST - t, 0.0))
+    x = t[..., None] + width[..., None] * y * y
+    with np.errstate(under="ignore"):
+        density = np.exp(-0.5 * np.minimum(x * x, 1400.0)) / math.sqrt(2 * math.pi)
+    return np.asarray(width * width * np.sqrt(width) * ((y**4 * density) @ weights))
 
 
 @dataclass(frozen=True, kw_only=True)

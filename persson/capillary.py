@@ -93,12 +93,6 @@ class CapillaryWaves(SpectrumMoments):
         scale = self._strength / (4 * math.pi**2 * self.q_bend * self.q_bend)
         return np.where(inside, scale * shape, 0.0)
 
-    def truncated(self, q_max: float) -> Self:
-        """Return the same surface without its waves beyond q_max [1/m]."""
-        if not positive("q_max", q_max, unit="1/m") >= self.q_min * (1 - EDGE):
-            raise InvalidInput(f"q_max = {q_max!r}: must be at least q_min = {self.q_min!r}")
-        return replace(self, q_short=max(min(self.q_short, q_max), self.q_min))
-
     def scaled(self, factor: float) -> Self:
         """Return the spectrum times `factor`."""
         return replace(self, multiple=self.multiple * positive("factor", factor))

@@ -236,12 +236,6 @@ class SelfAffine(SpectrumMoments):
             shape = safe ** (-2 * (1 + self.hurst))
         return np.where(inside, self.amplitude * shape, 0.0)
 
-    def truncated(self, q_max: float) -> Self:
-        """Return the same roughness without its waves beyond q_max [1/m], q_long <= q_max."""
-        if not positive("q_max", q_max, unit="1/m") >= self.q_long * (1 - EDGE):
-            raise InvalidInput(f"q_max = {q_max!r}: must be at least q_long = {self.q_long!r}")
-        return replace(self, q_short=max(min(self.q_short, q_max), self.q_long))
-
     def scaled(self, factor: float) -> Self:
         """Return the spectrum times `factor`: 4 adds an equal surface coherently."""
         return replace(self, amplitude=self.amplitude * positive("factor", factor))

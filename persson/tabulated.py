@@ -91,16 +91,6 @@ class Tabulated(SpectrumMoments):
         value = self.power[index] * (safe / self.wavevectors[index]) ** self._exponents[index]
         return np.where(inside, value, 0.0)
 
-    def truncated(self, q_max: float) -> Self:
-        """Return the same surface without its waves beyond q_max [1/m]."""
-        if not positive("q_max", q_max, unit="1/m") > self.q_min:
-            raise InvalidInput(f"q_max = {q_max!r}: must exceed q_min = {self.q_min!r}")
-        if q_max >= self.q_short:
-            return self
-        keep = self.wavevectors < q_max
-        q = np.append(self.wavevectors[keep], q_max)
-        return replace(self, wavevectors=q, power=np.append(self.power[keep], self(q_max)))
-
     def scaled(self, factor: float) -> Self:
         """Return the spectrum times `factor`."""
         return replace(self, power=self.power * positive("factor", factor))

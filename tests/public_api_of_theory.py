@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from public_api import Door, doors_with
 
@@ -14,7 +12,6 @@ from persson import (
     capillary,
     diffusion,
     elastic,
-    elastoplastic_asperities,
     flaw_tolerance,
     gaps,
     graded,
@@ -23,7 +20,6 @@ from persson import (
     leakage,
     limits,
     percolation,
-    plate,
     scale,
     separation,
     sine,
@@ -79,7 +75,6 @@ def theory_doors() -> dict[str, Door]:
     return doors_with(
         common,
         *kinds,
-        *((kind.truncated, {"q_max": math.sqrt(kind.q_long * kind.q_short)}) for kind in kinds),
         *(getattr(kind, name) for kind in kinds for name in ("scaled", "m0", "m2", "m4", "moments")),
         (spectrum.SelfAffine, {"amplitude": 1e-27}),
         (spectrum.SelfAffine.from_rms_height, {"rms_height": 1e-6}),
@@ -111,10 +106,10 @@ def theory_doors() -> dict[str, Door]:
         (tensile.adhesion_load, {"pressure": 1e5, "stress_variance": 1e12, "tensile_limit": 1e6}),
         (archard.archard_hierarchy, {"radii": [1e-2, 1e-4], "densities": [1e8]}),
         (heights.height_distribution, {"height": 1e-9, "rms_height": 1e-9}),
-        (elastoplastic_asperities.yielding_asperities, {"hardness": 1e8}),
+        (asperities.yielding_asperities, {"hardness": 1e8}),
         (percolation.percolation_magnification, {"threshold": 0.3}),
-        (plate.ElasticPlate, {"young": 1e9, "thickness": 1e-6}),
-        plate.ElasticPlate(young=1e9, poisson=0.3, thickness=1e-6),
+        (graded.ElasticPlate, {"young": 1e9, "thickness": 1e-6}),
+        graded.ElasticPlate(young=1e9, poisson=0.3, thickness=1e-6),
         (flaw_tolerance.crack_stress, {"work": 0.05, "length": 1e-9}),
         (flaw_tolerance.flaw_tolerant_gradient, {"ideal_strength": 1e8, "alpha": 1.0}),
         (

@@ -10,20 +10,12 @@ patch alone, `solve` the iteration, `polonsky_keer` a slow one that checks it. U
 `iteration_arrays`, compiled `kernels`, `rows` shared out over threads.
 """
 
-from fem_contact.complementarity.fourier import FourierOperator
-from fem_contact.complementarity.free import FreeOperator, operator_of
-from fem_contact.complementarity.operator import Operator, Solution
-from fem_contact.complementarity.polonsky_keer import polonsky_keer
-from fem_contact.complementarity.solve import solve_bounded, solve_nested, surely_partial
-
-__all__ = [
-    "FourierOperator",
-    "FreeOperator",
-    "Operator",
-    "Solution",
-    "operator_of",
-    "polonsky_keer",
-    "solve_bounded",
-    "solve_nested",
-    "surely_partial",
-]
+from fem_contact.complementarity.fourier import FourierOperator as FourierOperator
+from fem_contact.complementarity.free import FreeOperator as FreeOperator
+from fem_contact.complementarity.free import operator_of as operator_of
+from fem_contact.complementarity.operator import Operator as Operator
+from fem_contact.complementarity.operator import Solution as Solution
+from fem_contact.complementarity.polonsky_keer import polonsky_keer as polonsky_keer
+from fem_contact.complementarity.solve import solve_bounded as solve_bounded
+from fem_contact.complementarity.solve import solve_nested as solve_nested
+from fem_contact.complementarity.solve import surely_partial as surely_partial

@@ -6,17 +6,15 @@ import numpy as np
 import pytest
 
 from persson.archard import archard_hierarchy
-from persson.asperities import FullerTabor, bush_gibson_thomas, nayak_asperities
+from persson.asperities import FullerTabor, bush_gibson_thomas, nayak_asperities, yielding_asperities
 from persson.capillary import CapillaryWaves
-from persson.elastoplastic_asperities import yielding_asperities
 from persson.flaw_tolerance import optimal_modulus
 from persson.gaps import gap_distribution
-from persson.graded import ExponentialLayers
+from persson.graded import ElasticPlate, ExponentialLayers
 from persson.hardness import size_dependent_hardness
 from persson.interface import Interface
 from persson.limits import critical_roughness
 from persson.percolation import percolation_magnification
-from persson.plate import ElasticPlate
 from persson.scale import Scale
 from persson.separation import (
     contact_stiffness,
