@@ -10,6 +10,7 @@ import scipy.special
 from gold.asked import STUDIES
 from gold.make import options_of
 
+from validation.report.estimates import HOLDS
 from validation.scenes.tables import RandomSurface
 
 #: Options that say how many surfaces, or pairs of them, are pressed.
@@ -45,7 +46,11 @@ def of_surfaces(data):
         for name, error in data.data_vars.items()
         if "surfaces" in error.coords.get("source", []) and "surface" not in error.dims
     }
-    return {name: error for name, error in errors.items() if data[name].attrs.get("reduction") != "power law"}
+    return {
+        name: error
+        for name, error in errors.items()
+        if "fit" not in data[f"{name}_error"].attrs.get(HOLDS, "")
+    }
 
 
 @pytest.mark.parametrize("name", ASKED)

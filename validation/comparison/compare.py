@@ -260,7 +260,9 @@ def differing(results: Mapping[str, Result]) -> dict[str, tuple[str, ...]]:
 
 def _compared(data: xr.Dataset) -> list[str]:
     names = [str(n).removesuffix("_apart") for n in data.data_vars if str(n).endswith("_apart")]
-    names = [name for name in names if name in data]
+    # The scene's own surface says nothing new where no other was pressed.
+    twice = "area" in data and "area_own" in data and data.area.equals(data.area_own)
+    names = [name for name in names if name in data and not (twice and name.endswith("_own"))]
 
     def order(name: str) -> tuple[bool, bool, int]:
         return f"{name}_apart_error" not in data, not name.startswith("area"), data[name].ndim
@@ -396,7 +398,6 @@ def _figures(data: xr.Dataset) -> Iterator[Figure]:
         made += 1
         yield Figure(
             name=name.replace("_", "-"),
-            caption=f"{quantity_of(data, name).meaning.capitalize()} of every result"
-            f"{place and f' ({place})'}.",
+            caption=f"Of every result: {quantity_of(data, name).meaning}{place and f' ({place})'}.",
             panels=[Panel(marks=marks, x=x)],
         )

@@ -69,7 +69,7 @@ KINDS: dict[str, tuple[Callable[[Value], str] | None, dict[str, str]]] = {
         {
             "agree": "agree within their 95 % intervals",
             "differ": "differ by more than their 95 % intervals",
-            "?": f"agree or not: {_UNDECIDED}",
+            "?": f"agree or differ, which without an interval is {_UNDECIDED}",
         },
     ),
     "equivalence": (
