@@ -208,7 +208,8 @@ def main() -> int:
             print(outcome.output[-600:], flush=True)
     print(", ".join(f"{n} {verdict}" for verdict, n in sorted(counts.items())))
     total = len(tests_of_audit())
-    print(f"{total - len(left)} of {total} tests of the audit are broken by a fault")
+    if len(left) < total:
+        print(f"{total - len(left)} of {total} tests of the audit are broken by a fault")
     return 1 if unexpected else 0
 
 
