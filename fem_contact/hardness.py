@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from fem_contact._types import Array
 from fem_contact.contact import ContactResult, Cost, Status
 from fem_contact.patches import find_patches
 from fem_contact.response import Response
+from fem_contact.settings import Limits
 from fem_contact.surface import HeightField
 
 #: Solves after which the patches are given up on.
@@ -145,10 +147,7 @@ def press_yielding(
     *,
     hardness: Hardness,
     mean_pressure: float,
-    tolerance: float = 1e-8,
-    max_iterations: int = 1000,
-    time_limit: float | None = None,
-    threads: int | None = None,
+    **limits: Unpack[Limits],
 ) -> ContactResult:
     """Press a rigid rough surface against a solid that yields; boundary elements.
 
@@ -167,14 +166,7 @@ def press_yielding(
 
     def press(pressure_bound: float | Array) -> ContactResult:
         return bem.solve(
-            surface,
-            response,
-            mean_pressure=mean_pressure,
-            pressure_bound=pressure_bound,
-            tolerance=tolerance,
-            max_iterations=max_iterations,
-            time_limit=time_limit,
-            threads=threads,
+            surface, response, mean_pressure=mean_pressure, pressure_bound=pressure_bound, **limits
         )
 
     return press_by_patches(surface, hardness, press) if hardness.sized else press(hardness.pressure)

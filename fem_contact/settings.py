@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from dataclasses import dataclass, replace
+from typing import TypedDict
 
 from fem_contact._checks import positive, whole, within
 
@@ -15,6 +16,15 @@ LARGEST_TOLERANCE = 0.1
 def available_processors() -> int:
     """Processors this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class Limits(TypedDict, total=False):
+    """What `Settings` are made of, as arguments of functions that hand them down."""
+
+    tolerance: float
+    max_iterations: int
+    time_limit: float | None
+    threads: int | None
 
 
 @dataclass(frozen=True, kw_only=True)

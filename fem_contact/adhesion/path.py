@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Unpack
 
 import numpy as np
 
@@ -17,11 +17,11 @@ from fem_contact._checks import finite, non_negative, numbers_of, within
 from fem_contact._types import Array
 from fem_contact.adhesion.descent import Minimum, Point
 from fem_contact.adhesion.laws import GapLaw
-from fem_contact.adhesion.state import AdhesionProblem, AdhesiveContact, checked_point
+from fem_contact.adhesion.state import AdhesionProblem, AdhesiveContact, checked_point, settings_of
 from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput, NotConverged
 from fem_contact.response import Response
-from fem_contact.settings import Settings
+from fem_contact.settings import Limits
 from fem_contact.surface import HeightField
 
 
@@ -113,10 +113,7 @@ def follow(
     start: Array | None = None,
     resolution: float = 1e-3,
     least_jump: float = 0.02,
-    tolerance: float = 1e-6,
-    max_iterations: int = 500,
-    time_limit: float | None = None,
-    threads: int | None = None,
+    **limits: Unpack[Limits],
 ) -> AdhesionPath:
     """Follow a path of offsets or mean pressures, each state from the one before, and locate its jumps.
 
@@ -152,14 +149,7 @@ def follow(
         raise InvalidInput("offsets, mean_pressures: give exactly one of them")
     within("resolution", resolution, 1e-12, 1, interval="[1e-12, 1]")
     non_negative("least_jump", least_jump)
-    problem = AdhesionProblem(
-        surface,
-        response,
-        law=law,
-        settings=Settings(
-            tolerance=tolerance, max_iterations=max_iterations, time_limit=time_limit, threads=threads
-        ),
-    )
+    problem = AdhesionProblem(surface, response, law=law, settings=settings_of(limits))
     if offsets is not None:
         held = numbers_of("offsets", offsets, unit="m")
         points = [checked_point(None, finite("offsets", value, unit="m")) for value in held]

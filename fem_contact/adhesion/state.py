@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from typing import Unpack
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from fem_contact.adhesion.laws import GapLaw
 from fem_contact.contact import ContactResult, Cost, Residuals, Status
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response, check_response
-from fem_contact.settings import Settings
+from fem_contact.settings import Limits, Settings
 from fem_contact.surface import HeightField
 
 #: Cells that the length E* w / sigma_th^2 must span. On a sphere the pull-off force is then within 2 % of
@@ -118,10 +119,7 @@ def solve(
     offset: float | None = None,
     hardness: float | Array | None = None,
     start: Array | None = None,
-    tolerance: float = 1e-6,
-    max_iterations: int = 500,
-    time_limit: float | None = None,
-    threads: int | None = None,
+    **limits: Unpack[Limits],
 ) -> AdhesiveContact:
     """Find the adhesive state downhill of a start, at a given mean pressure or offset.
 
@@ -145,9 +143,9 @@ def solve(
         pressure the surfaces at first touch, or the contact without adhesion where that is weak. All lie on
         the approaching branch.
     tolerance : float
-        Largest `imbalance` that will do.
+        Largest `imbalance` that will do; 1e-6 if not given.
     max_iterations : int
-        Newton steps allowed.
+        Newton steps allowed; 500 if not given.
     time_limit : float, optional
         Seconds allowed.
     threads : int, optional
@@ -160,15 +158,7 @@ def solve(
         process zone of the law, with the cells it needs; for a start that is no gap field; for a hardness
         that is not positive or below the mean pressure.
     """
-    problem = AdhesionProblem(
-        surface,
-        response,
-        law=law,
-        settings=Settings(
-            tolerance=tolerance, max_iterations=max_iterations, time_limit=time_limit, threads=threads
-        ),
-        hardness=hardness,
-    )
+    problem = AdhesionProblem(surface, response, law=law, settings=settings_of(limits), hardness=hardness)
     point = checked_point(mean_pressure, offset)
     return problem.packed(problem.at(point, problem.first_gap(point, start)))
 
@@ -197,6 +187,12 @@ def stability(state: AdhesiveContact, response: Response) -> Stability:
     )
     value, uncertainty = least_curvature(land, held, contact.gap)
     return Stability(curvature=value, uncertainty=uncertainty)
+
+
+def settings_of(limits: Limits) -> Settings:
+    """Return the settings of a descent."""
+    given: Limits = {"tolerance": 1e-6, "max_iterations": 500, **limits}
+    return Settings(**given)
 
 
 def checked_point(mean_pressure: float | None, offset: float | None) -> Point:

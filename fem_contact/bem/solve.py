@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, overload
+from typing import Any, Unpack, overload
 
 from fem_contact._checks import finite, positives
 from fem_contact._types import Array
@@ -14,8 +14,20 @@ from fem_contact.complementarity.slabs import SlabSettings
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput, UnsupportedEffect
 from fem_contact.response import FreeHalfSpace, Response
-from fem_contact.settings import Settings
+from fem_contact.settings import Limits, Settings
 from fem_contact.surface import HeightField
+
+
+class Options(Limits, total=False):
+    """Options of `solve` that `solve_displacement` and `solve_path` have, too."""
+
+    pressure_bound: float | Array | None
+
+
+class _AllOptions(Options, total=False):
+    start: Array | None
+    method: Method
+    device: object
 
 
 @overload
@@ -24,15 +36,8 @@ def solve(
     response: Response,
     *,
     mean_pressure: float,
-    pressure_bound: float | Array | None = None,
-    tolerance: float = 1e-8,
-    max_iterations: int = 1000,
-    start: Array | None = None,
-    time_limit: float | None = None,
-    threads: int | None = None,
-    method: Method = "preconditioned",
-    device: object = None,
     comm: None = None,
+    **options: Unpack[_AllOptions],
 ) -> ContactResult: ...
 @overload
 def solve(
@@ -40,15 +45,8 @@ def solve(
     response: Response,
     *,
     mean_pressure: float,
-    pressure_bound: float | Array | None = None,
-    tolerance: float = 1e-8,
-    max_iterations: int = 1000,
-    start: Array | None = None,
-    time_limit: float | None = None,
-    threads: int | None = None,
-    method: Method = "preconditioned",
-    device: object = None,
     comm: object,
+    **options: Unpack[_AllOptions],
 ) -> SlabResult: ...
 def solve(
     surface: HeightField | SlabSurface,
@@ -133,11 +131,7 @@ def solve_displacement(
     *,
     mean_gap: float | None = None,
     offset: float | None = None,
-    pressure_bound: float | Array | None = None,
-    tolerance: float = 1e-8,
-    max_iterations: int = 1000,
-    time_limit: float | None = None,
-    threads: int | None = None,
+    **options: Unpack[Options],
 ) -> ContactResult:
     """Press a rigid rough surface against an elastic solid to a given mean gap or offset.
 
@@ -170,14 +164,7 @@ def solve_displacement(
         raise UnsupportedEffect(
             "response = FreeHalfSpace: a patch is pressed by a load; give solve its mean pressure"
         )
-    problem = Problem.checked(
-        surface,
-        response,
-        bound=pressure_bound,
-        settings=Settings(
-            tolerance=tolerance, max_iterations=max_iterations, time_limit=time_limit, threads=threads
-        ),
-    )
+    problem = _checked(surface, response, **options)
     if mean_gap is not None:
         search = LoadSearch(problem, target=finite("mean_gap", mean_gap, unit="m"), of_gap=True)
     else:
@@ -191,11 +178,7 @@ def solve_path(
     response: Response,
     *,
     mean_pressures: Iterable[float],
-    pressure_bound: float | Array | None = None,
-    tolerance: float = 1e-8,
-    max_iterations: int = 1000,
-    time_limit: float | None = None,
-    threads: int | None = None,
+    **options: Unpack[Options],
 ) -> list[ContactResult]:
     """Solve a sequence of loads, up or down, each started from the one before.
 
@@ -206,14 +189,7 @@ def solve_path(
     surface, response, pressure_bound, tolerance, max_iterations, time_limit, threads
         As in `solve`.
     """
-    problem = Problem.checked(
-        surface,
-        response,
-        bound=pressure_bound,
-        settings=Settings(
-            tolerance=tolerance, max_iterations=max_iterations, time_limit=time_limit, threads=threads
-        ),
-    )
+    problem = _checked(surface, response, **options)
     loads = positives("mean_pressures", mean_pressures, unit="Pa")
     for load in loads:
         problem.check_load(load)
@@ -224,3 +200,13 @@ def solve_path(
         results.append(problem.result(solution, target=load))
         previous = solution.force
     return results
+
+
+def _checked(
+    surface: HeightField,
+    response: Response,
+    *,
+    pressure_bound: float | Array | None = None,
+    **limits: Unpack[Limits],
+) -> Problem:
+    return Problem.checked(surface, response, bound=pressure_bound, settings=Settings(**limits))

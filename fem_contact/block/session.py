@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 import numpy as np
 
@@ -118,12 +118,12 @@ class Session:
         surface: HeightField,
         solid: Solid,
         *,
-        method: Method,
-        modulus: Modulus | None,
-        tolerance: float,
-        max_iterations: int | None,
-        options: MeshOptions,
+        method: Method = "reduced",
+        modulus: Modulus | None = None,
+        tolerance: float = 1e-8,
+        max_iterations: int | None = None,
         pressure_bound: float | Array | None = None,
+        **options: Unpack[MeshOptions],
     ) -> Session:
         """Refuse what no computation can start from."""
         began = time.perf_counter(), time.process_time()

@@ -57,6 +57,15 @@ def estimate(
     return Estimate(unknowns=planned.unknowns, bytes=needed_bytes(planned, method), layers=planned.nz)
 
 
+class Options(MeshOptions, total=False):
+    """Options of `solve` that `solve_displacement` and `solve_path` have, too."""
+
+    method: Method
+    modulus: Modulus | None
+    tolerance: float
+    max_iterations: int | None
+
+
 def solve(
     surface: HeightField,
     solid: Solid,
@@ -129,8 +138,8 @@ def solve(
         modulus=modulus,
         tolerance=tolerance,
         max_iterations=max_iterations,
-        options=mesh,
         pressure_bound=pressure_bound,
+        **mesh,
     )
     return session.at_pressure(mean_pressure, start)
 
@@ -140,11 +149,7 @@ def solve_displacement(
     solid: Solid,
     *,
     offset: float,
-    method: Method = "reduced",
-    modulus: Modulus | None = None,
-    tolerance: float = 1e-8,
-    max_iterations: int | None = None,
-    **mesh: Unpack[MeshOptions],
+    **options: Unpack[Options],
 ) -> BlockSolution:
     """Press a rigid surface into an elastic block to a given approach.
 
@@ -161,16 +166,7 @@ def solve_displacement(
     InvalidInput, InsufficientMemory
         As in `solve`.
     """
-    session = Session.checked(
-        surface,
-        solid,
-        method=method,
-        modulus=modulus,
-        tolerance=tolerance,
-        max_iterations=max_iterations,
-        options=mesh,
-    )
-    return session.at_offset(offset)
+    return Session.checked(surface, solid, **options).at_offset(offset)
 
 
 def solve_path(
@@ -178,11 +174,7 @@ def solve_path(
     solid: Solid,
     *,
     mean_pressures: Iterable[float],
-    method: Method = "reduced",
-    modulus: Modulus | None = None,
-    tolerance: float = 1e-8,
-    max_iterations: int | None = None,
-    **mesh: Unpack[MeshOptions],
+    **options: Unpack[Options],
 ) -> Iterator[BlockSolution]:
     """Solve a sequence of loads, up or down, each started from the one before; assembly is shared.
 
@@ -199,15 +191,7 @@ def solve_path(
         One per load, as soon as it is found.
     """
     loads = positives("mean_pressures", mean_pressures, unit="Pa")
-    session = Session.checked(
-        surface,
-        solid,
-        method=method,
-        modulus=modulus,
-        tolerance=tolerance,
-        max_iterations=max_iterations,
-        options=mesh,
-    )
+    session = Session.checked(surface, solid, **options)
     return _path(session, loads)
 
 
