@@ -107,10 +107,11 @@ class Checks:
             listed = ", ".join(repr(word) for word in allowed_words[:-1]) + f" or {allowed_words[-1]!r}"
             raise self.refused(name, value, listed)
 
-    def instance(self, name: str, value: object, kind: type | tuple[type, ...], *, what: str) -> None:
-        """Refuse what is not of a kind; `what` says in words what it must be."""
+    def instance(self, name: str, value: object, kind: type | tuple[type, ...], *, what: str = "") -> None:
+        """Refuse what is not of a kind; `what` says in words what it must be, by default the kind's name."""
         if isinstance(value, type) or not isinstance(value, kind):
-            raise self.refused(name, value, what)
+            article = "an" if getattr(kind, "__name__", "")[:1] in "AEIO" else "a"
+            raise self.refused(name, value, what or f"{article} `{getattr(kind, '__name__', kind)}`")
 
     def function(self, name: str, value: object, *, of: tuple[str, ...] = ()) -> None:
         """Refuse what cannot be called with the arguments named."""

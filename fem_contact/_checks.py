@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from typing import TypeVar
 
 import numpy as np
 
@@ -10,6 +11,8 @@ from contact_checks import Checks, in_unit
 from contact_checks import shown as shown
 from fem_contact._types import Array
 from fem_contact.errors import InsufficientMemory, InvalidInput
+
+_T = TypeVar("_T")
 
 #: Sizes of numbers, in SI units, between which squares neither vanish nor products of squares overflow.
 LEAST, GREATEST = 1e-120, 1e30
@@ -105,12 +108,15 @@ def samples(name: str, value: object, *, least: int = 1, unit: str = "") -> Arra
     return values
 
 
-def pair(name: str, value: object, *, what: str) -> tuple[object, object]:
-    """Return the two members of a pair, each still to be checked."""
+def pair(name: str, value: object, check: Callable[[str, object], _T], *, what: str) -> tuple[_T, _T]:
+    """Return the two members of a pair as a check returns them; what it refuses must be `what`."""
     if isinstance(value, (tuple, list, np.ndarray)) and len(np.shape(np.asarray(value, dtype=object))) == 1:
         members = list(value)
         if len(members) == 2:
-            return members[0], members[1]
+            try:
+                return check(name, members[0]), check(name, members[1])
+            except InvalidInput:
+                pass
     raise InvalidInput(f"{name} = {shown(value)}: must be {what}")
 
 

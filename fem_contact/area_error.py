@@ -43,9 +43,7 @@ class PlannedGrid:
     solves: int = 1  # Sub-grid shifts that are averaged
 
     def __post_init__(self) -> None:
-        dx, dy = pair("spacing", self.spacing, what="the size of a cell (dx, dy) in m")
-        positive("spacing", dx, unit="m")
-        positive("spacing", dy, unit="m")
+        pair("spacing", self.spacing, positive, what="the size of a cell (dx, dy) in m")
         whole("cells", self.cells, least=1, most=10**15)
         whole("solves", self.solves, least=1, most=10**6)
 

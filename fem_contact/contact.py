@@ -277,8 +277,7 @@ def measure_residuals(
     pressure, gap = doubles("pressure", pressure, unit="Pa"), doubles("gap", gap, unit="m")
     weights = None if weights is None else doubles("weights", weights)
     heights = doubles("heights", heights, unit="m")
-    lx, ly = pair("lengths", lengths, what="two positive periods (Lx, Ly) in m")
-    longest = max(positive("Lx", lx, unit="m"), positive("Ly", ly, unit="m"))
+    longest = max(pair("lengths", lengths, positive, what="two positive periods (Lx, Ly) in m"))
     contact_modulus = positive("contact_modulus", contact_modulus, unit="Pa")
     rms_gradient = non_negative("rms_gradient", rms_gradient)
     if target_pressure is not None:

@@ -90,8 +90,8 @@ def creep(
     >>> bool(early.in_contact.mean() < late.in_contact.mean())
     True
     """
-    instance("surface", surface, HeightField, what="a `HeightField`")
-    instance("solid", solid, PronySolid, what="a `PronySolid`")
+    instance("surface", surface, HeightField)
+    instance("solid", solid, PronySolid)
     settings = Settings(tolerance=tolerance, max_iterations=max_iterations, threads=threads)
     at = samples("times", times, unit="s")
     if np.any(np.diff(at) < 0):

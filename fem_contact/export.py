@@ -99,7 +99,7 @@ def write_subsurface(path: Path, below: Subsurface) -> None:
     from fem_contact.subsurface import Subsurface
 
     path = _mesh_path(path)
-    instance("below", below, Subsurface, what="a `Subsurface`")
+    instance("below", below, Subsurface)
     if below.depths.size < 2:
         raise InvalidInput(f"below: has {below.depths.size} depth; a file of cells needs at least two")
     import meshio
@@ -157,7 +157,7 @@ def _checked_path(path: Path) -> Path:
 def _check_solution(solution: BlockSolution) -> None:
     from fem_contact.block import BlockSolution
 
-    instance("solution", solution, BlockSolution, what="a `BlockSolution`")
+    instance("solution", solution, BlockSolution)
 
 
 def _unfolded(field: Array) -> Array:

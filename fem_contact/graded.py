@@ -60,7 +60,7 @@ class LayeredSolid:
     def __post_init__(self) -> None:
         listed("layers", self.layers, Solid, what="`Solid`s")
         thicknesses = positives("thicknesses", self.thicknesses, unit="m")
-        instance("base", self.base, Solid, what="a `Solid`")
+        instance("base", self.base, Solid)
         if len(self.layers) != len(thicknesses):
             raise InvalidInput(
                 f"{len(thicknesses)} thicknesses for {len(self.layers)} layers: give one for each"
@@ -113,7 +113,7 @@ class ExponentialSolid:
     sublayers: int = 64
 
     def __post_init__(self) -> None:
-        instance("surface", self.surface, Solid, what="a `Solid`")
+        instance("surface", self.surface, Solid)
         positive("bulk_young", self.bulk_young, unit="Pa")
         positive("depth", self.depth, unit="m")
         whole("sublayers", self.sublayers, least=4, most=10_000)

@@ -122,7 +122,7 @@ def yielded(contact: ContactResult) -> YieldedContact:
     >>> f"{found.elastic_load + found.plastic_load:.12g}"
     '0.1'
     """
-    instance("contact", contact, ContactResult, what="a `ContactResult`")
+    instance("contact", contact, ContactResult)
     # A point between two nodes of different area counts by its own.
     weights = np.ones(contact.shape) if contact.weights is None else contact.weights
     load = weights * contact.pressure
@@ -162,7 +162,7 @@ def press_yielding(
     InvalidInput
         For a mean pressure above the mean hardness, or a hardness field of another shape.
     """
-    instance("hardness", hardness, Hardness, what="a `Hardness`")
+    instance("hardness", hardness, Hardness)
 
     def press(pressure_bound: float | Array) -> ContactResult:
         return bem.solve(
@@ -193,8 +193,8 @@ def press_by_patches(
     ContactResult
         That of the last solve, with the cost of all; ITERATION_LIMIT where the patches do not settle.
     """
-    instance("surface", surface, HeightField, what="a `HeightField`")
-    instance("hardness", hardness, Hardness, what="a `Hardness`")
+    instance("surface", surface, HeightField)
+    instance("hardness", hardness, Hardness)
     limits = hardness.of_patches(np.zeros(surface.shape, dtype=np.bool_), surface.spacing)
     costs: list[Cost] = []
     for _ in range(_ROUNDS):

@@ -166,10 +166,7 @@ def flow_conductance(gap: ArrayLike, lengths: tuple[float, float], *, axis: Axis
     """
     choice("axis", axis, ("x", "y"))
     values = _checked_gap(gap)
-    sizes = [
-        positive("lengths", size, unit="m")
-        for size in pair("lengths", lengths, what="two periods (Lx, Ly) in m")
-    ]
+    sizes = pair("lengths", lengths, positive, what="two positive periods (Lx, Ly) in m")
     if axis == "y":
         turned = flow_conductance(values.T, (sizes[1], sizes[0]))
         return replace(turned, pressure=turned.pressure.T)

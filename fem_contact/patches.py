@@ -63,8 +63,7 @@ def find_patches(in_contact: NDArray[np.bool_], spacing: tuple[float, float]) ->
     from scipy.sparse.csgraph import connected_components
 
     mask("in_contact", in_contact)
-    sizes = pair("spacing", spacing, what="the size of a cell (dx, dy) in m")
-    dx, dy = (positive("spacing", size, unit="m") for size in sizes)
+    dx, dy = pair("spacing", spacing, positive, what="the size of a cell (dx, dy) in m")
     open_labels = np.zeros(in_contact.shape, dtype=np.int64)
     count = int(scipy.ndimage.label(in_contact, output=open_labels))
     # Labels that touch across the period.

@@ -37,7 +37,7 @@ class _Homogeneous:
     solid: Solid
 
     def __post_init__(self) -> None:
-        instance("solid", self.solid, Solid, what="a `Solid`")
+        instance("solid", self.solid, Solid)
 
     @property
     def contact_modulus(self) -> float:

@@ -236,7 +236,7 @@ class _Problem:
         settings: Settings,
     ) -> _Problem:
         """Refuse what no computation can start from."""
-        instance("surface", surface, HeightField, what="a `HeightField`")
+        instance("surface", surface, HeightField)
         check_viscoelastic(solid)
         finite("velocity", velocity, unit="m/s")
         (nx, ny), (dx, dy) = surface.shape, surface.spacing

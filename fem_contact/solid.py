@@ -59,6 +59,6 @@ def composite_modulus(first: Solid, second: Solid) -> float:
     >>> composite_modulus(steel, steel) == steel.contact_modulus / 2
     True
     """
-    instance("first", first, Solid, what="a `Solid`")
-    instance("second", second, Solid, what="a `Solid`")
+    instance("first", first, Solid)
+    instance("second", second, Solid)
     return 1 / (1 / first.contact_modulus + 1 / second.contact_modulus)

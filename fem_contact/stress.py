@@ -183,8 +183,7 @@ def window_slope(
     """
     check_result("result", result)
     bins = whole("bins", bins, least=1, most=10**6)
-    low, high = pair("window", window, what="two increasing pressures in units of E* h'_rms")
-    window = non_negative("window", low), non_negative("window", high)
+    window = pair("window", window, non_negative, what="two increasing pressures in units of E* h'_rms")
     stress = result.contact_modulus * HeightField(heights=result.heights, lengths=result.lengths).rms_gradient
     if not stress > 0:
         raise InvalidInput("a flat surface has no scale of pressure: the slope of P is undefined")

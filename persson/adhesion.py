@@ -231,8 +231,8 @@ def solve_adhesion(
     adhesion sets in under load sigma_a starts like a square root; nodes are dense there and the steps are
     even in its argument.
     """
-    instance("scale", scale, Scale, what="a `Scale`")
-    instance("interface", interface, Interface, what="an `Interface`")
+    instance("scale", scale, Scale)
+    instance("interface", interface, Interface)
     if start is not None:
         instance("start", start, AdhesiveContact, what="an earlier result of `solve_adhesion`")
     if yield_stress is not None and not callable(yield_stress):

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import erf, erfc, erfinv
 
-from persson._checks import Array, alike, instance, non_negative, positive, real
+from persson._checks import Array, alike, non_negative, positive, real
 from persson.errors import InvalidInput
-from persson.spectrum import Spectrum
+from persson.spectrum import Spectrum, check_spectrum
 
 #: Slope of A/A0 against p* = p0/(E* h'_rms) at light load, Persson 2006, Eqs. 13 and 22:
 #: sqrt(8/pi) = 1.596.
@@ -151,7 +151,7 @@ def area_against_magnification(
     -----
     Persson 2006, Eqs. 18, 20 and 21.
     """
-    instance("spectrum", spectrum, Spectrum, what="a power spectrum, such as `SelfAffine`")
+    check_spectrum(spectrum)
     q_upper = non_negative("magnification", magnification) * positive("q_reference", q_reference, unit="1/m")
     variance = stress_variance(spectrum.m2(q_upper), contact_modulus=contact_modulus)
     return contact_area(pressure, stress_variance=variance)

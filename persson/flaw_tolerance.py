@@ -20,7 +20,7 @@ from persson._checks import (
 from persson.elastic import contact_area
 from persson.errors import InvalidInput, NotConverged, OutsideTheory
 from persson.interface import Interface
-from persson.spectrum import Spectrum, area_factor
+from persson.spectrum import Spectrum, area_factor, check_spectrum
 from persson.variants import energy_share
 
 #: Wavevectors of the optimal modulus, evenly spaced in ln q; its relative change at which the iteration
@@ -152,8 +152,8 @@ def optimal_modulus(
     depends on the spectrum. With constant sigma_a the area is erf((sigma_0 + sigma_a)/sqrt(2V)), and P~
     of Eqs. 48 and 49 needs no diffusion; V, the energy of Eq. 37 and E~* are iterated.
     """
-    instance("spectrum", spectrum, Spectrum, what="a power spectrum, such as `SelfAffine`")
-    instance("interface", interface, Interface, what="an `Interface`")
+    check_spectrum(spectrum)
+    instance("interface", interface, Interface)
     limit = positive("tensile_limit", tensile_limit, unit="Pa")
     held = scalar("pressure", pressure, unit="Pa") + limit
     if held <= 0:

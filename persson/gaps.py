@@ -57,7 +57,7 @@ def gap_distribution(gap: ArrayLike, *, pressure: float, scale: Scale, energy_ra
     """
     u = real("gap", gap, unit="m")
     load = positive("pressure", pressure, unit="Pa")
-    instance("scale", scale, Scale, what="a `Scale`")
+    instance("scale", scale, Scale)
     ratio = within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
     with in_proportion():
         lost, middle, scatter = _leaving(load, scale, ratio)

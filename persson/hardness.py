@@ -160,7 +160,7 @@ def size_dependent_hardness(
     -----
     Persson 2006, Eqs. 33 and 34.
     """
-    instance("scale", scale, Scale, what="a `Scale`")
+    instance("scale", scale, Scale)
     function("yield_stress", yield_stress)
     q = np.atleast_1d(non_negative("wavevectors", wavevectors, unit="1/m"))
     if q.ndim != 1 or q.size == 0 or np.any(np.diff(q) < 0):

@@ -70,7 +70,7 @@ def detachment_stress(
     Persson 2006, Eq. 36 and Sec. 8.4.
     """
     energy = np.maximum(real("work", work, unit="J/m^2"), 0.0)
-    instance("interface", interface, Interface, what="an `Interface`")
+    instance("interface", interface, Interface)
     modulus = non_negative("contact_modulus", contact_modulus, unit="Pa")
     alike(work=energy, contact_modulus=modulus, wavevector=non_negative("wavevector", wavevector))
     bare = np.sqrt(interface.alpha * energy * modulus * non_negative("wavevector", wavevector, unit="1/m"))

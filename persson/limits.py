@@ -10,7 +10,7 @@ from persson._checks import Array, function, instance, within
 from persson.adhesion import AdhesionStatus, Interface, solve_adhesion
 from persson.errors import InvalidInput, OutsideTheory
 from persson.scale import Scale
-from persson.spectrum import Spectrum
+from persson.spectrum import Spectrum, check_spectrum
 
 
 class ScalableSpectrum(Spectrum, Protocol):
@@ -35,8 +35,8 @@ def pull_off_stress(scale: Scale, *, interface: Interface, tolerance: float = 1e
     >>> pull_off_stress(stiff, interface=Interface(work_of_adhesion=0.05))
     0.0
     """
-    instance("scale", scale, Scale, what="a `Scale`")
-    instance("interface", interface, Interface, what="an `Interface`")
+    instance("scale", scale, Scale)
+    instance("interface", interface, Interface)
     within("tolerance", tolerance, 1e-12, 0.5, interval="[1e-12, 0.5]")
     if scale.spectrum.q_min == 0:
         raise InvalidInput(
@@ -88,9 +88,9 @@ def critical_roughness(
     Persson 2006, Secs. 8.3 and 10.2: the macroscopic gamma_eff(1) left by a load that is taken away vanishes
     there.
     """
-    instance("spectrum", spectrum, Spectrum, what="a power spectrum, such as `SelfAffine`")
+    check_spectrum(spectrum)
     function("spectrum.scaled", getattr(spectrum, "scaled", None))
-    instance("interface", interface, Interface, what="an `Interface`")
+    instance("interface", interface, Interface)
     accuracy = within("tolerance", tolerance, 1e-6, 1, interval="[1e-6, 1]")
 
     def sticks(factor: float) -> bool:

@@ -55,7 +55,7 @@ def percolation_magnification(
     >>> percolation_magnification(soft, pressure=1e8, q_reference=1e5)
     inf
     """
-    instance("scale", scale, Scale, what="a `Scale`")
+    instance("scale", scale, Scale)
     load = positive("pressure", pressure, unit="Pa")
     reference = positive("q_reference", q_reference, unit="1/m")
     share = within("threshold", threshold, 0, 1, interval="(0, 1)")

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
 
-from persson._checks import Array, instance, non_negative, positive, returned
+from persson._checks import Array, non_negative, positive, returned
 from persson.errors import InvalidInput
-from persson.spectrum import Spectrum
+from persson.spectrum import Spectrum, check_spectrum
 
 #: Points per e-fold of q - q_min in the table that inverts V(q), and where it starts.
 _DENSITY = 24
@@ -41,7 +41,7 @@ class Scale:
     """
 
     def __init__(self, spectrum: Spectrum, *, contact_modulus: float | Callable[[Array], Array]) -> None:
-        instance("spectrum", spectrum, Spectrum, what="a power spectrum, such as `SelfAffine`")
+        check_spectrum(spectrum)
         self.spectrum = spectrum
         # A roll-off that reaches q = 0 starts where nothing of it is felt.
         self.q_min = float(spectrum.q_min if spectrum.q_min > 0 else spectrum.q_long * 1e-9)

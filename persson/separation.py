@@ -12,7 +12,7 @@ from persson._checks import Array, instance, non_negative, positive, within
 from persson.elastic import area_against_magnification
 from persson.errors import InvalidInput, OutsideTheory
 from persson.scale import Scale
-from persson.spectrum import Spectrum
+from persson.spectrum import Spectrum, check_spectrum
 from persson.variants import EnergyReading, energy_share
 
 #: Least d^2 ln A / d(ln zeta)^2 that is a bend: second differences of rounded areas leave some 1e-10.
@@ -102,7 +102,7 @@ def panels(edges: Array, order: int) -> tuple[Array, Array]:
 
 def _waves(scale: Scale) -> tuple[Array, Array]:
     """V [Pa^2] and the energy of full contact dV/(E* q) [J/m^2] that belongs to it, to sum over."""
-    instance("scale", scale, Scale, what="a `Scale`")
+    instance("scale", scale, Scale)
     top = float(scale.variance(scale.q_short))
     t, weight = panels(np.linspace(-30.0, 0.0, 241), 5)
     variance = top * np.exp(t)
@@ -188,7 +188,7 @@ def macroasperity_magnification(
         curvature, or where the curvature has no maximum inside the spectrum.
     """
     q0 = positive("q_reference", q_reference, unit="1/m")
-    instance("spectrum", spectrum, Spectrum, what="a power spectrum, such as `SelfAffine`")
+    check_spectrum(spectrum)
     load = positive("pressure", pressure, unit="Pa")
     if getattr(spectrum, "rolloff", "smooth") != "smooth":
         raise OutsideTheory("the spectrum has a kink at q_long: ln A bends most there; use rolloff='smooth'")

@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 from persson._checks import (
     Array,
     function,
-    instance,
     non_negative,
     poisson_ratio,
     positive,
@@ -24,7 +23,7 @@ from persson._checks import (
 )
 from persson.elastic import contact_area
 from persson.errors import InvalidInput
-from persson.spectrum import Spectrum
+from persson.spectrum import Spectrum, check_spectrum
 from persson.variants import energy_factor
 
 #: Rings of the integral over q for each e-fold, and directions in a quarter of each.
@@ -230,7 +229,7 @@ def rubber_friction(
     >>> bool(slow.area > fast.area), bool(slow.friction < fast.friction)
     (True, True)
     """
-    instance("spectrum", spectrum, Spectrum, what="a spectrum, such as `SelfAffine`")
+    check_spectrum(spectrum)
     low = max(spectrum.q_min, spectrum.q_long * 1e-3)
     count = math.ceil(_RINGS * math.log(spectrum.q_short / low)) + 1
     edges = np.geomspace(low, spectrum.q_short, count + 1)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import erfcx
 
-from persson._checks import Array, choice, non_negative, positive, real, scalar, within
+from persson._checks import Array, choice, instance, non_negative, positive, real, scalar, within
 from persson.errors import InvalidInput
 
 #: Relative slack with which a wavevector may exceed an edge it equals up to rounding.
@@ -91,6 +91,11 @@ class Spectrum(Protocol):
     def m4(self, q_upper: ArrayLike | None = None) -> Array:
         """<(lap h)^2> [1/m^2] of the waves up to q_upper [1/m]."""
         ...
+
+
+def check_spectrum(spectrum: object) -> None:
+    """Refuse what is no spectrum."""
+    instance("spectrum", spectrum, Spectrum, what="a power spectrum, such as `SelfAffine`")
 
 
 class SpectrumMoments:

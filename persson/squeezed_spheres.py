@@ -14,7 +14,7 @@ from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
 from persson.errors import InvalidInput, OutsideTheory
 from persson.hardness import constant_hardness
 from persson.scale import Scale
-from persson.spectrum import Spectrum
+from persson.spectrum import Spectrum, check_spectrum
 from persson.tabulated import Tabulated, smoothed
 
 #: Wavevectors at which the smoothed spectrum is tabulated.
@@ -149,8 +149,8 @@ def roughness_barrier(
     `RoughnessBarrier.work` is a lower bound, because less is deformed near the tops than where everything
     is smoothed.
     """
-    instance("spectrum", spectrum, Spectrum, what="a power spectrum, such as `SelfAffine`")
-    instance("interface", interface, Interface, what="an `Interface`")
+    check_spectrum(spectrum)
+    instance("interface", interface, Interface)
     load = positive("pressure", pressure, unit="Pa")
     limit = positive("yield_stress", yield_stress, unit="Pa")
     if not spectrum.q_min > 0:

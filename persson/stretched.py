@@ -9,9 +9,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from persson._checks import Array, instance, non_negative, positive, real, within
+from persson._checks import Array, non_negative, positive, real, within
 from persson.errors import InvalidInput
-from persson.spectrum import Spectrum, SpectrumMoments
+from persson.spectrum import Spectrum, SpectrumMoments, check_spectrum
 
 #: Points of the quadrature over directions, on each panel between the ends of the spectrum.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
@@ -59,7 +59,7 @@ class Stretched(SpectrumMoments):
     factor: float
 
     def __post_init__(self) -> None:
-        instance("spectrum", self.spectrum, Spectrum, what="a power spectrum, such as `SelfAffine`")
+        check_spectrum(self.spectrum)
         if not hasattr(self.spectrum, "scaled"):
             raise InvalidInput("spectrum: has no `scaled`; give a `SelfAffine` or a `Tabulated`")
         within("factor", self.factor, 1, _LARGEST, interval=f"[1, {_LARGEST:g}]")

@@ -9,9 +9,9 @@ from typing import Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from persson._checks import Array, choice, instance, non_negative, positive, real
+from persson._checks import Array, choice, non_negative, positive, real
 from persson.errors import InvalidInput
-from persson.spectrum import EDGE, Spectrum, SpectrumMoments, growth
+from persson.spectrum import EDGE, Spectrum, SpectrumMoments, check_spectrum, growth
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,7 +132,7 @@ def smoothed(
     -----
     Persson 2006, Sec. 10.2.
     """
-    instance("spectrum", spectrum, Spectrum, what="a power spectrum, such as `SelfAffine`")
+    check_spectrum(spectrum)
     choice("form", form, ("gradual", "sharp"))
     q = np.atleast_1d(non_negative("wavevectors", wavevectors, unit="1/m"))
     share = np.atleast_1d(non_negative("yielded", yielded, vanishing=True))

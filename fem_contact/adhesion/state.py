@@ -172,7 +172,7 @@ def stability(state: AdhesiveContact, response: Response) -> Stability:
     response : Response
         The solid it was computed with.
     """
-    instance("state", state, AdhesiveContact, what="an `AdhesiveContact`")
+    instance("state", state, AdhesiveContact)
     check_response(response)
     contact = state.contact
     land = Landscape(
@@ -221,7 +221,7 @@ class AdhesionProblem:
         settings: Settings,
         hardness: float | Array | None = None,
     ) -> None:
-        instance("surface", surface, HeightField, what="a `HeightField`")
+        instance("surface", surface, HeightField)
         check_response(response)
         check_law(law)
         spacing, modulus = max(surface.spacing), response.contact_modulus

@@ -66,7 +66,7 @@ class Problem:
         """Refuse what no computation can start from, and set up the operator."""
         clock, processor = time.perf_counter(), time.process_time()
         if not isinstance(surface, SlabSurface):
-            instance("surface", surface, HeightField, what="a `HeightField`")
+            instance("surface", surface, HeightField)
         check_response(response)
         choice("method", method, ("preconditioned", "double", "polonsky-keer"))
         if method == "polonsky-keer" and (device is not None or isinstance(surface, SlabSurface)):

@@ -127,8 +127,8 @@ class Session:
     ) -> Session:
         """Refuse what no computation can start from."""
         began = time.perf_counter(), time.process_time()
-        instance("surface", surface, HeightField, what="a `HeightField`")
-        instance("solid", solid, Solid, what="a `Solid`")
+        instance("surface", surface, HeightField)
+        instance("solid", solid, Solid)
         check_method(method)
         tolerance = within("tolerance", tolerance, _FINEST, 1, interval=f"[{_FINEST:g}, 1)")
         if max_iterations is not None:

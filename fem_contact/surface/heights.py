@@ -169,13 +169,9 @@ class HeightField:
 
     def shifted(self, fraction: tuple[float, float]) -> HeightField:
         """Return h(x + fraction * spacing) on the same grid: what a grid moved by parts of a cell sees."""
-        what = "two finite parts of a cell (x, y)"
-        x, y = pair("fraction", fraction, what=what)
-        try:
-            across, along = (within("fraction", part, -1e9, 1e9, interval="[-1e9, 1e9]") for part in (x, y))
-        except InvalidInput:
-            raise InvalidInput(f"fraction = {shown(fraction)}: must be {what}") from None
-        return self._sampled(self.shape, (across, along))
+        part = partial(within, low=-1e9, high=1e9, interval="[-1e9, 1e9]")
+        parts = pair("fraction", fraction, part, what="two finite parts of a cell (x, y)")
+        return self._sampled(self.shape, parts)
 
     def _sampled(self, shape: Shape, fraction: tuple[float, float]) -> HeightField:
         spectrum = scipy.fft.fft2(self.heights, norm="forward")
@@ -279,23 +275,17 @@ def checked_shape(shape: object) -> Shape:
 
 def checked_counts(shape: object) -> Shape:
     """Return two positive whole numbers (nx, ny), or refuse."""
-    what = "two positive whole numbers (nx, ny)"
-    counts = pair("shape", shape, what=what)
-    nx, ny = (int(n) if isinstance(n, float) and n % 1 == 0 else n for n in counts)
-    try:
-        return whole("nx", nx, least=1, most=2**24), whole("ny", ny, least=1, most=2**24)
-    except InvalidInput:
-        raise InvalidInput(f"shape = {shown(shape)}: must be {what}, at most 2^24 each") from None
+
+    def count(name: str, value: object) -> int:
+        given = int(value) if isinstance(value, float) and value % 1 == 0 else value
+        return whole(name, given, least=1, most=2**24)
+
+    return pair("shape", shape, count, what="two positive whole numbers (nx, ny), at most 2^24 each")
 
 
 def checked_lengths(lengths: object) -> Lengths:
     """Return two positive, finite periods [m], or refuse."""
-    what = "two positive periods (Lx, Ly) in m"
-    lx, ly = pair("lengths", lengths, what=what)
-    try:
-        return positive("Lx", lx, unit="m"), positive("Ly", ly, unit="m")
-    except InvalidInput:
-        raise InvalidInput(f"lengths = {shown(lengths)}: must be {what}") from None
+    return pair("lengths", lengths, positive, what="two positive periods (Lx, Ly) in m")
 
 
 def _wave_numbers(n: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:

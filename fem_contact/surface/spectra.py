@@ -83,7 +83,7 @@ def measured_lay(surface: HeightField) -> Lay:
     >>> round(lay.direction, 12), round(lay.along, 12), round(lay.across / (2 * np.pi), 6)
     (0.0, 0.0, 0.707107)
     """
-    instance("surface", surface, HeightField, what="a `HeightField`")
+    instance("surface", surface, HeightField)
     if isinstance(surface, Patch):
         along, across = (np.diff(surface.heights, axis=k) / surface.spacing[k] for k in (0, 1))
         # In the middle of four points both are known.
@@ -107,7 +107,7 @@ def radial_spectrum(surface: HeightField) -> RadialSpectrum:
     Convention as in Persson 2006, <h^2> = 2 pi int q C dq; multiply by (2 pi)^2 for the areal PSD of other
     communities.
     """
-    instance("surface", surface, HeightField, what="a `HeightField`")
+    instance("surface", surface, HeightField)
     qx, qy, coefficients = interpolant(surface)
     q = np.hypot(qx[:, None], qy[None, :])
     unit = 2 * np.pi / min(surface.lengths)

@@ -48,7 +48,7 @@ def assembled_field(solution: BlockSolution, *, tolerance: float = 1e-9) -> Arra
     """
     import pyamg
 
-    instance("solution", solution, BlockSolution, what="a `BlockSolution`")
+    instance("solution", solution, BlockSolution)
     tolerance = within("tolerance", tolerance, 1e-13, 1e-2, interval="[1e-13, 1e-2]")
     mesh, poisson, width = solution.mesh, solution.solid.poisson, solution.cell_size[0]
     if not poisson < 0.5:

@@ -166,7 +166,7 @@ def solve_finite_strain(
     NotConverged
         Where Newton's method does not settle, however small the steps from the flat surface.
     """
-    instance("surface", surface, HeightField, what="a `HeightField`")
+    instance("surface", surface, HeightField)
     return next(
         solve_slopes(
             surface,
@@ -209,8 +209,8 @@ def solve_slopes(
     InvalidInput, NotConverged
         As in `solve_finite_strain`.
     """
-    instance("surface", surface, HeightField, what="a `HeightField`")
-    instance("solid", solid, Solid, what="a `Solid`")
+    instance("surface", surface, HeightField)
+    instance("solid", solid, Solid)
     mean_pressure = positive("mean_pressure", mean_pressure, unit="Pa")
     tolerance = within("tolerance", tolerance, 1e-13, 1e-2, interval="[1e-13, 1e-2]")
     gradient = positive("h'_rms", surface.rms_gradient)

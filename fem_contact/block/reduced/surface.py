@@ -50,8 +50,8 @@ class BlockResponse:
     layer_modulus: Array | None = None
 
     def __post_init__(self) -> None:
-        instance("mesh", self.mesh, BlockMesh, what="a `BlockMesh`")
-        instance("solid", self.solid, Solid, what="a `Solid`")
+        instance("mesh", self.mesh, BlockMesh)
+        instance("solid", self.solid, Solid)
         positive("width", self.width, unit="m")
         if self.layer_modulus is not None:
             values = samples("layer_modulus", self.layer_modulus)
