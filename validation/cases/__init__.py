@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 from validation.errors import UsageError, did_you_mean
 from validation.execution.attempt import one_blas_thread
 from validation.measurements.statistics import order_of_convergence
+from validation.report.papers import cited
 
 __all__ = [
     "Case",
@@ -137,9 +138,11 @@ class Case:
     tolerance: str = "rounding"
 
 
-def case(name: str, claim: str, **fields: Any) -> Callable[[Callable[..., Iterable[Check]]], Case]:
+def case(
+    name: str, claim: str, *, source: str = "", **fields: Any
+) -> Callable[[Callable[..., Iterable[Check]]], Case]:
     """Make a `Case` of the function that follows, which yields the checks; `fields` are those of `Case`."""
-    return lambda run: Case(name=name, claim=claim, run=run, **fields)
+    return lambda run: Case(name=name, claim=claim, run=run, source=cited(source), **fields)
 
 
 @dataclass(frozen=True, kw_only=True)

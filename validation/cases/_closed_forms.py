@@ -99,7 +99,7 @@ class Westergaard:
     .. math:: p_0 = \pi E^* h \sin^2 \pi b, \qquad
               p = \frac{2 p_0 \cos \pi x}{\sin^2 \pi b} \sqrt{\sin^2 \pi b - \sin^2 \pi x}
 
-    Source: H. M. Westergaard, J. Appl. Mech. 6, 49 (1939).
+    Source: [westergaard1939].
     """
 
     half_width: float = 0.3  # b
@@ -157,7 +157,7 @@ def huber_stress(
 ) -> Array:
     """Stress (..., 6) [Pa] below Hertz's pressure on a circle, at depths above 0.
 
-    Source: M. T. Huber, Ann. Phys. 14, 153 (1904); A. C. Fischer-Cripps, Introduction to Contact Mechanics,
+    Source: [huber1904]; A. C. Fischer-Cripps, Introduction to Contact Mechanics,
     Sec. 5.4.
     """
     a, nu = radius, poisson

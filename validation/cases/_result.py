@@ -22,6 +22,7 @@ from validation.report.figure import COLOURS, SYMBOLS
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Line, Panel
 from validation.report.page import Page, page_of
+from validation.report.papers import cited
 from validation.report.quantities import labelled
 from validation.report.table import Column, Table
 from validation.report.values import with_places
@@ -312,7 +313,7 @@ def claims_page(result: Result, *, figures: bool = True) -> Page:
 def _is_paper(source: str) -> bool:
     """Whether a claim rests on something published, and not on a symmetry or a definition.
 
-    >>> _is_paper("Student, Biometrika 6, 1 (1908)"), _is_paper("symmetry")
+    >>> _is_paper("Student, Biometrika (1908)"), _is_paper("symmetry")
     (True, False)
     """
     return re.search(r"\d{4}|Johnson|Timoshenko", source) is not None
@@ -340,7 +341,7 @@ def write_scorecards(folder: Path, cards: Sequence[Scorecard], *, report: bool =
         "settings": {card.subject.name: dict(card.subject.settings) for card in cards},
         "tolerance": cards[0].subject.tolerance,
         "quick": cards[0].subject.quick,
-        "papers": list(dict.fromkeys(paper for card in cards for paper in card.subject.solver.papers)),
+        "papers": list(dict.fromkeys(cited(paper) for card in cards for paper in card.subject.solver.papers)),
     }
     verdicts = [verdict for card in cards for verdict in card.verdicts]
     return write_claims(folder, verdicts, name="scorecard", settings=settings, cards=cards, report=report)

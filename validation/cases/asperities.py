@@ -19,7 +19,7 @@ _RADIUS, _MODULUS, _WORK = 2e-3, 3e6, 0.05
 @case(
     "spheres-adhesive",
     "An adhesive sphere comes off at 3/2 pi w R if soft, at 2 pi w R if stiff.",
-    source="K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971); D. Maugis (1992)",
+    source="[johnson1971]; [maugis1992]",
 )
 def _jkr() -> Iterator[Check]:
     def load(a: float | Array) -> Array:
@@ -50,7 +50,7 @@ _MOMENTS = Moments(m0=4e-12, m2=1e-2, m4=1e-2**2 * 8 / 4e-12)
 @case(
     "asperities-summits",
     "Summits of a random surface have Nayak's density, curvature and heights.",
-    source="P. R. Nayak, J. Lubr. Technol. 93, 398 (1971); J. I. McCool, J. Tribol. 109, 264 (1987)",
+    source="[nayak1971]; [mccool1987]",
 )
 def _summits() -> Iterator[Check]:
     """Statistics of summits in the moments of a profile: mu0 = m0, mu2 = m2 / 2, mu4 = 3 m4 / 8."""

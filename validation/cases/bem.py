@@ -18,7 +18,7 @@ from validation.cases._closed_forms import EGG_BOX_DEPTH, EGG_BOX_FLAT, egg_box
 from validation.cases.scorecard.subject import rough
 
 _SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
-_JOHNSON = "K. L. Johnson, J. A. Greenwood, J. G. Higginson, Int. J. Mech. Sci. 27, 383 (1985)"
+_JOHNSON = "[johnson1985]"
 
 
 @case(

@@ -18,7 +18,7 @@ from validation.cases import Case, Check, below, case, order
 
 __all__ = ["CASES"]
 
-_LAYER = "K. L. Johnson, Contact Mechanics, Sec. 5.8: an elastic layer bonded to a rigid base"
+_LAYER = "[johnson_book], Sec. 5.8: an elastic layer bonded to a rigid base"
 _SAME = "code verification: two ways to solve one discrete system"
 
 

@@ -30,7 +30,7 @@ _EDGE = {"bem": 0.103, "fem": 0.198}
 @case(
     "comparison-wave",
     "Of a wave pressed as a scene, every number of the dataset is Westergaard's.",
-    source="H. M. Westergaard, J. Appl. Mech. 6, 49 (1939); Persson 2006, Eq. 20",
+    source="[westergaard1939]; Persson 2006, Eq. 20",
     tolerance="grid",
 )
 def _wave() -> Iterator[Check]:

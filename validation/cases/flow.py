@@ -42,7 +42,7 @@ def _spot(n: int, radius: float) -> float:
 @case(
     "flow-spot",
     "The contact resistance of a circular spot is Holm's, with the field of its neighbours.",
-    source="R. Holm (1967); J. R. Barber, Proc. R. Soc. A 459, 53 (2003)",
+    source="R. Holm (1967); [barber2003]",
     tolerance="grid",
 )
 def _spots() -> Iterator[Check]:

@@ -27,7 +27,7 @@ _SQUARE = 0.3667892
 @case(
     "free-hertz",
     "A ball on a patch hardly larger than its contact is Hertz's within .1 %: it has no images.",
-    source="H. Hertz, J. reine angew. Math. 92, 156 (1882); K. L. Johnson, Contact Mechanics, Sec. 4.2",
+    source="[hertz1882]; [johnson_book], Sec. 4.2",
     tolerance="grid",
 )
 def _hertz() -> Iterator[Check]:
@@ -55,7 +55,7 @@ def _hertz() -> Iterator[Check]:
 @case(
     "free-punch",
     "A flat square patch has the stiffness of a punch, that is the capacitance of a square plate.",
-    source="F. H. Read, J. Comput. Phys. 133, 1 (1997): C = .3667892 x 4 pi eps L",
+    source="[read1997]: C = .3667892 x 4 pi eps L",
     tolerance="grid",
 )
 def _punch() -> Iterator[Check]:

@@ -19,9 +19,9 @@ from validation.cases import Check, below, case, near, relative
 _POISSON, _GRADIENT = 0.3, 0.1
 
 
-_SOURCE = "S. C. Hunter, J. Appl. Mech. 28, 611 (1961)"
+_SOURCE = "[hunter1961]"
 _RESPONSE = "linear viscoelasticity: K. L. Johnson, Contact Mechanics, Sec. 6.5"
-_FRICTION = "B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001)"
+_FRICTION = "[persson2001]"
 
 
 def _standard(ratio: float, poisson: float = _POISSON) -> PronySolid:

@@ -31,7 +31,7 @@ _HALF_SPACE = HalfSpace(solid=Solid(young=1.0, poisson=_NU))
     "subsurface-hertz",
     "The stress below a paraboloid is Huber's within .1 % of the peak, and yields first at .48 a.",
     tolerance="estimate",
-    source="M. T. Huber, Ann. Phys. 14, 153 (1904); K. L. Johnson, Contact Mechanics, Sec. 3.4",
+    source="[huber1904]; [johnson_book], Sec. 3.4",
 )
 def _hertz() -> Iterator[Check]:
     """Six components below a paraboloid, and the point that yields first."""
@@ -60,7 +60,7 @@ def _hertz() -> Iterator[Check]:
     "subsurface-westergaard",
     "The stress below a wave in partial contact converges to Westergaard's.",
     tolerance="grid",
-    source="H. M. Westergaard, J. Appl. Mech. 6, 49 (1939)",
+    source="[westergaard1939]",
 )
 def _wave() -> Iterator[Check]:
     """Plane strain below a wave in partial contact, converging."""

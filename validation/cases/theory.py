@@ -16,7 +16,7 @@ from validation.cases import Check, case, relative
 @case(
     "theory-light-load",
     "At light load kappa of independent asperities is sqrt(2 pi).",
-    source="A. W. Bush, R. D. Gibson, T. R. Thomas, Wear 35, 87 (1975)",
+    source="[bush1975]",
     tolerance="estimate",
 )
 def _light_load() -> Iterator[Check]:

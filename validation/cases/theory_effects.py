@@ -80,7 +80,7 @@ def _diffusion() -> Iterator[Check]:
 @case(
     "theory-variants",
     "Corrected theories solve dV = S(P) dV_full.",
-    source="C. Yang, B. N. J. Persson (2008); A. Wang, M. H. Mueser, Tribol. Lett. 65 (2017)",
+    source="[yang2008]; [wang2017]",
 )
 def _variants() -> Iterator[Check]:
     """Invert dV = S(P) dV_full by a quadrature over V."""
@@ -147,7 +147,7 @@ def _profile() -> Iterator[Check]:
 @case(
     "theory-separation",
     "The work of the load is the elastic energy, and at light load the separation is logarithmic.",
-    source="B. N. J. Persson, Phys. Rev. Lett. 99, 125502 (2007)",
+    source="[persson2007]",
 )
 def _separation() -> Iterator[Check]:
     """Sum what the load stores: u(p1) - u(p2) = int dU/dp dp / p, summed over waves and loads."""

@@ -15,7 +15,7 @@ from validation.comparison.theory_alone import theory_views
 from validation.errors import UsageError
 from validation.execution.results import Result
 from validation.report.page import Page, Picture, page_of
-from validation.report.papers import PAPERS
+from validation.report.papers import CITED_FOR
 from validation.report.quantities import as_length, in_prefixed_unit, quantity_of
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
@@ -95,10 +95,8 @@ def _lead(kind: str, data: xr.Dataset, scene: Scene) -> str:
 def _papers(scene: Scene) -> tuple[str, ...]:
     cited = [paper for method in scene.methods.chosen.values() for paper in method.cited(scene.effects)]
     cited += [paper for effect in scene.effects for paper in effect.papers]
-    corrected = [PAPERS["perimeter"]] if scene.methods.solvers else []
-    return tuple(
-        dict.fromkeys((*cited, *corrected, *([PAPERS["measured"]] if scene.surface.kind == "file" else [])))
-    )
+    beside = {"perimeter": bool(scene.methods.solvers), "measured": scene.surface.kind == "file"}
+    return (*cited, *(CITED_FOR[name] for name, used in beside.items() if used))
 
 
 def _seeds(scene: Scene, data: xr.Dataset) -> str:

@@ -43,8 +43,7 @@ class Adhesion(Effect):
     slot: ClassVar[SlotName] = "gap law"
     cost: ClassVar[float] = 5.1
     papers: ClassVar[tuple[str, ...]] = (
-        "Adhesion: D. Maugis, J. Colloid Interface Sci. 150, 243 (1992); when rough surfaces "
-        "stick: L. Pastewka, M. O. Robbins, PNAS 111, 3298 (2014).",
+        "Adhesion: [maugis1992]; when rough surfaces stick: [pastewka2014].",
     )
 
     def gap_law(self) -> GapLaw:

@@ -32,9 +32,7 @@ class FreeBoundary(Effect):
     slot: ClassVar[SlotName] = "boundary"
     meshed: ClassVar[bool] = False
     cost: ClassVar[float] = 6.0
-    papers: ClassVar[tuple[str, ...]] = (
-        "Cells under constant pressure: A. E. H. Love, Phil. Trans. R. Soc. A 228, 377 (1929).",
-    )
+    papers: ClassVar[tuple[str, ...]] = ("Cells under constant pressure: [love1929].",)
 
     def fill(self, model: ContactModel) -> None:
         """Give the half-space without images."""

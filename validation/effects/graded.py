@@ -36,8 +36,8 @@ class Graded(Effect):
     slot: ClassVar[SlotName] = "response"
     cost: ClassVar[float] = 6.1
     papers: ClassVar[tuple[str, ...]] = (
-        "Graded half-space, solved: A. E. Giannakopoulos, S. Suresh, Int. J. Solids Struct. 34, 2357 (1997).",
-        "Modulus that varies with depth, theory: B. N. J. Persson, Surf. Sci. Rep. 61, 201 (2006), Sec. 5.",
+        "Graded half-space, solved: [giannakopoulos1997].",
+        "Modulus that varies with depth, theory: [persson2006], Sec. 5.",
     )
 
     def fill(self, model: ContactModel) -> None:

@@ -42,10 +42,7 @@ class Hardness(Effect):
 
     slot: ClassVar[SlotName] = "pressure bound"
     cost: ClassVar[float] = 1.4
-    papers: ClassVar[tuple[str, ...]] = (
-        "Hardness as a bound of the pressure: A. Almqvist, F. Sahlin, R. Larsson, S. Glavatskih, "
-        "Tribol. Int. 40, 574 (2007).",
-    )
+    papers: ClassVar[tuple[str, ...]] = ("Hardness as a bound of the pressure: [almqvist2007].",)
 
     @property
     def solves(self) -> float:  # type: ignore[override]

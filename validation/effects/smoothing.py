@@ -27,9 +27,7 @@ class Smoothing(Effect):
 
     slot: ClassVar[SlotName] = "spectrum"
     meshed: ClassVar[bool] = False
-    papers: ClassVar[tuple[str, ...]] = (
-        "Surfaces smoothed by plastic flow: B. N. J. Persson, Surf. Sci. Rep. 61, 201 (2006), Sec. 10.2.",
-    )
+    papers: ClassVar[tuple[str, ...]] = ("Surfaces smoothed by plastic flow: [persson2006], Sec. 10.2.",)
 
     @model_validator(mode="after")
     def _carried(self) -> Self:

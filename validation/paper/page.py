@@ -17,7 +17,6 @@ from validation.report.table import Table
 from validation.report.values import with_places
 from validation.report.views import Card, Views
 
-_PAPER = "B. N. J. Persson, Contact mechanics for randomly rough surfaces, Surf. Sci. Rep. 61, 201 (2006)."
 _COUNTED = {
     "claims_literal": "reproduced",
     "claims_joint": "reproduced under the joint convention",
@@ -104,6 +103,6 @@ def paper_page(result: Result, *, figures: bool = True) -> Page:
         notes={"Without a verdict": unjudged},
         settings=result.settings,
         seeds="none: nothing is drawn at random",
-        papers=(_PAPER,),
+        papers=("[persson2006].",),
         summary={"kind": result.kind, "name": result.name},
     )

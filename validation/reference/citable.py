@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from validation.report.estimates import total_error
+from validation.report.papers import cited
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,7 +22,7 @@ ATTRIBUTES = {
     "source": "boundary elements (fem-contact), controlled means over surfaces: fem-contact study reference",
     "product_version": "3",
     "license": "BSD-3-Clause",
-    "references": "docs/reference_table.md; B. N. J. Persson, Surf. Sci. Rep. 61, 201 (2006)",
+    "references": cited("docs/reference_table.md; [persson2006]"),
     "definition": "Periodic square of side L = 4 lambda_long; h(x) = sum_q B(q) cos(q.x + phi(q)) over "
     "q = 2 pi (m, n)/L with 16 <= m^2 + n^2 <= (4 bandwidth)^2, one of each pair +-q, "
     "B = (4 pi/L) C(q)^(1/2), C(q) ~ q^(-2-2H), no roll-off, phi uniform and independent; "

@@ -17,6 +17,7 @@ import xarray as xr
 from validation.errors import harmless
 from validation.files import atomic_path, digest_of, remove_drafts, write_json, write_record
 from validation.report.drawing import Drawing, write_drawing
+from validation.report.papers import cited
 from validation.report.table import (
     ResultTable,
     WordTable,
@@ -113,7 +114,7 @@ def page_of(data: xr.Dataset, views: Views, /, *, figures: bool = True, **rest: 
         "data": data,
         "facts": tuple(str(data.attrs.get("solves_made", "")).splitlines()),
     }
-    context |= rest
+    context |= rest | {"papers": tuple(dict.fromkeys(map(cited, rest["papers"])))}
     context["summary"] = json_ready({**summary, **rest.get("summary", {})})
     return Page(**context)
 

@@ -49,19 +49,13 @@ class Bem(Solver):
     for_ensembles = True
     holds = frozenset({"mean_gap", "offset"})
     controls = frozenset({"offset", "max_iterations"})
-    papers = (
-        "Boundary elements by FFT: H. M. Stanley, T. Kato, J. Tribol. 119, 481 (1997); conjugate gradients "
-        "with bounds: I. A. Polonsky, L. M. Keer, Wear 231, 206 (1999).",
-    )
+    papers = ("Boundary elements by FFT: [stanley1997]; conjugate gradients with bounds: [polonsky1999].",)
 
     def cited(self, effects: Sequence[Effect]) -> tuple[str, ...]:
         """With attraction the energy has many minima, which another algorithm finds."""
         if not any(effect.slot == "gap law" for effect in effects):
             return self.papers
-        return (
-            "Boundary elements by FFT: H. M. Stanley, T. Kato, J. Tribol. 119, 481 (1997); projected Newton "
-            "method: D. P. Bertsekas, SIAM J. Control Optim. 20, 221 (1982).",
-        )
+        return ("Boundary elements by FFT: [stanley1997]; projected Newton method: [bertsekas1982].",)
 
     def places(self, options: BemOptions) -> Iterator[tuple[Grid, Shift]]:
         """Yield each grid on all of its shifts."""

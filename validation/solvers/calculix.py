@@ -71,10 +71,7 @@ class Calculix(Solver):
     score_element = "Hex1"
     score_points = 8
     setting_keys = ("tolerance", "growth", "depth", "seconds")
-    papers = (
-        "CalculiX: G. Dhondt, The Finite Element Method for Three-Dimensional Thermomechanical "
-        "Applications (Wiley, 2004).",
-    )
+    papers = ("CalculiX: [dhondt2004].",)
 
     def available(self) -> str | None:
         """Say what to install."""

@@ -71,9 +71,8 @@ class Fem(Solver):
     score_element = "Hex1"
     score_points = 16
     papers = (
-        "Finite elements: T. Gustafsson, G. D. McBain, scikit-fem, J. Open Source Softw. 5, 2369 (2020).",
-        "Full system, contact set: M. Hintermüller, K. Ito, K. Kunisch, SIAM J. Optim. 13, 865 (2002); "
-        "multigrid: A. Brandt, Math. Comput. 31, 333 (1977).",
+        "Finite elements: [gustafsson2020].",
+        "Full system, contact set: [hintermueller2002]; multigrid: [brandt1977].",
     )
 
     def handles(self, effect: type[Effect]) -> bool:

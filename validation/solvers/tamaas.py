@@ -23,10 +23,7 @@ class Tamaas(ExternalSolver):
     package = "tamaas"
     slots: ClassVar[frozenset[SlotName]] = frozenset({"pressure bound"})
     locates_edges = True
-    papers = (
-        "tamaas: L. Frerot, G. Anciaux, V. Rey, S. Pham-Ba, J.-F. Molinari, J. Open Source Softw. 5, "
-        "2121 (2020).",
-    )
+    papers = ("tamaas: [frerot2020].",)
 
     def call(self, settings: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:
         """Return the function below."""

@@ -47,7 +47,7 @@ class Theory(Method):
     name = "theory"
     label = "Persson"
     options: ClassVar[type[Table]] = TheoryOptions
-    papers = ("Theory: B. N. J. Persson, Surf. Sci. Rep. 61, 201 (2006); J. Chem. Phys. 115, 3840 (2001).",)
+    papers = ("Theory: [persson2006]; [persson2001].",)
 
     def handles(self, effect: type[Effect]) -> bool:
         """Whether the effect tells the theory anything."""

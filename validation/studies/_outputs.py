@@ -14,7 +14,7 @@ from validation.execution.outputs import Outputs, leave
 from validation.execution.provenance import SOLVES_MADE, made_words
 from validation.execution.results import Result
 from validation.report.page import Page, page_of
-from validation.report.papers import PAPERS
+from validation.report.papers import CITED_FOR
 from validation.solvers import methods
 from validation.studies import Study, StudyOptions, find_study
 
@@ -89,7 +89,7 @@ def _undetermined(data: xr.Dataset) -> Iterator[str]:
 def _papers(used: Sequence[str]) -> tuple[str, ...]:
     known: dict[str, Any] = {**methods(), **effect_kinds()}
     cited = [paper for name, what in known.items() if name in used for paper in what.papers]
-    return (*cited, *(PAPERS[name] for name in dict.fromkeys([*used, "perimeter"]) if name in PAPERS))
+    return (*cited, *(CITED_FOR[name] for name in dict.fromkeys([*used, "perimeter"]) if name in CITED_FOR))
 
 
 def _seeds(options: Mapping[str, Any]) -> str:

@@ -21,7 +21,7 @@ class BushGibsonThomas(Theory):
 
     name = "bush-gibson-thomas"
     label = "Bush, Gibson, Thomas 1975"
-    papers = ("A. W. Bush, R. D. Gibson, T. R. Thomas, Wear 35, 87 (1975).",)
+    papers = ("[bush1975].",)
 
     def area(self, pressure: Array, rough: Rough) -> Array:
         """Return the linear law."""
@@ -35,8 +35,8 @@ class CarboneBottiglione(Theory):
     name = "carbone-bottiglione"
     label = "Carbone, Bottiglione 2008"
     papers = (
-        "G. Carbone, F. Bottiglione, J. Mech. Phys. Solids 56, 2555 (2008).",
-        "A. W. Bush, R. D. Gibson, T. R. Thomas, Wear 35, 87 (1975).",
+        "[carbone2008].",
+        "[bush1975].",
     )
 
     def _table(self, rough: Rough) -> tuple[Array, Array, Array]:
@@ -62,7 +62,7 @@ class GreenwoodWilliamson(Theory):
 
     name = "greenwood-williamson"
     label = "Greenwood, Williamson 1966"
-    papers = ("J. A. Greenwood, J. B. P. Williamson, Proc. R. Soc. A 295, 300 (1966).",)
+    papers = ("[greenwood1966].",)
 
     def area(self, pressure: Array, rough: Rough) -> Array:
         """Return A/A0; NaN where no separation carries the load."""

@@ -11,7 +11,7 @@ from persson import elastic
 from persson.variants import EnergyReading, Variant, corrected_contact_area
 from validation.arrays import Array
 from validation.measurements.theory import VARIANTS
-from validation.report.papers import PAPERS
+from validation.report.papers import CITED_FOR
 from validation.theories.base import Rough, Theory
 
 
@@ -27,7 +27,7 @@ class Persson(Theory):
     name = "persson"
     variant: ClassVar[Variant] = "persson"
     reading: EnergyReading = "old"
-    papers = ("B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001).",)
+    papers = ("[persson2001].",)
 
     def __init__(self, reading: EnergyReading | None = None, *, label: str = "") -> None:
         self.label = label or VARIANTS[self.variant]
@@ -70,7 +70,7 @@ class YangPersson(Persson):
 
     name = "yang-persson"
     variant = reading = "yang_persson"
-    papers = (PAPERS["yang_persson"],)
+    papers = (CITED_FOR["yang_persson"],)
 
 
 class WangMueser(Persson):
@@ -78,7 +78,7 @@ class WangMueser(Persson):
 
     name = "wang-mueser"
     variant = reading = "wang_mueser"
-    papers = (PAPERS["wang_mueser"],)
+    papers = (CITED_FOR["wang_mueser"],)
 
 
 class Xu(Persson):
@@ -86,7 +86,7 @@ class Xu(Persson):
 
     name = "xu"
     variant = reading = "xu"
-    papers = (PAPERS["xu"],)
+    papers = (CITED_FOR["xu"],)
 
 
 def persson_variants() -> tuple[Theory, ...]:

@@ -18,8 +18,8 @@ from validation.cases.scorecard.subject import Subject, rough
 
 __all__ = []
 
-_JOHNSON = "K. L. Johnson, J. A. Greenwood, J. G. Higginson, Int. J. Mech. Sci. 27, 383 (1985)"
-_WESTERGAARD = "H. M. Westergaard, J. Appl. Mech. 6, 49 (1939)"
+_JOHNSON = "[johnson1985]"
+_WESTERGAARD = "[westergaard1939]"
 
 _LIGHT, _NEAR_FULL = 0.05, 1.6
 _FEW = 2

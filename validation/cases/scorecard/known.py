@@ -24,9 +24,9 @@ from validation.solvers.bem import Bem
 
 __all__ = ["mean_inside", "strip"]
 
-_HERTZ = "H. Hertz, J. reine angew. Math. 92, 156 (1882); K. L. Johnson, Contact Mechanics, Sec. 4.2"
-_LAYER = "K. L. Johnson, Contact Mechanics, Sec. 5.8"
-_WESTERGAARD = "H. M. Westergaard, J. Appl. Mech. 6, 49 (1939)"
+_HERTZ = "[hertz1882]; [johnson_book], Sec. 4.2"
+_LAYER = "[johnson_book], Sec. 5.8"
+_WESTERGAARD = "[westergaard1939]"
 
 #: Where the apex falls in a cell moves the count of one solve by more than the trend; not the mean over
 #: these.
