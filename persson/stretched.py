@@ -107,7 +107,8 @@ class Stretched(SpectrumMoments):
         flat = np.atleast_1d(q).ravel()
         ends = np.array([self.spectrum.q_min, self.spectrum.q_long, self.spectrum.q_short])
         # Between the directions in which g q crosses an end of the spectrum everything is smooth.
-        ratio = ends[:, None] / np.where(flat > 0, flat, np.inf)
+        longest = self.spectrum.q_min or self.spectrum.q_long
+        ratio = np.minimum(ends[:, None] / np.maximum(flat, longest / (2 * self.factor)), self.factor)
         breadth = self.factor**2 - 1
         cosine = np.sqrt(np.clip((ratio**2 - 1) / breadth, 0, 1)) if breadth > 0 else np.zeros(ratio.shape)
         angle = np.arccos(cosine)
