@@ -349,11 +349,13 @@ def _diffuse(case: _Case, nodes: _Nodes, work: Array, onset: float | None) -> Di
     strength = case.interface.ideal_strength
     square = PchipInterpolator(nodes.t, work * nodes.per_work)
     first, last = nodes.t[0], nodes.t[-1]
+    # The onset lags behind the root by what moves no nodes: sigma_a starts there all the same, or the first
+    # of the dense steps would see a root on either side of the break in turn, and the rounds not settle.
+    start, offset = (first, 0.0) if onset is None else (onset, float(square(onset)))
 
     def tensile_limit(variance: Array) -> Array:
         t = np.clip(np.log(variance / case.reference), first, last)
-        value = np.where((onset is not None) & (t < (onset or 0.0)), 0.0, np.maximum(square(t), 0.0))
-        bare = np.sqrt(value)
+        bare = np.sqrt(np.where(t < start, 0.0, np.maximum(square(t) - offset, 0.0)))
         return np.asarray(bare if strength is None else bare / (1 + bare / strength))
 
     hardness = case.yield_stress

@@ -248,3 +248,24 @@ def test_wrong_interfaces_and_unfinished_iterations_are_refused():
         Interface(work_of_adhesion=1.0, area="real")
     with pytest.raises(NotConverged, match="rounds"):
         rim(rounds=2)
+
+
+@pytest.mark.parametrize(
+    ("hurst", "bandwidth", "pressure", "work", "energy"),
+    [
+        (0.8, 3.95, 1.27, 0.0058, "improved"),
+        (0.815, 2.33, 0.123, 0.0013, "improved"),
+        (0.9, 3.76, 0.02, 0.0025, "old"),
+    ],
+)
+def test_weak_adhesion_under_load_settles_in_a_few_rounds(hurst, bandwidth, pressure, work, energy):
+    """Its onset moved to and fro across the dense nodes: up to 150 rounds, and no end on some machines."""
+    spectrum = SelfAffine.from_rms_height(1e-6, hurst=hurst, q_long=1e5, q_short=1e5 * bandwidth)
+    scale = Scale(spectrum, contact_modulus=1e8)
+    q = np.geomspace(1e5, 1e5 * bandwidth, 2000)
+    variance = scale.variance(q)
+    full = np.sum(np.diff(variance) / (1e8 * (q[1:] + q[:-1]) / 2))  # U_el of full contact
+    interface = Interface(work_of_adhesion=work * full, energy=energy)
+    result = solve_adhesion(scale, pressure=pressure * np.sqrt(variance[-1]), interface=interface).checked()
+    assert result.macroscopic_work < 0
+    assert result.rounds <= 10

@@ -339,5 +339,7 @@ ROUNDING = (
         "*budget.solver*",
         "leak: *balance*",
         "adhesion: *_old_each",
+        "autopsy: *persson_each_drift",
+        "*area_ensemble_error",
     ),
 )

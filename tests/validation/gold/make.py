@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import lzma
-import platform
 import re
 from collections.abc import Iterator, Mapping
 from fnmatch import fnmatch
@@ -16,6 +15,7 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
+import llvmlite.binding
 import numpy as np
 import xarray as xr
 from reading_back import misdrawn
@@ -49,11 +49,9 @@ Record = dict[str, dict[str, Any]]
 
 
 def machine() -> dict[str, str]:
-    """What the last digits depend on."""
-    text = Path("/proc/cpuinfo").read_text(encoding="utf-8") if Path("/proc/cpuinfo").exists() else ""
-    model = re.search(r"model name\s*:\s*(.*)", text)
+    """What the last digits depend on: a processor by its instructions, for machines rename theirs."""
     libraries = {name: version(name) for name in ("numpy", "scipy", "numba", "ducc0")}
-    return {"processor": model[1] if model else platform.processor(), **libraries}
+    return {"processor": llvmlite.binding.get_host_cpu_name(), **libraries}
 
 
 def options_of(name: str, folder: Path, **changed: Any) -> tuple[Study, StudyOptions, dict[str, Any]]:
