@@ -201,11 +201,10 @@ def _grown(x: Array, variant: Variant) -> Array:
 
 
 def _xu(x: Array) -> Array:
-    """Solve y = [g + (1 - g) erf(1/sqrt(2y))] x, whose right side falls with y, by bisection in ln y."""
-    low, high = np.log(XU_RATIO * x), np.log(x)
-    for _ in range(60):
-        middle = (low + high) / 2
-        y = np.exp(middle)
-        above = y > (XU_RATIO + (1 - XU_RATIO) * erf(1 / np.sqrt(2 * y))) * x
-        low, high = np.where(above, low, middle), np.where(above, middle, high)
-    return np.asarray(np.exp((low + high) / 2))
+    """Solve y = [g + (1 - g) erf(1/sqrt(2y))] x by Newton's method in ln y, where the slope is 1 to 1.2."""
+    log = np.log(x) + np.log(XU_RATIO + (1 - XU_RATIO) * erf(1 / np.sqrt(2 * x)))
+    for _ in range(6):
+        s = np.exp(-log / 2) / math.sqrt(2)
+        factor = XU_RATIO + (1 - XU_RATIO) * erf(s)
+        log = log - (log - np.log(factor * x)) / (1 + (1 - XU_RATIO) * _bell(s) / (2 * factor))
+    return np.asarray(np.exp(log))

@@ -19,7 +19,7 @@ from validation.execution.measurement import Call
 from validation.measurements.limits import ABSENT, solved, stored_variables, two_grid_limit, value_at_zero
 from validation.measurements.measurement import area_limits
 from validation.measurements.rings import AREAS
-from validation.report.estimates import NORMAL, claim, derive, error_of, gather, mean, nearest
+from validation.report.estimates import NORMAL, bare, claim, derive, error_of, gather, mean, nearest
 
 #: d ln A / d ln V of the theory from which on the contact is not full.
 TOUCHED = -0.05
@@ -169,7 +169,7 @@ def _by_octave(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
 
 def _added(data: xr.Dataset, **values: xr.DataArray) -> xr.Dataset:
     """Add what is computed here: how its parts were made says nothing of it."""
-    return data.assign({name: value.drop_attrs() for name, value in values.items()})
+    return data.assign({name: bare(value) for name, value in values.items()})
 
 
 def _with_square_budget(data: xr.Dataset) -> xr.Dataset:

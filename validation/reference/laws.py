@@ -50,11 +50,12 @@ def fit(law: str, alpha: Array, distance: Array, half_width: Array, *, at: Array
     noise = np.random.default_rng(0).standard_normal((_SAMPLES, alpha.size))
     noise[0] = 0.0
     samples = distance / error + noise
-    low, high = _LOW, _HIGH
+    low, high, best = _LOW, _HIGH, np.full((_SAMPLES, 2 + at.size), np.inf)
     for _ in range(2):  # among all exponents, then closely about those that were best
-        best = np.full((_SAMPLES, 2 + at.size), np.inf)  # exponent, chi^2, values
-        for exponent in np.geomspace(low, high, 1 if law == "logarithm" else _TRIED):
-            _improve(best, samples, law, exponent, (alpha, error), at)
+        exponents = np.geomspace(low, high, 1 if law == "logarithm" else _TRIED)
+        laws = (law, "power") if law == "saturation" else (law,)
+        found = [_best_of(name, exponents, samples, (alpha, error), at) for name in laws]
+        best = _least([best, *found])
         step = (high / low) ** (1 / _TRIED)
         low, high = np.percentile(best[:, 0], (0.5, 99.5)) * (1 / step, step)
     ends = np.percentile(best[1:, 2:], (2.5, 97.5), axis=0)
@@ -66,25 +67,28 @@ def fit(law: str, alpha: Array, distance: Array, half_width: Array, *, at: Array
     )
 
 
-def _improve(
-    best: Array, samples: Array, law: str, exponent: float, data: tuple[Array, Array], at: Array
-) -> None:
-    """Take over a law of this exponent for the samples that it fits better than any before."""
+def _best_of(law: str, exponents: Array, samples: Array, data: tuple[Array, Array], at: Array) -> Array:
+    """Return exponent, chi^2 and values of the law that fits each sample best: (samples, 2 + m)."""
     alpha, error = data
-    for name in (law, "power") if law == "saturation" else (law,):
-        weighted = _design(name, alpha, exponent) / error[:, None]
-        constants = samples @ np.linalg.pinv(weighted).T
-        misses = np.sum((samples - constants @ weighted.T) ** 2, axis=1)
-        if name == "saturation":
-            misses[constants[:, 0] < 0] = np.inf
-        better = misses < best[:, 1]
-        values = constants[better] @ _design(name, at, exponent).T
-        best[better] = np.column_stack([np.full(len(values), exponent), misses[better], values])
+    weighted = _designs(law, alpha, exponents) / error[:, None]
+    constants = samples @ np.swapaxes(np.linalg.pinv(weighted), 1, 2)  # (exponents, samples, constants)
+    misses = np.sum((samples - constants @ np.swapaxes(weighted, 1, 2)) ** 2, axis=2)
+    if law == "saturation":
+        misses[constants[:, :, 0] < 0] = np.inf
+    which, sample = np.argmin(misses, axis=0), np.arange(len(samples))
+    values = np.einsum("sc,smc->sm", constants[which, sample], _designs(law, at, exponents)[which])
+    return np.column_stack([exponents[which], misses[which, sample], values])
 
 
-def _design(law: str, alpha: Array, exponent: float) -> Array:
-    """Matrix of the constants that enter linearly."""
+def _least(found: list[Array]) -> Array:
+    """Return for each sample the first row with the least chi^2."""
+    every = np.stack(found)
+    return np.asarray(every[np.argmin(every[:, :, 1], axis=0), np.arange(every.shape[1])])
+
+
+def _designs(law: str, alpha: Array, exponents: Array) -> Array:
+    """Matrices of the constants that enter linearly, one for each exponent: (exponents, n, constants)."""
+    falling = alpha ** -exponents[:, None]
     if law == "logarithm":
-        return np.stack([np.ones_like(alpha), np.where(np.isinf(alpha), np.nan, np.log(alpha))], axis=1)
-    falling = alpha**-exponent
-    return np.stack([np.ones_like(alpha), falling][law == "power" :], axis=1)
+        falling = np.broadcast_to(np.where(np.isinf(alpha), np.nan, np.log(alpha)), falling.shape)
+    return np.stack([np.ones_like(falling), falling][law == "power" :], axis=2)

@@ -195,6 +195,7 @@ def optional(data: xr.Dataset, name: str) -> xr.DataArray | None:
 
 def claim(data: xr.Dataset, *names: str, **sources: xr.DataArray | float | str) -> xr.Dataset:
     """Say more of the errors of variables: further sources, or why one does not enter; see `error_of`."""
+    added = {}
     for name in names:
         more = error_of(_of(data, name, "claim"), **sources)
         old = optional(data, f"{name}_error")
@@ -204,8 +205,20 @@ def claim(data: xr.Dataset, *names: str, **sources: xr.DataArray | float | str) 
             # What is claimed does not follow from the reduction of the variable: the audit is told.
             claimed = {*str(old.attrs.get("claimed", "")).split(), *sources}
             more.attrs = {**old.attrs, **more.attrs, "claimed": " ".join(sorted(claimed))}
-        data = data.assign({f"{name}_error": more})
-    return data
+        added[f"{name}_error"] = more
+    return _with(data, added)
+
+
+def _with(data: xr.Dataset, added: Mapping[str, xr.DataArray]) -> xr.Dataset:
+    """Assign arrays made of the dataset's own: their coordinates are its, and need not be aligned again."""
+    coords = {} if "source" in data.coords else {"source": list(SOURCES)}
+    errors = any("source" in value.dims for value in added.values())
+    return data.assign({n: v.variable for n, v in added.items()}).assign_coords(coords if errors else {})
+
+
+def bare(value: xr.DataArray, **attributes: Any) -> xr.DataArray:
+    """Values and dimensions with these attributes alone, not with those of what it was made from."""
+    return xr.DataArray(value.values, dims=value.dims, attrs=attributes)
 
 
 def total_error(data: xr.Dataset, name: str, *, sources: Iterable[str] | None = None) -> xr.DataArray | None:
@@ -265,6 +278,7 @@ def mean(
     anti-correlated, and one sample together. Places that were never solved (`solved_places`) are no samples;
     one that was solved and has no value leaves the mean without one.
     """
+    added: dict[str, xr.DataArray] = {}
     for name in names:
         values = _of(data, f"{name}_each", f"mean of {name!r}", over)
         there = solved_places(data, values, over=over)
@@ -289,8 +303,8 @@ def mean(
         }
         error = error_of(middle, **sources)
         error.attrs |= why
-        data = data.assign({name: middle.assign_attrs(made), f"{name}_error": error})
-    return data
+        added |= {name: middle.assign_attrs(made), f"{name}_error": error}
+    return _with(data, added)
 
 
 def same_of_all(data: xr.Dataset, *names: str, over: str = "surface") -> xr.Dataset:
@@ -342,9 +356,9 @@ def solved_places(data: xr.Dataset, values: xr.DataArray, *, over: str) -> xr.Da
 
     The solves of a variable are in the one whose name begins with ``solve`` and whose dimensions it has all.
     """
-    for name in data.data_vars:
+    for name in (name for name in data.data_vars if str(name).startswith("solve")):
         named = data[name]
-        if str(name).startswith("solve") and over in named.dims and set(named.dims) <= set(values.dims):
+        if over in named.dims and set(named.dims) <= set(values.dims):
             there = named != ""
             return None if bool(there.all()) else there
     return None
@@ -360,7 +374,7 @@ def change(data: xr.Dataset, name: str, *, along: str, first: int = 0, last: int
     if first % values.sizes[along] == last % values.sizes[along]:
         end = end * math.nan
     made = {"reduction": "change", "of": f"{name}_each", "along": along, "first": first, "last": last}
-    added: dict[str, Any] = {f"{name}_change_each": (end / start - 1).drop_attrs().assign_attrs(made)}
+    added = {f"{name}_change_each": bare(end / start - 1, **made)}
     errors = optional(data, f"{name}_each_error")
     if errors is not None:
         shares = (errors.isel({along: k}, drop=True) / v for k, v in ((last, end), (first, start)))
@@ -370,7 +384,7 @@ def change(data: xr.Dataset, name: str, *, along: str, first: int = 0, last: int
     if drift is not None:
         moved, before = (drift.isel({along: k}, drop=True) for k in (last, first))
         added[f"{name}_change_each_drift"] = (moved - before * end / start) / start
-    return data.assign(added)
+    return _with(data, added)
 
 
 def reduce(data: xr.Dataset, how: str, *names: str, over: str = "surface") -> xr.Dataset:
@@ -378,12 +392,11 @@ def reduce(data: xr.Dataset, how: str, *names: str, over: str = "surface") -> xr
 
     For what is no sample of a mean: costs, residuals.
     """
+    added = {}
     for name in names:
         made = {"reduction": how, "of": f"{name}_each", "over": over}
-        data = data.assign(
-            {name: getattr(_of(data, f"{name}_each", how, over), how)(over).assign_attrs(made)}
-        )
-    return data
+        added[name] = getattr(_of(data, f"{name}_each", how, over), how)(over).assign_attrs(made)
+    return _with(data, added)
 
 
 def derive(data: xr.Dataset, **expressions: str) -> xr.Dataset:
@@ -407,7 +420,7 @@ def derive(data: xr.Dataset, **expressions: str) -> xr.Dataset:
         value = _at(expression, point)
         value = value.transpose(*(dim for dim in data.sizes if dim in value.dims))
         made = {"reduction": "expression", "expression": expression}
-        added: dict[str, Any] = {name: value.drop_attrs().assign_attrs(made)}
+        added = {name: bare(value, **made)}
         errors = {n: data[f"{n}_error"] for n in point if f"{n}_error" in data}
         if errors:
             shifts = [
@@ -417,15 +430,15 @@ def derive(data: xr.Dataset, **expressions: str) -> xr.Dataset:
             total = sum((shift**2 for shift in shifts[1:]), shifts[0] ** 2) ** 0.5
             first, *others = (e.attrs for e in errors.values())
             why = {s: words for s, words in first.items() if all(s in other for other in others)}
-            added[f"{name}_error"] = total.transpose(*value.dims, "source").drop_attrs().assign_attrs(why)
+            added[f"{name}_error"] = bare(total.transpose(*value.dims, "source"), **why)
         drifts = [
             _at(expression, point | {n: point[n] + data[f"{n}_drift"]}) - value
             for n in point
             if f"{n}_drift" in data
         ]
         if drifts:
-            added[f"{name}_drift"] = sum(drifts[1:], drifts[0]).drop_attrs()
-        data = data.assign(added)
+            added[f"{name}_drift"] = bare(sum(drifts[1:], drifts[0]))
+        data = _with(data, added)
     return data
 
 

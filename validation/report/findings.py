@@ -212,7 +212,9 @@ def finding(
         )
     rows: list[dict[str, Value]] = []
     if data is not None and item:
-        for place in each(data, *over):
+        # The rest need not be sliced at every place.
+        shown = [n for n in data.data_vars if _named(str(n).removesuffix("_error"), item, by)]
+        for place in each(data[shown], *over):
             names = [str(n) for n, v in place.variables.items() if v.ndim == 0 and _named(str(n), item, by)]
             rows.append({n: value_of(place, n) for n in names if n not in here})
     known = {*here, *values, *(rows[0] if rows else ()), "verdict", "each"}

@@ -7,6 +7,7 @@ marks. `draw` returns with the figure what was drawn of which slice, so that a t
 from __future__ import annotations
 
 import itertools
+import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -128,6 +129,9 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawi
     from validation.report.figure import new_figure
 
     drawn: list[Drawn] = []
+    # What no mark names need not be sliced for each of them.
+    words = set(re.findall(r"\w+", repr(figure.panels)))
+    whole, data = data, data[[n for n in data.data_vars if str(n).removesuffix("_error") in words]]
     figure = replace(figure, panels=[p for p in figure.panels if _shows(p, data)] or figure.panels[:1])
     if axes is None:
         columns = len(figure.panels)
@@ -161,7 +165,7 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawi
     return Drawing(
         name=figure.name,
         figure=canvas,
-        data=data[[n for n in names if n in data]].drop_attrs(deep=False).assign_attrs(attrs),
+        data=whole[[n for n in names if n in whole]].drop_attrs(deep=False).assign_attrs(attrs),
         caption=_caption(figure.caption, drawn),
         drawn=tuple(drawn),
     )

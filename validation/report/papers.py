@@ -21,7 +21,7 @@ PAPERS = {
     "greenwood1966": "J. A. Greenwood, J. B. P. Williamson, Proc. R. Soc. A 295, 300 (1966)",
     "gustafsson2020": "T. Gustafsson, G. D. McBain, scikit-fem, J. Open Source Softw. 5, 2369 (2020)",
     "hertz1882": "H. Hertz, J. reine angew. Math. 92, 156 (1882)",
-    "hintermueller2002": "M. Hintermüller, K. Ito, K. Kunisch, SIAM J. Optim. 13, 865 (2002)",
+    "hintermueller2002": "M. Hintermüller, K. Ito, K. Kunisch, SIAM J. Optim. 13, 865 (2003)",
     "huber1904": "M. T. Huber, Ann. Phys. 14, 153 (1904)",
     "hunter1961": "S. C. Hunter, J. Appl. Mech. 28, 611 (1961)",
     "hyun2004": "S. Hyun, L. Pei, J.-F. Molinari, M. O. Robbins, Phys. Rev. E 70, 026117 (2004)",

@@ -23,6 +23,8 @@ from reading_back import misdrawn
 from gold.asked import LADDERS, STUDIES, UNSTEADY
 from validation.execution.bench import Bench
 from validation.measurements.convergence import Ladders
+from validation.report.marks import draw
+from validation.report.table import budget_table
 from validation.scenes.scene import load_scene
 from validation.studies import Study, StudyOptions, find_study
 
@@ -79,13 +81,18 @@ def compute(name: str, bench: Bench, folder: Path) -> tuple[Record, xr.Dataset]:
     with patch.dict(Ladders.__init__.__kwdefaults__, small):
         data = new_numbers(study, options, bench)
     record = dict(_of_dataset("data", data))
-    for part, table in (("table", study.table(data)), ("budget", study.budget(data))):
-        record |= {} if table is None else _of_table(part, table.columns, table.rows)
+    shown = study.views(data)
+    if shown.table is not None:
+        table = shown.table.of(data)
+        record |= _of_table("table", table.columns, table.rows)
+    if shown.budget:
+        budget = budget_table(data, shown.budget)
+        record |= _of_table("budget", budget.columns, budget.rows)
     odd: list[str] = []
-    for drawing in study.figures(data):
+    for drawing in (draw(figure, data) for figure in shown.figures):
         record |= _of_dataset(f"figure.{drawing.name}", drawing.data)
         odd += misdrawn(drawing, data)
-    record |= _of_words("findings", study.findings(data))
+    record |= _of_words("findings", [found.text for found in shown.findings])
     return {**_steady(name, record), "misdrawn": {"words": odd}}, data
 
 
