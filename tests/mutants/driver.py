@@ -9,7 +9,9 @@ them.
 from __future__ import annotations
 
 import argparse
+import compileall
 import os
+import py_compile
 import queue
 import re
 import shutil
@@ -111,6 +113,8 @@ def copied_tree() -> Iterator[Path]:
                 shutil.copytree(source, tree / entry, ignore=leave)
             elif source.exists():
                 shutil.copy(source, tree / entry)
+        # Bytecode that knows its source by the text: that of a file with a fault is not taken.
+        compileall.compile_dir(tree, quiet=2, invalidation_mode=py_compile.PycInvalidationMode.CHECKED_HASH)
         yield tree
 
 
