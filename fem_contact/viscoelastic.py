@@ -209,7 +209,7 @@ def _not_negative(name: str, value: ArrayLike, *, unit: str) -> Array:
 
 
 def check_viscoelastic(solid: object) -> None:
-    """Refuse what is no viscoelastic solid."""
+    """Raise InvalidInput for what is no viscoelastic solid, or has a Poisson ratio of none."""
     what = "a viscoelastic solid, such as `PronySolid`, with `modulus` and `poisson`"
     instance("solid", solid, ViscoelasticSolid, what=what)
     poisson_ratio(getattr(solid, "poisson", None))

@@ -354,13 +354,17 @@ def _run(problem: Problem, reference: float, grid: Grid, modes: int) -> Array:
 
 
 def _lift(problem: Problem, reference: float, t: Array) -> Array:
-    """2 dsigma_Y/dV [1/Pa] by a one-sided difference from the past, 0 for a constant hardness."""
+    """2 dsigma_Y/dV [1/Pa], Eq. 34, at t = ln(V/reference), of shape (n,); 0 for a constant hardness.
+
+    A one-sided difference from the past, since the hardness may have a kink ahead; 0 where V = 0.
+    """
     if not problem.hardening:
         return np.zeros(t.shape)
     finite = np.where(np.isfinite(t), t, 0.0)
-    points = finite[:, None] + 1e-3 * (_STAGES - 1)
+    back = 1e-3  # in ln V
+    points = finite[:, None] + back * (_STAGES - 1)
     variance = reference * np.exp(points)
-    slope = problem.above(variance) @ _differentiation(_STAGES).T[:, -1] / 1e-3
+    slope = problem.above(variance) @ _differentiation(_STAGES)[-1] / back  # by ln V
     rise = np.maximum(2 * slope / variance[:, -1], 0.0)
     return np.where(np.isfinite(t), rise, 0.0)
 

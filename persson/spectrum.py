@@ -246,10 +246,10 @@ class SelfAffine(SpectrumMoments):
         return replace(self, amplitude=self.amplitude * positive("factor", factor))
 
     def _moment(self, order: int, q_upper: ArrayLike | None) -> Array:
-        """2 pi int q^(2 order + 1) C dq from q_min to q_upper, exact on each panel."""
+        """Moment m_(2 order) = 2 pi int q^(2 order + 1) C dq from q_min to q_upper, exact on each panel."""
         upper = non_negative("q_upper", self.q_short if q_upper is None else q_upper, unit="1/m")
         upper = np.minimum(upper, self.q_short)
-        lower = self.q_min / self.q_long
+        lower = self.q_min / self.q_long  # panels are integrated in q/q_long
         # Widths are subtracted before anything is divided: a narrow band then keeps its digits.
         if self.rolloff == "smooth":
             part = _bent_panel(order, self.hurst, lower, np.maximum(upper - self.q_min, 0.0) / self.q_long)
@@ -261,7 +261,7 @@ class SelfAffine(SpectrumMoments):
                 part = part + _power_panel(2.0 * order + 2, lower, width)
         q2 = self.q_long * self.q_long
         scale = 2 * math.pi * self.amplitude
-        for _ in range(order + 1):
+        for _ in range(order + 1):  # with the same rounding in all units, which a power has not
             scale *= q2
         return np.asarray(scale * part)[()]
 

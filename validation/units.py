@@ -240,7 +240,7 @@ Positive = Annotated[float, Field(gt=0)]
 
 
 def within(least: float, most: float, *, or_zero: bool = False) -> AfterValidator:
-    """Refuse numbers whose powers would vanish or overflow, or that nothing reaches."""
+    """Refuse what is not between two numbers, both allowed [SI]; beyond, powers vanish or overflow."""
 
     def check(value: float) -> float:
         if not least <= value <= most and not (or_zero and value == 0):

@@ -178,7 +178,7 @@ class SlabGrids(Grids):
         self.slabs, self.xp = slabs, SlabNumpy(slabs)
 
     def slabs_of(self, shape: Shape) -> Slabs | None:
-        """Return the slabs of a grid; None where every process has the whole."""
+        """Return the slabs of a grid; None where it is so small that every process has the whole."""
         finest = self.slabs
         if shape == finest.shape:
             return finest
@@ -187,8 +187,10 @@ class SlabGrids(Grids):
             return None
         return Slabs(finest.comm, shape)
 
-    def operator_of(self, response: Response, shape: Shape, lengths: tuple[float, float]) -> Any:
-        """Return the response of a solid on one of the grids."""
+    def operator_of(
+        self, response: Response, shape: Shape, lengths: tuple[float, float]
+    ) -> FourierOperator | SlabOperator:
+        """Return the response of a solid on a grid with these sides [m], in slabs where it has some."""
         slabs = self.slabs_of(shape)
         if slabs is None:
             return FourierOperator(response, shape, lengths, threads=self.threads)

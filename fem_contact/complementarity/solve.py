@@ -33,10 +33,15 @@ def solve_bounded(
     draft: bool = False,
     single: bool = False,
 ) -> Solution:
-    """Preconditioned conjugate gradients under bounds; two operator applications per step.
+    """Find 0 <= x <= bound of a given mean with a gap g = A x - h + shift that is 0 where x lies between.
+
+    Where x = 0 it is open, at the bound it may be closed further. Preconditioned conjugate gradients, two
+    operator applications per step.
 
     Parameters
     ----------
+    operator : Operator
+        A [m/Pa], the response of the solid to pressures at the nodes.
     heights : (nx, ny) array
         h [m] of the rigid body at the nodes, on a periodic lattice.
     mean_force : float
@@ -77,13 +82,13 @@ def solve_bounded(
         if single and isinstance(operator, FourierOperator) and length_scale > 0:
             least, most = (mean_force / length_scale * size for size in operator.extremes)
             if np.finfo(np.float32).tiny * 1e6 < least and most < np.finfo(np.float32).max * 1e-6:
-                options["units"] = mean_force, length_scale
+                options["units"] = mean_force, length_scale  # arrays in these are of single precision
         if isinstance(operator, SlabOperator):
             arrays = SlabIterationArrays(operator, heights, **options)
         else:
             arrays = IterationArrays(operator, heights, **options)
     _set_start(arrays, start, mean_force)
-    del start
+    del start  # frees an array for the iteration
     return _iterate(arrays, mean_force=mean_force, length_scale=length_scale, settings=settings, draft=draft)
 
 

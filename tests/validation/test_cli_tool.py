@@ -485,3 +485,5 @@ def test_a_copied_scene_has_results_of_its_own(tmp_path, file, name):
     copied, original = load_scene(str(target)), load_scene("quickstart")
     assert copied.name == name
     assert copied.model_copy(update={"name": "quickstart"}) == original
+    scenes.copy_scene(str(target), again := tmp_path / f"of {file}")  # of a file that may have no name in it
+    assert load_scene(str(again)).name == f"of-{name}".removesuffix("-copy")

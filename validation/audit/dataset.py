@@ -38,7 +38,7 @@ class Result:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self._read: dict[str, Any] = {}
+        self._read: dict[Any, Any] = {}
         #: h'_rms by the pressure of solves, once they were looked at.
         self.gradients: dict[float, float] = {}
         self.record = read_record(folder / "result.json")
@@ -85,15 +85,14 @@ class Result:
         path = None if store is None else Path(os.path.realpath(self.folder / str(store)))
         return path if path is not None and path.is_dir() else None
 
-    def solve(self, key: str, kind: Callable[[memoryview], Any] = read_dataset) -> Any:
-        """Return the numbers of a stored solve, or its fields as `Stored`; None where it is not there."""
+    def solve(self, key: str, read: Callable[[memoryview], Any] = read_dataset) -> Any:
+        """Return what `read` makes of the bytes of a stored solve, once; None where it is not there."""
         path = None if self.store is None else self.store / f"{key}.nc"
         if path is None or not path.is_file():
             return None
-        name = f"{kind.__qualname__} {key}"
-        if name not in self._read:
-            self._read[name] = kind(memoryview(sealed_bytes(path)))
-        return self._read[name]
+        if (key, read) not in self._read:
+            self._read[key, read] = read(memoryview(sealed_bytes(path)))
+        return self._read[key, read]
 
 
 def _bytes(path: Path, digest: str) -> bytes:

@@ -35,7 +35,7 @@ _HALF_SPACE = HalfSpace(solid=Solid(young=1.0, poisson=_NU))
 )
 def _hertz() -> Iterator[Check]:
     """Six components below a paraboloid, and the point that yields first."""
-    n, a = 256, 0.1
+    n, a = 256, 0.1  # nodes across the period, 1, and radius of the contact
     hertz = HertzInPeriod(radius=a, contact_modulus=_HALF_SPACE.contact_modulus)
     result = bem.solve(hertz.surface(n, (0.0, 0.0)), _HALF_SPACE, mean_pressure=hertz.load).checked()
     x = np.arange(n) / n - 0.5

@@ -116,7 +116,7 @@ _verb(_KEEP, calibrate, "fem-contact calibrate")
 
 
 def main() -> None:
-    """Run the command line: a user's mistake is one line on stderr and exit code 2, never a traceback."""
+    """Run the command line: a mistake is one line on stderr and exit code 2, a failed run one and 1."""
     with refusals_in_words():
         try:
             app(prog_name="fem-contact")

@@ -62,7 +62,7 @@ def copy_scene(
     stem = re.sub(r"[^A-Za-z0-9._-]+", "-", target.stem).strip("-._")
     # A file whose name cannot name a folder is named in its text.
     name = "" if stem == target.stem else f'name = "{stem or "copy"}"\n'
-    text = re.sub(r"(?m)^name\s*=.*\n?", lambda _: name, head, count=1) + table + rest
+    text = name + re.sub(r"(?m)^name\s*=.*\n?", "", head, count=1) + table + rest
     try:
         with target.open("x", encoding="utf-8") as file:
             file.write(text)

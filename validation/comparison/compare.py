@@ -346,25 +346,28 @@ def _findings(data: xr.Dataset, results: Mapping[str, Result]) -> Iterator[Findi
 def _farthest(data: xr.Dataset, name: str, k: int) -> Finding:
     """Say how far a result is from the first in one quantity, where that is most for its interval."""
 
-    def weight(item: tuple[str, xr.Dataset]) -> float:
+    def errors_apart(item: tuple[str, xr.Dataset]) -> float:
+        """Difference over its error, by which places are ranked; those without an error come last."""
         apart = value_of(item[1].isel(result=k), f"{name}_apart")
-        if apart.value == 0 or not apart.error or not np.isfinite(apart.error):
-            return 0.0 if apart.value == 0 else 1e300 if apart.error == 0 else -1.0
-        return abs(float(apart.value)) / apart.error
+        if apart.value == 0:
+            return 0.0
+        if apart.error is None or not np.isfinite(apart.error):
+            return -1.0
+        return abs(float(apart.value)) / apart.error if apart.error else np.inf
 
     places = list(_places(data, name))
     what, first, other = quantity_of(data, name), *(str(data.result.values[j]) for j in (0, k))
     symbol = ", ".join(filter(None, (what.symbol, what.which)))
     if not places:
         return note("{symbol}: no value in common.", symbol=symbol)
-    place, here = max(places, key=weight)
+    place, here = max(places, key=errors_apart)
     at = f" ({place})" if place else ""
     values: dict[str, Any] = {
         "mine": value_of(here.isel(result=k), name),
         "its": value_of(here.isel(result=0), name),
         "apart": value_of(here.isel(result=k), f"{name}_apart"),
     }
-    if values["apart"].value == 0 and all(weight(one) == 0 for one in places):
+    if values["apart"].value == 0 and all(errors_apart(one) == 0 for one in places):
         return note(
             "{symbol}: {other} and {first} agree to the last digit.", symbol=symbol, other=other, first=first
         )

@@ -292,7 +292,7 @@ def _figure(data: xr.Dataset, key: str, name: str, variables: tuple[str, ...]) -
         where = place_words(data.isel({along: int(k)}), along, data) if along else ""
         for variable in variables:
             look = {"color": f"C{n}"} if along else {}
-            label = ", ".join(filter(None, (_which(data, variable), where)))
+            label = ", ".join(filter(None, (_whose(data, variable), where)))
             marks.append(Line(y=variable, at=place, look=look, label=label, joined=joined))
     fixed = f", {', '.join(place_words(data.isel({o: k}), o, data) for o, k in at.items())}" if at else ""
     one = "" if _several(data) or "area" not in data else " One surface."
@@ -310,7 +310,8 @@ _WORDS = {
 }
 
 
-def _which(data: xr.Dataset, variable: str) -> str:
+def _whose(data: xr.Dataset, variable: str) -> str:
+    """Say for a legend whose a variable is: the theory's, or a method's, and of how many surfaces."""
     which = quantity_of(data, variable).which
     if which or "solver" not in data.coords:
         return which.removesuffix(", finest")

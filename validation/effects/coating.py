@@ -44,7 +44,7 @@ class Coating(Effect):
         return Solid(young=self.young, poisson=solid.poisson if self.poisson is None else self.poisson)
 
     def fill(self, model: ContactModel) -> None:
-        """Give the compliance of the coated half-space."""
+        """Set the response to that of the layer on the solid."""
         from fem_contact.graded import LayeredSolid
 
         model.response = LayeredSolid(

@@ -110,18 +110,23 @@ def fitted_line(samples: Sequence[ArrayLike], x: ArrayLike, *, common: bool = Fa
 def _least_squares(
     samples: Sequence[NDArray[np.float64]], x: NDArray[np.float64], *, common: bool
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Intercept and slope, and the half widths of their 95 % intervals by scatter."""
+    """Intercept and slope of the means of groups at x, and half widths of their 95 % intervals by scatter.
+
+    A group has one value a surface. With `common` ones sample k is the same surface in every group.
+    """
     errors = np.array([group.std(ddof=1) / np.sqrt(group.size) for group in samples])
     # Groups of common surfaces scatter together: there equal weights lose nothing.
+    # A group without scatter must not take all the weight.
     weight = np.ones_like(x) if common else 1 / np.maximum(errors, 1e-3 * errors.max() + 1e-300)
-    solve = np.linalg.pinv(np.stack([np.ones_like(x), x], axis=1) * weight[:, None]) * weight
-    values = solve @ np.array([group.mean() for group in samples])
+    design = np.stack([np.ones_like(x), x], axis=1)
+    to_line = np.linalg.pinv(design * weight[:, None]) * weight  # of (intercept, slope) by group
+    values = to_line @ np.array([group.mean() for group in samples])
     freedom = min(group.size for group in samples) - 1
     factor = float(scipy.special.stdtrit(freedom, 0.975))
     if common:
-        spread = (solve @ np.stack(samples)).std(axis=1, ddof=1) / np.sqrt(samples[0].size)
+        spread = (to_line @ np.stack(samples)).std(axis=1, ddof=1) / np.sqrt(samples[0].size)
     else:
-        spread = np.sqrt(solve**2 @ errors**2)
+        spread = np.sqrt(to_line**2 @ errors**2)
     return (float(values[0]), float(values[1])), (float(factor * spread[0]), float(factor * spread[1]))
 
 

@@ -229,12 +229,16 @@ def _rim_magnification() -> Curves:
 
 
 def _against_pressure(
-    spectrum: Spectrum, modulus: float, interface: Interface, load: Array, *, of: str = ""
+    spectrum: Spectrum, modulus: float, interface: Interface, pressure: Array, *, label: str = ""
 ) -> Curves:
-    with_adhesion = np.array([s.adhesive(spectrum, modulus, float(p), interface).real_area for p in load])
+    """A/A0 at nominal pressures [Pa], with adhesion and without; the modulus is E* [Pa]."""
+    adhesive = np.array([s.adhesive(spectrum, modulus, float(p), interface).real_area for p in pressure])
     return {
-        f"with adhesion{of}": {"pressure_nominal": load, "area": with_adhesion},
-        f"without adhesion{of}": {"pressure_nominal": load, "area": s.area(spectrum, modulus, load)},
+        f"with adhesion{label}": {"pressure_nominal": pressure, "area": adhesive},
+        f"without adhesion{label}": {
+            "pressure_nominal": pressure,
+            "area": s.area(spectrum, modulus, pressure),
+        },
     }
 
 
@@ -250,7 +254,7 @@ def _pmma_pressure() -> Curves:
     load = np.linspace(1e6, 100e6, 23)
     curves: dict[str, Mapping[str, Any]] = {}
     for words, rms in (("parameters as printed", None), ("C(q) scaled to 0.6 nm", 0.6)):
-        curves |= _against_pressure(rough_pmma(rms), s.PMMA_MODULUS, interface, load, of=f", {words}")
+        curves |= _against_pressure(rough_pmma(rms), s.PMMA_MODULUS, interface, load, label=f", {words}")
     return curves
 
 

@@ -187,8 +187,8 @@ def _percolation() -> Figure:
     )
     return Figure(
         name="percolation",
-        caption="Areas at which, as waves are added, the contact comes apart and the gap opens, by surface and axis over "
-        "the magnification where it happens, and means over the load.",
+        caption="Areas at which, as waves are added, the contact comes apart and the gap opens. Left: by surface and axis "
+        "over the magnification where it happens. Right: means over the load.",
         panels=[
             Panel(marks=[scatter, paper], x="percolation_magnification", log="x"),
             Panel(marks=[Line(y="percolation_area", by="phase"), paper], x="percolating_pressure"),

@@ -60,21 +60,18 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     first, cases = options.first, design(options)
     q_long = 2 * np.pi / first.longest
-    limits = {
-        case: limits_of(measured, drift=False).assign(
-            truncated_gradient_each=truncated_heights(
-                cases[case]["problem"], cases[case]["grids"][0], truncation=case[1] * q_long
-            ).rms_gradient
-        )
-        for case, measured in solved(bench, cases).items()
-    }
+    limits = {}
+    for (k, zeta), measured in solved(bench, cases).items():
+        problem, grids = (cases[k, zeta][name] for name in ("problem", "grids"))
+        gradient = truncated_heights(problem, grids[0], truncation=zeta * q_long).rms_gradient
+        limits[k, zeta] = limits_of(measured, drift=False).assign(truncated_gradient_each=gradient)
     data = gather(limits, surface=range(options.surfaces), magnification=options.magnifications)
-    data["stress_variance_ensemble"] = np.nan * data.magnification
+    data["stress_variance_ensemble"] = xr.full_like(data.magnification, np.nan)
     if first.spectrum is not None:
         q = np.minimum(data.magnification * q_long, first.spectrum.q_short)
         variance = elastic.stress_variance(first.spectrum.m2(q.values), contact_modulus=1.0)
         data["stress_variance_ensemble"] = ("magnification", variance)
-    # p* of a truncated surface grows as its gradient shrinks, at the same nominal pressure.
+    # p* h'_rms of all waves is p0/E*: p* of a truncated surface grows as its gradient shrinks. V is over E*^2.
     data = derive(
         data,
         area_persson_each="erf(2**.5 * reduced_pressure * rms_gradient_each / truncated_gradient_each)",
