@@ -139,11 +139,9 @@ def test_the_readme_names_the_command_that_ci_runs():
     assert ".venv" in command
 
 
-@pytest.mark.parametrize("package", ["persson", "fem_contact", "validation"])
-def test_the_map_names_every_room(package):
-    text = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
-    words = set(re.findall(r"\w+", text))
-    inside = list((ROOT / package).iterdir())
+def test_the_map_names_every_room():
+    words = set(re.findall(r"\w+", (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")))
+    inside = list((ROOT / "validation").iterdir())
     rooms = {path.stem for path in inside if path.suffix == ".py"} | {
         path.name for path in inside if (path / "__init__.py").exists()
     }
