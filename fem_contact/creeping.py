@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fem_contact import bem
-from fem_contact._checks import instance, samples
+from fem_contact._checks import instance, samples, shape_of
 from fem_contact.contact import ContactResult, measure_residuals
 from fem_contact.errors import InvalidInput
 from fem_contact.response import HalfSpace
@@ -96,7 +96,8 @@ def creep(
     at = samples("times", times, unit="s")
     if np.any(np.diff(at) < 0):
         raise InvalidInput("times: must not fall, in s")
-    given = np.repeat(mean_pressure, at.size) if np.ndim(mean_pressure) == 0 else mean_pressure
+    single = shape_of("mean_pressure", mean_pressure) == ()
+    given = np.repeat(mean_pressure, at.size) if single else mean_pressure
     loads = samples("mean_pressure", given, unit="Pa")
     if loads.size != at.size or loads.min() <= 0:
         raise InvalidInput(

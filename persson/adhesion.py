@@ -45,6 +45,12 @@ _SPACINGS = (0.24, 0.12)
 #: Below this share of the nominal area contact counts as lost.
 _LOST = 1e-13
 
+#: Share of the largest gamma_eff to which it is known, over the tolerance.
+_ROUNDED = 1e-4
+
+#: Rounds that a load on the way to none gets: near the loss of contact the state without load takes more.
+_ROUNDS_UNDER_LOAD = 300
+
 
 class AdhesionStatus(Enum):
     """How the iteration ended; the value is a sentence."""
@@ -211,7 +217,8 @@ def solve_adhesion(
         A state to continue from, such as that at a smaller tension. Without load the bodies are otherwise
         taken to have been pressed together first.
     tolerance : float
-        Change of area and of gamma_eff / Delta gamma at which the iteration stops.
+        Change of area and of gamma_eff / Delta gamma at which the iteration stops, or a ten-thousandth of it
+        in gamma_eff over its largest.
     rounds : int
         Largest number of iterations per level.
 
@@ -275,7 +282,8 @@ def _approach(case: _Case, tolerance: float, rounds: int) -> AdhesiveContact | N
     slope = math.inf
     for power in range(12):
         load = 3 * largest * 0.2**power
-        state = _iterate(replace(case, pressure=load), _SPACINGS[0], state, 1e-4, rounds)
+        under_load = replace(case, pressure=load)
+        state = _iterate(under_load, _SPACINGS[0], state, 1e-4, min(rounds, _ROUNDS_UNDER_LOAD))
         if state.macroscopic_work > 0:
             free = _iterate(case, _SPACINGS[0], state, tolerance, rounds)
             if free.status is AdhesionStatus.CONVERGED:
@@ -318,7 +326,9 @@ def _iterate(
                 return _empty(case, nodes, count)
             new_work = 0.5 * (new_work + np.maximum(work, 0.0))
             result = replace(result, work=new_work, tensile_limit=_tensile_limit(case, nodes, new_work))
-        change = max(float(np.max(np.abs(new_work - work))) / gamma, float(np.max(np.abs(state.area - area))))
+        # Where nothing sticks gamma_eff is the elastic energy, many times Delta gamma, and rounded as such.
+        scale = max(gamma, _ROUNDED * float(np.max(np.abs(new_work))))
+        change = max(float(np.max(np.abs(new_work - work))) / scale, float(np.max(np.abs(state.area - area))))
         result = replace(result, error_estimate=change)
         if change < tolerance:
             return result

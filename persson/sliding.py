@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from persson._checks import (
+    GREATEST,
     Array,
     function,
     non_negative,
@@ -155,8 +156,10 @@ def friction_of_waves(
     stored, lost = (
         returned("modulus", part, omega.shape, unit="Pa") / plane for part in (given.real, given.imag)
     )
-    if not (np.all(stored > 0) and np.all(lost >= 0)):
-        raise InvalidInput("modulus: must have a positive storage and no negative loss part, in Pa")
+    if not (np.all(stored > 0) and np.all(lost >= 0) and np.all(np.hypot(stored, lost) <= GREATEST)):
+        raise InvalidInput(
+            f"modulus: must have a positive storage and no negative loss part, up to {GREATEST:g} Pa"
+        )
     # In units of the pressure; |E|^2 as two squares, since the parts differ by decades.
     variance = weight * q**2 / 4 * ((stored / load) ** 2 + (lost / load) ** 2)
     heat = weight * q * np.abs(x) / 2 * lost / load

@@ -9,7 +9,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from persson._checks import Array, non_negative, positive, real, within
+from persson._checks import Array, alike, non_negative, positive, real, within
 from persson.errors import InvalidInput
 from persson.spectrum import Spectrum, SpectrumMoments, check_spectrum
 
@@ -82,6 +82,7 @@ class Stretched(SpectrumMoments):
     def directional(self, qx: ArrayLike, qy: ArrayLike) -> Array:
         """C(qx, qy) [m^4] of wavevectors [1/m], which broadcast."""
         along, across = real("qx", qx, unit="1/m"), real("qy", qy, unit="1/m")
+        alike(qx=along, qy=across)
         return self.factor * self.spectrum(np.hypot(self.factor * along, across))
 
     def __call__(self, q: ArrayLike) -> Array:

@@ -202,7 +202,9 @@ def _pairs(arguments: Sequence[str], flags: Mapping[str, FieldInfo]) -> Iterator
             yield plain, waiting.pop(0) if named else str(plain == flag)
             continue
         if flag not in flags and not flag.startswith("-"):
-            raise UsageError(f"{flag!r}: is no option; values of one are joined by commas, a SCENE stands right behind the study")
+            raise UsageError(
+                f"{flag!r}: is no option; values of one are joined by commas, a SCENE stands right behind the study"
+            )
         if flag not in flags:
             hint = did_you_mean(flag, flags)
             raise UsageError(f"unknown option {flag!r}{hint}; it has: {', '.join(flags) or 'none'}")
