@@ -158,17 +158,41 @@ def test_every_argument_of_every_door_meets_every_hostile_value(name):
             knock(door, {argument: value})
 
 
+def refusal_of(door, changes):
+    """Text of the refusal, or nothing."""
+    try:
+        door[0](**(door[1] | changes))
+    except (FemContactError, PerssonError) as error:
+        return str(error)
+    return ""
+
+
 @pytest.mark.parametrize("package", DOORS)
 @pytest.mark.parametrize("value", ["x", math.nan, -1.0])
 def test_a_refusal_names_the_argument_that_is_wrong(package, value):
     wrong = []
-    for name, (function, valid) in DOORS[package].items():
-        for argument in valid:
-            try:
-                function(**(valid | {argument: value}))
-            except (FemContactError, PerssonError) as refusal:
-                wrong += [] if re.search(rf"\b{argument}\b", str(refusal)) else [(name, argument)]
+    for name, door in DOORS[package].items():
+        for argument in door[1]:
+            said = refusal_of(door, {argument: value})
+            wrong += [] if not said or re.search(rf"\b{argument}\b", said) else [(name, argument)]
     assert wrong == []
+
+
+@pytest.mark.parametrize("package", DOORS)
+def test_what_lies_just_outside_of_a_range_that_is_stated_is_refused(package):
+    stated, wrong = 0, []
+    for name, door in DOORS[package].items():
+        for argument in door[1]:
+            said = refusal_of(door, {argument: -1e29})
+            ends = re.search(rf"\b{argument}\b.*lie in [\[(]([-+.\de]+), ([-+.\de]+)[\])]", said)
+            for end, sign in zip(map(float, ends.groups()), (-1, 1), strict=True) if ends else ():
+                stated += 1
+                outside = end + sign * (1e-3 * abs(end) + 1e-9)
+                wrong += (
+                    [] if argument in refusal_of(door, {argument: outside}) else [(name, argument, outside)]
+                )
+    assert wrong == []
+    assert stated > 20
 
 
 def test_all_linear_solvers_are_as_exact_unless_told_otherwise():

@@ -64,3 +64,12 @@ def test_what_is_no_stretch_is_refused():
             Stretched(spectrum=ROUGH, factor=factor)
     with pytest.raises(InvalidInput, match="spectrum"):
         Stretched(spectrum="rough", factor=2)
+
+
+@pytest.mark.parametrize("spectrum", [ROUGH, PLATEAU])
+def test_the_average_over_directions_is_cut_where_the_spectrum_ends(spectrum):
+    lay = Stretched(spectrum=spectrum, factor=3.0)
+    angle = (np.arange(400_000) + 0.5) * np.pi / 800_000
+    for q in (0.7, 3.5, 6.0):
+        power = lay.directional(q * np.cos(angle), q * np.sin(angle))
+        assert lay(q) == pytest.approx(power.mean(), rel=1e-5)
