@@ -129,7 +129,7 @@ def run_tests(tree: Path, tests: Sequence[str], *, cache: Path, limit: float = 6
         "no:cacheprovider",
         "-m",
         "not benchmark",
-        "-rf",
+        "-rfE",
         "--tb=no",
         "--maxfail=12",
     ]
@@ -161,7 +161,7 @@ def judge(mutant: Mutant, tree: Path, *, tests: Sequence[str] = ()) -> Outcome:
     return Outcome(
         mutant=mutant,
         verdict={0: "survived", 1: "killed"}.get(code, "broken"),
-        failed=tuple(re.findall(r"^FAILED (\S+(?: \S+\])?)", output, flags=re.M)),
+        failed=tuple(re.findall(r"^(?:FAILED|ERROR) (\S+(?: \S+\])?)", output, flags=re.M)),
         seconds=time.perf_counter() - began,
         output=output,
     )
