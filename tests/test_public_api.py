@@ -2,6 +2,7 @@
 
 import importlib.util
 import inspect
+import itertools
 import math
 import re
 import signal
@@ -193,6 +194,53 @@ def test_what_lies_just_outside_of_a_range_that_is_stated_is_refused(package):
                 )
     assert wrong == []
     assert stated > 20
+
+
+def numbers_of(door):
+    """Names of its plain numbers."""
+    return [name for name, value in door[1].items() if type(value) in (int, float)]
+
+
+@pytest.mark.parametrize(
+    ("value", "computable"),
+    [
+        # Squares of pressures; what decays, or is capped.
+        (
+            1e45,
+            {
+                "m2",
+                "stress_variance",
+                "variance",
+                "amplitude",
+                "growth",
+                "time",
+                "tensile_limit",
+                "yield_stress",
+            },
+        ),
+        (1e75, {"amplitude", "growth", "tensile_limit", "yield_stress"}),
+    ],
+)
+def test_numbers_beyond_what_can_be_computed_with_are_refused(value, computable):
+    taken = {
+        argument
+        for door in (*FEM.values(), *THEORY.values())
+        for argument in numbers_of(door)
+        if not refusal_of(door, {argument: value})
+    }
+    assert taken == computable
+
+
+@pytest.mark.parametrize("package", DOORS)
+def test_arrays_that_do_not_broadcast_are_refused(package):
+    pairs = 0
+    for door in DOORS[package].values():
+        arrays = [n for n in numbers_of(door) if not refusal_of(door, {n: np.full(2, float(door[1][n]))})]
+        for one, other in itertools.combinations(arrays, 2):
+            pairs += 1
+            both = {one: np.full(2, float(door[1][one])), other: np.full(3, float(door[1][other]))}
+            assert refusal_of(door, both), (door[0], one, other)
+    assert pairs or package == "fem_contact"
 
 
 def test_all_linear_solvers_are_as_exact_unless_told_otherwise():

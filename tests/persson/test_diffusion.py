@@ -139,6 +139,23 @@ def test_sine_expansion_refuses_a_hardness_that_falls():
         sine_expansion(1.0, pressure=0.5, tensile_limit=0.3, yield_stress=lambda v: 2 - 0.1 * v)
 
 
+@pytest.mark.parametrize("unit", [1e-9, 1.0, 1e9])
+def test_a_hardness_that_falls_by_rounding_alone_is_one_that_stands(unit):
+    """In any unit, of which the tolerance has none; a fall of a millionth is one."""
+    case = {"pressure": 0.5 * unit, "tensile_limit": 0.3 * unit}
+
+    def hardness(fall):
+        return lambda v: 2 * unit * (1 - fall * np.asarray(v) / unit**2)
+
+    for diffused in (
+        lambda y: solve_diffusion([unit**2], yield_stress=y, **case),
+        lambda y: sine_expansion(unit**2, yield_stress=lambda v: float(y(v)), modes=8, **case),
+    ):
+        diffused(hardness(1e-14))
+        with pytest.raises(OutsideTheory, match="falls"):
+            diffused(hardness(1e-6))
+
+
 def test_sine_expansion_is_exact_between_walls_that_stand():
     stress = np.linspace(-0.5, 2.0, 30)
     sine = sine_expansion(0.8, pressure=0.6, tensile_limit=0.5, yield_stress=2.0, modes=60)
