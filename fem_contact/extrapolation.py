@@ -14,11 +14,11 @@ from fem_contact.area import ContactAreas, mean_areas
 from fem_contact.area_error import (
     ALONE,
     LOCATED,
-    PERIMETER,
     error_covariance,
     kink_error,
     kinked,
     mean_error,
+    perimeter_law,
     too_rough,
 )
 from fem_contact.area_error import PlannedGrid as PlannedGrid
@@ -110,7 +110,7 @@ def perimeter_limit(areas: Sequence[ContactAreas]) -> Limit:
     -------
     Limit
         As `located_limit` gives it. The constant of `fem_contact.area.EDGE_CONSTANTS` is taken to be known to
-        .025 only, which several grids then tell better.
+        .02 only, which several grids then tell better.
 
     Raises
     ------
@@ -131,7 +131,6 @@ def _limit(areas: Sequence[ContactAreas], definition: Literal["subcell", "perime
     doubt = too_small(areas)
     if doubt:
         return _no_limit(doubt, len(areas), definition=definition)
-    law = LOCATED if definition == "subcell" else PERIMETER
     groups: dict[tuple[float, float], list[ContactAreas]] = {}
     for area in areas:
         groups.setdefault(area.spacing, []).append(area)
@@ -142,6 +141,7 @@ def _limit(areas: Sequence[ContactAreas], definition: Literal["subcell", "perime
     value = np.array([getattr(mean, definition) for mean, _ in means])
     plan = [PlannedGrid(spacing=mean.spacing, cells=mean.cells, solves=count) for mean, count in means]
     finest = means[0][0]
+    law = LOCATED if definition == "subcell" else perimeter_law(finest.edge_constant)
     fraction = finest.edge_fraction
     described: dict[str, Any] = {"grids": len(areas), "definition": definition}
     doubt = too_rough(finest, alone=len(plan) == 1)
@@ -229,7 +229,8 @@ def predicted_uncertainty(coarse: ContactAreas, grids: Sequence[PlannedGrid]) ->
     size = np.sqrt(coarse.spacing[0] * coarse.spacing[1])
     fraction = coarse.edge_fraction * ordered[0].size / float(size)
     located = coarse.subcell is not None
-    covariance = error_covariance(LOCATED if located else PERIMETER, area, fraction, ordered, like=coarse)
+    law = LOCATED if located else perimeter_law(coarse.edge_constant)
+    covariance = error_covariance(law, area, fraction, ordered, like=coarse)
     alone = ALONE if len(ordered) == 1 else 1.0
     expected = alone / float(np.sqrt(np.linalg.inv(covariance).sum()))
     return math.hypot(expected, kink_error(replace(coarse, edge_fraction=fraction), alone=len(ordered) == 1))

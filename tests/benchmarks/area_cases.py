@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 KINDS = (
     *("elastic", "hardness", "bonded", "frictionless", "coating", "graded"),
     *("adhesion", "adhesion-hardness", "ball", "patch"),
-    *("elements", "elements-hardness", "elements-layer", "elements-graded"),
+    *("elements", "elements-hardness", "elements-layer", "elements-graded", "elements-incompressible"),
 )
 
 #: Kinds of elastic surfaces unlike those of the law, and what they are made like.
@@ -97,7 +97,10 @@ class Case:
             return float(np.exp(further.uniform(np.log(low), np.log(high))))
 
         if kind.startswith("elements"):
-            told["poisson"] = float(further.choice([0.0, 0.2, 0.3, 0.3, 0.4]))
+            incompressible = kind == "elements-incompressible"
+            told["poisson"] = float(
+                further.choice([0.49, 0.5] if incompressible else [0.0, 0.2, 0.3, 0.3, 0.4])
+            )
         if kind.endswith("hardness"):
             told["hardness"] = between(0.1, 1.5)
             load = min(load, 0.5 * told["hardness"])

@@ -104,7 +104,7 @@ def truth_of(case: Case, areas: Mapping[int, list[ContactAreas]]) -> Limit:
     assert coarse is not None
     assert fine is not None
     half = (fine - coarse) / 2
-    return Limit(value=fine + half, uncertainty=abs(half) + 1e-12, edge_constant=0.0, grids=2)
+    return Limit(value=fine + half, uncertainty=abs(half) + 1e-12, grids=2, definition="subcell")
 
 
 def check(kind: str, surfaces: int, first: int = 1001) -> None:

@@ -51,7 +51,7 @@ LAWS = {
         (0.006, 0.026),
         0.0005,
     ),
-    "perimeter": ({0.0: 0.025, 1.0: 0.01}, (0.23, 0.0), 0.0),
+    "perimeter": ({0.0: 0.02, 1.0: 0.01}, (0.23, 0.0), 0.0),
 }
 
 
@@ -82,6 +82,18 @@ def test_limits_hold_what_was_planted_as_often_as_they_say(definition, grids):
     factor = np.sqrt(np.maximum(1, rest / (len(grids) - 1))) if len(grids) > 1 else 1.1
     expected = np.mean(abs(x) <= 1.96 * factor)
     assert held / plants == pytest.approx(expected, abs=3 * (expected * (1 - expected) / plants) ** 0.5)
+
+
+@pytest.mark.parametrize("edge_constant", [0.103, 0.137, 0.198, 0.260])
+def test_cells_that_are_too_soft_are_off_by_means_of_their_own(edge_constant):
+    """f (k_0 + k_1 z), in proportion to what their edge constant exceeds that of boundary elements by."""
+    areas, soft = [], edge_constant - 0.103
+    for area in (areas_on(n, terms={}) for n in GRIDS):
+        f = area.edge_fraction
+        off = f * soft * 0.15 * (f / (0.1 * 0.9**1.25) - 1)
+        areas.append(dataclasses.replace(area, perimeter=0.1 + off, edge_constant=edge_constant))
+    limit = perimeter_limit(areas)
+    assert limit.value == pytest.approx(0.1, abs=0.1 * limit.uncertainty)
 
 
 def test_what_is_predicted_from_a_coarse_grid_is_what_fine_ones_claim():

@@ -35,11 +35,11 @@ class PlantedBench:
         return {solve: self.answer(solve) for solve in solves}
 
 
-def located(area: float, edges: float) -> float:
-    """Return the located area whose mean error, taken out, leaves `area`."""
+def located(area: float, edges: float, law: area_error.ErrorLaw = area_error.LOCATED) -> float:
+    """Return the located area, or that of another law, whose mean error, taken out, leaves `area`."""
     value = np.array([area])
     for _ in range(50):
-        value = area + area_error.mean_error(area_error.LOCATED, value, np.array([edges]))
+        value = area + area_error.mean_error(law, value, np.array([edges]))
     return float(value[0])
 
 

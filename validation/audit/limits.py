@@ -28,8 +28,10 @@ _GAP_POWER, _NOISE, _LEAST_POINTS = 1.25, (0.006, 0.026), 16
 #: What each grid is off by anew, over edges times width squared; largest width of the means; patches to which
 #: the deviations belong, what one counts, and the power with which they fall.
 _ODD, _WIDEST, _PATCHES, _ROUND, _AVERAGING = 0.0005, 3.5, 80.0, 20.0, 0.25
-#: Likewise of the area that is corrected by a constant.
-_CORRECTED, _CORRECTED_NOISE = {0.0: (0.0, 0.025), 1.0: (0.0, 0.01)}, (0.23, 0.0)
+#: Likewise of the area that is corrected by a constant; what means and deviations gain for each unit by which
+#: it exceeds that of boundary elements.
+_CORRECTED, _CORRECTED_NOISE = {0.0: (0.0, 0.02), 1.0: (0.0, 0.01)}, (0.23, 0.0)
+_SOFTER, _CONSTANT = {0.0: (-0.15, 0.15), 1.0: (0.15, 0.08)}, 0.103
 #: What edges that lie alike between the grid points are off by, in cells and over the width: on every grid,
 #: and anew on each; likewise of the corrected area.
 _ALIKE, _CORRECTED_ALIKE = ((0.0075, 0.01), (0.003, 0.03)), ((0.05, 0.0), (0.3, 0.0))
@@ -68,6 +70,10 @@ def _best(grids: Sequence[Sequence[Areas]], *, located: bool) -> tuple[float, fl
     z = fraction / (area[0] * (1 - area[0]) ** _GAP_POWER)
     count = np.array([len(grids[k]) * grids[k][0].cells for k in used])
     law, noise, odd = (_LAW, _NOISE, _ODD) if located else (_CORRECTED, _CORRECTED_NOISE, 0.0)
+    if not located:  # what was taken off is the constant times the edges
+        taken = float(np.mean([one.pixel - one.perimeter for one in grids[0]]))
+        soft = taken / fraction[0] - _CONSTANT
+        law = {k: (a * soft, math.hypot(law[k][1], b * soft)) for k, (a, b) in _SOFTER.items()}
     finest = {name: float(np.mean([getattr(one, name) for one in grids[0]])) for name in TRAITS}
     patches = max(fraction[0] * z[0] * grids[0][0].cells / _ROUND, 1.0)
     few = max((_PATCHES / patches) ** _AVERAGING, _LEAST) if located else 1.0

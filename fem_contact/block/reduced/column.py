@@ -34,6 +34,9 @@ _FUNCTIONS = 5
 Numbers = NDArray[np.int64]
 SweepPlan = tuple[Numbers, Numbers, Array, Numbers, Numbers, Numbers]
 
+#: Poisson ratio from which pressures stay unknowns: below, 1/lambda may be of any size.
+_STIFF = 0.4
+
 #: Columns eliminated side by side by one instruction stream, of small and of large matrices.
 _LANES = (64, 16)
 
@@ -81,7 +84,7 @@ def fold(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> Fo
     Parameters
     ----------
     poisson : float
-        1/2 is allowed for the element with discontinuous linear pressure, whose pressures stay unknowns.
+        1/2 is allowed for the element with discontinuous linear pressure, whose pressures then are unknowns.
     modulus : (nz,) array, optional
         Young's modulus of each layer over the reference modulus, from the bottom upwards.
     """
@@ -95,7 +98,7 @@ def fold(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> Fo
 def _folded(layers: tuple[float, ...], aspect: float, element: Element, poisson: float) -> FoldedLayers:
     """Fold a column of one material; the columns of a sweep or an ensemble are alike."""
     mesh = BlockMesh(cells=(1, 1), aspect=aspect, layers=np.array(layers), element=element)
-    matrices, offsets = element_matrices(mesh, poisson)
+    matrices, offsets = element_matrices(mesh, poisson, condensed=poisson < _STIFF)
     order, types = mesh.element.order, mesh.element.types
     pressures = matrices.shape[1] - 3 * len(offsets)
     inner = 3 * types if order == 2 else 0

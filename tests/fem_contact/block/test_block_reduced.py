@@ -44,6 +44,9 @@ def press(
         ("Hex2", (16, 16), 0.3),
         ("Hex1/P0", (12, 16), 0.4999),
         ("Hex2/P1disc", (12, 12), 0.4999),
+        ("Hex2/P1disc", (10, 10), 0.41),
+        ("Hex2/P1disc", (10, 10), 1e-9),
+        ("Hex2/P1disc", (10, 10), 0.0),
     ],
 )
 def test_reduced_and_full_systems_have_one_solution(
