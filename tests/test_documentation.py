@@ -39,10 +39,28 @@ def test_the_page_of_the_notebook_has_every_public_name():
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_links_between_files_lead_somewhere(page):
-    text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
-    for target in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", text):
+    for target, anchor in re.findall(r"\]\(([^)#\s]*)(?:#([^)]*))?\)", prose(page)):
         if not target.startswith(("http://", "https://")):
-            assert (page.parent / target).exists(), target
+            linked = page.parent / target if target else page
+            assert linked.exists(), target
+            assert not anchor or anchor in anchors(linked), f"{target}#{anchor}"
+
+
+def prose(page):
+    """A page as the site has it: what it includes, without code."""
+    text = re.sub(
+        r'--8<-- "(.*)"',
+        lambda name: (ROOT / name[1]).read_text(encoding="utf-8"),
+        page.read_text(encoding="utf-8"),
+    )
+    return re.sub(r"```.*?```", "", text, flags=re.DOTALL)
+
+
+def anchors(page):
+    return {
+        re.sub(r"[-\s]+", "-", re.sub(r"[^\w\s-]", "", title).strip().lower())
+        for title in re.findall(r"^#+ (.*)$", prose(page), flags=re.MULTILINE)
+    }
 
 
 def test_every_page_is_in_the_navigation_of_the_site():
