@@ -97,6 +97,29 @@ def test_coarse_start_changes_the_cost_and_not_the_answer() -> None:
     nested = run_nested(heights)
     cold = run(heights, load=0.3)
     assert np.linalg.norm(nested.force - cold.force) < 1e-7 * np.linalg.norm(cold.force)
+    assert nested.fft_pairs != int(nested.fft_pairs)
+    # No coarser grid takes part beside a start: its pairs would be a share of those of the finest.
+    handed = run_nested(heights, start=cold.force.copy())
+    assert handed.iterations < nested.iterations
+    assert handed.fft_pairs == int(handed.fft_pairs)
+
+
+def test_plain_solver_takes_the_shape_of_its_start_and_not_its_load() -> None:
+    heights = wavy((32, 30))
+
+    def plain(start: Array | None):
+        return polonsky_keer(
+            FourierOperator(SOFT, heights.shape, (1.0, 30 / 32), threads=1),
+            heights,
+            mean_force=0.3,
+            length_scale=float(heights.std()),
+            settings=Settings(tolerance=1e-9, max_iterations=5000),
+            start=start,
+        )
+
+    cold = plain(None)
+    for factor in (0.25, 1.0, 8.0):
+        assert plain(factor * cold.force).iterations < 0.2 * cold.iterations
 
 
 def test_weights_turn_the_interpolated_pressure_into_forces() -> None:

@@ -148,5 +148,8 @@ def test_patches_that_do_not_settle_and_solves_that_fail_are_said():
     assert press_by_patches(rough(), SIZED, endless).status is Status.ITERATION_LIMIT
     failed = replace(contact, status=Status.STAGNATED)
     assert press_by_patches(rough(), SIZED, lambda limits: failed).status is Status.STAGNATED
+    for given in (({"surface": 1.0}), ({"hardness": 1.0})):
+        with pytest.raises(InvalidInput, match=f"^{next(iter(given))}"):
+            press_by_patches(**{"surface": rough(), "hardness": SIZED, "press": endless} | given)
     with pytest.raises(InvalidInput, match="length"):
         Hardness(pressure=1.0, length=-1.0)
