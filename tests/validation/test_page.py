@@ -73,7 +73,6 @@ def test_a_run_and_a_study_leave_the_same_kind_of_page(outputs, kind):
     headings = re.findall(r"<h2>(.*?)</h2>", html)
     assert headings[0] == "What was found"
     assert headings[-2:] == ["Settings, seeds, versions", "Papers to cite"]
-    assert "Figures" in headings
     for words in (page.lead, *page.findings, *(column for t in page.tables for column in t.columns)):
         assert mathematics(words) in html
     findings = json.loads((folder / "summary.json").read_text())["findings"]
@@ -116,6 +115,13 @@ def test_a_table_of_many_columns_and_few_rows_is_turned(columns, rows):
     assert ("scroll turned" in page) == ((columns, rows) == (13, 3))
     names, lines = page_tables(page)["Wide"]
     assert (len(names), len(lines), {len(line) for line in lines}) == (columns, rows, {columns})
+
+
+def test_what_was_measured_nowhere_takes_no_column_and_is_named_below():
+    cells = [("a", 1.0, "not measured", "not measured"), ("b", 2.0, "not measured", 0.5)]
+    table = shown(ResultTable.of(("number", "grid [%]", "size [%]", "solver [%]"), cells), note="Shares.")
+    assert table.columns == ("number", "grid [%]", "solver [%]")
+    assert table.note == "Shares. Not measured: size."
 
 
 def test_numbers_of_a_figure_stand_at_values_not_at_places(tmp_path):

@@ -37,7 +37,14 @@ QUESTION = """
 <script>
 addEventListener("load", () => {
   const box = e => { const b = e.getBoundingClientRect(); return [b.width, b.height]; };
+  // The most pixels in which nothing stands in one half of the page.
+  const rects = [...document.querySelectorAll("h1, h2, li, p, table, svg, img, figcaption, .key div")]
+    .map(e => e.getBoundingClientRect()).sort((a, b) => a.top - b.top);
+  const empty = inside => rects.filter(inside).reduce(
+    ([most, last], r) => [Math.max(most, r.top - last), Math.max(last, r.bottom)], [0, 0])[0];
   const told = {
+    empty: [empty(r => r.left < innerWidth / 2 - 50), empty(r => r.right > innerWidth / 2 + 50)],
+    first: document.querySelector("figure").getBoundingClientRect().bottom, screen: innerHeight,
     width: innerWidth, page: document.documentElement.scrollWidth, height:
     document.documentElement.scrollHeight, images: [...document.images].map(i => [i.complete, i.naturalWidth,
     i.naturalHeight]), figures: [...document.querySelectorAll("figure svg")].map(box),
@@ -95,9 +102,17 @@ def pages(small_run, tmp_path_factory, bench):
     ("name", "width"),
     [
         ("run", 1280),
+        ("study", 1400),
         *(
             pytest.param(*page, marks=pytest.mark.nightly)
-            for page in (("run", 1920), ("run", 500), ("study", 1920), ("study", 1280), ("study", 500))
+            for page in (
+                ("run", 1920),
+                ("run", 1400),
+                ("run", 500),
+                ("study", 1920),
+                ("study", 1280),
+                ("study", 500),
+            )
         ),
     ],
 )
@@ -107,11 +122,14 @@ def test_the_report_is_whole_in_a_browser(pages, tmp_path, name, width):
     asking, count = re.subn(r"script-src 'sha256-[^']*'", "script-src 'unsafe-inline'", page)
     assert count == 1
     copy.write_text(asking + QUESTION, encoding="utf-8")
-    log, dom = browse(copy, tmp_path / "profile", width=width, height=900)
+    log, dom = browse(copy, tmp_path / "profile", width=width, height=1000)
     assert "CONSOLE" not in log, log
     told = json.loads(re.search(r'<pre id="answer">(.*?)</pre>', dom, re.DOTALL)[1].replace("&amp;", "&"))
     assert told["width"] == width
     assert told["page"] <= width, "the page scrolls sideways"
+    if width == 1400:
+        assert max(told["empty"]) < 300, "half a page is empty"
+        assert told["first"] < told["screen"] <= 900, "the first screen cuts the figure"
     assert all(complete and w > 0 and h > 0 for complete, w, h in told["images"])
     assert len(told["figures"]) == {"run": 5, "study": 2}[name]
     assert all(w > 250 and h > 150 for w, h in told["figures"])

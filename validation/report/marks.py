@@ -389,7 +389,7 @@ def _legend(canvas: Any, axes: Sequence[Axes]) -> None:
     if len(options) == 1 and next(iter(options)) in " ".join(axes[0].get_ylabel().split()):
         return
     # Of letters of 7 points, behind a sample of the line.
-    widest = 0.055 * max(map(len, options)) + 0.6
+    widest = 0.051 * max(map(len, options)) + 0.45
     columns = min(len(options), max(1, int(canvas.get_figwidth() / widest)))
     rows = -(-len(options) // columns)
     canvas.set_figheight(canvas.get_figheight() + 0.17 * rows + 0.1)

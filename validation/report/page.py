@@ -17,6 +17,7 @@ import xarray as xr
 from validation.errors import harmless
 from validation.files import atomic_path, digest_of, remove_drafts, write_json, write_record
 from validation.report.drawing import Drawing, write_drawing
+from validation.report.layout import layout
 from validation.report.papers import cited
 from validation.report.table import (
     ResultTable,
@@ -225,7 +226,7 @@ def render(page: Page, figures: Sequence[Mapping[str, Any]] = ()) -> str:
     return template.render(
         page=page,
         figures=figures,
-        budget=budget,
+        layout=layout(page.findings, page.tables, budget, figures),
         settings=settings,
         script=Markup(script),
         script_hash=f"sha256-{digest}",

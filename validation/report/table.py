@@ -27,6 +27,8 @@ _SINGLE = ("_each", "_each_error", "_each_drift")
 INTERVAL, SOURCES_OF = "+- (95 %)", "+- holds"
 #: What stands in a budget for a source that has no part in a number.
 _ENTERS_NOT = "does not enter"
+#: What stands there for a source that enters, and was left out.
+_UNMEASURED = "not measured"
 
 
 @dataclass(frozen=True)
@@ -166,7 +168,7 @@ def budget_table(data: xr.Dataset, names: Sequence[str]) -> ResultTable:
             for source, share in shares.items():
                 entry = _ENTERS_NOT if source in error.attrs else share
                 row[f"{source} [%]"] = (
-                    "not measured" if isinstance(entry, float) and math.isnan(entry) else entry
+                    _UNMEASURED if isinstance(entry, float) and math.isnan(entry) else entry
                 )
             rows.append(row)
     return ResultTable.of_rows(rows)
@@ -231,17 +233,19 @@ def shown(table: ResultTable, *, title: str = "", note: str = "") -> WordTable:
     """Return a table of values in words, those with an interval in one cell, others with five digits.
 
     Units have the prefix that suits the largest number of a column. Columns in which nothing stands are left
-    out, as are those of what enters nowhere, which the note names.
+    out, as are those of what enters nowhere or was measured nowhere, which the note names.
     """
     names = [name for name in table.columns if not name.endswith((INTERVAL, SOURCES_OF))]
     cells = [dict(zip(table.columns, row, strict=True)) for row in table.rows]
     columns: list[str] = []
     printed: list[list[str]] = []
-    left, absent = set(), list[str]()
+    left, absent = set(), dict[str, list[str]]()
     for name in names:
         values = [row[name] for row in cells]
-        if (words := {*map(_cell, values)}) <= {"", _ENTERS_NOT}:
-            absent += [name.removesuffix(" [%]")] if _ENTERS_NOT in words else []
+        words = {*map(_cell, values)}
+        if words <= {"", _ENTERS_NOT} or words == {_UNMEASURED}:
+            for what in words - {""}:
+                absent.setdefault(what, []).append(name.removesuffix(" [%]"))
             continue
         unit = name[name.rindex("[") + 1 : -1] if name.endswith("]") else "1"
         sizes = (abs(value) for value in values if isinstance(value, float) and math.isfinite(value))
@@ -252,12 +256,12 @@ def shown(table: ResultTable, *, title: str = "", note: str = "") -> WordTable:
         if name == names[0] or any(isinstance(cell, str) for cell in column):
             left.add(columns[-1])
         printed.append(list(map(_cell, column)))
-    nowhere = f"What {_ENTERS_NOT}: {', '.join(absent)}." if absent else ""
+    nowhere = [f"{what.capitalize()}: {', '.join(absent[what])}." for what in sorted(absent, reverse=True)]
     return WordTable(
         columns=tuple(columns),
         rows=tuple(zip(*printed, strict=True)),
         title=title,
-        note=" ".join(filter(None, (note, _what_intervals_hold(names, cells), nowhere))),
+        note=" ".join(filter(None, (note, _what_intervals_hold(names, cells), *nowhere))),
         left=frozenset(left),
         # What a row is stands first, and what it comes to soon after.
         yielding=tuple(reversed(columns[2:])),
