@@ -26,16 +26,17 @@ from validation.comparison.run import report_scene, run_scene
 from validation.comparison.run_views import run_views
 from validation.execution.bench import Bench
 from validation.execution.outputs import show
-from validation.execution.results import record_of
+from validation.execution.results import read_results, record_of
 from validation.report.figure import new_figure, readable_ticks, save_figure
+from validation.report.findings import note
 from validation.report.marks import Figure, Line, Panel, draw, panels_along
 from validation.report.page import Page, render, write_page
 from validation.report.table import ResultTable, WordTable, shown, write_dataset
-from validation.report.views import Card
+from validation.report.views import Card, Views
 from validation.report.words import mathematics
 from validation.scenes.scene import load_scene
 from validation.studies import find_study
-from validation.studies._outputs import run_study, study_page
+from validation.studies._outputs import _cards, run_study, study_page
 
 
 def _scene(run):
@@ -91,6 +92,23 @@ def test_a_run_and_a_study_leave_the_same_kind_of_page(outputs, kind):
     for path, content in written.items():
         if path.suffix != ".nc" and path.name != "shown.json":  # the bytes of HDF5 differ
             assert (folder / path).read_bytes() == content, path
+
+
+def test_a_study_answers_on_its_first_screen_with_interval_and_distance_to_the_theory(outputs):
+    page, folder, _ = outputs["study"]
+    answer, sure, distance = page.answers
+    table = read_results(folder).data.area
+    assert answer.answer == f"{table.min().item():.4g} to {table.max().item():.4g}"
+    assert (answer.basis, sure.basis) == ("p* = 0.02 to p* = 0.5", "95 %: surfaces, grid")
+    assert sure.answer.startswith("+- 19 % to")
+    assert distance.question == "How far from Persson's theory?"
+    assert " of 3 cases they agree within the 95 % interval" in distance.basis
+
+
+def test_a_study_without_a_single_number_begins_with_what_it_found_first(outputs):
+    data = read_results(outputs["study"][1]).data
+    views = Views(findings=(note("One."), note("Two.")))
+    assert [card.answer.text for card in _cards(data, views)] == ["One."]
 
 
 def _page(**said):

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from validation.effects import effect_kinds
@@ -13,8 +15,12 @@ from validation.errors import UsageError
 from validation.execution.outputs import Outputs, leave
 from validation.execution.provenance import SOLVES_MADE, made_words
 from validation.execution.results import Result
+from validation.report.estimates import derive, each, sources_of, total_error
 from validation.report.page import Page, page_of
 from validation.report.papers import CITED_FOR
+from validation.report.quantities import in_prefixed_unit, place_words, quantity
+from validation.report.views import Card, Views
+from validation.report.words import percent
 from validation.solvers import methods
 from validation.studies import Study, StudyOptions, find_study
 
@@ -52,9 +58,10 @@ def study_page(result: Result, *, figures: bool = True) -> Page:
     if result.kind != "study":
         raise UsageError(f"holds a {result.kind}, not a study")
     study, data, options = find_study(result.name), result.data, result.settings
+    views = study.views(data)
     page = page_of(
         data,
-        study.views(data),
+        replace(views, cards=tuple(_cards(data, views))),
         figures=figures,
         title=f"Study: {study.name}",
         lead=study.question,
@@ -64,6 +71,43 @@ def study_page(result: Result, *, figures: bool = True) -> Page:
         summary={"kind": "study", "study": study.name, "options": dict(options)},
     )
     return replace(page, findings=(*page.findings, *_undetermined(data), *result.words))
+
+
+def _cards(data: xr.Dataset, views: Views) -> Iterator[Card]:
+    """Yield what is budgeted first, at all its places: how large, how sure, how far from Persson's theory.
+
+    Of a study without a single number, what was found first.
+    """
+    name = next(iter(views.budget), "")
+    if not name or not bool(data[name].notnull().any()):
+        yield from (Card("The answer", finding) for finding in views.findings[:1])
+        return
+    what, places = quantity(name), [str(dim) for dim in data[name].dims]
+    along = [[place_words(data.isel({dim: k}), dim, data) for k in range(data.sizes[dim])] for dim in places]
+    known = [[place for place in words if place and "nan" not in place] for words in along]
+    where = ", ".join(" to ".join(dict.fromkeys((words[0], words[-1]))) for words in known if words)
+    answer = _range(data[name], lambda value: in_prefixed_unit(value, what.unit))
+    yield Card(f"{what.meaning}, {what.symbol}", answer, where)
+    half = total_error(data, name)
+    if half is not None and bool((half > 0).any()):
+        held = dict.fromkeys(sources_of(here[f"{name}_error"]) for here in each(data, *places))
+        basis = f"95 %: {' or '.join(filter(None, held)) or 'all sources of this spectrum and period'}"
+        yield Card("How sure?", f"+- {_range(half / abs(data[name]), percent)}", basis)
+    if f"{name}_persson" in data:
+        data = derive(data, distance=f"{name} / {name}_persson - 1")
+        answer = _range(data.distance, lambda value: f"{round(100 * value, 3):+.3g} %")
+        half, basis = total_error(data, "distance"), ""
+        if half is not None:
+            agree = int((abs(data.distance) <= half + 1e-9).sum())  # but for rounding, in full contact
+            cases = f"{agree} of {int(data.distance.notnull().sum())} cases"
+            basis = f"in {cases} they agree within the 95 % interval"
+        yield Card("How far from Persson's theory?", answer, basis)
+
+
+def _range(values: xr.DataArray, printed: Callable[[float], str]) -> str:
+    """Say the smallest and the largest of the numbers that are known."""
+    known = values.values[np.isfinite(values.values)]
+    return " to ".join(dict.fromkeys(printed(float(end)) for end in (known.min(), known.max())))
 
 
 def _undetermined(data: xr.Dataset) -> Iterator[str]:
