@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import re
 import shutil
@@ -147,6 +148,36 @@ def test_the_report_is_whole_in_a_browser(pages, tmp_path, name, width):
     assert share > 0.9
     assert closer == pytest.approx(0.8)
     assert all(link.startswith("data:") for link in told["outside"]), "not self-contained"
+
+
+#: A page as on a telephone: no window of Chromium is narrower than 500 pixels, a frame may be.
+PHONE = """
+<iframe width="390" height="844" style="border: 0" srcdoc="{page}"></iframe><pre id="answer"></pre>
+<script>
+onload = () => {{
+  const inside = document.querySelector("iframe").contentDocument;
+  const cut = [...inside.querySelectorAll(".scroll")].filter(e => e.scrollWidth > e.clientWidth + 1);
+  document.querySelector("pre").textContent = JSON.stringify({{
+    page: inside.documentElement.scrollWidth, text: parseFloat(getComputedStyle(inside.body).fontSize),
+    cut: cut.map(e => e.nextElementSibling.innerText)
+  }});
+}};
+</script>
+"""
+
+
+@needs_browser
+@pytest.mark.parametrize("name", ["run", pytest.param("study", marks=pytest.mark.nightly)])
+def test_on_a_telephone_the_page_stays_and_what_goes_on_sideways_says_so(pages, tmp_path, name):
+    phone = tmp_path / "phone.html"
+    phone.write_text(
+        PHONE.format(page=html.escape(pages[name].read_text(encoding="utf-8"))), encoding="utf-8"
+    )
+    _, dom = browse(phone, tmp_path / "profile", width=800, height=1000)
+    told = json.loads(html.unescape(re.search(r'<pre id="answer">(.*?)</pre>', dom, re.DOTALL)[1]))
+    assert (told["page"], told["text"]) == (390, 16)
+    assert any(words.startswith("Figure") for words in told["cut"]) == (name == "run")
+    assert [words for words in told["cut"] if "scrolls sideways" not in words] == []
 
 
 @needs_browser
