@@ -301,7 +301,24 @@ def test_a_bar_ends_full_and_counts(monkeypatch):
         assert task.description.startswith("writing")
         bar.start((), 5)
         (task,) = bar._progress.tasks
-        assert (task.percentage, task.fields["count"]) == (100, "all 5 solves found finished,")
+        assert (task.percentage, task.fields["count"]) == (100, "all 5 solves found,")
+
+
+@pytest.mark.parametrize(
+    "name", ["BEM 512x512", "kappa, limit over grids 96x96, H = 0.8, nu = 0.3, surface 12 (-h)"]
+)
+def test_the_times_of_a_bar_are_whole_on_80_columns(monkeypatch, name):
+    monkeypatch.setattr("rich.console.Console.is_terminal", True)
+    monkeypatch.setenv("COLUMNS", "80")
+    solve = SimpleNamespace(key="k", describe=lambda: name, predict=lambda: SimpleNamespace(seconds=1.0))
+    with Bar(quiet=False) as bar:
+        for step in (lambda: bar.start((solve,), 5), lambda: bar.begin(solve), lambda: bar.done(solve)):
+            step()
+            console = Console(width=80, file=io.StringIO(), color_system=None)
+            console.print(bar._progress.get_renderable())
+            (line,) = console.file.getvalue().splitlines()
+            assert re.search(r" % 0:00:0\d left [-0]:[-0]{2}:[-0]{2}$", line.rstrip()), line
+    assert line.startswith("1 of 1 solved, writing the report ")
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 #: Seconds between two lines of a log.
 _BETWEEN_LINES = 10.0
 #: What is under way when nothing is left to be solved.
-_AFTER = "writing numbers, figures, report"
+_AFTER = "writing the report"
+#: Columns of a terminal for the bar and the times.
+_TIMES = 38
 
 
 class Bar(Progress, contextlib.AbstractContextManager["Bar"]):
@@ -30,12 +32,15 @@ class Bar(Progress, contextlib.AbstractContextManager["Bar"]):
         from rich.console import Console
         from rich.progress import BarColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
         from rich.progress import Progress as RichProgress
+        from rich.table import Column
 
         self._console = Console(stderr=True, highlight=False)
         self._quiet = quiet
         self._logs = not quiet and not self._console.is_terminal
+        # A long name is cut, the times are not.
+        words = Column(no_wrap=True, overflow="ellipsis", max_width=max(20, self._console.width - _TIMES))
         self._progress = RichProgress(
-            TextColumn("{task.fields[count]} {task.description}", markup=False),
+            TextColumn("{task.fields[count]} {task.description}", markup=False, table_column=words),
             BarColumn(),
             TextColumn("{task.percentage:3.0f} %"),
             TimeElapsedColumn(),
@@ -65,7 +70,7 @@ class Bar(Progress, contextlib.AbstractContextManager["Bar"]):
         self._progress.start()
         for task in self._progress.task_ids:  # a study solves in several rounds: one bar for each
             self._progress.remove_task(task)
-        count = f"0 of {len(missing)}" if missing else f"all {stored} solves found finished,"
+        count = f"0 of {len(missing)}" if missing else f"all {stored} solves found,"
         self._task = self._progress.add_task("getting ready" if missing else _AFTER, total=total, count=count)
         if not missing:
             self._progress.update(self._task, total=1, completed=1)
