@@ -20,6 +20,7 @@ import fem_contact as fc
 from fem_contact.surface import HeightField, radial_spectrum, random_surface
 from fem_contact.surface.spectra import estimate_spectrum, window_weights
 from persson.spectrum import SelfAffine
+from validation.audit.files import page_tables
 from validation.audit.reading import audit
 from validation.cli.commands import app
 from validation.comparison.explain import explain
@@ -571,6 +572,21 @@ def test_a_sweep_of_a_map_has_the_budget_of_each_case(treated):
     text = (swept.folder / "report.html").read_text()
     assert f"move the area by at most {100 * worst:.2g}" in text
     assert "Budget of the treatment of the map" in text
+    cells = [row[swept.page.budget.columns.index("treatment [%]")] for row in swept.page.budget.rows]
+    assert cells == pytest.approx(100 * swept.data.treatment_spread.values, rel=1e-12)
+
+
+def test_the_treatment_of_a_map_is_in_its_budget_beside_what_the_interval_holds(treated):
+    _, outputs = treated
+    row = dict(zip(outputs.page.budget.columns, outputs.page.budget.rows[0], strict=True))
+    assert (row["number"], row["treatment [%]"]) == ("A/A0", 100 * float(outputs.data.treatment_spread))
+    error = 100 * float((outputs.data.area_error**2).sum() ** 0.5 / outputs.data.area)
+    assert row["with treatment [%]"] == pytest.approx(math.hypot(row["treatment [%]"], error), rel=1e-12)
+    titles, rows = page_tables((outputs.folder / "report.html").read_text())["What is uncertain"]
+    assert float(dict(zip(titles, rows[0], strict=True))["treatment [%]"]) > 1
+    judged = [one for one in audit(outputs.folder).entries if "treatment [%]" in one.name]
+    assert len(judged) > 2
+    assert all(one.agrees for one in judged)
 
 
 def test_the_page_says_the_budget_and_that_the_premise_is_judged(treated):

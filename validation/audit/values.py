@@ -197,6 +197,12 @@ def judge_budget(result: Result, ledger: Ledger) -> None:
             for source, share in zip(SOURCES, shares, strict=True):
                 words = "does not enter" if source in error.attrs else "not measured"
                 cells[f"{source} [%]"] = words if source in error.attrs or math.isnan(share) else share
+            if "treatment_spread" in result.data and name in ("area", "area_own"):
+                spread = result.data["treatment_spread"]
+                of_map = 100 * float(spread.values[tuple(at[dim] for dim in spread.dims)])
+                cells["treatment [%]"] = of_map
+                measured = [share for share in entering if not math.isnan(share)]
+                cells["with treatment [%]"] = math.hypot(of_map, *measured)
             rows.append(cells)
     ledger.same("budget.csv", "missing columns", sorted({*rows[0]} - {*header}) if rows else [], [])
     at_columns = [{k: row[title] for k, title in enumerate(header) if title in row} for row in rows]

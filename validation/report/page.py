@@ -20,6 +20,7 @@ from validation.report.drawing import Drawing, write_drawing
 from validation.report.layout import layout
 from validation.report.papers import cited
 from validation.report.table import (
+    TREATMENT,
     ResultTable,
     WordTable,
     budget_table,
@@ -40,6 +41,9 @@ _ENLARGED = 170
 _BUDGET = (
     "Half widths of 95 % intervals by source, in per cent of the value. Together they are the root of the "
     "sum of their squares, where all are measured."
+)
+_TREATED = (
+    " Treatment is no part of the intervals: how far other treatments of the map move the area, together."
 )
 
 
@@ -216,7 +220,10 @@ def render(page: Page, figures: Sequence[Mapping[str, Any]] = ()) -> str:
     environment.filters["math"] = mathematics
     environment.filters["harmless"] = harmless
     environment.filters["base64"] = lambda data: base64.b64encode(data).decode("ascii")
-    budget = None if page.budget is None else shown(page.budget, title="What is uncertain", note=_BUDGET)
+    budget = None
+    if page.budget is not None:
+        note = _BUDGET + _TREATED * (TREATMENT in page.budget.columns)
+        budget = shown(page.budget, title="What is uncertain", note=note)
     settings = json.dumps(page.settings, indent=2)
     template = environment.get_template("report.html.j2")
     # The one script that may run: the policy of the page names it by its hash.

@@ -25,6 +25,8 @@ _SINGLE = ("_each", "_each_error", "_each_drift")
 #: What a column of half widths is called, behind the title of its values, and one of what these hold where
 #: not all that enters was measured.
 INTERVAL, SOURCES_OF = "+- (95 %)", "+- holds"
+#: What a budget says of a measured map beside the sources.
+TREATMENT = "treatment [%]"
 #: What stands in a budget for a source that has no part in a number.
 _ENTERS_NOT = "does not enter"
 #: What stands there for a source that enters, and was left out.
@@ -150,7 +152,9 @@ def _place(column: str | Column, data: xr.Dataset) -> tuple[str, str, Mapping[st
 def budget_table(data: xr.Dataset, names: Sequence[str]) -> ResultTable:
     """Return what is uncertain about some variables at every place, by source, in per cent of the value.
 
-    A source that was not measured leaves the totals that it enters empty.
+    A source that was not measured leaves the totals that it enters empty. How far other treatments of a
+    measured map move its area stands beside the sources, with the root of the sum of squares of all that was
+    measured.
     """
     rows: list[dict[str, float | str]] = []
     for name in names:
@@ -169,6 +173,11 @@ def budget_table(data: xr.Dataset, names: Sequence[str]) -> ResultTable:
                 entry = _ENTERS_NOT if source in error.attrs else share
                 row[f"{source} [%]"] = (
                     _UNMEASURED if isinstance(entry, float) and math.isnan(entry) else entry
+                )
+            if "treatment_spread" in data and name in ("area", "area_own"):
+                row[TREATMENT] = spread = 100 * float(here["treatment_spread"])
+                row["with treatment [%]"] = combined(
+                    spread, *(share for share in entering if not math.isnan(share))
                 )
             rows.append(row)
     return ResultTable.of_rows(rows)
