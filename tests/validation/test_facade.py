@@ -15,7 +15,7 @@ from fem_contact import HalfSpace, HeightField, Solid
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from validation import measured, press, self_affine, table, theory
 from validation.errors import NoLimit, UsageError
-from validation.studies import GROUPS
+from validation.studies import GROUPS, find_study
 
 WAVES = {
     "length": "100 um",
@@ -148,7 +148,7 @@ def test_a_table_tells_contacts_apart_by_what_differs():
     assert (soft.persson_plastic > 0).all()
     swept = [press(SURFACE, **SOLID, reduced_pressure=0.05, hardness=h) for h in ("150 MPa", "200 MPa")]
     assert table(swept).hardness.dims == ("hardness",)
-    with pytest.raises(UsageError, match=r"does not tell the contacts apart$"):
+    with pytest.raises(UsageError, match="nor does any of: reduced_pressure, pressure, method"):
         table([press(SURFACE, **SOLID, reduced_pressure=0.05)] * 2)
     with pytest.raises(UsageError, match="these do: reduced_pressure, pressure"):
         table([press(SURFACE, **SOLID, reduced_pressure=0.05)], along="colour")
@@ -159,6 +159,31 @@ def test_the_theory_alone_is_the_closed_form_of_the_spectrum():
     variance = persson.stress_variance(0.1**2, contact_modulus=1.0)
     expected = persson.contact_area(np.array([0.01, 0.5]) * 0.1, stress_variance=variance)
     np.testing.assert_allclose(found.area, expected, rtol=1e-9)
+
+
+def test_several_grids_give_every_number_its_error():
+    fine = press(SURFACE, **SOLID, reduced_pressure=0.08, grids=[32, (48, 48), 64])
+    numbers = [fine.area, fine.kappa, fine.mean_gap, fine.approach, fine.stiffness, fine.max_pressure]
+    assert all(0 < number.error < 0.1 * abs(number.value) for number in numbers)
+    assert all("grid" in number.sources for number in numbers)
+    assert fine.result.shape == (64, 64)
+    assert fine.limit() == CONTACT.limit([64, 48, 32])
+    assert fine.area.value == fine.limit().value
+    row = table([fine, CONTACT], along="points", limit=True)
+    assert list(row.points) == [64, 32]
+    assert float(row.area[0]) == fine.areas().perimeter
+    assert "A/A0, own" not in fine.limit()._repr_html_()
+    assert fine.mean_gap._repr_html_().count("nm") == 1
+
+
+def test_what_the_report_of_a_study_shows_is_had_of_its_dataset(tmp_path):
+    small = {"surfaces": 2, "grids": (32, 48), "reduced_pressures": (0.05, 0.1)}
+    data = fem_contact.study("area", bench=str(tmp_path), **small)
+    assert fem_contact.study.findings(data) == find_study("area").findings(data)
+    assert fem_contact.study.figures(data)[0].name == find_study("area").figures(data)[0].name
+    assert "<table" in fem_contact.study.budget(data)._repr_html_()
+    assert fem_contact.study.table(data).rows
+    assert len(list(tmp_path.glob("*.nc"))) == 8
 
 
 def test_a_limit_that_is_not_there_says_why():
@@ -210,10 +235,13 @@ def test_what_is_shown_is_short():
         (lambda: fem_contact.study("hurts"), "did you mean 'hurst'"),
         (lambda: fem_contact.study("hurst", hurst=0.5), "no option 'hurst'; did you mean 'hursts'"),
         (lambda: fem_contact.study("hurst", hursts=5), "hursts = 5: must be a list"),
-        (lambda: fem_contact.study("area", bench=3), "give a Bench"),
+        (lambda: fem_contact.study("area", bench=3), "bench = 3: give a folder"),
+        (lambda: fem_contact.study.findings(3), "no such study; one of: "),
         (lambda: fem_contact.reference(**NODE, gradient=np.ones(2)), "must be 'surface' or 'spectrum'"),
         (lambda: fem_contact.reference(**{**NODE, "bandwidth": "8"}), "bandwidth = '8': must be one finite"),
-        (lambda: CONTACT.limit(np.ones(2)), r"give several grids, as limit\(\[32, 48, 64\]\)"),
+        (lambda: CONTACT.limit(np.ones(2)), r"give several, as \[32, 48, 64\]"),
+        (lambda: press(SURFACE, **SOLID, pressure=1e6, grids=64), r"grids = 64: give several, as \[32"),
+        (lambda: press(SURFACE, **SOLID, pressure=1e6, grids=[64, 96], grid=64), "give one of them"),
         (lambda: CONTACT.limit([3.5]), "grid = 3.5: give points along the sides"),
         (lambda: CONTACT.plot([0, 0]), "is not drawn; one of: 'pressure'"),
         (lambda: CONTACT.plot(ax=3), "ax = 3: one axes of matplotlib"),
