@@ -110,6 +110,27 @@ def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatc
 
 
 @pytest.mark.parametrize(
+    ("typed", "incomplete", "completed"),
+    [
+        (["study"], "hur", ["hurst"]),
+        (["study", "hurst"], "--hu", ["--hursts"]),
+        (["study", "hurst"], "--dry", ["--dry-run"]),
+        (["run"], "quick", ["quickstart"]),
+        (["run", "quickstart", "--set"], "load.f", ["load.force="]),
+        (["reference"], "--red", ["--reduced-pressure"]),
+        (["reference", "--theory"], "yang", ["yang-persson"]),
+    ],
+)
+def test_names_and_options_are_completed(typed, incomplete, completed):
+    words = ["fem-contact", *typed, incomplete]
+    asked = {"_FEM_CONTACT_COMPLETE": "complete_bash", "COMP_WORDS": " ".join(words)}
+    shown = CliRunner().invoke(
+        cli.app, env=asked | {"COMP_CWORD": str(len(words) - 1)}, prog_name="fem-contact"
+    )
+    assert shown.output.split() == completed
+
+
+@pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (("run", "nowhere"), "no such scene"),
