@@ -41,6 +41,7 @@ def run_sweep(
     solves = solves_of_sweep(sweep, problems)
     settings = {
         "scene": sweep.scenes[0].model_dump(mode="json", exclude_none=True),
+        "written": sweep.scenes[0].as_written,
         "sweep": {"mode": sweep.mode, "keys": [dataclasses.asdict(key) for key in sweep.keys]},
     }
 

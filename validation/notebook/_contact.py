@@ -27,6 +27,7 @@ from validation.scenes.scene import Scene
 from validation.scenes.tables import Load
 from validation.solvers.base import Solved
 from validation.solvers.theory import Prediction, predict
+from validation.units import alike
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -265,9 +266,10 @@ class Contact:
     @property
     def _facts(self) -> dict[str, str]:
         areas, theory, loaded = self.areas(), self.theory, self._loaded
+        pressure = alike(loaded.pressure, self.scene.load.pressure)
         facts = {
             "solve": self.solve.label,
-            "p0": f"{in_prefixed_unit(loaded.pressure, 'Pa')} (p* = {loaded.reduced_pressure:.4g})",
+            "p0": f"{in_prefixed_unit(pressure, 'Pa')} (p* = {loaded.reduced_pressure:.4g})",
             "A/A0": f"{significant(areas.perimeter)} (counted {significant(areas.pixel)})",
         }
         if theory is not None:

@@ -157,11 +157,13 @@ def prefixed_unit(unit: str, largest: float) -> tuple[float, str]:
 
 
 def in_prefixed_unit(value: float, unit: str, digits: int = 4) -> str:
-    """Return a number with its unit, prefixed: ``0.5684 MPa``.
+    """Return a number with its unit, prefixed: ``0.5684 MPa``; a quantity of a scene as it was written.
 
     >>> in_prefixed_unit(5.684e6, "Pa")
     '5.684 MPa'
     """
+    if written := getattr(value, "written", ""):
+        return str(written)
     factor, named = prefixed_unit(unit, abs(value))
     return f"{value * factor:.{digits}g}" + ("" if unit == "1" else f" {named}")
 

@@ -36,7 +36,7 @@ from validation.scenes.tables import (
     Title,
 )
 from validation.solvers import Method, Solver, methods
-from validation.units import MOST_POINTS, Table, sides_of, wrong
+from validation.units import MOST_POINTS, Table, as_written, sides_of, wrong
 
 #: Tables whose grids `run --accuracy` chooses, and the context in which they are then read.
 _CHOSEN, _GRIDS_CHOSEN = ("methods.bem", "ensemble"), {"grids": "chosen"}
@@ -166,6 +166,14 @@ class Scene(Title):
         if ensemble is not None and self.ensemble_solver is None:
             quick = [name for name, method in methods().items() if getattr(method, "for_ensembles", False)]
             yield f"ensemble: add the table of a method that is quick enough for it: {', '.join(quick)}"
+
+    @property
+    def as_written(self) -> dict[str, Any]:
+        """All of it as JSON-ready data, quantities as they were written."""
+        made: dict[str, Any] = as_written(
+            self.model_dump(exclude_none=True), self.model_dump(mode="json", exclude_none=True)
+        )
+        return made
 
     @property
     def subsurface(self) -> Subsurface | None:
