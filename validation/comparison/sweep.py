@@ -75,7 +75,7 @@ def sweep_data(sweep: Sweep, cases: Sequence[ContactProblem], results: Solves) -
     first = parts[0].attrs
     shared = {
         name: first[name]
-        for name in ("title", "methods", "effects", "theory", "drawn", "adhesive")
+        for name in ("title", "methods", "effects", "theory", "drawn", "adhesive", "doubts")
         if name in first
     }
     return labelled(data).assign_attrs(shared, mode=sweep.mode, cases=len(parts), keys=" ".join(names))

@@ -123,6 +123,7 @@ class Surface:
         facts = {name: shown(value, unit_of(kinds[name])) for name, value in options.items()}
         if self.given is not None:
             facts["what was done"] = "; ".join(self.given.raw.history)
+            facts |= {"doubts": "; ".join(self.given.doubts)} if self.given.doubts else {}
         return facts
 
     def __repr__(self) -> str:
