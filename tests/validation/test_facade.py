@@ -28,6 +28,8 @@ SOLID = {"young": "2 GPa", "poisson": 0.25}
 SURFACE = self_affine(**WAVES, seed=7)
 CONTACT = press(SURFACE, **SOLID, reduced_pressure=0.08, grid=32)
 NODE = {"hurst": 0.8, "bandwidth": 8, "reduced_pressure": 0.05}
+TILTED = np.tile(np.arange(16.0)[:, None], 16) + np.random.default_rng(9).normal(size=(16, 16))
+TILTED[3, 4] = np.nan
 
 
 def test_a_load_may_be_a_force_or_a_distance_and_the_rough_body_elastic():
@@ -134,6 +136,9 @@ def test_what_looks_like_a_topography_of_another_package_is_read_with_its_units(
 
 
 def test_a_file_is_a_surface_and_its_size_may_stand_in_it(tmp_path):
+    np.save(tmp_path / "tilted.npy", TILTED)
+    with pytest.raises(UsageError, match=r"^measured: surface.length: missing, and .*$"):
+        measured(tmp_path / "tilted.npy", unit="nm")
     SURFACE.heights(40).to_netcdf(tmp_path / "rough.nc")
     np.testing.assert_allclose(
         measured(tmp_path / "rough.nc").heights(), SURFACE.heights(40), rtol=1e-14, atol=1e-20
@@ -200,6 +205,10 @@ def test_what_is_shown_is_short():
         (lambda: measured(np.zeros((8, 8)), lengths=1e-5), "unknown key 'lengths'; did you mean 'length'"),
         (lambda: measured(np.zeros((8, 8)), length=1e-5), 'unit is missing; .* unit="1 nm"'),
         (lambda: measured(np.zeros((8, 6)), length=1e-5, unit=1), "one length for 8 x 6 points; give both"),
+        (
+            lambda: press(measured(TILTED, length=1e-5, unit=1e-9), **SOLID, pressure=1e6),
+            r'add to measured.*: tilt="plane", missing="harmonic"$',
+        ),
         (lambda: measured(3, length=1e-5, unit=1), "heights of type int: .*give a file, a 2-D array"),
         (lambda: self_affine(lengths=1e-5), "unknown key 'lengths'; did you mean 'length'"),
         (lambda: press(SURFACE, **SOLID, pressure=1e6, options=7), "options = 7: give a table"),

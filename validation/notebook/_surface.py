@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from fem_contact.surface import HeightField, radial_spectrum
-from validation.errors import UsageError
+from validation.errors import SceneError, UsageError
 from validation.notebook._tables import (
     GridLike,
     Quantity,
@@ -134,6 +134,15 @@ class Surface:
         return as_html(f"{self.table.kind} surface", self._facts)
 
 
+class _Measured(Measured):
+    """A measured surface of Python, where arguments mend what the table of a scene would."""
+
+    def remedy(self, faults: Mapping[str, tuple[str, str]]) -> str:
+        """Say what is wrong, and which arguments mend it."""
+        words = ", ".join(f'{key}="{remedy}"' for key, (_, remedy) in faults.items())
+        return f": {'; '.join(why for why, _ in faults.values())}; add to measured(...): {words}"
+
+
 def self_affine(
     *,
     length: Quantity | Sequence[Quantity] | None = None,
@@ -219,9 +228,13 @@ def measured(
         checked(FileSurface, "measured", {"kind": "file", **treatment})  # which names the unknown key
     if isinstance(heights, (str, os.PathLike)):
         options = {"kind": "file", "path": str(heights), "length": length, "unit": unit, **treatment}
-        tables = sized(plain({"surface": options}), Path(), "measured")
+        try:
+            tables = sized(plain({"surface": options}), Path(), "measured")
+        except SceneError as error:  # what else is wrong is told when it is pressed
+            problems = [words for words in error.problems if not words.startswith("cannot be pressed")]
+            raise SceneError("measured", problems) from None
         on_file = checked(FileSurface, "measured", tables["surface"])
-        return Surface(table=on_file, given=Measured.read(on_file))
+        return Surface(table=on_file, given=_Measured.read(on_file))
     values, own_length, own_unit, words = _told_by(heights)
     if length is None and own_length is None:
         raise UsageError('measured: length is missing; give the size of the patch, as length="100 um"')
@@ -251,7 +264,7 @@ def measured(
             repr(values.shape).encode() + np.ascontiguousarray(values).tobytes()
         ).hexdigest(),
     )
-    return Surface(table=in_memory, given=Measured.of(in_memory, raw))
+    return Surface(table=in_memory, given=_Measured.of(in_memory, raw))
 
 
 def _told_by(heights: Any) -> tuple[Any, tuple[float, float] | None, float | None, str]:

@@ -77,8 +77,11 @@ class Measured:
         with _naming(self.surface):
             faults = {k: fault for k, fault in self.faults.items() if not keys or k in keys}
             if faults:
-                table = {"path": str(self.surface.path)}
-                raise UsageError("\n".join(("cannot be pressed as it is", *fault_lines(faults, table))))
+                raise UsageError(f"cannot be pressed as it is{self.remedy(faults)}")
+
+    def remedy(self, faults: Mapping[str, tuple[str, str]]) -> str:
+        """Say what is wrong, and what of a scene mends it."""
+        return "\n".join(("", *fault_lines(faults, {"path": str(self.surface.path)})))
 
     @cached_property
     def faults(self) -> dict[str, tuple[str, str]]:
