@@ -113,6 +113,13 @@ def test_a_measured_surface_is_resolved_unless_a_grid_is_asked_for():
     assert contact.data.resolved.values.tolist() == [1]
 
 
+def test_several_maps_of_one_surface_are_a_table_of_their_contacts():
+    maps = [measured(size * SURFACE.heights(24).values, length=1e-4, unit=1) for size in (1, 1.1)]
+    rows = table([press(one, **SOLID, pressure="5 MPa", grid=24) for one in maps])
+    assert rows.area.size == 2
+    assert float(rows.area.std(ddof=1)) > 0
+
+
 def test_heights_in_memory_have_a_recipe_of_their_own():
     field = SURFACE.heights(40).values
     recipes = [
@@ -210,6 +217,7 @@ def test_what_is_shown_is_short():
             r'add to measured.*: tilt="plane", missing="harmonic"$',
         ),
         (lambda: measured(3, length=1e-5, unit=1), "heights of type int: .*give a file, a 2-D array"),
+        (lambda: measured(TILTED, more_paths=["b.npy"]), r"press each map: table\(\[press\(measured\(path, "),
         (lambda: self_affine(lengths=1e-5), "unknown key 'lengths'; did you mean 'length'"),
         (lambda: press(SURFACE, **SOLID, pressure=1e6, options=7), "options = 7: give a table"),
         (lambda: press(SURFACE, **SOLID, pressure=1e6, method={}), "method = {}: give its name; one of: bem"),

@@ -223,7 +223,8 @@ def measured(
         For what gives no surface, or says too little of it.
     """
     if "more_paths" in treatment:
-        raise UsageError("measured: more_paths is of an ensemble, which a scene has; measure each by itself")
+        each = "table([press(measured(path, ...), ...) for path in paths])"
+        raise UsageError(f"measured: more_paths is of an ensemble, which a scene has; press each map: {each}")
     if not treatment.keys() <= FileSurface.model_fields.keys():
         checked(FileSurface, "measured", {"kind": "file", **treatment})  # which names the unknown key
     if isinstance(heights, (str, os.PathLike)):
