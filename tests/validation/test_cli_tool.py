@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 
@@ -334,7 +335,9 @@ def test_surfaces_are_generated_inspected_and_converted(tool, tmp_path):
     scene = json.loads(tool("surface", "inspect", "quickstart", "--json")[1])
     assert facts["h'_rms (spectral)"] == pytest.approx(scene["h'_rms (spectral)"], rel=1e-9)
     assert facts["missing points"] == 0
-    assert "C(q)" in tool("surface", "inspect", "rough.nc")[1]
+    shown = tool("surface", "inspect", "rough.nc")[1]
+    assert "C(q)" in shown
+    assert re.search(r"^summits per area: \S+ 1/[mun]?m\^2$", shown, re.M)
     assert tool("surface", "convert", "rough.nc", "rough.txt")[0] == 0
     code, out, _ = tool("surface", "convert", "rough.txt", "rough.npy", "--length", "100 um", "--unit", "1 m")
     assert code == 0

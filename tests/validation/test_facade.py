@@ -67,6 +67,12 @@ def test_a_surface_knows_its_size_in_numbers_and_pictures():
     assert wave.rms_curvature == pytest.approx(1e-3 * (2 * np.pi) ** 2 / np.sqrt(2) / 2, rel=1e-9)
     assert wave.pixel_size == (1 / 32, 1 / 32)
     drawn = SURFACE.plot()
+    # 64 summits of 1 nm within a rim of one point, on cells of 1 um.
+    peaks = measured(np.kron(np.ones((8, 8)), np.pad([[1]], (2, 1))), length="32 um", unit="nm").statistics
+    assert peaks["summit_density"].value == pytest.approx(64 / 30**2 * 1e12)
+    assert repr(peaks["summit_density"]) == "summits/A0 = 71110 1/mm^2"
+    assert repr(peaks["summit_curvature"]) == "curvature of summits = 2 1/mm"
+    assert peaks["kurtosis"].value == pytest.approx(1 / (1 / 16 * 15 / 16) - 3)  # of shares 1/16 and 15/16
     assert list(misdrawn(drawn, drawn.data)) == []
     assert float(drawn.data.heights.std()) == pytest.approx(exact, rel=0.01)
 

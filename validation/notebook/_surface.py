@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,6 +27,7 @@ from validation.notebook._tables import (
     plain,
     shown,
 )
+from validation.report.values import Value
 from validation.scenes import surfaces
 from validation.scenes.scene import sized
 from validation.scenes.tables import FileSurface, SelfAffineSurface
@@ -34,6 +35,7 @@ from validation.scenes.tables import Surface as SurfaceTable
 from validation.scenes.topography.measured import Measured
 from validation.scenes.topography.patch import Topography
 from validation.scenes.topography.raw import check_shape, real
+from validation.scenes.topography.statistics import height_statistics
 from validation.units import metres, sides_of, unit_of
 
 if TYPE_CHECKING:
@@ -95,6 +97,15 @@ class Surface:
     def pixel_size(self) -> tuple[float, float]:
         """Steps between heights [m]."""
         return self.field.spacing
+
+    @property
+    def statistics(self) -> dict[str, Value]:
+        """Kurtosis of heights and slopes, and what summits are like, by name; of a map before its taper."""
+        if self.given is not None:
+            self.given.check("missing")
+        field = self.field if self.given is None else self.given.patch.height_field()
+        traits = asdict(height_statistics(field.heights, field.spacing))
+        return {name: Value(value=value, name=name) for name, value in traits.items()}
 
     @property
     def spectrum(self) -> xr.DataArray:
