@@ -344,6 +344,8 @@ class Table(BaseModel):
 
     #: Which key is meant by another word for it.
     meant: typing.ClassVar[Mapping[str, str]] = {}
+    #: What else a file may have there, which is read before the table is.
+    before: typing.ClassVar[tuple[str, ...]] = ()
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
@@ -353,8 +355,9 @@ class Table(BaseModel):
         if isinstance(data, dict):
             for key in data:
                 if key not in cls.model_fields:
-                    hint = did_you_mean(str(key), cls.model_fields, cls.meant) or "."
-                    raise wrong(f"unknown key {key!r}{hint} Allowed: {', '.join(cls.model_fields)}")
+                    known = *cls.model_fields, *cls.before
+                    hint = did_you_mean(str(key), known, cls.meant) or "."
+                    raise wrong(f"unknown key {key!r}{hint} Allowed: {', '.join(known)}")
         return data
 
 

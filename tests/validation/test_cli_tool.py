@@ -184,11 +184,12 @@ def test_explain_says_what_runs_and_what_is_left_out_and_solves_nothing(tool, tm
 def test_keys_of_a_scene_are_listed_with_unit_meaning_and_default(tool):
     listed = tool("scenes", "keys")[1].splitlines()
     young = listed.index('solid.young = "1 GPa"')
-    assert listed[young + 1] == "    Young's modulus (plain numbers in Pa)"
+    assert listed[young + 1] == "    Young's modulus (plain numbers in Pa); required"
     workers = listed.index("run.workers = 4")
     assert listed[workers + 1].endswith("1 runs everything in the process itself; default: 1")
     assert len(listed) > 150
     assert tool("scenes", "keys", "mean gap")[1].count("\n") == 2
+    assert 'sweep.mode = "product"' in tool("scenes", "keys", "sweep")[1]
     assert key_names("load.mean") == ["load.mean_gap="]
 
 

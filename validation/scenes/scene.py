@@ -12,7 +12,7 @@ from functools import reduce
 from importlib import resources
 from operator import or_
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Self, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeAlias
 
 from pydantic import Field, TypeAdapter, ValidationError, ValidationInfo, create_model, model_validator
 
@@ -92,6 +92,8 @@ class Scene(Title):
 
     Attributes are the tables of the scene file; every quantity is in SI units.
     """
+
+    before: ClassVar[tuple[str, ...]] = ("sweep",)
 
     surface: Surface
     solid: SolidSpec
