@@ -621,6 +621,19 @@ def test_the_map_of_the_docs_is_made_and_gets_the_table_that_they_show(tmp_path,
     assert [grid.solves for grid in explanation.grids] == [6, 1]
 
 
+@pytest.mark.parametrize("sweep", ["", "[sweep]\nload.reduced_pressure = [0.1, 0.2]\n"])
+def test_faults_of_a_map_and_of_other_tables_come_at_once(sweep, tmp_path):
+    np.save(tmp_path / "afm.npy", np.arange(64.0)[:, None] + np.random.default_rng(3).normal(size=(64, 64)))
+    table = '[surface]\nkind = "file"\npath = "afm.npy"\n'
+    (tmp_path / "scene.toml").write_text(table + REST.replace("2 MPa", "2 kg").replace("0.3", "0.7") + sweep)
+    with pytest.raises(UsageError) as caught:
+        load_asked(str(tmp_path / "scene.toml"))
+    words = "solid.young = '2 kg'", "solid.poisson = 0.7", "surface.length: missing", 'tilt = "plane"'
+    places = [str(caught.value).index(each) for each in words]
+    assert places == sorted(places)
+    assert str(caught.value).endswith('tilt = "plane"')
+
+
 @pytest.mark.parametrize("length", ["64 um, 48 um", "64 um", "[64 um, 48 um]", "6.4e-5,4.8e-5"])
 def test_the_table_to_paste_is_a_scene_whatever_the_length_was_written_as(length, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -238,7 +238,7 @@ def load_scene(scene: str) -> Scene:
         raise SceneError(
             scene, ["[sweep]: is many scenes; fem-contact run and explain take it, this does not"]
         )
-    return checked_scene(sized(data, folder, scene), folder, scene)
+    return checked_scene(data, folder, scene)
 
 
 def checked_scene(data: Mapping[str, Any], folder: Path, scene: str, *, grids_chosen: bool = False) -> Scene:
@@ -247,6 +247,11 @@ def checked_scene(data: Mapping[str, Any], folder: Path, scene: str, *, grids_ch
     Relative paths refer to `folder`; messages, one line for each problem, name the scene `scene`. Where grids
     and number of surfaces will be chosen, the number may be missing and the grids may be too coarse.
     """
+    faults: list[str] = []
+    try:
+        data = sized(dict(data), folder, scene)
+    except SceneError as error:  # of the map; those of other tables are said with them
+        faults, data = [*error.problems], {**data, "surface": None}
     try:
         if grids_chosen and isinstance(data.get("ensemble"), dict):
             data = {**data, "ensemble": {"realisations": 2, **data["ensemble"]}}
@@ -255,9 +260,10 @@ def checked_scene(data: Mapping[str, Any], folder: Path, scene: str, *, grids_ch
         stem = {"name": Path(scene).stem} if re.fullmatch(NAME, Path(scene).stem) else {}
         checked = Scene.model_validate({**stem, **with_usual_grids(data, folder)}, context=context)
     except ValidationError as error:
-        raise SceneError(scene, problems(error)) from None
+        others = [words for words in problems(error) if not (faults and words.startswith("surface"))]
+        raise SceneError(scene, [*others, *faults]) from None
     except UsageError as error:
-        raise SceneError(scene, [str(error)]) from None
+        raise SceneError(scene, [str(error), *faults]) from None
     if isinstance(checked.surface, FileSurface | SpectrumSurface):
         # Absolute, because a worker may stand in another folder.
         named = {key: getattr(checked.surface, key, None) for key in ("path", "second_path")}
