@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 
@@ -204,11 +205,12 @@ def test_explain_says_what_runs_and_what_is_left_out_and_solves_nothing(tool, tm
 def test_keys_of_a_scene_are_listed_with_unit_meaning_and_default(tool):
     listed = tool("scenes", "keys")[1].splitlines()
     young = listed.index('solid.young = "1 GPa"')
-    assert listed[young + 1] == "    Young's modulus (plain numbers in Pa)"
+    assert listed[young + 1] == "    Young's modulus (plain numbers in Pa); required"
     workers = listed.index("run.workers = 4")
     assert listed[workers + 1].endswith("1 runs everything in the process itself; default: 1")
     assert len(listed) > 150
     assert tool("scenes", "keys", "mean gap")[1].count("\n") == 2
+    assert 'sweep.mode = "product"' in tool("scenes", "keys", "sweep")[1]
     assert key_names("load.mean") == ["load.mean_gap="]
 
 
@@ -355,7 +357,9 @@ def test_surfaces_are_generated_inspected_and_converted(tool, tmp_path):
     scene = json.loads(tool("surface", "inspect", "quickstart", "--json")[1])
     assert facts["h'_rms (spectral)"] == pytest.approx(scene["h'_rms (spectral)"], rel=1e-9)
     assert facts["missing points"] == 0
-    assert "C(q)" in tool("surface", "inspect", "rough.nc")[1]
+    shown = tool("surface", "inspect", "rough.nc")[1]
+    assert "C(q)" in shown
+    assert re.search(r"^summits per area: \S+ 1/[mun]?m\^2$", shown, re.M)
     assert tool("surface", "convert", "rough.nc", "rough.txt")[0] == 0
     code, out, _ = tool("surface", "convert", "rough.txt", "rough.npy", "--length", "100 um", "--unit", "1 m")
     assert code == 0

@@ -28,6 +28,8 @@ SOLID = {"young": "2 GPa", "poisson": 0.25}
 SURFACE = self_affine(**WAVES, seed=7)
 CONTACT = press(SURFACE, **SOLID, reduced_pressure=0.08, grid=32)
 NODE = {"hurst": 0.8, "bandwidth": 8, "reduced_pressure": 0.05}
+TILTED = np.tile(np.arange(16.0)[:, None], 16) + np.random.default_rng(9).normal(size=(16, 16))
+TILTED[3, 4] = np.nan
 
 
 def test_a_load_may_be_a_force_or_a_distance_and_the_rough_body_elastic():
@@ -65,6 +67,12 @@ def test_a_surface_knows_its_size_in_numbers_and_pictures():
     assert wave.rms_curvature == pytest.approx(1e-3 * (2 * np.pi) ** 2 / np.sqrt(2) / 2, rel=1e-9)
     assert wave.pixel_size == (1 / 32, 1 / 32)
     drawn = SURFACE.plot()
+    # 64 summits of 1 nm within a rim of one point, on cells of 1 um.
+    peaks = measured(np.kron(np.ones((8, 8)), np.pad([[1]], (2, 1))), length="32 um", unit="nm").statistics
+    assert peaks["summit_density"].value == pytest.approx(64 / 30**2 * 1e12)
+    assert repr(peaks["summit_density"]) == "summits/A0 = 71110 1/mm^2"
+    assert repr(peaks["summit_curvature"]) == "curvature of summits = 2 1/mm"
+    assert peaks["kurtosis"].value == pytest.approx(1 / (1 / 16 * 15 / 16) - 3)  # of shares 1/16 and 15/16
     assert list(misdrawn(drawn, drawn.data)) == []
     assert float(drawn.data.heights.std()) == pytest.approx(exact, rel=0.01)
 
@@ -111,6 +119,13 @@ def test_a_measured_surface_is_resolved_unless_a_grid_is_asked_for():
     assert contact.data.resolved.values.tolist() == [1]
 
 
+def test_several_maps_of_one_surface_are_a_table_of_their_contacts():
+    maps = [measured(size * SURFACE.heights(24).values, length=1e-4, unit=1) for size in (1, 1.1)]
+    rows = table([press(one, **SOLID, pressure="5 MPa", grid=24) for one in maps])
+    assert rows.area.size == 2
+    assert float(rows.area.std(ddof=1)) > 0
+
+
 def test_heights_in_memory_have_a_recipe_of_their_own():
     field = SURFACE.heights(40).values
     recipes = [
@@ -134,6 +149,9 @@ def test_what_looks_like_a_topography_of_another_package_is_read_with_its_units(
 
 
 def test_a_file_is_a_surface_and_its_size_may_stand_in_it(tmp_path):
+    np.save(tmp_path / "tilted.npy", TILTED)
+    with pytest.raises(UsageError, match=r"^measured: surface.length: missing, and .*$"):
+        measured(tmp_path / "tilted.npy", unit="nm")
     SURFACE.heights(40).to_netcdf(tmp_path / "rough.nc")
     np.testing.assert_allclose(
         measured(tmp_path / "rough.nc").heights(), SURFACE.heights(40), rtol=1e-14, atol=1e-20
@@ -225,7 +243,12 @@ def test_what_is_shown_is_short():
         (lambda: measured(np.zeros((8, 8)), lengths=1e-5), "unknown key 'lengths'; did you mean 'length'"),
         (lambda: measured(np.zeros((8, 8)), length=1e-5), 'unit is missing; .* unit="1 nm"'),
         (lambda: measured(np.zeros((8, 6)), length=1e-5, unit=1), "one length for 8 x 6 points; give both"),
+        (
+            lambda: press(measured(TILTED, length=1e-5, unit=1e-9), **SOLID, pressure=1e6),
+            r'add to measured.*: tilt="plane", missing="harmonic"$',
+        ),
         (lambda: measured(3, length=1e-5, unit=1), "heights of type int: .*give a file, a 2-D array"),
+        (lambda: measured(TILTED, more_paths=["b.npy"]), r"press each map: table\(\[press\(measured\(path, "),
         (lambda: self_affine(lengths=1e-5), "unknown key 'lengths'; did you mean 'length'"),
         (lambda: press(SURFACE, **SOLID, pressure=1e6, options=7), "options = 7: give a table"),
         (lambda: press(SURFACE, **SOLID, pressure=1e6, method={}), "method = {}: give its name; one of: bem"),

@@ -15,6 +15,7 @@ from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.contact import ContactResult
 from validation.comparison.numbers import scene_data
 from validation.comparison.reductions import grid_name
+from validation.comparison.treatment import doubts_of
 from validation.effects.base import ContactModel
 from validation.errors import NoLimit, UsageError
 from validation.execution.press import Press, solves_of
@@ -28,6 +29,7 @@ from validation.scenes.scene import Scene
 from validation.scenes.tables import Load
 from validation.solvers.base import Solved
 from validation.solvers.theory import Prediction, predict
+from validation.units import alike
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -268,14 +270,15 @@ class Contact:
     @property
     def _facts(self) -> dict[str, str]:
         areas, theory, loaded = self.areas(), self.theory, self._loaded
+        pressure = alike(loaded.pressure, self.scene.load.pressure)
         facts = {
             "solve": self.solve.label,
-            "p0": f"{in_prefixed_unit(loaded.pressure, 'Pa')} (p* = {loaded.reduced_pressure:.4g})",
+            "p0": f"{in_prefixed_unit(pressure, 'Pa')} (p* = {loaded.reduced_pressure:.4g})",
             "A/A0": f"{significant(areas.perimeter)} (counted {significant(areas.pixel)})",
         }
         if theory is not None:
             facts["A/A0, Persson"] = significant(theory.area) if theory.answers else theory.note
-        return {**facts, "residual": f"{self.result.residuals.worst:.1e}"}
+        return {**facts, "residual": f"{self.result.residuals.worst:.1e}", **doubts_of(self.problem)}
 
     def __repr__(self) -> str:
         return "<contact: " + ", ".join(f"{name} = {value}" for name, value in self._facts.items()) + ">"
