@@ -151,7 +151,10 @@ def _checked_path(path: Path) -> Path:
     instance("path", path, (str, os.PathLike), what="the name of a file")
     if "\0" in str(path) or not Path(path).name:
         raise InvalidInput(f"path = {shown(path)}: must be the name of a file")
-    return Path(path)
+    path = Path(path)
+    if not path.parent.is_dir():
+        raise InvalidInput(f"path = {path}: there is no folder {path.parent}; make it first")
+    return path
 
 
 def _check_solution(solution: BlockSolution) -> None:

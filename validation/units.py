@@ -6,7 +6,7 @@ import functools
 import math
 import re
 import typing
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -18,6 +18,7 @@ from pydantic import (
     Field,
     TypeAdapter,
     ValidationError,
+    WrapValidator,
     model_validator,
 )
 from pydantic.fields import FieldInfo
@@ -99,9 +100,43 @@ def plain_number(text: str) -> float | str:
         return text
 
 
-def quantity(unit: str, kind: str, example: str) -> BeforeValidator:
+class Written(float):
+    """A quantity in SI that remembers how it was `written`, such as "1000 MPa", to be printed so."""
+
+    written: str
+
+    @classmethod
+    def of(cls, value: float, written: str) -> Written:
+        """Return a quantity that was written so."""
+        made = cls(value)
+        made.written = written
+        return made
+
+
+def alike(value: float, given: object) -> float:
+    """Return a quantity that is printed in the unit in which another was written, if that was.
+
+    >>> alike(1.1e9, TypeAdapter(Pressure).validate_python("1000 MPa")).written
+    '1100 MPa'
+    """
+    if not isinstance(given, Written) or not given:
+        return value
+    number, _, unit = given.written.partition(" ")
+    return Written.of(value, f"{value / given * float(number):.4g} {unit}")
+
+
+def as_written(value: Any, plain: Any) -> Any:
+    """Return tables as they are ready for JSON (`plain`), but quantities as they were written."""
+    if isinstance(value, dict):
+        return {key: as_written(item, plain[key]) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [as_written(*items) for items in zip(value, plain, strict=True)]
+    return value.written if isinstance(value, Written) else plain
+
+
+def quantity(unit: str, kind: str, example: str) -> WrapValidator:
     """Read a number with a unit ("0.5 um") or a bare number in SI, and convert it once."""
-    return BeforeValidator(functools.partial(_read, unit=unit, kind=kind, example=example))
+    return WrapValidator(functools.partial(_read, unit=unit, kind=kind, example=example))
 
 
 def unit(si: str) -> BeforeValidator:
@@ -124,7 +159,7 @@ def unit_of(annotation: object) -> str:
     >>> unit_of(Lengths), unit_of(Pressure | None), unit_of(int)
     ('m', 'Pa', '1')
     """
-    readers = (part.func for part in _within(annotation) if isinstance(part, BeforeValidator))
+    readers = (part.func for part in _within(annotation) if isinstance(part, WrapValidator))
     units = (str(read.keywords["unit"]) for read in readers if isinstance(read, functools.partial))
     return next(units, "1")
 
@@ -140,7 +175,7 @@ def example_of(info: FieldInfo) -> str:
         return named[1]
     kinds = list(_within(info))
     for kind in kinds:
-        if isinstance(kind, BeforeValidator) and isinstance(kind.func, functools.partial):
+        if isinstance(kind, WrapValidator) and isinstance(kind.func, functools.partial):
             return f'"{kind.func.keywords["example"]}"'
         if typing.get_origin(kind) is typing.Literal:
             return f'"{choices_of(kind)[-1]}"'
@@ -164,13 +199,13 @@ def _within(annotation: object) -> Iterator[object]:
             yield from _within(part)
 
 
-def _read(value: object, *, unit: str, kind: str, example: str) -> float:
-    """Return a number, with a unit or bare in SI, in SI."""
+def _read(value: object, check: Callable[[float], float], *, unit: str, kind: str, example: str) -> float:
+    """Return a number, with a unit or bare in SI, in SI, as a float that it is then checked to be."""
     allowed = f'must be a {kind} such as "{example}", or a number in {unit}'
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
         raise wrong(allowed)
     if not isinstance(value, str):
-        return _in_bounds(value, unit)
+        return value if isinstance(value, Written) else check(_in_bounds(value, unit))
     match = _QUANTITY.fullmatch(value) if len(value) <= _LONGEST else None
     if match is None:
         raise wrong(allowed)
@@ -178,13 +213,13 @@ def _read(value: object, *, unit: str, kind: str, example: str) -> float:
     if symbol is None:
         raise wrong(f"has no unit; {allowed} without quotes")
     if symbol in _PLAIN.get(unit, ()):
-        return _in_bounds(Fraction(number) * _PLAIN[unit][symbol], unit)
+        return Written.of(_in_bounds(Fraction(number) * _PLAIN[unit][symbol], unit), f"{number} {symbol}")
     try:
         converted = _converted(Fraction(number), symbol, unit)
     except Exception as error:  # the parser of unit names raises whatever its tokens lead to
         known = type(error).__name__ == "DimensionalityError"
         raise wrong(f"{f'is not a {kind}' if known else 'has an unknown unit'}; {allowed}") from None
-    return _in_bounds(converted, unit)
+    return Written.of(_in_bounds(converted, unit), f"{number} {symbol}")
 
 
 def _converted(number: Fraction, symbol: str, unit: str) -> Fraction:
@@ -309,6 +344,8 @@ class Table(BaseModel):
 
     #: Which key is meant by another word for it.
     meant: typing.ClassVar[Mapping[str, str]] = {}
+    #: What else a file may have there, which is read before the table is.
+    before: typing.ClassVar[tuple[str, ...]] = ()
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
@@ -318,8 +355,9 @@ class Table(BaseModel):
         if isinstance(data, dict):
             for key in data:
                 if key not in cls.model_fields:
-                    hint = did_you_mean(str(key), cls.model_fields, cls.meant) or "."
-                    raise wrong(f"unknown key {key!r}{hint} Allowed: {', '.join(cls.model_fields)}")
+                    known = *cls.model_fields, *cls.before
+                    hint = did_you_mean(str(key), known, cls.meant) or "."
+                    raise wrong(f"unknown key {key!r}{hint} Allowed: {', '.join(known)}")
         return data
 
 

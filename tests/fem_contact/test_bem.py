@@ -7,6 +7,7 @@ import pytest
 from surfaces import rough_surface
 
 from fem_contact.bem import solve, solve_displacement, solve_path
+from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput, NotConverged
 from fem_contact.response import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace
@@ -196,6 +197,24 @@ def test_a_thin_incompressible_layer_takes_a_hundred_pairs(
     layer = BondedLayer(solid=Solid(young=1.0, poisson=0.5), thickness=thickness)
     assert solve(rough(), layer, mean_pressure=load).checked().cost.fft_pairs < pairs
     solve(rough(), BondedLayer(solid=layer.solid, thickness=0.01), mean_pressure=0.5).checked()
+
+
+@pytest.mark.parametrize(("lengths", "shape"), [((1.0, 0.1), (160, 16)), ((0.1, 1.0), (16, 160))])
+def test_the_long_stiff_waves_of_a_strip_lie_along_it(lengths, shape) -> None:
+    layer = BondedLayer(solid=Solid(young=1.0, poisson=0.5), thickness=0.05)
+    assert FourierOperator(layer, shape, lengths, threads=1).long_waves is not None
+
+
+def test_full_contact_is_answered_at_once_with_a_bound_it_does_not_reach_and_not_with_one_it_does() -> None:
+    surface = rough((32, 32))
+    least = solve_displacement(surface, SOFT, mean_gap=0.0).checked()
+    free, bounded, yielding = (
+        solve(surface, SOFT, mean_pressure=1.1 * least.mean_pressure, pressure_bound=bound)
+        for bound in (None, 2.5 * least.pressure.max(), 0.8 * least.pressure.max())
+    )
+    assert np.array_equal(free.pressure, bounded.pressure)
+    assert free.cost.fft_pairs == bounded.cost.fft_pairs < yielding.cost.fft_pairs
+    assert yielding.at_bound.any()
 
 
 def test_a_residual_that_rests_on_oblong_cells_says_so() -> None:

@@ -49,13 +49,17 @@ def test_written_block_gives_back_fields_and_periodic_copies(
 def test_hexahedra_have_positive_volume_and_fill_the_block(solution: BlockSolution, tmp_path: Path) -> None:
     write_block(tmp_path / "block.vtu", solution, deformation=0.0)
     mesh = meshio.read(tmp_path / "block.vtu")
-    corner = mesh.points[mesh.cells_dict["hexahedron"]]
-    edges = np.stack(
-        [corner[:, 1] - corner[:, 0], corner[:, 3] - corner[:, 0], corner[:, 4] - corner[:, 0]], axis=1
-    )
-    volume = np.linalg.det(edges)
-    assert volume.min() > 0
-    np.testing.assert_allclose(volume.sum(), LENGTHS[0] * LENGTHS[1] * solution.depth, rtol=1e-12)
+    check_boxes(mesh.points[mesh.cells_dict["hexahedron"]], LENGTHS[0] * LENGTHS[1] * solution.depth)
+
+
+def check_boxes(corner: np.ndarray, volume: float) -> None:
+    """Cells are boxes with their corners in VTK's order, and fill a volume."""
+    size = corner[:, 6] - corner[:, 0]
+    assert size.min() > 0
+    np.testing.assert_allclose(size.prod(axis=1).sum(), volume, rtol=1e-12)
+    around = ((0, 0), (1, 0), (1, 1), (0, 1))
+    for k, place in enumerate((*((i, j, 0) for i, j in around), *((i, j, 1) for i, j in around))):
+        np.testing.assert_allclose(corner[:, k], corner[:, 0] + place * size, atol=1e-12 * LENGTHS[1])
 
 
 def test_deformed_nodes_move_by_their_displacement(solution: BlockSolution, tmp_path: Path) -> None:
@@ -80,6 +84,7 @@ def test_quadratic_cells_are_written_with_all_their_nodes(element: str, tmp_path
     mesh = meshio.read(tmp_path / "block.vtu")
     nodes = mesh.points[mesh.cells_dict["hexahedron27"]]
     assert nodes.shape[0] == 4 * 3 * solution.layers.size
+    check_boxes(nodes, LENGTHS[0] * LENGTHS[1] * solution.depth)
     # Edge, face and centre nodes lie in the middle of the corners that VTK puts around them.
     middles = {8: (0, 1), 11: (0, 3), 12: (4, 5), 16: (0, 4), 18: (2, 6), 20: (0, 7), 21: (1, 6), 22: (0, 5)}
     for node, corners in (middles | {23: (2, 7), 24: (0, 2), 25: (4, 6), 26: (0, 6)}).items():

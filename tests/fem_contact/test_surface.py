@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fem_contact.errors import InvalidInput
-from fem_contact.surface import HeightField, radial_spectrum, random_surface, resolves
+from fem_contact.surface import HeightField, radial_spectrum, random_surface, random_waves, resolves
 
 EPS = np.finfo(float).eps
 LENGTHS = (1.0, 1.0)
@@ -225,6 +225,8 @@ def test_an_under_resolved_grid_is_refused_with_the_grid_that_would_do():
     ) as caught:
         surface_on((15, 16))
     assert "\n" not in str(caught.value)
+    with pytest.raises(InvalidInput, match="does not resolve"):
+        random_waves(self_affine, q_short=Q_SHORT, lengths=LENGTHS, seed=7).on((15, 16))
     assert resolves((16, 16), LENGTHS, q_short=Q_SHORT)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 
@@ -110,6 +111,27 @@ def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatc
 
 
 @pytest.mark.parametrize(
+    ("typed", "incomplete", "completed"),
+    [
+        (["study"], "hur", ["hurst"]),
+        (["study", "hurst"], "--hu", ["--hursts"]),
+        (["study", "hurst"], "--dry", ["--dry-run"]),
+        (["run"], "quick", ["quickstart"]),
+        (["run", "quickstart", "--set"], "load.f", ["load.force="]),
+        (["reference"], "--red", ["--reduced-pressure"]),
+        (["reference", "--theory"], "yang", ["yang-persson"]),
+    ],
+)
+def test_names_and_options_are_completed(typed, incomplete, completed):
+    words = ["fem-contact", *typed, incomplete]
+    asked = {"_FEM_CONTACT_COMPLETE": "complete_bash", "COMP_WORDS": " ".join(words)}
+    shown = CliRunner().invoke(
+        cli.app, env=asked | {"COMP_CWORD": str(len(words) - 1)}, prog_name="fem-contact"
+    )
+    assert shown.output.split() == completed
+
+
+@pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (("run", "nowhere"), "no such scene"),
@@ -183,11 +205,12 @@ def test_explain_says_what_runs_and_what_is_left_out_and_solves_nothing(tool, tm
 def test_keys_of_a_scene_are_listed_with_unit_meaning_and_default(tool):
     listed = tool("scenes", "keys")[1].splitlines()
     young = listed.index('solid.young = "1 GPa"')
-    assert listed[young + 1] == "    Young's modulus (plain numbers in Pa)"
+    assert listed[young + 1] == "    Young's modulus (plain numbers in Pa); required"
     workers = listed.index("run.workers = 4")
     assert listed[workers + 1].endswith("1 runs everything in the process itself; default: 1")
     assert len(listed) > 150
     assert tool("scenes", "keys", "mean gap")[1].count("\n") == 2
+    assert 'sweep.mode = "product"' in tool("scenes", "keys", "sweep")[1]
     assert key_names("load.mean") == ["load.mean_gap="]
 
 
@@ -334,7 +357,9 @@ def test_surfaces_are_generated_inspected_and_converted(tool, tmp_path):
     scene = json.loads(tool("surface", "inspect", "quickstart", "--json")[1])
     assert facts["h'_rms (spectral)"] == pytest.approx(scene["h'_rms (spectral)"], rel=1e-9)
     assert facts["missing points"] == 0
-    assert "C(q)" in tool("surface", "inspect", "rough.nc")[1]
+    shown = tool("surface", "inspect", "rough.nc")[1]
+    assert "C(q)" in shown
+    assert re.search(r"^summits per area: \S+ 1/[mun]?m\^2$", shown, re.M)
     assert tool("surface", "convert", "rough.nc", "rough.txt")[0] == 0
     code, out, _ = tool("surface", "convert", "rough.txt", "rough.npy", "--length", "100 um", "--unit", "1 m")
     assert code == 0

@@ -15,7 +15,7 @@ from fem_contact import HalfSpace, HeightField, Solid
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from validation import measured, press, self_affine, table, theory
 from validation.errors import NoLimit, UsageError
-from validation.studies import GROUPS
+from validation.studies import GROUPS, find_study
 
 WAVES = {
     "length": "100 um",
@@ -28,6 +28,8 @@ SOLID = {"young": "2 GPa", "poisson": 0.25}
 SURFACE = self_affine(**WAVES, seed=7)
 CONTACT = press(SURFACE, **SOLID, reduced_pressure=0.08, grid=32)
 NODE = {"hurst": 0.8, "bandwidth": 8, "reduced_pressure": 0.05}
+TILTED = np.tile(np.arange(16.0)[:, None], 16) + np.random.default_rng(9).normal(size=(16, 16))
+TILTED[3, 4] = np.nan
 
 
 def test_a_load_may_be_a_force_or_a_distance_and_the_rough_body_elastic():
@@ -65,6 +67,12 @@ def test_a_surface_knows_its_size_in_numbers_and_pictures():
     assert wave.rms_curvature == pytest.approx(1e-3 * (2 * np.pi) ** 2 / np.sqrt(2) / 2, rel=1e-9)
     assert wave.pixel_size == (1 / 32, 1 / 32)
     drawn = SURFACE.plot()
+    # 64 summits of 1 nm within a rim of one point, on cells of 1 um.
+    peaks = measured(np.kron(np.ones((8, 8)), np.pad([[1]], (2, 1))), length="32 um", unit="nm").statistics
+    assert peaks["summit_density"].value == pytest.approx(64 / 30**2 * 1e12)
+    assert repr(peaks["summit_density"]) == "summits/A0 = 71110 1/mm^2"
+    assert repr(peaks["summit_curvature"]) == "curvature of summits = 2 1/mm"
+    assert peaks["kurtosis"].value == pytest.approx(1 / (1 / 16 * 15 / 16) - 3)  # of shares 1/16 and 15/16
     assert list(misdrawn(drawn, drawn.data)) == []
     assert float(drawn.data.heights.std()) == pytest.approx(exact, rel=0.01)
 
@@ -111,6 +119,13 @@ def test_a_measured_surface_is_resolved_unless_a_grid_is_asked_for():
     assert contact.data.resolved.values.tolist() == [1]
 
 
+def test_several_maps_of_one_surface_are_a_table_of_their_contacts():
+    maps = [measured(size * SURFACE.heights(24).values, length=1e-4, unit=1) for size in (1, 1.1)]
+    rows = table([press(one, **SOLID, pressure="5 MPa", grid=24) for one in maps])
+    assert rows.area.size == 2
+    assert float(rows.area.std(ddof=1)) > 0
+
+
 def test_heights_in_memory_have_a_recipe_of_their_own():
     field = SURFACE.heights(40).values
     recipes = [
@@ -134,6 +149,9 @@ def test_what_looks_like_a_topography_of_another_package_is_read_with_its_units(
 
 
 def test_a_file_is_a_surface_and_its_size_may_stand_in_it(tmp_path):
+    np.save(tmp_path / "tilted.npy", TILTED)
+    with pytest.raises(UsageError, match=r"^measured: surface.length: missing, and .*$"):
+        measured(tmp_path / "tilted.npy", unit="nm")
     SURFACE.heights(40).to_netcdf(tmp_path / "rough.nc")
     np.testing.assert_allclose(
         measured(tmp_path / "rough.nc").heights(), SURFACE.heights(40), rtol=1e-14, atol=1e-20
@@ -148,7 +166,7 @@ def test_a_table_tells_contacts_apart_by_what_differs():
     assert (soft.persson_plastic > 0).all()
     swept = [press(SURFACE, **SOLID, reduced_pressure=0.05, hardness=h) for h in ("150 MPa", "200 MPa")]
     assert table(swept).hardness.dims == ("hardness",)
-    with pytest.raises(UsageError, match=r"does not tell the contacts apart$"):
+    with pytest.raises(UsageError, match="nor does any of: reduced_pressure, pressure, method"):
         table([press(SURFACE, **SOLID, reduced_pressure=0.05)] * 2)
     with pytest.raises(UsageError, match="these do: reduced_pressure, pressure"):
         table([press(SURFACE, **SOLID, reduced_pressure=0.05)], along="colour")
@@ -159,6 +177,31 @@ def test_the_theory_alone_is_the_closed_form_of_the_spectrum():
     variance = persson.stress_variance(0.1**2, contact_modulus=1.0)
     expected = persson.contact_area(np.array([0.01, 0.5]) * 0.1, stress_variance=variance)
     np.testing.assert_allclose(found.area, expected, rtol=1e-9)
+
+
+def test_several_grids_give_every_number_its_error():
+    fine = press(SURFACE, **SOLID, reduced_pressure=0.08, grids=[32, (48, 48), 64])
+    numbers = [fine.area, fine.kappa, fine.mean_gap, fine.approach, fine.stiffness, fine.max_pressure]
+    assert all(0 < number.error < 0.1 * abs(number.value) for number in numbers)
+    assert all("grid" in number.sources for number in numbers)
+    assert fine.result.shape == (64, 64)
+    assert fine.limit() == CONTACT.limit([64, 48, 32])
+    assert fine.area.value == fine.limit().value
+    row = table([fine, CONTACT], along="points", limit=True)
+    assert list(row.points) == [64, 32]
+    assert float(row.area[0]) == fine.areas().perimeter
+    assert "A/A0, own" not in fine.limit()._repr_html_()
+    assert fine.mean_gap._repr_html_().count("nm") == 1
+
+
+def test_what_the_report_of_a_study_shows_is_had_of_its_dataset(tmp_path):
+    small = {"surfaces": 2, "grids": (32, 48), "reduced_pressures": (0.05, 0.1)}
+    data = fem_contact.study("area", bench=str(tmp_path), **small)
+    assert fem_contact.study.findings(data) == find_study("area").findings(data)
+    assert fem_contact.study.figures(data)[0].name == find_study("area").figures(data)[0].name
+    assert "<table" in fem_contact.study.budget(data)._repr_html_()
+    assert fem_contact.study.table(data).rows
+    assert len(list(tmp_path.glob("*.nc"))) == 8
 
 
 def test_a_limit_that_is_not_there_says_why():
@@ -200,7 +243,12 @@ def test_what_is_shown_is_short():
         (lambda: measured(np.zeros((8, 8)), lengths=1e-5), "unknown key 'lengths'; did you mean 'length'"),
         (lambda: measured(np.zeros((8, 8)), length=1e-5), 'unit is missing; .* unit="1 nm"'),
         (lambda: measured(np.zeros((8, 6)), length=1e-5, unit=1), "one length for 8 x 6 points; give both"),
+        (
+            lambda: press(measured(TILTED, length=1e-5, unit=1e-9), **SOLID, pressure=1e6),
+            r'add to measured.*: tilt="plane", missing="harmonic"$',
+        ),
         (lambda: measured(3, length=1e-5, unit=1), "heights of type int: .*give a file, a 2-D array"),
+        (lambda: measured(TILTED, more_paths=["b.npy"]), r"press each map: table\(\[press\(measured\(path, "),
         (lambda: self_affine(lengths=1e-5), "unknown key 'lengths'; did you mean 'length'"),
         (lambda: press(SURFACE, **SOLID, pressure=1e6, options=7), "options = 7: give a table"),
         (lambda: press(SURFACE, **SOLID, pressure=1e6, method={}), "method = {}: give its name; one of: bem"),
@@ -210,10 +258,13 @@ def test_what_is_shown_is_short():
         (lambda: fem_contact.study("hurts"), "did you mean 'hurst'"),
         (lambda: fem_contact.study("hurst", hurst=0.5), "no option 'hurst'; did you mean 'hursts'"),
         (lambda: fem_contact.study("hurst", hursts=5), "hursts = 5: must be a list"),
-        (lambda: fem_contact.study("area", bench=3), "give a Bench"),
+        (lambda: fem_contact.study("area", bench=3), "bench = 3: give a folder"),
+        (lambda: fem_contact.study.findings(3), "no such study; one of: "),
         (lambda: fem_contact.reference(**NODE, gradient=np.ones(2)), "must be 'surface' or 'spectrum'"),
         (lambda: fem_contact.reference(**{**NODE, "bandwidth": "8"}), "bandwidth = '8': must be one finite"),
-        (lambda: CONTACT.limit(np.ones(2)), r"give several grids, as limit\(\[32, 48, 64\]\)"),
+        (lambda: CONTACT.limit(np.ones(2)), r"give several, as \[32, 48, 64\]"),
+        (lambda: press(SURFACE, **SOLID, pressure=1e6, grids=64), r"grids = 64: give several, as \[32"),
+        (lambda: press(SURFACE, **SOLID, pressure=1e6, grids=[64, 96], grid=64), "give one of them"),
         (lambda: CONTACT.limit([3.5]), "grid = 3.5: give points along the sides"),
         (lambda: CONTACT.plot([0, 0]), "is not drawn; one of: 'pressure'"),
         (lambda: CONTACT.plot(ax=3), "ax = 3: one axes of matplotlib"),

@@ -40,6 +40,7 @@ WRONG = [
     ),
     (("[load]", "[quantities.subsurface]\ndepths = []\n[load]"), ("depths = []", "at least 2 values")),
     (("hurst = 0.7", ""), ("surface.hurst: missing", "[0, 1]")),
+    (("[load]", "[sweeps]\n[load]"), ("unknown key 'sweeps'; did you mean 'sweep'?", "run, sweep")),
     (("hurst = 0.7", "hurts = 0.7"), ("unknown key 'hurts'", "did you mean 'hurst'?")),
     (("hurst = 0.7", "hurst = 0.7\nlay = 2"), ("unknown key 'lay'", "did you mean 'stretch'?")),
     (("hurst = 0.7", "hurst = 0.7\nanisotropy = 2"), ("unknown key 'anisotropy'", "did you mean 'stretch'?")),
@@ -162,6 +163,22 @@ def test_units_are_converted_exactly(write_scene):
     scene = load_scene(str(write_scene(('length = "10 um"', 'length = ["10 um", 0.00001]'))))
     assert scene.surface.length == (1e-5, 1e-5)
     assert scene.solid.young == 2e6
+
+
+def test_what_was_written_with_a_unit_is_printed_in_it_and_computed_in_si(write_scene, tmp_path):
+    given = ('young = "2 MPa"', 'young = "2000kPa"'), ("reduced_pressure = 0.1", 'pressure = "0.25 bar"')
+    grid = ("grids = [12, 24, 48]", "grids = [24]"), ('length = "10 um"', 'length = "0.01 mm"')
+    scene = load_scene(str(write_scene(*given, *grid, fem=False)))
+    facts = dict(explain(scene).facts)
+    assert facts["E*"] == "2198 kPa"
+    assert facts["load"].startswith("p0 = 0.25 bar; p* =")
+    outputs = run_scene(scene, tmp_path / "run", report=False)
+    assert "(p0 = 0.25 bar, E* = 2198 kPa," in outputs.page.lead
+    shown, asked = outputs.page.settings["scene"], outputs.result.settings["scene"]
+    assert (shown["surface"]["length"], asked["surface"]["length"]) == (["0.01 mm"] * 2, [1e-5, 1e-5])
+    assert (shown["solid"]["young"], asked["solid"]["young"]) == ("2000 kPa", 2e6)
+    pushed = load_asked(str(tmp_path / "scene.toml"), ["load.force='50 uN'"])
+    assert dict(explain(pushed).facts)["load"].startswith("force = 50 uN; p0 = 500 kPa; p* =")
 
 
 @given(exponent=st.integers(-9, 9), digits=st.integers(1, 9999))

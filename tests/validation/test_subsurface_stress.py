@@ -96,7 +96,7 @@ def test_a_key_on_the_command_line_asks(tmp_path):
         ({"methods": {"fem": {"grids": [24]}}}, r"subsurface: .* add \[methods.bem\]"),
         (
             {"effects": [{"kind": "thickness", "thickness": "0.3 um"}]},
-            r"subsurface.depths: .*400 nm, lies below the base of the layer, at 300 nm",
+            r"subsurface.depths: .*0.4 um, lies below the base of the layer, at 0.3 um",
         ),
     ],
 )

@@ -279,7 +279,7 @@ def test_mistakes_in_effects_are_named(scene, effect, named):
             'kind = "thickness"\nthickness = "1 mm"',
             "'thickness': method 'theory' does not handle it",
         ),
-        (RIM, (), 'kind = "hardness"\nhardness = "0.4 MPa"', "hardness = 400 kPa: must not be below"),
+        (RIM, (), 'kind = "hardness"\nhardness = "0.4 MPa"', "hardness = 0.4 MPa: must not be below"),
         (RIM, (("[methods.theory]", '[methods.theory]\nenergy = "old"'),), "", "energy = 'old': belongs to"),
         (
             WAVES,

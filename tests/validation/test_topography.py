@@ -637,6 +637,19 @@ def test_the_map_of_the_docs_is_made_and_gets_the_table_that_they_show(tmp_path,
     assert [grid.solves for grid in explanation.grids] == [6, 1]
 
 
+@pytest.mark.parametrize("sweep", ["", "[sweep]\nload.reduced_pressure = [0.1, 0.2]\n"])
+def test_faults_of_a_map_and_of_other_tables_come_at_once(sweep, tmp_path):
+    np.save(tmp_path / "afm.npy", np.arange(64.0)[:, None] + np.random.default_rng(3).normal(size=(64, 64)))
+    table = '[surface]\nkind = "file"\npath = "afm.npy"\n'
+    (tmp_path / "scene.toml").write_text(table + REST.replace("2 MPa", "2 kg").replace("0.3", "0.7") + sweep)
+    with pytest.raises(UsageError) as caught:
+        load_asked(str(tmp_path / "scene.toml"))
+    words = "solid.young = '2 kg'", "solid.poisson = 0.7", "surface.length: missing", 'tilt = "plane"'
+    places = [str(caught.value).index(each) for each in words]
+    assert places == sorted(places)
+    assert str(caught.value).endswith('tilt = "plane"')
+
+
 @pytest.mark.parametrize("length", ["64 um, 48 um", "64 um", "[64 um, 48 um]", "6.4e-5,4.8e-5"])
 def test_the_table_to_paste_is_a_scene_whatever_the_length_was_written_as(length, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -662,6 +675,22 @@ def test_a_plane_under_a_taper_is_said(tmp_path):
         assert warned == ("plane" not in tilt)
 
 
+def test_what_makes_a_map_doubtful_is_among_the_findings_and_in_what_python_shows(tmp_path):
+    heights = patch(48) + np.linspace(0, 1e-6, 48)[:, None]
+    np.save(tmp_path / "tilted.npy", heights)
+    surface = fc.measured(heights, length="5 um", unit=1, tilt="keep", edges="tukey")
+    contact = fc.press(surface, young="1000 MPa", poisson=0.3, pressure="50 bar", grid=48)
+    words = "a plane that was not taken out holds"
+    assert words in repr(surface)
+    assert words in repr(contact)
+    assert "p0 = 50 bar" in repr(contact)
+    assert any(finding.startswith(f"The map is doubtful: {words}") for finding in contact.findings)
+    table = '[surface]\nkind = "file"\npath = "tilted.npy"\nlength = "5 um"\nunit = 1\nedges = "tukey"\n'
+    (tmp_path / "scene.toml").write_text(table + REST.partition("[methods")[0] + "[methods.theory]\n")
+    outputs = run_scene(load_scene(str(tmp_path / "scene.toml")), tmp_path / "run", report=False)
+    assert words in outputs.page.findings[0]
+
+
 @pytest.mark.parametrize(
     ("lengths", "words"),
     [
@@ -669,12 +698,13 @@ def test_a_plane_under_a_taper_is_said(tmp_path):
         ((1e-9, 1e-9), "slopes of .* are no surface's"),
     ],
 )
-def test_sizes_and_slopes_that_cannot_be_are_told(tmp_path, lengths, words):
+def test_sizes_and_slopes_that_cannot_be_are_told_of_a_file_and_of_an_array(tmp_path, lengths, words):
     np.save(tmp_path / "scan.npy", patch(96) * 1e6)
-    history = "; ".join(read_topography(tmp_path / "scan.npy", lengths=lengths, unit=1e-6).history)
-    assert re.search(words, history)
-    history = read_topography(tmp_path / "scan.npy", lengths=(1e-5, 1e-5), unit=1e-6).history
-    assert len(history) == 1
+    for heights in (patch(96) * 1e6, tmp_path / "scan.npy"):
+        surface = fc.measured(heights, length=lengths, unit=1e-6, tilt="plane", edges="tukey")
+        assert re.search(f"doubts=.*{words}", repr(surface))
+        assert re.search(words, "; ".join(surface.given.patch.history))
+        assert "doubts" not in repr(fc.measured(heights, length=1e-5, unit=1e-6))
 
 
 @pytest.mark.parametrize("fine", [1, 4])

@@ -30,6 +30,8 @@ def written(heights: np.ndarray, delimiter: str = " ", *, comma: bool = False, e
         ("byte-order-mark.csv", "\ufeffa;b;c;d\n".encode() + written(NUMBERS, ";").encode()),
         ("utf-16.txt", ("# µm\n" + written(NUMBERS)).encode("utf-16")),
         ("old-mac.txt", written(NUMBERS, end="\r").encode()),
+        ("tabs.tsv", b"# heights in nm\n" + written(NUMBERS, "\t").encode()),
+        ("no-suffix", written(NUMBERS).encode()),
     ],
 )
 def test_text_is_read_however_its_numbers_are_parted(tmp_path, name, raw):

@@ -19,7 +19,7 @@ from validation.cli.refusals import refusals_in_words
 from validation.cli.run import calibrate, explain, report, run
 from validation.cli.scenes import scenes_app
 from validation.cli.store import store_app
-from validation.cli.study import study
+from validation.cli.study import StudyCommand, study
 from validation.cli.surface import surface_app
 from validation.cli.validate import reproduce, validate
 from validation.errors import RunFailed, UsageError
@@ -92,6 +92,7 @@ _verb(
     "fem-contact study hurst --help",
     "fem-contact study area --seed 3 --surfaces 3 --grids 128,192",
     "fem-contact study pressure mine.toml --set poisson=0.4",
+    cls=StudyCommand,
     context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
     add_help_option=False,
 )

@@ -16,6 +16,12 @@ def _of(*choices: str) -> Any:
     return lambda incomplete: [word for word in choices if word.startswith(incomplete)]
 
 
+def _theory_names(incomplete: str) -> list[str]:
+    from validation.theories import theories
+
+    return [name for name in theories() if name.startswith(incomplete)]
+
+
 def reference(
     hurst: Annotated[float | None, typer.Option("--hurst", metavar="H", help="Hurst exponent.")] = None,
     bandwidth: Annotated[
@@ -41,7 +47,10 @@ def reference(
     theory: Annotated[
         list[str] | None,
         typer.Option(
-            "--theory", metavar="NAME", help="Score a theory on all cells; your own is module:function."
+            "--theory",
+            metavar="NAME",
+            help="Score a theory on all cells; your own is module:function.",
+            autocompletion=_theory_names,
         ),
     ] = None,
     csv: Annotated[

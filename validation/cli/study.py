@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 from validation.cli import options
 from validation.errors import UsageError
@@ -20,6 +22,25 @@ def _study_names(incomplete: str) -> list[str]:
     from validation.studies import studies
 
     return [name for name in studies() if name.startswith(incomplete)]
+
+
+class StudyCommand(TyperCommand):
+    """Completes the options of the study that was named, too."""
+
+    def shell_complete(self, ctx: Any, incomplete: str) -> list[Any]:
+        """Return what may stand in place of an incomplete word."""
+        from validation.studies import studies
+
+        found = super().shell_complete(ctx, incomplete)
+        chosen = studies().get(ctx.params.get("name", ""))
+        flags = chosen.options.flags() if chosen else ()
+        return found + [
+            SimpleNamespace(
+                value=flag, type="plain", help=""
+            )  # as click has them, which typer may hold inside
+            for flag in flags
+            if incomplete and flag.startswith(incomplete)
+        ]
 
 
 def study(

@@ -89,7 +89,7 @@ def inspect(
         print_json({**facts, "spectrum": spectrum})
         return
     for name, value in facts.items():
-        of, unit = re.sub(r" \[.*\]", "", name), (re.findall(r"\[(1/m|m)\]", name) or ["1"])[0]
+        of, unit = re.sub(r" \[.*\]", "", name), (re.findall(r"\[(1/m\^2|1/m|m)\]", name) or ["1"])[0]
         sizes = value if isinstance(value, tuple) else (value,)
         words = " x ".join(
             in_prefixed_unit(size, unit, 6) if isinstance(size, float) else str(size) for size in sizes

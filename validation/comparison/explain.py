@@ -29,6 +29,7 @@ from validation.scenes.surfaces import Expected
 from validation.scenes.sweep import Sweep, SweptKey
 from validation.solvers import Solver, methods
 from validation.solvers.theory import theory_words
+from validation.units import alike
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -291,7 +292,8 @@ def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]
         points = f"not made here, for it takes {field.shape[0]} x {field.shape[1]} points"
         why = points if scene.methods.solvers else "none is drawn, for no solver runs"
         words = f"{why}; all that follows is that of C(q)"
-    facts = [("E*", in_prefixed_unit(problem.contact_modulus, "Pa")), ("realised surface", words)]
+    modulus = alike(problem.contact_modulus, scene.solid.young)
+    facts = [("E*", in_prefixed_unit(modulus, "Pa")), ("realised surface", words)]
     if problem.topography is not None:
         facts += [("measured", words) for words in problem.topography.history]
     else:
@@ -313,7 +315,9 @@ def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]
         if not held:
             each = ", ".join(in_prefixed_unit(pressure, "Pa") for pressure in problem.pressures)
             reduced = ", ".join(f"{pressure / problem.pressure_scale:.4g}" for pressure in problem.pressures)
-            facts.append(("load", f"p0 = {each}; p* = {reduced}"))
+            force = problem.load.force
+            first = "" if force is None else f"force = {in_prefixed_unit(force, 'N')}; "
+            facts.append(("load", f"{first}p0 = {each}; p* = {reduced}"))
     facts += _usual_grids(scene, problem)
     facts += oblong_grids(scene, problem)
     for name, method in scene.methods.chosen.items():

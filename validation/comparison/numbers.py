@@ -20,6 +20,7 @@ from validation.comparison.more_numbers import beside_each_other, cost_and_order
 from validation.comparison.reductions import Case, Reading, grid_name, is_adhesive, own_solves
 from validation.comparison.subsurface_stress import below
 from validation.comparison.transport import passing
+from validation.comparison.treatment import doubts_of
 from validation.errors import RunFailed
 from validation.execution.press import Press
 from validation.measurements.measurement import TOLERANCES_LEFT, limit_over
@@ -85,6 +86,7 @@ def scene_data(
         effects=" ".join(effect.kind for effect in scene.effects),
         adhesive=int(is_adhesive(scene.effects)),
         treatment="\n".join(treatment),
+        **doubts_of(problem),
     )
 
 

@@ -19,6 +19,7 @@ from validation.report.papers import CITED_FOR
 from validation.report.quantities import as_length, in_prefixed_unit, quantity_of
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
+from validation.units import alike
 
 _VIEWS = {"run": run_views, "theory": theory_views, "sweep": sweep_views}
 
@@ -39,13 +40,13 @@ def result_page(result: Result, *, figures: bool = True, pictures: bool = False)
     """
     if result.kind not in _VIEWS:
         raise UsageError(f"holds a {result.kind}, of which this makes no page")
-    data, scene = result.data, Scene.model_validate(result.settings["scene"])
+    data, scene = result.data, Scene.model_validate(result.settings.get("written", result.settings["scene"]))
     picture, missing = None, "not asked for" if result.kind == "run" else "no surface was pressed"
     if pictures and figures and result.kind == "run":
         picture, missing = _picture(result)
+    settings = {key: value for key, value in result.settings.items() if key != "written"}
     titles = {"effects_words": "Effects", "treatment": "The measured surface"}
     notes = {title: lines for n, title in titles.items() if (lines := data.attrs.get(n, "").splitlines())}
-    settings = {**result.settings, "scene": scene.model_dump(mode="json", exclude_none=True)}
     return page_of(
         data,
         _VIEWS[result.kind](data),
@@ -55,10 +56,10 @@ def result_page(result: Result, *, figures: bool = True, pictures: bool = False)
         notes=notes,
         pictures=() if picture is None else (picture,),
         no_picture="" if result.kind == "sweep" else missing,
-        settings=settings,
+        settings={**settings, "scene": scene.as_written},
         seeds=_seeds(scene, data),
         papers=_papers(scene),
-        summary={"kind": result.kind, "name": result.name, **result.settings},
+        summary={"kind": result.kind, "name": result.name, **settings},
         data=None,
     )
 
@@ -71,7 +72,7 @@ def _lead(kind: str, data: xr.Dataset, scene: Scene) -> str:
         ]
         joined = " beside " if data.attrs["mode"] == "zip" else " times "
         return f"Swept: {joined.join(swept)}, {data.attrs['cases']} cases"
-    modulus = in_prefixed_unit(float(data.contact_modulus), "Pa")
+    modulus = in_prefixed_unit(alike(float(data.contact_modulus), scene.solid.young), "Pa")
     if kind == "theory":
         return (
             f"Rigid rough surface on an elastic solid, by the theory alone: {data.attrs['theory']}; E* = "
@@ -83,11 +84,14 @@ def _lead(kind: str, data: xr.Dataset, scene: Scene) -> str:
     held = "".join(
         f"{key.replace('_', ' ')} {as_length(value, 4)} held, " for key, value in scene.load.held.items()
     )
+    if scene.load.force is not None:
+        held = f"force = {in_prefixed_unit(scene.load.force, 'N')}, "
+    pressure = in_prefixed_unit(alike(float(data.pressure), scene.load.pressure), "Pa")
     layered = not np.isclose(data.contact_modulus, data.contact_modulus_below, rtol=1e-9)
     layer = " of the layer at the surface" if layered else ""
     return (
         f"{bodies} surface on an elastic solid, frictionless, {effects}; {held}p* = "
-        f"{float(data.reduced_pressure):.4g} (p0 = {in_prefixed_unit(float(data.pressure), 'Pa')}, E* = "
+        f"{float(data.reduced_pressure):.4g} (p0 = {pressure}, E* = "
         f"{modulus}{layer}, realised h'_rms = {float(data.rms_gradient):.4g})"
     )
 

@@ -54,7 +54,10 @@ def run_scene(
     """
     problem = problem or realise(scene)
     check_scene(scene, problem)
-    settings: dict[str, Any] = {"scene": scene.model_dump(mode="json", exclude_none=True)}
+    settings: dict[str, Any] = {
+        "scene": scene.model_dump(mode="json", exclude_none=True),
+        "written": scene.as_written,
+    }
     if accurate is not None:
         settings["accuracy"] = dict(accurate)
     bench = bench or Bench.at(folder / "solves")

@@ -41,6 +41,7 @@ def run_sweep(
     solves = solves_of_sweep(sweep, problems)
     settings = {
         "scene": sweep.scenes[0].model_dump(mode="json", exclude_none=True),
+        "written": sweep.scenes[0].as_written,
         "sweep": {"mode": sweep.mode, "keys": [dataclasses.asdict(key) for key in sweep.keys]},
     }
 
@@ -74,7 +75,7 @@ def sweep_data(sweep: Sweep, cases: Sequence[ContactProblem], results: Solves) -
     first = parts[0].attrs
     shared = {
         name: first[name]
-        for name in ("title", "methods", "effects", "theory", "drawn", "adhesive")
+        for name in ("title", "methods", "effects", "theory", "drawn", "adhesive", "doubts")
         if name in first
     }
     return labelled(data).assign_attrs(shared, mode=sweep.mode, cases=len(parts), keys=" ".join(names))

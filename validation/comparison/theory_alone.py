@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from validation.comparison.treatment import doubts, doubts_of
 from validation.effects.base import TheoryInputs
 from validation.report.estimates import claim
 from validation.report.findings import Finding, finding, note
@@ -55,6 +56,7 @@ def theory_data(scene: Scene, problem: ContactProblem) -> xr.Dataset:
         effects=" ".join(effect.kind for effect in scene.effects),
         theory=theory_words(inputs, scene.methods.options("theory")),
         drawn=int(problem.has_heights),
+        **doubts_of(problem),
     )
 
 
@@ -118,6 +120,7 @@ def theory_views(data: xr.Dataset) -> Views:
 
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
+    yield from doubts(data)
     for k in range(min(data.sizes["load"], 4)):
         yield _at_one_load(data.isel(load=k), at=k)
     if data.sizes["load"] > 4:

@@ -90,8 +90,21 @@ def treatment_table(data: xr.Dataset, *cases: str) -> Iterator[Table]:
         )
 
 
+def doubts_of(problem: ContactProblem) -> dict[str, str]:
+    """Return what makes a measured surface doubtful, as an attribute of a dataset; nothing of any other."""
+    found = () if problem.measured is None else problem.measured.doubts
+    return {"doubts": "; ".join(found)} if found else {}
+
+
+def doubts(data: xr.Dataset) -> Iterator[Finding]:
+    """Yield what makes the measured surface of a dataset doubtful."""
+    if found := str(data.attrs.get("doubts", "")):
+        yield note("The map is doubtful: {doubts}.", doubts=found)
+
+
 def treatment_findings(data: xr.Dataset) -> Iterator[Finding]:
     """Yield how far the area hangs on the treatment, and whether the theory's premise holds."""
+    yield from doubts(data)
     if "treatment_spread" in data:
         case = data.isel(data.treatment_spread.argmax(...))
         worst = case.isel(variation=int(np.argmax(np.abs(case.treated_area_change.values))))

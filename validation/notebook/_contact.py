@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,10 +15,11 @@ from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.contact import ContactResult
 from validation.comparison.numbers import scene_data
 from validation.comparison.reductions import grid_name
+from validation.comparison.treatment import doubts_of
 from validation.effects.base import ContactModel
 from validation.errors import NoLimit, UsageError
 from validation.execution.press import Press, solves_of
-from validation.notebook._tables import GridLike, as_html, checked, fast_grid, map_of, on_places, pair
+from validation.notebook._tables import GridLike, as_html, checked, fast_grid, grids_of, map_of, on_places
 from validation.report.quantities import in_prefixed_unit, labelled
 from validation.report.values import Value, value_of
 from validation.report.words import significant
@@ -27,6 +29,7 @@ from validation.scenes.scene import Scene
 from validation.scenes.tables import Load
 from validation.solvers.base import Solved
 from validation.solvers.theory import Prediction, predict
+from validation.units import alike
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -59,8 +62,9 @@ class Contact:
 
     @property
     def solve(self) -> Press:
-        """The first solve: that of the grid it was pressed on."""
-        return next(iter(self.solved))
+        """The solve of the grid it was pressed on, of several of the finest."""
+        first, *others = self.solved
+        return max([first, *(s for s in others if s.method == first.method)], key=lambda s: math.prod(s.grid))
 
     @property
     def result(self) -> ContactResult:
@@ -69,7 +73,7 @@ class Contact:
 
     @property
     def area(self) -> Value:
-        """A/A0, as a report says it; one grid says no error, `limit` presses on more."""
+        """A/A0, as a report says it; one grid says no error: press on several `grids`, or ask `limit`."""
         return value_of(self.data, "area")
 
     @property
@@ -117,17 +121,18 @@ class Contact:
         Parameters
         ----------
         grids : sequence, optional
-            Grids it is taken over; 4, 6 and 8 points per shortest wave if not given.
+            Grids it is taken over; if not given those it was pressed on, of one 4, 6, 8 points per wave.
 
         Raises
         ------
         NoLimit
             Where these grids tell none, with the reason.
         """
-        grids = [] if grids is None else grids
-        if not isinstance(grids, Sequence) or isinstance(grids, (str, bytes)):
-            raise UsageError(f"limit: {grids!r}: give several grids, as limit([32, 48, 64])")
-        data = self._on([pair(grid) for grid in grids or map(self._grid, _LADDER)]).data
+        if grids is None and len({solve.grid for solve in self.solved}) > 1:
+            data = self.data
+        else:
+            on = map(self._grid, _LADDER) if grids is None else grids_of("limit: grids", grids)
+            data = self._on(list(on)).data
         if why := str(data.no_limit.item()):
             raise NoLimit(why)
         return value_of(data, "area_own")
@@ -265,14 +270,15 @@ class Contact:
     @property
     def _facts(self) -> dict[str, str]:
         areas, theory, loaded = self.areas(), self.theory, self._loaded
+        pressure = alike(loaded.pressure, self.scene.load.pressure)
         facts = {
             "solve": self.solve.label,
-            "p0": f"{in_prefixed_unit(loaded.pressure, 'Pa')} (p* = {loaded.reduced_pressure:.4g})",
+            "p0": f"{in_prefixed_unit(pressure, 'Pa')} (p* = {loaded.reduced_pressure:.4g})",
             "A/A0": f"{significant(areas.perimeter)} (counted {significant(areas.pixel)})",
         }
         if theory is not None:
             facts["A/A0, Persson"] = significant(theory.area) if theory.answers else theory.note
-        return {**facts, "residual": f"{self.result.residuals.worst:.1e}"}
+        return {**facts, "residual": f"{self.result.residuals.worst:.1e}", **doubts_of(self.problem)}
 
     def __repr__(self) -> str:
         return "<contact: " + ", ".join(f"{name} = {value}" for name, value in self._facts.items()) + ">"

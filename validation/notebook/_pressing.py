@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from inspect import signature
 from typing import Any
 
@@ -18,7 +18,7 @@ from validation.effects import effect_kinds
 from validation.errors import NoLimit, UsageError
 from validation.notebook._contact import Contact, pressed
 from validation.notebook._surface import Surface
-from validation.notebook._tables import GridLike, Quantity, checked, fast_grid
+from validation.notebook._tables import GridLike, Quantity, checked, fast_grid, grids_of
 from validation.report.values import Value
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import ContactProblem
@@ -44,6 +44,7 @@ def press(
     mean_gap: Quantity | None = None,
     offset: Quantity | None = None,
     grid: GridLike | None = None,
+    grids: Sequence[GridLike] | None = None,
     method: str = "bem",
     options: Mapping[str, Any] | None = None,
     **effects: Any,
@@ -67,6 +68,9 @@ def press(
     grid : int or (int, int), optional
         Points along the sides; 8 per shortest wave if not given, 4 by finite elements and of a
         measured surface, whose shortest wave is two of its spacings.
+    grids : sequence, optional
+        Several in place of one: area, kappa, mean gap and so on have their errors then; fields are those of
+        the finest.
     method : str
         "bem" for boundary elements, "fem" for the finite-element block, or one of another package.
     options : mapping, optional
@@ -94,7 +98,12 @@ def press(
         raise UsageError(f"press: method = {method!r}: give its name; one of: {', '.join(methods())}")
     if not isinstance(options or {}, Mapping):
         raise UsageError(f'press: options = {options!r}: give a table, such as {{"tolerance": 1e-10}}')
-    chosen = {**(options or {}), "grids": [_default_grid(surface, method) if grid is None else grid]}
+    points: Sequence[GridLike] = [_default_grid(surface, method) if grid is None else grid]
+    if grids is not None:
+        points = grids_of("press: grids", grids)
+        if grid is not None:
+            raise UsageError("press: grid and grids: give one of them")
+    chosen = {**(options or {}), "grids": points}
     known = all(effect_kinds()[effect["kind"]].has_theory() for effect in listed)
     scene = checked(
         Scene,
@@ -174,7 +183,7 @@ def table(contacts: Iterable[Contact], *, along: str | None = None, limit: bool 
     if along is None:
         along = next(iter(telling), "reduced_pressure")
     if along not in telling:
-        some = f"; these do: {', '.join(telling)}" if telling else ""
+        some = f"; {'these do' if telling else 'nor does any of'}: {', '.join(telling or known)}"
         raise UsageError(f"table: along = {along!r}: does not tell the contacts apart{some}")
     values = [one[along] for one in inputs]
     rows = xr.concat(
@@ -202,7 +211,7 @@ _COLUMNS = {
 
 
 def _numbers(contact: Contact, *, limit: bool) -> xr.Dataset:
-    data, load = contact.data.isel(solver=0, grid=0, drop=True), contact.problem.reduced_pressure
+    data, load = contact.data.isel(solver=0, grid=-1, drop=True), contact.problem.reduced_pressure
     columns = {name: column for name, column in _COLUMNS.items() if name in data}
     row = data[list(columns)].rename(columns).reset_coords(drop=True)
     if "persson" in row:

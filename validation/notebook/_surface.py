@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from fem_contact.surface import HeightField, radial_spectrum
-from validation.errors import UsageError
+from validation.errors import SceneError, UsageError
 from validation.notebook._tables import (
     GridLike,
     Quantity,
@@ -27,6 +27,7 @@ from validation.notebook._tables import (
     plain,
     shown,
 )
+from validation.report.values import Value
 from validation.scenes import surfaces
 from validation.scenes.scene import sized
 from validation.scenes.tables import FileSurface, SelfAffineSurface
@@ -34,6 +35,7 @@ from validation.scenes.tables import Surface as SurfaceTable
 from validation.scenes.topography.measured import Measured
 from validation.scenes.topography.patch import Topography
 from validation.scenes.topography.raw import check_shape, real
+from validation.scenes.topography.statistics import height_statistics
 from validation.units import metres, sides_of, unit_of
 
 if TYPE_CHECKING:
@@ -97,6 +99,15 @@ class Surface:
         return self.field.spacing
 
     @property
+    def statistics(self) -> dict[str, Value]:
+        """Kurtosis of heights and slopes, and what summits are like, by name; of a map before its taper."""
+        if self.given is not None:
+            self.given.check("missing")
+        field = self.field if self.given is None else self.given.patch.height_field()
+        traits = asdict(height_statistics(field.heights, field.spacing))
+        return {name: Value(value=value, name=name) for name, value in traits.items()}
+
+    @property
     def spectrum(self) -> xr.DataArray:
         """C(q) [m^4] of the heights, averaged over directions, over |q| [1/m]."""
         radial = radial_spectrum(self.field)
@@ -123,6 +134,7 @@ class Surface:
         facts = {name: shown(value, unit_of(kinds[name])) for name, value in options.items()}
         if self.given is not None:
             facts["what was done"] = "; ".join(self.given.raw.history)
+            facts |= {"doubts": "; ".join(self.given.doubts)} if self.given.doubts else {}
         return facts
 
     def __repr__(self) -> str:
@@ -131,6 +143,15 @@ class Surface:
 
     def _repr_html_(self) -> str:
         return as_html(f"{self.table.kind} surface", self._facts)
+
+
+class _Measured(Measured):
+    """A measured surface of Python, where arguments mend what the table of a scene would."""
+
+    def remedy(self, faults: Mapping[str, tuple[str, str]]) -> str:
+        """Say what is wrong, and which arguments mend it."""
+        words = ", ".join(f'{key}="{remedy}"' for key, (_, remedy) in faults.items())
+        return f": {'; '.join(why for why, _ in faults.values())}; add to measured(...): {words}"
 
 
 def self_affine(
@@ -213,14 +234,19 @@ def measured(
         For what gives no surface, or says too little of it.
     """
     if "more_paths" in treatment:
-        raise UsageError("measured: more_paths is of an ensemble, which a scene has; measure each by itself")
+        each = "table([press(measured(path, ...), ...) for path in paths])"
+        raise UsageError(f"measured: more_paths is of an ensemble, which a scene has; press each map: {each}")
     if not treatment.keys() <= FileSurface.model_fields.keys():
         checked(FileSurface, "measured", {"kind": "file", **treatment})  # which names the unknown key
     if isinstance(heights, (str, os.PathLike)):
         options = {"kind": "file", "path": str(heights), "length": length, "unit": unit, **treatment}
-        tables = sized(plain({"surface": options}), Path(), "measured")
+        try:
+            tables = sized(plain({"surface": options}), Path(), "measured")
+        except SceneError as error:  # what else is wrong is told when it is pressed
+            problems = [words for words in error.problems if not words.startswith("cannot be pressed")]
+            raise SceneError("measured", problems) from None
         on_file = checked(FileSurface, "measured", tables["surface"])
-        return Surface(table=on_file, given=Measured.read(on_file))
+        return Surface(table=on_file, given=_Measured.read(on_file))
     values, own_length, own_unit, words = _told_by(heights)
     if length is None and own_length is None:
         raise UsageError('measured: length is missing; give the size of the patch, as length="100 um"')
@@ -250,7 +276,7 @@ def measured(
             repr(values.shape).encode() + np.ascontiguousarray(values).tobytes()
         ).hexdigest(),
     )
-    return Surface(table=in_memory, given=Measured.of(in_memory, raw))
+    return Surface(table=in_memory, given=_Measured.of(in_memory, raw))
 
 
 def _told_by(heights: Any) -> tuple[Any, tuple[float, float] | None, float | None, str]:

@@ -123,6 +123,11 @@ def lookup(
     return {"area": area, "kappa": kappa, **values}
 
 
+# Beside the façade's name of it: fc.reference.table() is the dataset that fc.reference(...) looks up.
+for _whole in (table, wide):
+    setattr(lookup, _whole.__name__, _whole)
+
+
 def _columns(data: xr.Dataset, amplitudes: str, gradient: str) -> xr.Dataset:
     """Return the quantities at p* by one of the gradients; by that of C(q) the area alone."""
     if amplitudes not in data.amplitudes.values:

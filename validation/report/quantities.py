@@ -138,13 +138,13 @@ def labelled(data: xr.Dataset) -> xr.Dataset:
 def prefixed_unit(unit: str, largest: float) -> tuple[float, str]:
     """Return a factor and an engineering unit in which a number of this size is read well.
 
-    >>> prefixed_unit("m", 3e-6), prefixed_unit("1/m", 4e7)
-    ((1000000.0, 'um'), (1e-06, '1/um'))
+    >>> prefixed_unit("m", 3e-6), prefixed_unit("1/m", 4e7), prefixed_unit("1/m^2", 9e13)
+    ((1000000.0, 'um'), (1e-06, '1/um'), (1e-12, '1/um^2'))
     """
     import math
 
-    if unit == "m^2" and math.isfinite(largest) and largest > 0:
-        factor, named = prefixed_unit("m", math.sqrt(largest))
+    if unit in ("m^2", "1/m^2") and math.isfinite(largest) and largest > 0:
+        factor, named = prefixed_unit(unit.removesuffix("^2"), math.sqrt(largest))
         return factor**2, f"{named}^2"
     if unit not in (*_PREFIXED, "1/m") or not math.isfinite(largest) or largest <= 0:
         return 1.0, unit
@@ -157,11 +157,13 @@ def prefixed_unit(unit: str, largest: float) -> tuple[float, str]:
 
 
 def in_prefixed_unit(value: float, unit: str, digits: int = 4) -> str:
-    """Return a number with its unit, prefixed: ``0.5684 MPa``.
+    """Return a number with its unit, prefixed: ``0.5684 MPa``; a quantity of a scene as it was written.
 
     >>> in_prefixed_unit(5.684e6, "Pa")
     '5.684 MPa'
     """
+    if written := getattr(value, "written", ""):
+        return str(written)
     factor, named = prefixed_unit(unit, abs(value))
     return f"{value * factor:.{digits}g}" + ("" if unit == "1" else f" {named}")
 

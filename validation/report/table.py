@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import html
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -220,6 +221,14 @@ class ResultTable:
         titles = tuple(dict.fromkeys(title for row in rows for title in row))
         titles = tuple(t for t in titles if not t.endswith(SOURCES_OF) or any(row.get(t) for row in rows))
         return cls.of(titles, [[row.get(title, math.nan) for title in titles] for row in rows])
+
+    def _repr_html_(self) -> str:
+        def line(cells: Iterable[float | str], tag: str) -> str:
+            said = (c if isinstance(c, str) else "" if math.isnan(c) else f"{c:.4g}" for c in cells)
+            return "<tr>" + "".join(f"<{tag}>{html.escape(text)}</{tag}>" for text in said) + "</tr>"
+
+        rows = (line(row, "td") for row in self.rows)
+        return f"<table>{line(self.columns, 'th')}{''.join(rows)}</table>"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -51,6 +52,10 @@ class Value:
         if isinstance(self.value, str) or not self.name:
             return f"{self}"
         return f"{quantity(self.name).symbol} = {self:p}"
+
+    def _repr_html_(self) -> str:
+        head, said = (html.escape(text) for text in repr(self).rpartition(" = ")[::2])
+        return f"<table><tr><th style='text-align:left'>{head}</th><td>{said}</td></tr></table>"
 
     def _prefixed(self, spec: str) -> str:
         value = float(self.value)

@@ -31,16 +31,18 @@ This page lists every key. `fem-contact scenes keys WORD` searches it from a ter
 - What a scene does not list is not computed.
 """
 
-_SWEEP = """
+_SWEPT = "Any key of surface, solid, load, methods, ensemble, effects and quantities, with a list of values"
+_MODE = 'every value with every other; "zip" pairs them'
+_SWEEP = f"""
 ## `[sweep]`: the same scene at several values
 
-Any key of surface, solid, load, methods, ensemble, effects and quantities, with a list of values:
+{_SWEPT}:
 
 ```toml
 [sweep]
 load.reduced_pressure = [0.01, 0.03, 0.1]
 effects.hardness.hardness = ["1 GPa", "2 GPa"]
-mode = "product"  # every value with every other; "zip" pairs them
+mode = "product"  # {_MODE}
 ```
 """
 
@@ -95,10 +97,12 @@ def _facts(info: FieldInfo) -> tuple[str, str]:
 
 def key_lines(word: str = "") -> Iterator[str]:
     """Yield two lines for each key whose name or meaning has a word: its example, then what it means."""
-    for key, info in scene_keys({}).items():
-        meaning, default = _facts(info)
-        usual = f"; default: {default}" if default not in ("", "required") else ""
-        lines = f"{key} = {example_of(info)}", f"    {meaning}{usual}"
+    every = [(f"{key} = {example_of(info)}", *_facts(info)) for key, info in scene_keys({}).items()]
+    every += [("sweep.load.reduced_pressure = [0.01, 0.03, 0.1]", _SWEPT, "")]
+    every += [('sweep.mode = "product"', _MODE, "product")]
+    for example, meaning, default in every:
+        usual = default if default in ("", "required") else f"default: {default}"
+        lines = example, f"    {'; '.join(filter(None, (meaning, usual)))}"
         if word.lower() in "\n".join(lines).lower():
             yield from lines
 

@@ -12,7 +12,7 @@ from functools import reduce
 from importlib import resources
 from operator import or_
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Self, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeAlias
 
 from pydantic import Field, TypeAdapter, ValidationError, ValidationInfo, create_model, model_validator
 
@@ -36,7 +36,7 @@ from validation.scenes.tables import (
     Title,
 )
 from validation.solvers import Method, Solver, methods
-from validation.units import MOST_POINTS, Table, sides_of, wrong
+from validation.units import MOST_POINTS, Table, as_written, sides_of, wrong
 
 #: Tables whose grids `run --accuracy` chooses, and the context in which they are then read.
 _CHOSEN, _GRIDS_CHOSEN = ("methods.bem", "ensemble"), {"grids": "chosen"}
@@ -92,6 +92,8 @@ class Scene(Title):
 
     Attributes are the tables of the scene file; every quantity is in SI units.
     """
+
+    before: ClassVar[tuple[str, ...]] = ("sweep",)
 
     surface: Surface
     solid: SolidSpec
@@ -168,6 +170,14 @@ class Scene(Title):
             yield f"ensemble: add the table of a method that is quick enough for it: {', '.join(quick)}"
 
     @property
+    def as_written(self) -> dict[str, Any]:
+        """All of it as JSON-ready data, quantities as they were written."""
+        made: dict[str, Any] = as_written(
+            self.model_dump(exclude_none=True), self.model_dump(mode="json", exclude_none=True)
+        )
+        return made
+
+    @property
     def subsurface(self) -> Subsurface | None:
         """Depths and quantities computed in the solid below the contact."""
         return None if self.quantities is None else self.quantities.subsurface
@@ -228,7 +238,7 @@ def load_scene(scene: str) -> Scene:
         raise SceneError(
             scene, ["[sweep]: is many scenes; fem-contact run and explain take it, this does not"]
         )
-    return checked_scene(sized(data, folder, scene), folder, scene)
+    return checked_scene(data, folder, scene)
 
 
 def checked_scene(data: Mapping[str, Any], folder: Path, scene: str, *, grids_chosen: bool = False) -> Scene:
@@ -237,6 +247,11 @@ def checked_scene(data: Mapping[str, Any], folder: Path, scene: str, *, grids_ch
     Relative paths refer to `folder`; messages, one line for each problem, name the scene `scene`. Where grids
     and number of surfaces will be chosen, the number may be missing and the grids may be too coarse.
     """
+    faults: list[str] = []
+    try:
+        data = sized(dict(data), folder, scene)
+    except SceneError as error:  # of the map; those of other tables are said with them
+        faults, data = [*error.problems], {**data, "surface": None}
     try:
         if grids_chosen and isinstance(data.get("ensemble"), dict):
             data = {**data, "ensemble": {"realisations": 2, **data["ensemble"]}}
@@ -245,9 +260,10 @@ def checked_scene(data: Mapping[str, Any], folder: Path, scene: str, *, grids_ch
         stem = {"name": Path(scene).stem} if re.fullmatch(NAME, Path(scene).stem) else {}
         checked = Scene.model_validate({**stem, **with_usual_grids(data, folder)}, context=context)
     except ValidationError as error:
-        raise SceneError(scene, problems(error)) from None
+        others = [words for words in problems(error) if not (faults and words.startswith("surface"))]
+        raise SceneError(scene, [*others, *faults]) from None
     except UsageError as error:
-        raise SceneError(scene, [str(error)]) from None
+        raise SceneError(scene, [str(error), *faults]) from None
     if isinstance(checked.surface, FileSurface | SpectrumSurface):
         # Absolute, because a worker may stand in another folder.
         named = {key: getattr(checked.surface, key, None) for key in ("path", "second_path")}

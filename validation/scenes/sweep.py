@@ -17,7 +17,7 @@ from validation.errors import SceneError, UsageError, did_you_mean
 from validation.report.quantities import in_prefixed_unit
 from validation.scenes.keys import scene_keys
 from validation.scenes.run_options import RunOptions
-from validation.scenes.scene import Scene, checked_scene, parsed_toml, scene_text, sized
+from validation.scenes.scene import Scene, checked_scene, parsed_toml, scene_text
 from validation.scenes.tables import LOADS
 from validation.units import MOST_ITEMS, brief, plain_number, unit_of
 
@@ -122,7 +122,7 @@ def load_asked(scene: str, settings: Sequence[str] = (), *, grids_chosen: bool =
         _refuse_rivals(f"--set {key}", key, given, "set")
         given.append(key)
     if "sweep" not in data:
-        return checked_scene(sized(data, folder, scene), folder, scene, grids_chosen=grids_chosen)
+        return checked_scene(data, folder, scene, grids_chosen=grids_chosen)
     try:
         mode, lists = _table(data.pop("sweep"), data)
     except UsageError as error:
@@ -277,20 +277,20 @@ def _expanded(
     each = list(
         itertools.product(*lists.values()) if mode == "product" else zip(*lists.values(), strict=True)
     )
-    # A measured surface says its size once, unless the sweep changes what is read.
-    alone = any(key.startswith("surface.") for key in lists)
-    base = data if alone else sized(data, folder, scene)
     scenes = []
     for values in each:
-        here = copy.deepcopy(base)
+        here = copy.deepcopy(data)
         for key, value in zip(lists, values, strict=True):
             _put(here, key, value)
         try:
-            scenes.append(checked_scene(sized(here, folder, scene) if alone else here, folder, scene))
+            scenes.append(checked_scene(here, folder, scene))
         except SceneError as error:
             at = ", ".join(f"{key} = {brief(value)}" for key, value in zip(lists, values, strict=True))
             # One sentence about a swept value says enough of where it is.
-            known = [p if any(k in p for k in lists) else f"{p} ([sweep] at {at})" for p in error.problems]
+            known = [
+                words if "\n" in words or any(key in words for key in lists) else f"{words} ([sweep] at {at})"
+                for words in error.problems
+            ]
             raise SceneError(scene, known) from None
     keys = _swept(tuple(scenes), mode, lists)
     for swept in keys if mode == "product" else ():

@@ -19,6 +19,7 @@ import importlib
 import pkgutil
 from collections.abc import Mapping
 from functools import cache, partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
@@ -117,13 +118,16 @@ def find_study(name: str) -> Study:
     return known[name]
 
 
-def run(name: str, *, bench: Bench | None = None, **options: Any) -> xr.Dataset:
+def run(name: str, *, bench: Bench | str | Path | None = None, **options: Any) -> xr.Dataset:
     """Run a study from Python and return its dataset; ``study.hurst(...)`` is ``study("hurst", ...)``.
+
+    ``study.figures(data)``, ``study.table(data)``, ``study.budget(data)`` and ``study.findings(data)`` are what
+    its report shows of a dataset.
 
     Parameters
     ----------
-    bench : Bench, optional
-        Where the solves run and are kept; in this process and in results/solves if not given.
+    bench : folder or Bench, optional
+        Where the solves are kept, and run; in this process and in results/solves if not given.
     options
         Those of ``fem-contact study NAME --help``, with underscores for hyphens.
 
@@ -138,10 +142,12 @@ def run(name: str, *, bench: Bench | None = None, **options: Any) -> xr.Dataset:
     Traceback (most recent call last):
     validation.errors.UsageError: study hurst: no option 'hurst'; did you mean 'hursts'?
     """
-    from validation.execution.bench import Bench
+    from validation.execution.bench import DEFAULT_STORE, Bench
 
-    if bench is not None and not isinstance(bench, Bench):
-        raise UsageError(f'study: bench = {bench!r}: give a Bench, as Bench.at("results/solves")')
+    if bench is None or isinstance(bench, (str, Path)):
+        bench = Bench.at(bench or DEFAULT_STORE)
+    if not isinstance(bench, Bench):
+        raise UsageError(f'study: bench = {bench!r}: give a folder, such as "results/solves"')
     study = find_study(name)
     for option in options.keys() - study.options.model_fields.keys():
         hint = did_you_mean(option, study.options.model_fields)
@@ -152,9 +158,17 @@ def run(name: str, *, bench: Bench | None = None, **options: Any) -> xr.Dataset:
         parsed = study.options(**options)
     except ValidationError as error:
         raise UsageError(f"study {name}: " + "\n".join(problems(error))) from None
-    return study.compute(parsed, bench=bench or Bench.at())
+    return study.compute(parsed, bench=bench)
 
 
 # Attributes of the function, so that a notebook completes their names: study.hurst(...) is run("hurst", ...).
 for _name in (name for group in GROUPS.values() for name in group):
     setattr(run, _name.replace("-", "_"), partial(run, _name))
+
+
+def _of_dataset(part: str, data: xr.Dataset) -> Any:
+    return getattr(find_study(str(getattr(data, "attrs", {}).get("study", "of this dataset"))), part)(data)
+
+
+for _part in ("figures", "table", "budget", "findings"):
+    setattr(run, _part, partial(_of_dataset, _part))

@@ -58,6 +58,8 @@ def test_provenance_names_what_was_solved(solution: BlockSolution) -> None:
     assert "geometric multigrid" in text["method"]
     assert "Hex1" in text["element"]
     assert solution.contact.cost.unknowns == estimate((20, 20)).unknowns == 3 * 20 * 20 * solution.layers.size
+    square = estimate((20, 20), depth=1.0)
+    assert square == estimate((20, 20), (1.0, 1.0), depth=1.0) != estimate((20, 20), (1.5, 1.0), depth=1.0)
 
 
 def test_too_large_a_block_is_refused_before_anything_is_assembled() -> None:

@@ -1,6 +1,7 @@
 """One file of heights read, whatever its format; run in a child process that is held within bounds.
 
-.npy, text and .nc are read here; every other format, and text that is none of ours, by SurfaceTopography.
+.npy, .nc and text of any suffix are read here; every other format, and text that is none of ours, by
+SurfaceTopography.
 """
 
 from __future__ import annotations
@@ -139,15 +140,14 @@ def _read(path: str, data: bytes) -> Raw:
     suffix = os.path.splitext(path)[1].lower()
     if suffix in (".npy", ".nc"):
         return _read_npy(data) if suffix == ".npy" else read_netcdf(data)
-    if suffix not in (".txt", ".csv", ".dat", ".asc", ".xyz"):
-        return _read_other(path, suffix)
     try:
-        raw = read_text(data)
+        raw = read_text(data)  # whatever the suffix: .tsv, .prn, none
     except ValueError as error:
-        try:  # text of other programs, and binary data of the same suffix
+        try:  # text of other programs, and binary data
             return _read_other(path, suffix)
         except (ValueError, UsageError) as other:
-            raise (other if isinstance(error, NotText) else error) from None
+            text = suffix in (".txt", ".csv", ".dat", ".asc", ".xyz") and not isinstance(error, NotText)
+            raise (error if text else other) from None
     if raw.header:
         with contextlib.suppress(ValueError, UsageError):
             with_header = _read_other(path, suffix)
@@ -184,7 +184,7 @@ def _read_other(path: str, suffix: str) -> Raw:
         from SurfaceTopography import open_topography
     except ImportError:
         raise UsageError(
-            f"{suffix or 'no suffix'} is none of .npy, .txt, .csv, .dat, .asc, .xyz, .nc; for x3p and other "
+            f"{suffix or 'no suffix'} is none of .npy, .nc, and no text of numbers; for x3p and other "
             "formats install SurfaceTopography: pip install 'fem-contact[topography]'"
         ) from None
     try:

@@ -15,7 +15,7 @@ import numpy as np
 from fem_contact.surface import HeightField, Patch
 from validation.errors import UsageError
 from validation.scenes.topography.patch import MOST_HOLES, REMOVABLE, Topography
-from validation.scenes.topography.reading import read_topography
+from validation.scenes.topography.reading import impossible, read_topography
 
 if TYPE_CHECKING:
     from persson.tabulated import Tabulated
@@ -58,22 +58,30 @@ class Measured:
         surface = self.surface
         patch = self.raw.levelled(surface.tilt or "keep")
         patch = (patch.clipped() if surface.spikes == "clip" else patch).filled(surface.missing)
+        return _frozen(replace(patch, history=(*patch.history, *self.doubts)))
+
+    @cached_property
+    def doubts(self) -> tuple[str, ...]:
+        """What makes its numbers doubtful: what no instrument measures, a plane that was kept."""
+        surface, found = self.surface, [*impossible(self.raw.heights, self.raw.lengths)]
         share = self.raw.plane_share if surface.tilt in (None, "keep") else 0.0
         if share > REMOVABLE and surface.edges is not None:
-            words = (
+            found.append(
                 f"a plane that was not taken out holds {100 * share:.3g} % of the variance: with "
                 'tilt = "plane" the area may be another'
             )
-            patch = replace(patch, history=(*patch.history, words))
-        return _frozen(patch)
+        return tuple(found)
 
     def check(self, *keys: str) -> None:
         """Raise a UsageError of all that keeps it from being pressed, or of what these keys mend."""
         with _naming(self.surface):
             faults = {k: fault for k, fault in self.faults.items() if not keys or k in keys}
             if faults:
-                table = {"path": str(self.surface.path)}
-                raise UsageError("\n".join(("cannot be pressed as it is", *fault_lines(faults, table))))
+                raise UsageError(f"cannot be pressed as it is{self.remedy(faults)}")
+
+    def remedy(self, faults: Mapping[str, tuple[str, str]]) -> str:
+        """Say what is wrong, and what of a scene mends it."""
+        return "\n".join(("", *fault_lines(faults, {"path": str(self.surface.path)})))
 
     @cached_property
     def faults(self) -> dict[str, tuple[str, str]]:

@@ -99,15 +99,16 @@ def read_topography(path: Path, *, lengths: Lengths | None = None, unit: float |
     cells = size[0] / nx, size[1] / ny
     if abs(cells[0] / cells[1] - 1) > RATIO:
         words += f", oblong cells of {_sides(cells)}"
-    notes = (words, *_impossible(heights, size), *says.notes)
-    return Topography(heights=heights, lengths=size, history=notes, unit=scale, digest=says.digest)
+    return Topography(
+        heights=heights, lengths=size, history=(words, *says.notes), unit=scale, digest=says.digest
+    )
 
 
 def _sides(sides: Lengths) -> str:
     return " x ".join(as_length(side, 4) for side in sides)
 
 
-def _impossible(heights: Array, size: Lengths) -> Iterator[str]:
+def impossible(heights: Array, size: Lengths) -> Iterator[str]:
     """Yield what no instrument measures: more likely a unit that is missing, or another."""
     cells = [side / n for side, n in zip(size, heights.shape, strict=True)]
     if max(size) > _LARGEST_PATCH or min(cells) < _SMALLEST_CELL:
