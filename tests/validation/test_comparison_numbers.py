@@ -153,8 +153,9 @@ def test_a_budget_lists_every_source_and_adds_up():
     cells = dict(zip(budget_table(data, ["kappa"]).columns, unknown, strict=True))
     assert cells["bandwidth [%]"] == "not measured"
     assert math.isnan(cells["for any [%]"])
-    printed = shown(budget_table(claim(data, "kappa", bandwidth=math.nan), ["kappa"])).columns
-    assert {"bandwidth [%]", "solver [%]"} == {*printed} & {"bandwidth [%]", "solver [%]", "for any [%]"}
+    printed = shown(budget_table(claim(data, "kappa", bandwidth=math.nan), ["kappa"]))
+    assert {"solver [%]"} == {*printed.columns} & {"bandwidth [%]", "solver [%]", "for any [%]"}
+    assert printed.note == "Not measured: bandwidth. What does not enter: theory."
     assert cells["for this spectrum and period [%]"] == pytest.approx(math.sqrt(50))
 
 

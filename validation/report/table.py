@@ -274,7 +274,8 @@ def shown(table: ResultTable, *, title: str = "", note: str = "") -> WordTable:
         if name == names[0] or any(isinstance(cell, str) for cell in column):
             left.add(columns[-1])
         printed.append(list(map(_cell, column)))
-    nowhere = [f"{what.capitalize()}: {', '.join(absent[what])}." for what in sorted(absent, reverse=True)]
+    titles = {_UNMEASURED: "Not measured", _ENTERS_NOT: f"What {_ENTERS_NOT}"}
+    nowhere = [f"{title}: {', '.join(absent[what])}." for what, title in titles.items() if what in absent]
     return WordTable(
         columns=tuple(columns),
         rows=tuple(zip(*printed, strict=True)),
