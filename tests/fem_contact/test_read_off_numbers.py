@@ -23,7 +23,6 @@ from fem_contact.settings import Settings
 from fem_contact.solid import Solid
 from fem_contact.stress import pressure_distribution
 from fem_contact.surface import HeightField, estimate_spectrum, random_surface
-from validation.measurements.grids import counted_limit
 
 
 def _width(area, fraction):
@@ -100,20 +99,6 @@ def test_the_limit_is_the_best_estimate_under_the_law_of_error_and_its_spread_th
     found = located_limit(given)
     assert found.value == pytest.approx(best, rel=1e-10)
     assert found.uncertainty == pytest.approx(math.sqrt(max(misfit, 1.0) / weight.sum()), rel=1e-8)
-
-
-def test_the_error_of_a_counted_limit_is_that_of_the_intercept_with_two_numbers_fitted():
-    # Edges chosen so that all grids weigh alike: fraction times spacing^2 is constant.
-    points, x = np.array([16, 32, 48, 64]), np.array([16, 32, 48, 64]) ** 2 / 1e5
-    y = 0.2 + 0.1 * x + np.array([1, -1, -1, 1]) * 1e-3
-    value, error = counted_limit(y, x, 1 / points)
-    sxx = np.sum((x - x.mean()) ** 2)
-    slope = np.sum((x - x.mean()) * y) / sxx
-    intercept = y.mean() - slope * x.mean()
-    variance = np.sum((y - intercept - slope * x) ** 2) / (4 - 2)
-    assert value == pytest.approx(intercept, rel=1e-9)
-    assert error == pytest.approx(math.sqrt(variance * (1 / 4 + x.mean() ** 2 / sxx)), rel=1e-9)
-    assert counted_limit(np.ones(3), np.zeros(3), 1 / points[:3]) == (1.0, 0.0)
 
 
 def test_a_state_is_stable_only_where_its_curvature_exceeds_its_uncertainty():

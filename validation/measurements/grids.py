@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
@@ -9,7 +10,6 @@ import numpy as np
 import scipy.special
 import xarray as xr
 
-from fem_contact.area import EDGE_CONSTANTS
 from persson.elastic import pressure_distribution, stress_variance
 from validation.arrays import Grid
 from validation.measurements.distributions import PATCH_EDGES, STRESS_EDGES, weighted_percentile
@@ -107,36 +107,17 @@ _AVERAGED = (
 )
 
 
-def counted_limit(pixel: np.ndarray, fraction: np.ndarray, spacing: np.ndarray) -> tuple[float, float]:
-    """Fit the counted area as A + c (edge fraction): A and its standard error.
-
-    The order is not fitted, since that observed on a few grids scatters too much to extrapolate with. Where an edge falls
-    between grid points is random: the area of a grid scatters like (number of edges)^(1/2) dx dy, which weighs it.
-    """
-    if not np.any(fraction):
-        return float(pixel.mean()), 0.0
-    deviation = np.sqrt(fraction) * (spacing / spacing.max())
-    deviation = np.maximum(deviation / deviation.max(), 1e-3)
-    design = np.stack([np.ones_like(fraction), fraction], axis=1) / deviation[:, None]
-    fitted, *_ = np.linalg.lstsq(design, pixel / deviation)
-    rest = pixel / deviation - design @ fitted
-    covariance = float(rest @ rest) / (pixel.size - 2) * np.linalg.pinv(design.T @ design)
-    return float(fitted[0]), float(np.sqrt(covariance[0, 0]))
-
-
-def _block_limit(blocks: Mapping[float, xr.Dataset], element: str) -> xr.Dataset:
+def _block_limit(blocks: Mapping[float, xr.Dataset], grids: Sequence[Grid]) -> xr.Dataset:
     """Reduce the blocks of one surface, by points per wave: areas over (fem_grid), and their limit with its interval."""
     pixel, perimeter = (
         np.array([float(data[name]) for data in blocks.values()]) for name in ("pixel", "perimeter")
     )
-    value, error = counted_limit(
-        pixel, (pixel - perimeter) / EDGE_CONSTANTS[element], 1 / np.array(list(blocks))
-    )
-    finest, limit = blocks[max(blocks)], xr.DataArray(value, attrs={"reduction": "limit", "of": "perimeter"})
+    limit = method_limit([*blocks.values()], grids)
+    finest = blocks[max(blocks)]
     return xr.Dataset(
         {
-            "area_fem_each": limit,
-            "area_fem_each_error": error_of(limit, grid=NORMAL * error, theory="it is simulated"),
+            "area_fem_each": limit.area_other_each,
+            "area_fem_each_error": limit.area_other_each_error,
             "area_fem_pixel_each": ("fem_grid", pixel),
             "area_fem_perimeter_each": ("fem_grid", perimeter),
             # On the finest grid, where one node is least.
@@ -151,18 +132,16 @@ def with_blocks(
     data: xr.Dataset,
     blocks: Mapping[tuple[Any, ...], xr.Dataset],
     strict: Mapping[str, xr.Dataset],
-    *,
-    cells: int,
+    grids: Sequence[Grid],
 ) -> xr.Dataset:
     """Add finite elements beside the areas of boundary elements: kappa, distances from the limit, all errors.
 
-    `blocks` by element, number of the surface, and rising points per wave; `strict` the first of each
-    element with a smaller residual. Less than one node of the coarsest grid of `cells` cannot be seen, and
-    counts as one.
+    `blocks` by element, number of the surface, and rising points per wave, on `grids`; `strict` the first of each
+    element with a smaller residual. Less than one node of the coarsest grid cannot be seen, and counts as one.
     """
     elements, surfaces, points = (list(dict.fromkeys(names)) for names in zip(*blocks, strict=True))
     parts = {
-        (e, k): _block_limit({n: blocks[e, k, n] for n in points}, e) for e in elements for k in surfaces
+        (e, k): _block_limit({n: blocks[e, k, n] for n in points}, grids) for e in elements for k in surfaces
     }
     elements_data = gather(parts, element=elements, surface=surfaces).rename(solve="solve_fem")
     data = data.merge(elements_data, combine_attrs="override")
@@ -184,7 +163,7 @@ def with_blocks(
     )
     usual = {e: float(blocks[e, surfaces[0], points[0]].pixel) for e in elements}
     exact = {e: float(strict[e].pixel) for e in elements}
-    solver = [max(abs(usual[e] - exact[e]), 1 / cells) / exact[e] for e in elements]
+    solver = [max(abs(usual[e] - exact[e]), 1 / math.prod(grids[0])) / exact[e] for e in elements]
     # How far two discretisations of the same surfaces are apart in the limit is a part of their grids' error.
     grid_error = data.kappa_fem_error.sel(source="grid", drop=True)
     grid = (grid_error**2 + (data.distance_fem * data.kappa_fem) ** 2) ** 0.5

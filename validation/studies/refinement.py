@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Self
@@ -202,8 +201,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         )
     if options.blocks:
         strict = {str(element): measured["strict", element] for element in options.blocks}
-        cells = math.prod(grid_for(options.first, options.fem_points_per_wave[0]))
-        data = with_blocks(data, part("fem"), strict, cells=cells)
+        meshes = [grid_for(options.first, n) for n in options.fem_points_per_wave]
+        data = with_blocks(data, part("fem"), strict, meshes)
         data = claim(
             data, "kappa_fem", **{source: share * data.kappa_fem for source, share in shares.items()}
         )
