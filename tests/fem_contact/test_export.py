@@ -106,9 +106,10 @@ def test_pictures_show_pressure_where_the_contact_is(solution: BlockSolution, tm
     assert sorted(entry.name for entry in tmp_path.iterdir()) == ["section.png", "surface.png"]
 
 
-def test_cut_outside_the_period_is_refused(solution: BlockSolution, tmp_path: Path) -> None:
-    with pytest.raises(InvalidInput, match="position"):
-        render_section(tmp_path / "cut.png", solution, position=1.0)
+@pytest.mark.parametrize("position", [1.0, "middle", np.nan])
+def test_cut_outside_the_period_is_refused(solution: BlockSolution, tmp_path: Path, position: object) -> None:
+    with pytest.raises(InvalidInput, match=r"^position"):
+        render_section(tmp_path / "cut.png", solution, position=position)
 
 
 @pytest.mark.parametrize("path", [None, 7, b"block.vtu", "", ".", "with\0zero.vtu"])

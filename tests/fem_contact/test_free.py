@@ -138,6 +138,7 @@ def test_a_wave_under_a_window_keeps_its_power():
     x = (np.arange(64) + 0.5) / 64
     patch = Patch(heights=np.cos(16 * np.pi * x)[:, None] * np.ones(64), lengths=(1.0, 1.0))
     assert patch.spectral_sum(np.ones_like) == pytest.approx(0.5, rel=1e-9)
+    assert patch.moments[0] == pytest.approx(np.mean((patch.heights - patch.heights.mean()) ** 2), rel=1e-12)
 
 
 def test_a_rough_patch_pressed_to_its_edges_takes_few_steps():

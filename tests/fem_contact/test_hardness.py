@@ -55,6 +55,11 @@ def test_pressing_the_smoothed_surface_again_is_elastic_and_gives_the_same_press
     assert again.offset == pytest.approx(first.offset, rel=1e-6)
 
 
+def test_what_is_shown_of_a_yielded_contact_has_no_arrays():
+    found = yielded(press_yielding(rough(), ELASTIC, hardness=Hardness(pressure=1.0), mean_pressure=0.3))
+    assert "array" not in repr(found)
+
+
 def test_unloading_is_elastic_and_has_more_contact_than_loading():
     first = pressed(0.05)
     (back,) = bem.solve_path(yielded(first).surface, ELASTIC, mean_pressures=[LOAD / 4], threads=1)

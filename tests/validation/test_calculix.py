@@ -12,6 +12,7 @@ from fem_contact.surface import HeightField
 from validation.effects.base import ContactModel
 from validation.solvers import find_solver
 from validation.solvers.base import Job, example_field
+from validation.solvers.calculix import _deck
 
 CALCULIX, FEM = find_solver("calculix"), find_solver("fem")
 present = pytest.mark.skipif(CALCULIX.available() is not None, reason=str(CALCULIX.available()))
@@ -46,6 +47,35 @@ def test_calculix_and_our_full_block_agree_in_nodal_forces(
     assert np.linalg.norm(theirs.pressure - ours.pressure) < 5e-6 * np.linalg.norm(ours.pressure)
     assert np.array_equal(theirs.in_contact, ours.in_contact)
     assert theirs.offset == pytest.approx(ours.offset, abs=1e-6 * np.abs(ours.displacement).max())
+
+
+def test_each_node_of_the_deck_is_one_and_each_that_is_named_is_there() -> None:
+    heights, planes = np.random.default_rng(5).random((3, 4)), np.array([0.0, -0.2, -0.5])
+    lines = list(_deck(heights, (0.75, 1.0), planes, poisson=0.3, load=0.1))
+    blocks = dict[str, list[list[str]]]()
+    for line in lines:
+        if line.startswith("*"):
+            blocks.setdefault(key := line.split(",ELSET=G")[0], [])
+        else:
+            blocks[key].append(line.split(","))
+    nodes = {int(row[0]): tuple(map(float, row[1:])) for row in blocks["*NODE,NSET=ALL"]}
+    assert len(nodes) == len(blocks["*NODE,NSET=ALL"]) == 4 * 5 * 3 + 3 * 4
+    cells = [list(map(int, row)) for row in blocks["*ELEMENT,TYPE=C3D8,ELSET=BLOCK"]]
+    gaps = [list(map(int, row)) for row in blocks["*ELEMENT,TYPE=GAPUNI"]]
+    assert sorted(number for number, *_ in (*cells, *gaps)) == list(range(1, 2 * 12 + 12 + 1))
+    volume = 0.0
+    for _, *around in cells:
+        corners = np.array([nodes[node] for node in around])
+        edges = corners[1] - corners[0], corners[3] - corners[0], corners[4] - corners[0]
+        assert np.linalg.det(edges) > 0
+        np.testing.assert_allclose(corners[6] - corners[0], sum(edges), atol=1e-12)
+        volume += np.linalg.det(edges)
+    assert volume == pytest.approx(0.75 * 1.0 * 0.5)
+    for _, top, above in gaps:  # a node of the rigid body stands above each of the surface
+        np.testing.assert_allclose(np.subtract(nodes[above], nodes[top]), (0, 0, 0.25), atol=1e-12)
+    assert {int(row[0]) for name in ("BASE", "TOP", "RIGID") for row in blocks[f"*NSET,NSET={name}"]} <= {
+        *nodes
+    }
 
 
 @present

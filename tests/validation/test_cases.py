@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +16,8 @@ from validation.errors import UsageError
 #: Finite-element cases take longer than the fast suite allows; `fem-contact validate` runs them.
 SECONDS = [case for case in all_cases() if case.quick and "fem" not in case.name and "block" not in case.name]
 
+CHECKS = json.loads((Path(__file__).parents[1] / "mutants" / "checks.json").read_text(encoding="utf-8"))
+
 
 @pytest.mark.parametrize("case", SECONDS, ids=lambda case: case.name)
 def test_a_quick_case_passes(case):
@@ -22,6 +25,8 @@ def test_a_quick_case_passes(case):
     assert verdict.error is None, verdict.error
     assert verdict.passed, [check for check in verdict.checks if not check.passed]
     assert verdict.source
+    # Each check that a fault of the catalogue breaks is asked, and no other.
+    assert {check.quantity for check in verdict.checks} == CHECKS[case.name].keys()
 
 
 @pytest.mark.slow

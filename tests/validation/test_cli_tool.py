@@ -385,6 +385,8 @@ def test_a_file_that_does_not_say_size_or_unit_is_asked_for_them(tool, tmp_path)
         tool("surface", "inspect", "scan.npy", "--length", "1 um", "--unit", "1 nm", "--json")[1]
     )
     assert facts["h_rms [m]"] == pytest.approx(1e-9 * np.std(np.sin(np.arange(16))), rel=1e-9)
+    assert 0.5 < facts["edge jump over typical step"] < 4
+    assert "scan.npy: 16 x 16 points" in facts["treatment"]
 
 
 @pytest.mark.parametrize("length", ["2 um, 1 um", '["2 um", "1 um"]', "[2e-6, 1e-6]"])
@@ -482,6 +484,12 @@ def test_an_accuracy_is_reached_told_and_stored_and_not_solved_again(tool, write
         load_scene(str(path)), Bench.at(tmp_path / "results" / "small" / "solves"), target=told["target"]
     )
     assert (again.solves, again.area, again.error) == (0, told["area"], told["error"])
+
+
+def test_a_study_leaves_its_report_unless_it_is_told_not_to(tool, tmp_path):
+    for options, there in (((), True), (("--no-report",), False)):
+        assert tool("study", "reference-score", "--theory", "persson", "-o", str(there), *options)[0] == 0
+        assert (tmp_path / str(there) / "report.html").exists() == there
 
 
 def test_every_option_of_every_study_says_what_it_is(tool):

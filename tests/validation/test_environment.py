@@ -78,6 +78,20 @@ def test_compiled_passes_are_kept_in_a_private_folder_where_nothing_else_can_be_
     assert Path(os.environ["NUMBA_CACHE_DIR"]) != folder
 
 
+@pytest.mark.parametrize("shut", ["fem_contact", "persson"])
+def test_both_packages_need_a_cache_of_their_own(monkeypatch, tmp_path, shut):
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", "/nowhere")
+    monkeypatch.setattr(environment.tempfile, "gettempdir", lambda: str(tmp_path))
+    monkeypatch.setattr(
+        environment,
+        "_writable",
+        lambda folder: f"/{shut}/__pycache__" not in str(folder) and not str(folder).startswith("/nowhere"),
+    )
+    environment.settle()
+    assert Path(os.environ["NUMBA_CACHE_DIR"]).parent == tmp_path
+
+
 def test_a_cache_that_can_be_written_is_left_alone(monkeypatch, tmp_path):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     environment.settle()

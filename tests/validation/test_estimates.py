@@ -189,6 +189,15 @@ def test_an_interval_names_its_sources_where_not_all_were_measured():
     assert both.text == "kappa = 2.000 +- 0.020 and A/A0 = 0.100 +- 0.020 (grid)."
 
 
+def test_a_list_of_no_case_says_none():
+    data = xr.Dataset({"kappa": ("case", [2.0, 2.1])})
+    said = [
+        finding("value", "kappa is {each}.", data.isel(case=cases), item="{kappa}", over="case").text
+        for cases in ([0, 1], [])
+    ]
+    assert said == ["kappa is 2 and 2.1.", "kappa is none."]
+
+
 def test_what_grids_miss_at_random_averages_over_surfaces_and_what_drifts_with_them_does_not():
     each = xr.Dataset({"kappa_each": ("surface", [2.0] * 4), "kappa_each_drift": ("surface", [0.08] * 4)})
     kappa = mean(claim(each, "kappa_each", grid=0.12), "kappa")

@@ -36,7 +36,7 @@ from validation.report.views import Card, Views
 from validation.report.words import mathematics
 from validation.scenes.scene import load_scene
 from validation.studies import find_study
-from validation.studies._outputs import _cards, run_study, study_page
+from validation.studies._outputs import _cards, _undetermined, run_study, study_page
 
 
 def _scene(run):
@@ -406,3 +406,13 @@ def test_the_card_says_what_is_known_of_the_interval(small_run):
     unmeasured = small_run.data.assign(area_error=small_run.data.area_error * np.nan)
     (card,) = [card for card in run_views(unmeasured).cards if card.question == "How sure?"]
     assert (card.answer.text, "95 %" in card.basis.text) == ("not measured", False)
+
+
+@pytest.mark.parametrize("name", ["area", "limit", "kappa"])
+def test_a_study_counts_what_it_could_not_determine(name):
+    known = xr.Dataset(
+        {name: ("load", [0.1, np.nan, np.nan]), f"{name}_error": (("load", "source"), [[0.1]] * 3)}
+    )
+    (said,) = _undetermined(known)
+    assert said.startswith(f"2 of 3 values of '{name}' are not determinable")
+    assert list(_undetermined(known.isel(load=[0]))) == []

@@ -11,6 +11,7 @@ from validation.execution.results import Result, read_results
 from validation.paper import reproduce
 from validation.paper.claims import Application, Claim, Convention, Stated, application, judge, written
 from validation.paper.figures import FIGURES
+from validation.paper.general import GENERAL
 from validation.paper.page import paper_dataset, paper_page
 from validation.paper.pmma import PMMA
 from validation.paper.pyrex import PYREX
@@ -110,6 +111,11 @@ def test_claims_of_the_rim_under_their_joint_convention_which_is_the_literal_one
     assert find(found, "surface area") == "reproduced"
     assert find(found, "wavelength") == "not reproduced: 2 pi / (10 q_0) is 6.3 um"
     assert find(found, "P~/P").startswith("not reproduced: ")
+
+
+def test_claims_on_theories_spheres_and_grids():
+    rows = judge(of_best(GENERAL))
+    assert {row.verdict for row in rows} <= {"reproduced", "reproduced with a choice"}
 
 
 def test_claims_of_pyrex_under_their_joint_convention():

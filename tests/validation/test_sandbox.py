@@ -38,6 +38,15 @@ def test_a_module_in_the_folder_of_a_notebook_is_found(tmp_path, monkeypatch):
         assert child.call(double, 21, seconds=60) == 42
 
 
+def test_a_function_that_cannot_be_imported_is_one_answer_and_the_next_call_has_its_own(child, monkeypatch):
+    monkeypatch.setattr(math, "nowhere", lambda: 1, raising=False)
+    math.nowhere.__module__, math.nowhere.__qualname__ = "math", "nowhere"
+    for _ in range(2):
+        with pytest.raises(AttributeError, match="nowhere"):
+            child.call(math.nowhere, seconds=20)
+        assert child.call(math.gcd, 12, 18, seconds=20) == 6
+
+
 def test_what_a_function_raises_is_raised_here(child):
     with pytest.raises(ValueError, match=r"math domain error|nonnegative"):
         child.call(math.sqrt, -1.0, seconds=20)

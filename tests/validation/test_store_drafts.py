@@ -14,7 +14,7 @@ from solving import Numbers
 from validation import files
 from validation.execution.running import Execution, solve_all
 from validation.execution.store import Store, check_store
-from validation.files import atomic_path, prepare_folder, remove_drafts
+from validation.files import atomic_path, prepare_folder, read_whole, remove_drafts, write_whole
 
 
 def test_drafts_of_the_dead_are_cleared_and_those_of_the_living_are_not(tmp_path):
@@ -69,3 +69,11 @@ def test_two_processes_on_one_store_do_not_harm_each_other(tmp_path, races):
         assert [process.wait(timeout=120) for process in team] == [0, 0]
         assert len(list(folder.iterdir())) == 40
         assert all(found.problem is None for found in check_store(folder))
+
+
+def test_a_file_written_again_is_the_later_one_unless_the_first_is_to_stay(tmp_path):
+    for first, last in ((False, b"later"), (True, b"earlier")):
+        path = tmp_path / last.decode()
+        for content in (b"earlier", b"later"):
+            write_whole(path, (content,), **({"first": True} if first else {}))
+        assert read_whole(path) == last

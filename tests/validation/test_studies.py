@@ -89,6 +89,11 @@ def test_grids_have_the_points_that_are_asked_for():
     assert grid_for(case, 3.3) == (106, 106)
 
 
+def test_a_list_of_one_is_enough_where_nothing_is_compared_along_it():
+    for name, options in (("adhesion", "--works 0.1 --magnifications 2"), ("hurst", "--hursts 0.8")):
+        find_study(name).parse(options.split())
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [

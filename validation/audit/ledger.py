@@ -86,6 +86,8 @@ def printed(text: str, value: float | None, *, digits: int | None = None) -> boo
 
     >>> printed("27 %", 0.2651), printed("0.1", 0.1003, digits=4), printed("1.0e-08", 1.04e-8)
     (True, False, True)
+    >>> printed("0 %", 0.0), printed("0 %", 0.004), printed("1 %", 0.0104)
+    (True, False, True)
     """
     exact = as_number(value)
     if not math.isfinite(exact):

@@ -50,7 +50,7 @@ def run_study(
     return replace(outputs, failures=tuple(data.attrs.get("failures", "").splitlines()))
 
 
-def study_page(result: Result, *, figures: bool = True) -> Page:
+def study_page(result: Result, *, figures: bool) -> Page:
     """Return the page of a study, drawn or not: all of it from its dataset and from what was asked.
 
     A UsageError for results of another kind.

@@ -1,4 +1,5 @@
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from fem_contact.block.full.active_set import solve_contact
 from fem_contact.block.full.block import Block
 from fem_contact.block.full.linear import LinearSolution
 from fem_contact.block.full.multigrid import build_hierarchy
+from fem_contact.block.full.system import highest_nodes
 from fem_contact.contact import Status
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
@@ -20,6 +22,13 @@ def bumpy_block() -> Block:
     mesh = plan_mesh((4, 4), (1.0, 1.0))
     heights = -np.random.default_rng(21).random((4, 4))
     return Block(hierarchy=build_hierarchy(mesh, poisson=0.3), heights=heights)
+
+
+@pytest.mark.parametrize("offset", [-0.4, -0.2, 0.0, 0.3])
+def test_an_offset_starts_from_the_points_it_reaches_and_at_least_from_the_highest(offset):
+    heights = -np.arange(12.0).reshape(3, 4) / 10
+    problem = SimpleNamespace(offset=offset)
+    assert highest_nodes(heights, problem).sum() == max(1, np.sum(heights >= offset))
 
 
 class _Flipping:
