@@ -86,8 +86,9 @@ def test_quadratic_cells_are_written_with_all_their_nodes(element: str, tmp_path
     assert nodes.shape[0] == 4 * 3 * solution.layers.size
     check_boxes(nodes, LENGTHS[0] * LENGTHS[1] * solution.depth)
     # Edge, face and centre nodes lie in the middle of the corners that VTK puts around them.
-    middles = {8: (0, 1), 11: (0, 3), 12: (4, 5), 16: (0, 4), 18: (2, 6), 20: (0, 7), 21: (1, 6), 22: (0, 5)}
-    for node, corners in (middles | {23: (2, 7), 24: (0, 2), 25: (4, 6), 26: (0, 6)}).items():
+    lower, upper = [(k, (k + 1) % 4) for k in range(4)], [(4 + k, 4 + (k + 1) % 4) for k in range(4)]
+    sides = [(0, 7), (1, 6), (0, 5), (2, 7), (0, 2), (4, 6), (0, 6)]
+    for node, corners in enumerate([*lower, *upper, *((k, k + 4) for k in range(4)), *sides], start=8):
         np.testing.assert_allclose(nodes[:, node], nodes[:, corners].mean(axis=1), atol=1e-12 * LENGTHS[1])
 
 

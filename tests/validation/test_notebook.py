@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+import fem_contact as fc
 from fem_contact import HalfSpace, HeightField, Solid, bem
 from validation import self_affine
 from validation.cli.commands import app
@@ -32,10 +33,10 @@ def _run(name: str) -> tuple[dict[str, object], list[str]]:
 
 def test_the_notebook_of_studies_runs_and_its_findings_are_computed():
     space, _ = _run("studies_in_python")
-    told = " ".join(space["refinement"].findings(space["data"]))
+    told = " ".join(fc.study.findings(space["data"]))
     assert f"In the limit kappa is {value_of(space['data'], 'kappa')} at p* = 0.05" in told
     assert space["kappa"].sizes["surface"] == 4
-    assert len(space["budget"].rows) == len(space["kappa"]["kappa"].to_dataframe())
+    assert len(fc.study.budget(space["kappa"]).rows) == len(space["kappa"]["kappa"].to_dataframe())
 
 
 def test_each_of_ten_things_takes_four_lines_at_most_and_gives_its_numbers(tmp_path, monkeypatch):
