@@ -44,6 +44,8 @@ def test_any_number_that_moves_by_a_billionth_or_goes_is_found(name):
         numbers = np.array(entry["numbers"], dtype=float)
         assert told({place: entry}, {place: entry}) == []
         assert len(told({place: entry}, {}, xr.Dataset())) == 1
+        if entry["dims"]:
+            assert len(told({place: entry}, {place: {**entry, "dims": [*entry["dims"][:-1], "other"]}})) == 1
         if np.isfinite(numbers).any():
             k = int(np.nanargmax(np.abs(np.where(np.isfinite(numbers), numbers, np.nan))))
             for value in (numbers[k] * (1 + 1e-9) or 1e-9, np.nan):

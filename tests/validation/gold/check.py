@@ -67,6 +67,8 @@ def differences(name: str, gold: Record, new: Record, data: xr.Dataset, *, rtol:
             yield f"{place}: is gone; say in gold/maps where it is now"
             continue
         yield from (f"{place}: {why}" for why in _apart(entry, found, rtol=rtol))
+        if found.get("dims", entry["dims"]) != entry["dims"]:
+            yield f"{place}: along {', '.join(entry['dims'])}, now along {', '.join(found['dims'])}"
 
 
 def _found(
