@@ -44,7 +44,9 @@ def test_a_function_that_cannot_be_imported_is_one_answer_and_the_next_call_has_
     for _ in range(2):
         with pytest.raises(AttributeError, match="nowhere"):
             child.call(math.nowhere, seconds=20)
+        asked = child.pid
         assert child.call(math.gcd, 12, 18, seconds=20) == 6
+        assert child.pid == asked
 
 
 def test_what_a_function_raises_is_raised_here(child):
