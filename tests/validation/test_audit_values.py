@@ -14,8 +14,11 @@ from gold.asked import STUDIES
 from gold.make import options_of
 
 from validation.audit import Ledger, dataset, values
+from validation.audit.files import page_tables
 from validation.audit.values import value_ledger
 from validation.measurements.convergence import Ladders
+from validation.report.quantities import registry
+from validation.report.words import mathematics
 from validation.studies import find_study
 from validation.studies._outputs import run_study
 
@@ -156,10 +159,35 @@ def test_each_variable_of_the_dataset_that_is_moved_somewhere_is_found_or_was_li
             assert wrong_in(values.judge_dataset, changed(result, "data", data)), (named, place)
 
 
-@pytest.mark.parametrize("name", EVERY)
-def test_a_cell_of_the_page_that_is_moved_is_found(results, name):
+def test_each_symbol_of_a_page_is_read_as_it_was_typed():
+    for entry in registry()["quantities"].values():
+        page = f'aria-label="Table: Numbers"><table><th>{mathematics(entry["symbol"])}</th></table>'
+        assert page_tables(page)["Numbers"][0] == [entry["symbol"]]
+
+
+@pytest.mark.parametrize("name", ["run", *EVERY])
+def test_no_column_of_a_page_goes_unjudged(results, name):
+    ledger = Ledger()
+    values.judge_page(results[name], ledger)
+    assert ledger.unread == []
+    assert len(ledger.entries) > 5
+
+
+@pytest.mark.parametrize(
+    ("name", "table"),
+    [
+        ("run", "Every grid"),
+        *(
+            pytest.param(*one.values, "Numbers", marks=one.marks)
+            if hasattr(one, "values")
+            else (one, "Numbers")
+            for one in EVERY
+        ),
+    ],
+)
+def test_a_cell_of_the_page_that_is_moved_is_found(results, name, table):
     page = results[name].page
-    start = page.index('aria-label="Table: Numbers"')
+    start = page.index(f'aria-label="Table: {table}"')
     cells = list(re.finditer(r">(\d\.\d+)<", page[start:]))[:40]
     assert cells
     for cell in cells:

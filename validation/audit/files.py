@@ -6,13 +6,18 @@ import html
 import re
 
 #: Symbols as a page sets them, and as they are typed.
-_MARKS = {"±\u00a0": "+- ", "\u00a0%": " %", "Δx": "dx", "κ": "kappa", "σ": "sigma", "γ": "gamma"}
+_MARKS = {"±\u00a0": "+- ", "\u00a0%": " %", "\u2032": "'", "Δx": "dx", "Δγ": "Delta gamma"}
+_MARKS |= {"κ": "kappa", "σ": "sigma", "γ": "gamma"}
 _MARKS |= {"λ": "lambda", "ζ": "zeta", "α": "alpha", "μ": "mu", "ν": "nu"}
+#: Fractions in exponents have brackets, A0 and p0 no underscore.
+_SET = {r"<sup>([^<]*/[^<]*)": r"^(\1)", "<sup>": "^", r"<sub>(?=[^<\d])": "_", "(?<![Ap])<sub>": "_"}
 
 
 def _plain(cell: str) -> str:
     """Return a cell of a page as it was typed."""
-    text = html.unescape(re.sub(r"<[^>]+>", "", re.sub(r"<sub>([^<\d]+)</sub>", r"_\1", cell)))
+    for printed, typed in _SET.items():
+        cell = re.sub(printed, typed, cell)
+    text = html.unescape(re.sub(r"<[^>]+>", "", cell))
     for printed, typed in _MARKS.items():
         text = text.replace(printed, typed)
     return text.strip()

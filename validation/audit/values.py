@@ -239,21 +239,25 @@ def judge_page(result: Result, ledger: Ledger) -> None:
     if not result.page:
         ledger.unread.append("report.html: there is none")
         return
-    shown = page_tables(result.page)
-    for title, name in (("Numbers", "table.csv"), ("What is uncertain", "budget.csv")):
-        header, *lines = result.tables.get(name) or [[]]
-        if title not in shown or not lines:
-            continue
-        titles, rows = shown[title]
+    for title, (titles, rows) in page_tables(result.page).items():
         place = f"report.html, {title}"
-        ledger.same(place, "number of rows", len(rows), min(len(lines), len(rows)))
+        files = [
+            (len(lines) != len(rows), header, lines)
+            for header, *lines in filter(None, result.tables.values())
+            if all(_without_prefix(one, dict.fromkeys(header, ""))[0] for one in titles)
+        ]
+        if not files:
+            ledger.unread.append(f"{place}: no file has its columns")
+            continue
+        # Of several files with these columns the one that is as long.
+        _, header, lines = min(files, key=lambda one: one[0])
+        ledger.same(place, "number of rows", len(rows), len(lines))
         for k, (row, line) in enumerate(zip(rows, lines, strict=False)):
             cells = dict(zip(header, line, strict=False))
             for column, cell in zip(titles, row, strict=False):
                 source, factor = _without_prefix(column, cells)
-                if source:
-                    half = factor * as_number(cells.get(f"{source} {_INTERVAL}", ""))
-                    _cell(ledger, place, f"row {k + 1}, {column}", cell, cells[source], half, factor)
+                half = factor * as_number(cells.get(f"{source} {_INTERVAL}", ""))
+                _cell(ledger, place, f"row {k + 1}, {column}", cell, cells[source], half, factor)
 
 
 def _without_prefix(column: str, cells: Mapping[str, str]) -> tuple[str, float]:
