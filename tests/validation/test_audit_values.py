@@ -153,6 +153,10 @@ def test_each_variable_of_the_dataset_that_is_moved_somewhere_is_found_or_was_li
         least = 1e-9 * np.nanmax(np.abs(numbers))  # below it there is rounding
         places = np.argwhere(np.isfinite(numbers) & (np.abs(numbers) > least)) if numbers.ndim else [()]
         for place in places[:: max(1, len(places) // 2)]:
+            if "source" in variable.dims:
+                source = result.data["source"].values[place[variable.dims.index("source")]]
+                if f"data.nc: {named}, {source}" in listed:
+                    continue
             moved = numbers.copy()
             moved[tuple(place)] *= 1.01
             data = {**result.data, named: xr.Variable(variable.dims, moved, variable.attrs)}

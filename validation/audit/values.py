@@ -83,7 +83,7 @@ def _errors(result: Result, name: str, ledger: Ledger) -> None:
             none = np.where(np.isnan(part), np.nan, 0.0)
             ledger.number("data.nc", f"{name}_error, {source} does not enter", part, none)
         elif source in expected and source not in str(error.attrs.get("claimed", "")).split():
-            scale = float(np.nanmax(np.abs(result.data[name].values), initial=0.0))
+            scale = float(np.fmax.reduce(np.abs(result.data[name].values), axis=None, initial=0.0))
             where, errors = f"{name}_error, {source}", expected[source]
             ledger.number("data.nc", where, part, errors, rtol=1e-5, atol=1e-11 * scale)
         elif np.isfinite(part).any():
