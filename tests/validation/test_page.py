@@ -416,3 +416,11 @@ def test_a_study_counts_what_it_could_not_determine(name):
     (said,) = _undetermined(known)
     assert said.startswith(f"2 of 3 values of '{name}' are not determinable")
     assert list(_undetermined(known.isel(load=[0]))) == []
+
+
+def test_a_theory_without_an_answer_has_no_card():
+    data = xr.Dataset({"area": ("load", [0.1, 0.2]), "area_persson": ("load", [np.nan, np.nan])})
+    assert len([*_cards(data, Views(budget=("area",)))]) == 1
+    known = data.assign(area_persson=("load", [0.1, np.nan]))
+    *_, card = _cards(known, Views(budget=("area",)))
+    assert card.question.startswith("How far from Persson")

@@ -93,7 +93,7 @@ def _cards(data: xr.Dataset, views: Views) -> Iterator[Card]:
         held = dict.fromkeys(sources_of(here[f"{name}_error"]) for here in each(data, *places))
         basis = f"95 %: {' or '.join(filter(None, held)) or 'all sources of this spectrum and period'}"
         yield Card("How sure?", f"+- {_range(half / abs(data[name]), percent)}", basis)
-    if f"{name}_persson" in data:
+    if f"{name}_persson" in data and bool(data[f"{name}_persson"].notnull().any()):
         data = derive(data, distance=f"{name} / {name}_persson - 1")
         answer = _range(data.distance, lambda value: f"{round(100 * value, 3):+.3g} %")
         half, basis = total_error(data, "distance"), ""
@@ -106,8 +106,10 @@ def _cards(data: xr.Dataset, views: Views) -> Iterator[Card]:
 
 def _range(values: xr.DataArray, printed: Callable[[float], str]) -> str:
     """Say the smallest and the largest of the numbers that are known."""
-    known = values.values[np.isfinite(values.values)]
-    return " to ".join(dict.fromkeys(printed(float(end)) for end in (known.min(), known.max())))
+    known = np.sort(values.values[np.isfinite(values.values)])
+    return (
+        " to ".join(dict.fromkeys(printed(float(end)) for end in known[[0, -1]])) if known.size else "unknown"
+    )
 
 
 def _undetermined(data: xr.Dataset) -> Iterator[str]:
