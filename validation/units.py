@@ -112,6 +112,12 @@ class Written(float):
         made.written = written
         return made
 
+    @property
+    def unit(self) -> tuple[str, float]:
+        """The unit in which it was written, and what one of it is in SI."""
+        number, _, unit = self.written.partition(" ")
+        return unit, float(self) / float(number)
+
 
 def alike(value: float, given: object) -> float:
     """Return a quantity that is printed in the unit in which another was written, if that was.
@@ -121,8 +127,8 @@ def alike(value: float, given: object) -> float:
     """
     if not isinstance(given, Written) or not given:
         return value
-    number, _, unit = given.written.partition(" ")
-    return Written.of(value, f"{value / given * float(number):.4g} {unit}")
+    unit, size = given.unit
+    return Written.of(value, f"{float(f'{value / size:.4g}'):g} {unit}")
 
 
 def as_written(value: Any, plain: Any) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import shutil
 from pathlib import Path
@@ -12,6 +13,8 @@ import scipy.stats
 from typer.testing import CliRunner
 
 from fem_contact.errors import NotConverged
+from validation.audit import audit
+from validation.audit.files import page_tables
 from validation.cli.commands import app
 from validation.comparison.explain import explain_sweep, problems_of, solves_of_sweep
 from validation.comparison.run import report_scene, run_scene
@@ -107,6 +110,19 @@ def test_findings_of_a_sweep_reverse_with_the_numbers(swept):
         ]
         assert change.outcomes == (outcome,)
     assert "does not change by more than its interval" in change.text
+
+
+def test_what_is_written_with_a_unit_is_shown_in_it(small_scene, tmp_path):
+    settings = ["solid.young=2000 kPa", "sweep.load.pressure=['0.1 bar', '0.2 bar']"]
+    run_sweep(load_asked(small_scene, settings), tmp_path)
+    titles, rows = page_tables((tmp_path / "report.html").read_text("utf-8"))["Every case"]
+    assert (titles[0], [row[0] for row in rows]) == ("p [bar]", ["0.1", "0.2"])
+    header, *lines = csv.reader((tmp_path / "table.csv").read_text("utf-8").splitlines())
+    assert (header[0], [float(line[0]) for line in lines]) == ("p [Pa]", [1e4, 2e4])
+    assert "From p = 0.1 bar to p = 0.2 bar" in (tmp_path / "summary.json").read_text("utf-8")
+    ledger = audit(tmp_path)
+    assert not ledger.wrong
+    assert "report.html, Every case" in {entry.place for entry in ledger.entries}
 
 
 def test_hurst_exponents_have_a_linear_axis_no_power_and_a_pointer_to_the_study(small_scene, tmp_path):

@@ -174,6 +174,17 @@ def test_the_hardness_of_a_wave_counts_from_its_length(scene):
     assert float(rising(0.0)) == 5e6
 
 
+def test_the_theory_alone_speaks_in_the_units_of_its_scene(scene, tmp_path):
+    asked = scene(RIM, ('"10 MPa"', '"10000 kPa"'), ('"0.5 MPa"', '["2 bar", "5 bar"]'))
+    outputs = run_scene(asked, tmp_path / "results")
+    first, second, *_ = map(str, outputs.page.findings)
+    assert first.startswith("At p0 = 2 bar (p* = ")
+    assert second.startswith("At p0 = 5 bar (p* = ")
+    page = (tmp_path / "results" / "report.html").read_text("utf-8")
+    assert "p<sub>0</sub> = 2 bar to 5 bar" in page
+    assert "= 13330 kPa" in page
+
+
 def test_a_list_of_loads_is_answered_load_by_load(scene):
     many = answers(scene(RIM, ('pressure = "0.5 MPa"', 'pressure = ["0.1 MPa", "0.5 MPa", 2e6]')))
     assert [answer.pressure for answer in many] == [1e5, 5e5, 2e6]

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 import numpy as np
+import pint
 
 from validation.audit.dataset import Result, Variables, ordered
 from validation.audit.files import page_tables
@@ -17,7 +19,6 @@ from validation.audit.stored import Array
 
 #: Those of the step to any spectrum and period.
 _SPECTRAL = ("size", "bandwidth")
-_PREFIXES = {"p": -12, "n": -9, "u": -6, "m": -3, "k": 3, "M": 6, "G": 9}
 _INTERVAL, _HOLDS = "+- (95 %)", "+- holds"
 
 
@@ -244,7 +245,7 @@ def judge_page(result: Result, ledger: Ledger) -> None:
         files = [
             (len(lines) != len(rows), header, lines)
             for header, *lines in filter(None, result.tables.values())
-            if all(_without_prefix(one, dict.fromkeys(header, ""))[0] for one in titles)
+            if all(_in_si(one, dict.fromkeys(header, ""))[0] for one in titles)
         ]
         if not files:
             ledger.unread.append(f"{place}: no file has its columns")
@@ -255,21 +256,29 @@ def judge_page(result: Result, ledger: Ledger) -> None:
         for k, (row, line) in enumerate(zip(rows, lines, strict=False)):
             cells = dict(zip(header, line, strict=False))
             for column, cell in zip(titles, row, strict=False):
-                source, factor = _without_prefix(column, cells)
+                source, factor = _in_si(column, cells)
                 half = factor * as_number(cells.get(f"{source} {_INTERVAL}", ""))
                 _cell(ledger, place, f"row {k + 1}, {column}", cell, cells[source], half, factor)
 
 
-def _without_prefix(column: str, cells: Mapping[str, str]) -> tuple[str, float]:
+def _in_si(column: str, cells: Mapping[str, str]) -> tuple[str, float]:
     """Find the column of a file in SI units that a page shows, and the factor between them."""
     name, _, unit = column.removesuffix("]").rpartition(" [")
     for title in () if column in cells or not name else cells:
         known, _, plain = title.removesuffix("]").rpartition(" [")
-        start, end = re.fullmatch(r"(1/)?(.*?)(?:\^2)?", unit), plain.removeprefix("1/").removesuffix("^2")
-        if known == name and end and start is not None and start[2][1:] == end and start[2][0] in _PREFIXES:
-            power = _PREFIXES[start[2][0]] * (-1 if start[1] else 1) * (2 if plain.endswith("^2") else 1)
-            return title, 10.0**-power
+        if known == name and (factor := _factor(plain, unit)):
+            return title, factor
     return (column, 1.0) if column in cells else ("", 1.0)
+
+
+@cache
+def _factor(plain: str, unit: str) -> float | None:
+    """Return how many of a unit are one of another; None of those of other kinds, and of what is none."""
+    plain, unit = (text.replace("Ohm", "ohm") for text in (plain, unit))
+    try:
+        return float(pint.Quantity(1.0, plain).to(unit).magnitude)
+    except Exception:  # the parser of unit names raises whatever its tokens lead to
+        return None
 
 
 def _cell(ledger: Ledger, place: str, name: str, cell: str, source: str, half: float, factor: float) -> None:

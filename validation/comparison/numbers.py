@@ -80,7 +80,7 @@ def scene_data(
     if failures:
         data = data.assign(failures=case.failed)
     treatment = () if problem.topography is None else problem.topography.history
-    return labelled(data).assign_attrs(
+    return labelled(data, scene.given).assign_attrs(
         title=scene.title or scene.name,
         methods=" ".join(scene.methods.chosen),
         effects=" ".join(effect.kind for effect in scene.effects),

@@ -16,10 +16,9 @@ from validation.errors import UsageError
 from validation.execution.results import Result
 from validation.report.page import Page, Picture, page_of
 from validation.report.papers import CITED_FOR
-from validation.report.quantities import as_length, in_prefixed_unit, quantity_of
+from validation.report.quantities import as_length, in_prefixed_unit, in_shown_unit, quantity_of
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
-from validation.units import alike
 
 _VIEWS = {"run": run_views, "theory": theory_views, "sweep": sweep_views}
 
@@ -72,7 +71,7 @@ def _lead(kind: str, data: xr.Dataset, scene: Scene) -> str:
         ]
         joined = " beside " if data.attrs["mode"] == "zip" else " times "
         return f"Swept: {joined.join(swept)}, {data.attrs['cases']} cases"
-    modulus = in_prefixed_unit(alike(float(data.contact_modulus), scene.solid.young), "Pa")
+    modulus = in_shown_unit(data.contact_modulus)
     if kind == "theory":
         return (
             f"Rigid rough surface on an elastic solid, by the theory alone: {data.attrs['theory']}; E* = "
@@ -86,7 +85,7 @@ def _lead(kind: str, data: xr.Dataset, scene: Scene) -> str:
     )
     if scene.load.force is not None:
         held = f"force = {in_prefixed_unit(scene.load.force, 'N')}, "
-    pressure = in_prefixed_unit(alike(float(data.pressure), scene.load.pressure), "Pa")
+    pressure = in_shown_unit(data.pressure)
     layered = not np.isclose(data.contact_modulus, data.contact_modulus_below, rtol=1e-9)
     layer = " of the layer at the surface" if layered else ""
     return (

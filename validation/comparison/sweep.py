@@ -78,7 +78,9 @@ def sweep_data(sweep: Sweep, cases: Sequence[ContactProblem], results: Solves) -
         for name in ("title", "methods", "effects", "theory", "drawn", "adhesive", "doubts")
         if name in first
     }
-    return labelled(data).assign_attrs(shared, mode=sweep.mode, cases=len(parts), keys=" ".join(names))
+    return labelled(data, sweep.given).assign_attrs(
+        shared, mode=sweep.mode, cases=len(parts), keys=" ".join(names)
+    )
 
 
 def _case(scene: Scene, problem: ContactProblem, results: Solves) -> xr.Dataset:

@@ -14,7 +14,7 @@ from validation.effects.base import TheoryInputs
 from validation.report.estimates import claim
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Level, Line, Panel
-from validation.report.quantities import in_prefixed_unit, labelled, quantity
+from validation.report.quantities import in_shown_unit, labelled
 from validation.report.table import Listing, Table
 from validation.report.views import Card, Views
 from validation.scenes.problem import ContactProblem
@@ -50,7 +50,7 @@ def theory_data(scene: Scene, problem: ContactProblem) -> xr.Dataset:
     error = data.error_estimate if bool((data.error_estimate > 0).any()) else "it is a closed form"
     absent = {"surfaces": "it is of C(q)", "grid": "nothing is solved", "solver": "nothing is solved"}
     data = claim(data, "area_ensemble", theory=error, **absent)
-    return labelled(data).assign_attrs(
+    return labelled(data, scene.given).assign_attrs(
         title=scene.title or scene.name,
         methods="theory",
         effects=" ".join(effect.kind for effect in scene.effects),
@@ -181,6 +181,5 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
 
 
 def _between(values: xr.DataArray) -> str:
-    unit = quantity(str(values.name)).unit
-    low, high = (in_prefixed_unit(float(end), unit) for end in (values.min(), values.max()))
+    low, high = (in_shown_unit(end) for end in (values.min(keep_attrs=True), values.max(keep_attrs=True)))
     return low if low == high else f"{low} to {high}"

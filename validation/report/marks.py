@@ -27,6 +27,7 @@ from validation.report.quantities import (
     quantity,
     quantity_of,
     registry,
+    written_unit,
 )
 from validation.report.words import mathtext
 
@@ -366,7 +367,8 @@ def _label(mark: _Mark, here: xr.Dataset, data: xr.Dataset) -> str:
 def _scale(what: Quantity, values: Iterable[xr.DataArray]) -> tuple[float, str]:
     numbers = [np.abs(v.values.astype(float)) for v in values if v.dtype.kind in "fiu"]
     finite = [float(n[np.isfinite(n)].max()) for n in numbers if np.isfinite(n).any()]
-    return prefixed_unit(what.unit, max(finite, default=0.0))
+    written = (unit for v in values if (unit := written_unit(v)))
+    return next(written, None) or prefixed_unit(what.unit, max(finite, default=0.0))
 
 
 def _axis_label(what: Quantity, unit: str, *, width: int = 36) -> str:

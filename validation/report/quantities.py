@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from validation.errors import UsageError
@@ -121,10 +122,11 @@ def _qualifiers(text: str, known: Mapping[str, Any]) -> list[str] | None:
     return None
 
 
-def labelled(data: xr.Dataset) -> xr.Dataset:
+def labelled(data: xr.Dataset, written: Mapping[str, Any] = MappingProxyType({})) -> xr.Dataset:
     """Return a dataset whose variables have ``long_name`` and ``units`` of the registry.
 
-    A UsageError for a variable whose name does not stand there.
+    What `written` has with a unit is shown in that unit. A UsageError for a variable whose
+    name does not stand in the registry.
     """
     data = data.copy()
     for name in data.variables:
@@ -132,7 +134,27 @@ def labelled(data: xr.Dataset) -> xr.Dataset:
             continue
         what = quantity_of(data, str(name))
         data[name].attrs |= {"long_name": what.meaning, "units": what.unit}
+        if (given := written.get(str(name))) and hasattr(given, "written"):
+            data[name].attrs["written_in"], data[name].attrs["written_unit"] = given.unit
     return data
+
+
+def written_unit(variable: xr.DataArray) -> tuple[float, str] | None:
+    """Return factor and unit of a variable that is shown as its scene was written."""
+    attrs = variable.attrs
+    return (1 / float(attrs["written_unit"]), str(attrs["written_in"])) if "written_in" in attrs else None
+
+
+def shown_unit(variable: xr.DataArray, unit: str, largest: float) -> tuple[float, str]:
+    """Return factor and unit in which a variable is shown: as its scene was written, else with a prefix."""
+    return written_unit(variable) or prefixed_unit(unit, largest)
+
+
+def in_shown_unit(number: xr.DataArray) -> str:
+    """Return one number of a dataset with four digits, in the unit in which it is shown."""
+    value, plain = float(number), quantity(str(number.name)).unit
+    factor, unit = shown_unit(number, plain, abs(value))
+    return f"{float(f'{value * factor:.4g}'):g}" + ("" if unit == "1" else f" {unit}")
 
 
 def prefixed_unit(unit: str, largest: float) -> tuple[float, str]:
@@ -197,7 +219,7 @@ def place_words(here: xr.Dataset, dim: str, data: xr.Dataset) -> str:
     if isinstance(item, str):
         return str(named_at(here, names[0]).get("words", item))
     what = quantity_of(data, names[0])
-    factor, unit = prefixed_unit(what.unit, abs(float(item)))
+    factor, unit = shown_unit(data[names[0]], what.unit, abs(float(item)))
     return f"{what.symbol} = {float(item) * factor:.4g}" + ("" if what.unit == "1" else f" {unit}")
 
 

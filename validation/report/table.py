@@ -16,7 +16,14 @@ import xarray as xr
 from validation.errors import UsageError
 from validation.files import atomic_path
 from validation.report.estimates import SOURCES, SPECTRAL, each, sources_of, total_error
-from validation.report.quantities import place_words, prefixed_unit, quantity, quantity_of
+from validation.report.quantities import (
+    place_words,
+    prefixed_unit,
+    quantity,
+    quantity_of,
+    shown_unit,
+    written_unit,
+)
 from validation.report.values import Value, combined, value_of
 from validation.report.words import with_error
 
@@ -84,7 +91,8 @@ class Table:
             titles = [t for n, t, _ in made if n in data.data_vars and set(data[n].dims) >= set(self.rows)]
             if there and (not self.sparse or any(_known(row[title]) for title in titles)):
                 rows.append(row)
-        return ResultTable.of_rows(rows)
+        written = {title: unit for name, title, _ in made if (unit := written_unit(data[name]))}
+        return replace(ResultTable.of_rows(rows), units=written)
 
     def as_json(self, data: xr.Dataset) -> dict[str, Any]:
         """Return which variables its columns are of, those that the dataset has."""
@@ -119,7 +127,7 @@ class Listing:
             if not _known(value.value):
                 continue
             size = abs(value.value) if isinstance(value.value, float) else 0.0
-            factor, unit = prefixed_unit(what.unit, size)
+            factor, unit = shown_unit(data[name], what.unit, size)
             scaled = value.value if isinstance(value.value, str) else factor * value.value
             error = math.nan if value.error is None else factor * value.error
             cells = interval_cells("value", replace(value, error=error))
@@ -204,6 +212,8 @@ class ResultTable:
 
     columns: tuple[str, ...]
     rows: tuple[tuple[float | str, ...], ...]
+    #: Factors and units of columns that are shown as their scene was written.
+    units: Mapping[str, tuple[float, str]] = field(default_factory=dict)
 
     @classmethod
     def of(cls, columns: Sequence[str], rows: Sequence[Sequence[float | str]]) -> ResultTable:
@@ -267,7 +277,7 @@ def shown(table: ResultTable, *, title: str = "", note: str = "") -> WordTable:
             continue
         unit = name[name.rindex("[") + 1 : -1] if name.endswith("]") else "1"
         sizes = (abs(value) for value in values if isinstance(value, float) and math.isfinite(value))
-        factor, prefixed = prefixed_unit(unit, max(sizes, default=0.0))
+        factor, prefixed = table.units.get(name) or prefixed_unit(unit, max(sizes, default=0.0))
         columns.append(f"{name.removesuffix(f'[{unit}]')}[{prefixed}]" if name.endswith("]") else name)
         errors = [row.get(f"{name} {INTERVAL}") for row in cells]
         column = [_with_interval(*one, factor) for one in zip(values, errors, strict=True)]

@@ -13,7 +13,7 @@ import xarray as xr
 
 from validation.errors import UsageError
 from validation.report.estimates import sources_of, total_error
-from validation.report.quantities import in_prefixed_unit, prefixed_unit, quantity
+from validation.report.quantities import in_prefixed_unit, prefixed_unit, quantity, written_unit
 from validation.report.words import significant, with_error
 
 
@@ -23,7 +23,7 @@ class Value:
 
     An `error` of NaN was not measured, None or 0 is that of what is exact, such as a load; `sources` are what
     it holds, where not all that enters was measured. It was read from the variable `name`, `at` a position by
-    dimension.
+    dimension. `shown_in` are factor and unit of one that its scene wrote with a unit.
 
     >>> kappa = Value(value=2.1563, error=0.019)
     >>> f"{kappa}, {kappa:%}, {kappa:~}, {Value(value=0.05)}"
@@ -39,6 +39,7 @@ class Value:
     sources: str = ""
     name: str = ""
     at: Mapping[str, int] | None = None
+    shown_in: tuple[float, str] | None = None
 
     @property
     def unit(self) -> str:
@@ -59,7 +60,7 @@ class Value:
 
     def _prefixed(self, spec: str) -> str:
         value = float(self.value)
-        factor, unit = prefixed_unit(self.unit, abs(value))
+        factor, unit = self.shown_in or prefixed_unit(self.unit, abs(value))
         number = Value(value=factor * value, error=factor * self.error if self.error else self.error)
         text = f"{number:{spec}}"
         bare = unit == "1" or "(" in text or "+-" not in text
@@ -79,7 +80,9 @@ class Value:
         if isinstance(self.value, str):
             return self.value
         if "u" in spec:
-            return in_prefixed_unit(self.value, quantity(self.name).unit, 3)
+            if self.shown_in is None:
+                return in_prefixed_unit(self.value, quantity(self.name).unit, 3)
+            return f"{float(f'{self.value * self.shown_in[0]:.4g}'):g} {self.shown_in[1]}"
         if "p" in spec:
             return self._prefixed(spec.replace("p", ""))
         if "." in spec and math.isfinite(self.value):
@@ -169,6 +172,7 @@ def value_of(data: xr.Dataset, name: str) -> Value:
         sources="" if error is None or not error.item() > 0 else sources_of(data[f"{name}_error"].squeeze()),
         name=name,
         at=place_of(data),
+        shown_in=written_unit(data[name]),
     )
 
 

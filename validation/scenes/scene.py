@@ -178,6 +178,20 @@ class Scene(Title):
         return made
 
     @property
+    def given(self) -> dict[str, Any]:
+        """What was given, by the variables of a result that are shown in its unit."""
+        load, height = self.load, getattr(self.surface, "rms_height", None)
+        pressure = load.pressure[0] if isinstance(load.pressure, tuple) else load.pressure
+        work = next((effect.work for effect in self.effects if hasattr(effect, "work")), None)
+        return {
+            **dict.fromkeys(("pressure", "largest_pressure"), pressure),
+            **dict.fromkeys(("contact_modulus", "contact_modulus_below", "felt_modulus"), self.solid.young),
+            **dict.fromkeys(("rms_height", "rms_height_spectrum"), height),
+            **dict.fromkeys(("work", "work_left"), work),
+            "mean_gap": load.mean_gap or height,
+        }
+
+    @property
     def subsurface(self) -> Subsurface | None:
         """Depths and quantities computed in the solid below the contact."""
         return None if self.quantities is None else self.quantities.subsurface

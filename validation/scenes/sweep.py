@@ -82,6 +82,11 @@ class Sweep:
         return self.scenes[0].run
 
     @property
+    def given(self) -> dict[str, Any]:
+        """What was given, by the variables of a result that are shown in its unit."""
+        return self.scenes[0].given | {key.name: key.values[0] for key in self.keys}
+
+    @property
     def shape(self) -> tuple[int, ...]:
         """Values along each dimension: one for each key of a product, the cases of a zip."""
         if self.mode == "zip":
