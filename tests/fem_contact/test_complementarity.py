@@ -135,6 +135,20 @@ def test_residual_that_cannot_be_reached_is_called_stagnation() -> None:
     assert solution.status is Status.STAGNATED
 
 
+@pytest.mark.parametrize("single", [False, True])
+@pytest.mark.parametrize("steps", [1, 3, 10, 500])
+def test_displacements_are_those_of_the_forces_wherever_a_solve_ends(single: bool, steps: int) -> None:
+    heights = wavy((64, 48))
+    operator, found = FourierOperator(SOFT, heights.shape, (1.0, 0.75), threads=1), np.empty(heights.shape)
+    settings = Settings(tolerance=1e-12, max_iterations=steps)
+    solution = solve_bounded(
+        operator, heights, mean_force=0.3, length_scale=1.0, settings=settings, single=single
+    )
+    assert (solution.status is Status.CONVERGED) == (steps == 500)
+    operator.apply(solution.force, found)
+    np.testing.assert_allclose(solution.displacement, found, atol=1e-12 * np.abs(found).max())
+
+
 def test_coarsening_keeps_low_waves_and_refinement_keeps_values() -> None:
     x = np.arange(24) / 24
     wave = np.cos(2 * np.pi * 3 * x)[:, None] * np.ones(20)

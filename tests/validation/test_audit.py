@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import math
 import os
 import shutil
 import signal
+from dataclasses import asdict
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from fem_contact.area import EDGE_CONSTANTS, EDGE_MAPS
+from fem_contact.area import EDGE_CONSTANTS, EDGE_MAPS, TRAITS, ContactAreas
+from fem_contact.extrapolation import located_limit, perimeter_limit
 from validation.audit import audit, stored
 from validation.audit.dataset import Result
 from validation.audit.ledger import Ledger, printed
+from validation.audit.limits import limit_over
 from validation.audit.reading import judge_fields, judge_surfaces
 from validation.audit.runs import Run, audit_run
 from validation.cli.commands import app
@@ -317,3 +322,37 @@ def test_constants_of_edges_stand_twice_and_agree():
     assert EDGE_CONSTANTS["fem"] == EDGE_CONSTANTS["Hex1"]
     second = np.ravel(list(stored.EDGE_BEND.values()))
     assert (*stored.EDGE_MAP.ravel(), *second) == EDGE_MAPS["bem"]
+
+
+@pytest.mark.parametrize("located", [True, False])
+def test_limits_are_those_of_the_error_law_whatever_the_grids(located):
+    """Up to four grids of oblong cells, shifted or not, on coarse ones of which nothing may be left."""
+    rng, seen = np.random.default_rng(20), set()
+    for _ in range(300):
+        true, edges, constant = rng.uniform(0.02, 0.97), rng.uniform(0.05, 2.0), rng.uniform(0.09, 0.14)
+        traits = {name: rng.uniform(0, 1) ** 4 for name in TRAITS}
+        areas = []
+        for n in rng.choice([16, 24, 32, 48, 64, 96], size=rng.integers(1, 5), replace=False):
+            shape, empty = (int(n), int(n * rng.choice([1, 2]))), rng.uniform() < 0.2
+            for _ in range(rng.integers(1, 3)):
+                share = edges / n * true * (1 - true)
+                pixel = min(true + share * rng.uniform(0.05, 0.2), 1.0)
+                areas.append(
+                    ContactAreas(
+                        pixel=pixel,
+                        perimeter=pixel - constant * share,
+                        subcell=0.0 if empty else true + share * rng.normal() * 0.01,
+                        edge_length=math.nan,
+                        edge_fraction=share,
+                        edge_constant=constant,
+                        spacing=(2.0 / shape[0], 1.0 / shape[1]),
+                        cells=shape[0] * shape[1],
+                        **traits,
+                    )
+                )
+        ours = (located_limit if located else perimeter_limit)(areas)
+        read = [SimpleNamespace(edges=area.edge_fraction, **asdict(area)) for area in areas]
+        found = limit_over(read, located=located)
+        assert found == pytest.approx((ours.value, ours.uncertainty), rel=1e-8, abs=1e-12, nan_ok=True), areas
+        seen.add((len({area.spacing for area in areas}), ours.determinable))
+    assert {(1, True), (2, True), (3, True), (1, False), (2, False)} <= seen

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
+import xarray as xr
 from small_scene import small_scene
 
 from validation.audit import audit
+from validation.audit.from_solves import second_order_step
 from validation.files import read_record, write_record
 from validation.scenes.scene import load_scene
 from validation.studies import find_study
@@ -51,3 +54,13 @@ def test_what_shows_a_result_and_was_changed_ends_in_a_line(folder):
     (folder / "summary.json").write_text("[]")
     with pytest.raises(ValueError, match=r"summary\.json is not what was written \(SHA-256\)"):
         audit(folder)
+
+
+def test_a_step_of_second_order_is_that_of_the_two_finest_grids():
+    points = np.array([3.0, 4.0, 10.0])
+    gap = 0.7 + np.multiply.outer([1.0, -2.0], np.array([np.nan, 1.0, 1.0]) / points**2)
+    values = np.stack([gap, gap + 0.1 / points**2], axis=-1).transpose(1, 2, 0)
+    solve = xr.Dataset({"gap": (("grid", "shift", "load"), values), "points_per_wave": ("grid", points)})
+    fine, step = second_order_step(solve, xr.Variable("load", [0.0, 0.0], {"of": "gap"}))
+    np.testing.assert_allclose(fine, values[-1].mean(axis=0), rtol=1e-12)
+    np.testing.assert_allclose(fine + step, 0.7, rtol=1e-12)

@@ -11,6 +11,7 @@ from fem_contact import bem
 from fem_contact.response import BondedLayer, HalfSpace
 from fem_contact.solid import Solid
 from validation.comparison.explain import explain
+from validation.comparison.run import run_scene
 from validation.effects.base import ContactModel, Roughness, TheoryInputs, full_contact_energy
 from validation.errors import SceneError, UsageError
 from validation.execution.attempt import warm_up
@@ -77,6 +78,16 @@ def test_adhesion_pulls_beside_the_contact(with_effects):
     contact = solved(with_effects(STICKY))
     assert contact.pressure.min() < 0
     assert contact.in_contact.mean() > solved(with_effects()).in_contact.mean()
+
+
+def test_the_distribution_of_pressures_begins_where_the_contact_pulls_most(with_effects, tmp_path):
+    scene = with_effects(STICKY)
+    data = run_scene(scene, tmp_path, report=False).data
+    contacts = [solve.do(threads=1).contact for solve in solves_of(scene)]
+    lowest = min(contact.pressure[contact.in_contact].min() for contact in contacts)
+    width = float(data.stress_wide[1] - data.stress_wide[0])
+    assert lowest < 0
+    assert float(data.stress_wide[0]) - width / 2 == pytest.approx(lowest / float(data.pressure_scale))
 
 
 @pytest.mark.parametrize("effect", [LAYER, COATED])

@@ -18,6 +18,7 @@ from dataclasses import replace
 import meshio
 import numpy as np
 import pytest
+from small_scene import OBLONG
 
 from fem_contact.errors import NotConverged
 from fem_contact.patches import find_patches
@@ -57,6 +58,15 @@ def test_a_run_leaves_table_fields_block_and_report(small_run):
     area, error = (summary["numbers"]["area"][key] for key in ("value", "error"))
     assert area == float(small_run.data.area)
     assert error == pytest.approx(float((small_run.data.area_error**2).sum() ** 0.5), rel=1e-12)
+
+
+def test_maps_are_of_the_grid_with_most_points_whatever_its_shape(tmp_path):
+    (tmp_path / "oblong.toml").write_text(
+        OBLONG.replace("[24, 12]", "[48, 12]").replace("[48, 24]", "[16, 16]")
+    )
+    data = run_scene(load_scene(str(tmp_path / "oblong.toml")), tmp_path / "results", report=False).data
+    assert data.attrs["map_grid"] == "48 x 12"
+    assert data.pressure_map.shape[1:] == data.heights.shape == (48, 12)
 
 
 def test_the_page_is_made_of_the_dataset_and_of_what_was_asked_alone(small_run, tmp_path):

@@ -165,6 +165,8 @@ def test_an_order_is_that_of_the_mean_error_with_the_jackknife_of_the_surfaces()
     found = observed_order(data, "distance", to="order")
     assert float(found.order) == pytest.approx(1.5, rel=1e-12)
     assert float(total_error(found, "order")) < 1e-9
+    two = observed_order(data.isel(grid=slice(1, 3)), "distance", to="order")
+    assert float(two.order) == pytest.approx(1.5, rel=1e-12)
     # Orders 1 and 2: without one of them it is the other's.
     data["distance_each"] = (("surface", "grid"), np.array([points**-1.0, points**-2.0, points**-1.5]))
     left = [

@@ -24,7 +24,7 @@ _LAW = {
     2.0: (-0.00678, 0.00015),
     3.0: (0.00087, 0.00025),
 }
-_GAP_POWER, _NOISE, _LEAST_POINTS = 1.25, (0.006, 0.026), 16
+_GAP_POWER, _NOISE, LEAST_POINTS = 1.25, (0.006, 0.026), 16
 #: What each grid is off by anew, over edges times width squared; largest width of the means; patches to which
 #: the deviations belong, what one counts, and the power with which they fall.
 _ODD, _WIDEST, _PATCHES, _ROUND, _AVERAGING = 0.0005, 3.5, 80.0, 20.0, 0.25
@@ -49,7 +49,7 @@ def limit_over(solves: Sequence[Areas], *, located: bool) -> tuple[float, float]
     for one in solves:
         groups.setdefault(one.spacing, []).append(one)
     grids = [groups[key] for key in sorted(groups, key=lambda s: s[0] * s[1])]
-    few = len(grids) < 2 or np.mean([one.pixel * one.cells for one in grids[0]]) < _LEAST_POINTS * (1 - 1e-9)
+    few = not grids or np.mean([one.pixel * one.cells for one in grids[0]]) < LEAST_POINTS * (1 - 1e-9)
     value, error = (math.nan, math.nan) if few else _best(grids, located=located)
     return (value, error) if 0 < value <= 1 + 1e-12 else (math.nan, math.nan)
 

@@ -15,7 +15,7 @@ from scipy.special import stdtrit
 
 from validation.audit.dataset import Result, Variables
 from validation.audit.ledger import Ledger
-from validation.audit.limits import limit_over
+from validation.audit.limits import LEAST_POINTS, limit_over
 from validation.audit.reductions import NORMAL
 from validation.audit.stored import Stored, sealed_bytes
 
@@ -255,7 +255,8 @@ class Run:
     def limit(self, method: str, k: int = 0, grids: set[Grid] | None = None) -> tuple[float, float]:
         """Limit of one realisation over resolved grids of one method, and its standard error.
 
-        Over other grids than those of the comparison it is that of solves without a shift.
+        Over other grids than those of the comparison it is that of solves without a shift. Where these grids
+        tell none it is the area on the finest, whose error is NaN; of too few points it is NaN, too.
         """
         compared = {(int(g[0]), int(g[1])) for g in self.options[method]["grids"]}
         solves = [
@@ -267,7 +268,14 @@ class Run:
             and (shift == (0.0, 0.0) or (not grids and solve in self.shown(name, grid)))
         ]
         square = all(abs(solve.spacing[0] / solve.spacing[1] - 1) <= 0.05 for solve in solves)
-        return limit_over(solves, located=method == "bem" and self.bare and square)
+        located = method == "bem" and self.bare and square
+        limit = limit_over(solves, located=located)
+        if len({solve.spacing for solve in solves}) > 1 and not math.isnan(limit[0]):
+            return limit
+        finest = [solve for solve in solves if solve.spacing == min(one.spacing for one in solves)]
+        if not finest or finest[0].pixel * finest[0].p.size < LEAST_POINTS:
+            return math.nan, math.nan
+        return math.fsum(s.subcell if located else s.perimeter for s in finest) / len(finest), math.nan
 
     def theory(self, m2: float | None, pressure: float | None) -> tuple[float, float]:
         """A/A0 and A_pl/A0 with V = E*^2 m2 / 4, elastic or with one hardness; NaN with other effects."""
@@ -394,9 +402,7 @@ def _of_solves(run: Run) -> Expected:
 
 def _of_area(run: Run, accurate: Mapping[str, Any] | None) -> Expected:
     limits = [run.limit(name) for name in run.methods]
-    area, error = next((pair for pair in limits if not math.isnan(pair[0])), (math.nan, math.nan))
-    if math.isnan(area):
-        return
+    area, error = next((pair for pair in limits if not math.isnan(pair[1])), limits[0])
     yield "area_own", area, {}
     share, solver = NORMAL * error / area, 0.0
     if accurate is not None:
@@ -423,8 +429,6 @@ def _of_ensemble(run: Run) -> Expected:
         return
     grids = {(int(g[0]), int(g[1])) for g in ensemble["grids"]}
     areas = [run.limit("bem", k, grids)[0] for k in range(count)]
-    if any(map(math.isnan, areas)):
-        return
     for k, area in enumerate(areas):
         theory = run.own_theory(k)[0]
         yield "area_each", area, {"surface": k}

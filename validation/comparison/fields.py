@@ -89,11 +89,12 @@ def with_distribution(
     groups: dict[tuple[str, str], list[ContactResult]] = {}
     for solve, result in shown.items():
         groups.setdefault((solve.method, grid_name(solve.grid)), []).append(result)
-    adhesive = bool(data.attrs.get("adhesive"))
-    lowest = (
-        min((float(r.pressure[r.in_contact].min(initial=0.0)) for r in shown.values()), default=0.0) / unit
-    )
-    lowest = lowest if adhesive else 0.0
+    lowest = 0.0
+    if data.attrs.get("adhesive"):
+        lowest = (
+            min(float(result.pressure[result.in_contact].min(initial=0.0)) for result in shown.values())
+            / unit
+        )
     finest = {method: (method, grid) for method, grid in groups}
     ends = [float(r.pressure.max()) / unit for key in finest.values() for r in groups[key]]
     if "stress_variance" in data and all(effect.slot != "pressure bound" for effect in scene.effects):

@@ -31,14 +31,12 @@ def problems(error: ValidationError, *, flags: bool = False) -> list[str]:
         {**i, "type": "too_short", "loc": array, "ctx": {"min_length": int(i["loc"][-1]) + 1}}
         for array, i in short.items()
     ]
-    within = {item["loc"][:depth] for item in items for depth in range(len(item["loc"]))}
     # A mistake of a value that stands for several items of an array is told of the array.
     alike: dict[tuple[Any, ...], list[Any]] = {}
     for item in items:
         *array, last = item["loc"] or ("",)
-        if item["loc"] not in within:
-            place = (*array, last if isinstance(last, str) else None)
-            alike.setdefault((place, item["msg"], brief(item["input"])), []).append(item)
+        place = (*array, last if isinstance(last, str) else None)
+        alike.setdefault((place, item["msg"], brief(item["input"])), []).append(item)
     each: list[Any] = [
         {**first, "loc": first["loc"][:-1]} if others else first for first, *others in alike.values()
     ]
