@@ -2,8 +2,9 @@
 
 ``python tests/mutants/drawn.py --seed 61 --count 100 persson fem_contact validation`` draws kinds and places
 of mistakes: an operator, a comparison, a constant, an index, a default, a name or a word of like type, a line
-lost or swapped with the next. Each is put into a copy of the tree, and the tests whose text leads to the
-changed function in the fewest steps of calls run, until one fails.
+lost or swapped with the next. Each is put into a copy of the tree, and tests that run the line are asked
+until one fails, then ``validate --quick`` and ``audit``. The coverage file of
+``pytest --cov=persson --cov=fem_contact --cov=validation --cov-context=test`` says which tests these are.
 ``drawn.toml`` holds by hand what no test can notice, with the reason.
 """
 
@@ -11,8 +12,12 @@ from __future__ import annotations
 
 import argparse
 import ast
+import os
 import random
 import re
+import shutil
+import subprocess
+import sys
 import tomllib
 from collections import Counter, defaultdict
 from collections.abc import Iterator
@@ -21,6 +26,7 @@ from pathlib import Path
 from typing import Any
 
 import driver
+from coverage import CoverageData
 from driver import PACKAGES, ROOT
 
 _SIGNS = {"Add": "-", "Sub": "+", "Mult": "/", "Div": "*", "Pow": "*", "FloorDiv": "/",
@@ -199,70 +205,50 @@ def drawn(package: str, *, seed: int, count: int) -> list[Fault]:
     return list(faults.values())
 
 
-class Nearness:
-    """How many steps of calls lie between a function and each test, by the names in their text."""
+class Covering:
+    """Which tests ran each line of the packages, by the contexts of a coverage file."""
 
-    def __init__(self) -> None:
-        self.users: dict[str, set[str]] = defaultdict(set)
-        self.tests: dict[str, tuple[set[str], set[str]]] = {}
-        homes: dict[str, set[Path]] = defaultdict(set)
-        for path in (path for package in PACKAGES for path in (ROOT / package).rglob("*.py")):
-            for node in ast.walk(ast.parse(path.read_bytes())):
+    def __init__(self, path: Path) -> None:
+        data = CoverageData(str(path))
+        data.read()
+        self.lines: dict[str, dict[int, list[str]]] = {}
+        self.functions: list[tuple[str, str, range, set[str]]] = []
+        for measured in data.measured_files():
+            contexts = data.contexts_by_lineno(measured).items()
+            file = next(f"{p}/{measured.partition(f'/{p}/')[2]}" for p in PACKAGES if f"/{p}/" in measured)
+            self.lines[file] = {n: [c.partition("|")[0] for c in found if c] for n, found in contexts}
+            for node in ast.walk(ast.parse((ROOT / file).read_bytes())):
                 if isinstance(node, ast.FunctionDef | ast.ClassDef):
-                    homes[node.name].add(path)
-                    for name in _identifiers(node):
-                        self.users[name] |= {node.name, path.stem}
-        self.vague = {name for name, files in homes.items() if len(files) > 3}
-        for room in PACKAGES[1:]:
-            for path in sorted((ROOT / "tests" / room).rglob("test_*.py")):
-                text = path.read_text(encoding="utf-8")
-                if "importorskip(" not in text:  # a file that may be absent cannot be asked by name
-                    self._read(str(path.relative_to(ROOT)), ast.parse(text))
+                    inside = range(node.body[0].lineno, (node.end_lineno or node.lineno) + 1)
+                    self.functions.append((node.name, file, inside, _identifiers(node)))
+        runs = (test for lines in self.lines.values() for found in lines.values() for test in found)
+        self.lengths = Counter(runs)
 
-    def _read(self, file: str, tree: ast.Module) -> None:
-        """Note the names in each test, its fixtures and its helpers, and what its file imports."""
-        sources = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
-        modules = {f"{node.module}.{alias.name}" for node in sources for alias in node.names}
-        modules |= {str(node.module) for node in sources}
-        bodies = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
-        for test, node in bodies.items():
-            marks = set().union(*map(_identifiers, node.decorator_list))
-            if not test.startswith("test_") or marks & {"slow", "nightly", "benchmark"}:
-                continue
-            names, seen, waiting = set[str](), set[str](), [test]
-            while waiting:
-                if (name := waiting.pop()) in bodies and name not in seen:
-                    seen.add(name)
-                    waiting += _identifiers(bodies[name])
-                    names |= _identifiers(bodies[name])
-            self.tests[f"{file}::{test}"] = names, modules
+    def _of(self, file: str, lines: range) -> set[str]:
+        return {test for n in lines for test in self.lines.get(file, {}).get(n, ())}
 
-    def nearest(self, fault: Fault) -> list[str]:
-        """Return the tests that lead to a fault, the nearest first; for a study its gold numbers, too."""
-        path = Path(fault.file)
-        module = ".".join(path.with_suffix("").parts).removesuffix(".__init__")
-        near = {name for name in fault.scope if name not in self.vague} or {module.rpartition(".")[2]}
-        steps, edge = dict.fromkeys(near, 0), near
-        for distance in range(1, 6):
-            edge = set().union(*(self.users[name] for name in edge)) - steps.keys() - self.vague
-            steps |= dict.fromkeys(edge, distance)
+    def tests(self, fault: Fault, count: int) -> list[str]:
+        """Return tests that run a line, the most particular first, and some of all others.
 
-        def rank(test: str) -> tuple[int, int]:
-            names, modules = self.tests[test]
-            same = (
-                3 * bool(modules & {module, module.rpartition(".")[0]})
-                + 2 * (path.stem.strip("_") in test)
-                + (path.parts[0] in test)
-            )
-            return min((steps[name] for name in names & steps.keys()), default=9) - same, -len(names & near)
-
-        ordered = sorted(self.tests, key=rank)
-        study = path.stem.replace("_", "-")
-        gold = (ROOT / f"tests/validation/gold/stored/{study}.json.xz").exists()
-        numbers = f"tests/validation/test_gold.py::test_the_numbers_are_those_of_the_gold_file[{study}]"
-        # What the public functions refuse, and by which name.
-        doors = [] if path.parts[0] == "validation" else ["tests/test_public_api.py"]
-        return [*ordered[:6], *([numbers] if gold else []), *doors, *ordered[6:]]
+        Of a default, a constant of a module or compiled code they are those of what uses it.
+        """
+        first, names = fault.line, set(fault.scope[-1:])
+        found = self._of(fault.file, range(first, first + fault.old.count("\n") + 1))
+        if not names:
+            tree = ast.parse((ROOT / fault.file).read_bytes())
+            names = {n for part in tree.body if part.lineno <= first for n in _named(part, ast.Store)
+                     if first <= (part.end_lineno or 0)}  # fmt: skip
+        if fault.kind == "default" or not fault.scope:
+            found = set()
+        for _ in range(5):
+            if found:
+                break
+            users = [user for user in self.functions if user[0] in names or user[3] & names]
+            found = {test for _, file, lines, _ in users for test in self._of(file, lines)}
+            names = names | {name for name, *_ in users}
+        ordered = sorted(found, key=lambda test: (self.lengths[test], test))
+        rest = ordered[count // 2 :]
+        return ordered[: count // 2] + rest[:: max(1, -(-2 * len(rest) // count))]
 
 
 def _identifiers(node: ast.AST) -> set[str]:
@@ -274,13 +260,36 @@ def _identifiers(node: ast.AST) -> set[str]:
     return {text for text in texts if isinstance(text, str)}
 
 
+#: What a user would notice who runs no tests.
+_MAIN = "from fem_contact.face import main; main()"
+_COMMANDS = ["validate --quick -o checks", "run quickstart -o run", "audit run"]
+
+
 def judge(fault: Fault, tree: Path, tests: list[str]) -> tuple[str, str]:
-    """Return what becomes of a fault: survived, or killed, by which test, which passes without it."""
-    for portion in (tests[:8], tests[8:]):
+    """Return what becomes of a fault: survived, or killed, by which test or command."""
+    # What the public functions refuse, and by which name.
+    doors = [] if fault.file.startswith("validation") else ["tests/test_public_api.py"]
+    for portion in filter(None, (tests[:8], tests[8:], doors)):
         outcome = driver.judge(fault, tree, tests=portion)
         for test in outcome.failed or ([""] if outcome.verdict == "killed" else []):
             if not test or driver.run_tests(tree, [test], cache=tree.parent / "cache")[0] == 0:
                 return "killed", test or "no end"
+    path, folder = tree / fault.file, tree.parent / "shown"
+    sound = path.read_text(encoding="utf-8")
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    path.write_text(fault.applied(sound), encoding="utf-8")
+    # Compiled code with the fault is kept nowhere else.
+    environment = os.environ | {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(folder / "cache")}
+    try:
+        for command in _COMMANDS:
+            called = [sys.executable, "-B", "-m", "validation.cli.commands", *command.split()]
+            if subprocess.run(
+                called, cwd=folder, env=environment, capture_output=True, check=False
+            ).returncode:
+                return "killed", f"fem-contact {command}"
+    finally:
+        path.write_text(sound, encoding="utf-8")
     return "survived", ""
 
 
@@ -290,16 +299,19 @@ def main() -> None:
     parser.add_argument("packages", nargs="+")
     parser.add_argument("--seed", type=int, default=61)
     parser.add_argument("--count", type=int, default=100, help="faults of each package")
-    parser.add_argument("--tests", type=int, default=40, help="how many tests, the nearest first")
+    parser.add_argument("--tests", type=int, default=36, help="how many tests at most")
+    parser.add_argument(
+        "--coverage", type=Path, default=ROOT / ".coverage", help="which tests run which line"
+    )
     parser.add_argument("--only", default="", help="faults whose name contains this")
     given = parser.parse_args()
     excused = tomllib.loads(Path(__file__).with_name("drawn.toml").read_text(encoding="utf-8"))
-    nearness, counts = Nearness(), Counter[str]()
+    covering, counts = Covering(given.coverage), Counter[str]()
     with driver.copied_tree() as tree:
         for package in given.packages:
             for fault in drawn(package, seed=given.seed, count=given.count):
                 if given.only in fault.name:
-                    verdict, why = judge(fault, tree, nearness.nearest(fault)[: given.tests])
+                    verdict, why = judge(fault, tree, covering.tests(fault, given.tests))
                     if verdict == "survived" and fault.name in excused:
                         verdict, why = "equivalent", excused[fault.name]
                     counts[f"{package}: {verdict}"] += 1
