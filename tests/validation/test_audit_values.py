@@ -93,11 +93,15 @@ def test_drifts_ladders_and_several_kinds_of_solves_of_one_study_are_told_apart(
 
 
 @pytest.mark.parametrize("name", ["run", *EVERY])
-@pytest.mark.parametrize(
-    ("file", "part"), [("table.csv", values.judge_table), ("budget.csv", values.judge_budget)]
-)
-def test_each_cell_of_a_table_that_is_blanked_or_moved_is_found(results, name, file, part):
-    rows = results[name].tables.get(file, [])
+def test_each_cell_of_a_table_that_is_blanked_or_moved_is_found(results, name):
+    for file in results[name].tables:
+        if not file.startswith("data"):
+            part = values.judge_budget if file == "budget.csv" else values.judge_tables
+            _damage_each_cell(results[name], file, part)
+
+
+def _damage_each_cell(result, file, part):
+    rows = result.tables[file]
     cells = list(np.ndindex(len(rows), len(rows[0]) if rows else 0))
     # Each is judged with its whole table: of one of hundreds of rows some are drawn.
     for i, j in random.Random(5).sample(cells, min(len(cells), 8000 // max(len(rows), 1))):
@@ -112,8 +116,20 @@ def test_each_cell_of_a_table_that_is_blanked_or_moved_is_found(results, name, f
             moved[i][j] = wrong
             if float(wrong or "nan") == number:
                 continue
-            tables = {**results[name].tables, file: moved}
-            assert wrong_in(part, changed(results[name], "tables", tables)), (file, i, rows[0][j], wrong)
+            tables = {**result.tables, file: moved}
+            assert wrong_in(part, changed(result, "tables", tables)), (file, i, rows[0][j], wrong)
+
+
+@pytest.mark.parametrize("name", ["run", *EVERY])
+def test_each_number_of_the_summary_that_is_blanked_or_moved_is_found(results, name):
+    numbers = results[name].summary["numbers"]
+    for named, value in numbers.items():
+        for key in ("value", "error"):
+            if isinstance(value.get(key, ""), float):
+                for wrong in (None, value[key] * (1 + 1e-6) + 1e-300):
+                    summary = {"numbers": {**numbers, named: {**value, key: wrong}}}
+                    changes = changed(results[name], "summary", summary)
+                    assert wrong_in(values.judge_numbers, changes), (named, key, wrong)
 
 
 @pytest.mark.parametrize("name", ["run", *EVERY])

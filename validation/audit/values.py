@@ -19,6 +19,7 @@ from validation.audit.stored import Array
 
 #: Those of the step to any spectrum and period.
 _SPECTRAL = ("size", "bandwidth")
+_NUMBERS = "summary.json, numbers"
 _INTERVAL, _HOLDS = "+- (95 %)", "+- holds"
 
 
@@ -33,9 +34,10 @@ def value_ledger(result: Result) -> Ledger:
 
 
 def judge_shown(result: Result, ledger: Ledger) -> None:
-    """Judge all that shows the dataset: findings, tables, CSV files, data of figures, page."""
+    """Judge all that shows the dataset: findings, numbers, tables, CSV files, data of figures, page."""
     judge_findings(result, ledger)
-    judge_table(result, ledger)
+    judge_numbers(result, ledger)
+    judge_tables(result, ledger)
     judge_budget(result, ledger)
     for name, lines in result.tables.items():
         if name.startswith("data"):
@@ -128,20 +130,64 @@ def judge_findings(result: Result, ledger: Ledger) -> None:
             else:
                 ledger.number(place, where, value.get("value"), float(expected), rtol=1e-12, atol=0.0)
             if "error" in value:
-                ledger.number(place, f"{where}, its interval", value["error"], _total(result.data, named, at))
+                half = _total(result.data, named, at)
+                ledger.number(place, f"{where}, its interval", value["error"], half, rtol=1e-12, atol=0.0)
 
 
-def judge_table(result: Result, ledger: Ledger) -> None:
-    """Judge table.csv by the variables that its columns are of, where more is known than coordinates."""
-    shown, data = result.summary.get("table"), result.data
-    header, *lines = result.tables.get("table.csv") or [[]]
-    if not shown:
-        if lines:
-            ledger.unread.append("table.csv: what its columns are of")
-        return
+def judge_numbers(result: Result, ledger: Ledger) -> None:
+    """Judge the numbers of summary.json, and their intervals."""
+    for name, value in result.summary.get("numbers", {}).items():
+        found, variable = value["value"], result.data.get(name)
+        if isinstance(found, str) or variable is None:
+            continue
+        ledger.number(_NUMBERS, name, found, float(variable.values), rtol=1e-12, atol=0.0)
+        if "error" in value:
+            half = _total(result.data, name, {})
+            ledger.number(_NUMBERS, f"{name}, its interval", value["error"], half, rtol=1e-12, atol=0.0)
+
+
+def judge_tables(result: Result, ledger: Ledger) -> None:
+    """Judge the CSV files of tables by the variables that their columns or rows are of."""
+    tables = result.summary.get("tables", {"table": result.summary.get("table")})
+    for name, lines in result.tables.items():
+        file, known = name.removesuffix(".csv"), tables.get(name.removesuffix(".csv"))
+        if known and "names" in known:
+            _judge_listing(result, name, known["names"], lines, ledger)
+        elif known:
+            _judge_table(result, name, known, lines, ledger)
+        elif file != "budget" and not file.startswith("data"):
+            ledger.unread.append(f"{name}: what its columns are of")
+
+
+def _judge_listing(
+    result: Result, file: str, names: list[str], lines: list[list[str]], ledger: Ledger
+) -> None:
+    """Judge a table with a row for each number that there is, each in a unit of its own."""
+    header, *lines = lines
+    value, unit = header.index("value"), header.index("unit")
+    there = [name for name in names if name in result.data and result.data[name].ndim == 0]
+    numbers = {name: result.data[name].values.item() for name in there}
+    known = {name: n for name, n in numbers.items() if n != "" and n == n}
+    rows = []
+    for (name, number), line in zip(known.items(), lines, strict=False):
+        plain = str(result.data[name].attrs.get("units", "1"))
+        factor = (_factor(plain, line[unit]) if line[unit] else 1.0) or math.nan
+        row = {value: number if isinstance(number, str) else factor * number}
+        if header[value + 1].endswith(_INTERVAL):
+            row[value + 1] = factor * as_number(_total(result.data, name, {}))
+        rows.append(row)
+    _judge_lines(file, header, lines, rows, ledger, rtol=1e-11)
+
+
+def _judge_table(
+    result: Result, file: str, shown: Mapping[str, Any], lines: list[list[str]], ledger: Ledger
+) -> None:
+    """Judge a table by the variables that its columns are of, where more is known than coordinates."""
+    data = result.data
+    header, *lines = lines
     intervals = [k for k, title in enumerate(header) if title.endswith((_INTERVAL, _HOLDS))]
     places = [k for k in range(len(header)) if k not in intervals]
-    ledger.same("table.csv", "number of columns", len(places), len(shown["columns"]))
+    ledger.same(file, "number of columns", len(places), len(shown["columns"]))
     dims, rows = list(shown["rows"]), []
     sizes = {dim: n for v in data.values() for dim, n in zip(v.dims, v.values.shape, strict=True)}
     for place in np.ndindex(*(sizes[dim] for dim in dims)):
@@ -158,11 +204,16 @@ def judge_table(result: Result, ledger: Ledger) -> None:
             known = known or (inside and whole and name not in shown["coordinates"])
         if known:
             rows.append(row)
-    _judge_lines("table.csv", header, lines, rows, ledger)
+    _judge_lines(file, header, lines, rows, ledger)
 
 
 def _judge_lines(
-    file: str, header: list[str], lines: list[list[str]], rows: list[dict[int, Any]], ledger: Ledger
+    file: str,
+    header: list[str],
+    lines: list[list[str]],
+    rows: list[dict[int, Any]],
+    ledger: Ledger,
+    rtol: float = 1e-12,
 ) -> None:
     """Judge the lines of a CSV file by words and numbers at their columns."""
     ledger.same(file, "number of rows", len(lines), len(rows))
@@ -173,7 +224,7 @@ def _judge_lines(
             if isinstance(value, str):
                 ledger.same(file, where, line[k], value)
             else:
-                ledger.number(file, where, line[k], value, rtol=1e-12, atol=0.0)
+                ledger.number(file, where, line[k], value, rtol=rtol, atol=0.0)
 
 
 def judge_budget(result: Result, ledger: Ledger) -> None:

@@ -135,6 +135,10 @@ class Listing:
             rows.append({**row, "unit": "" if unit == "1" else unit})
         return ResultTable.of_rows(rows)
 
+    def as_json(self, data: xr.Dataset) -> dict[str, Any]:
+        """Return which variables its rows may be of."""
+        return {"names": list(self.names)}
+
 
 def interval_cells(title: str, value: Value) -> dict[str, float | str]:
     """Return the half width of an interval, and what it holds where that is not all, by their columns."""

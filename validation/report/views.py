@@ -42,10 +42,10 @@ class Views:
     more: Sequence[Table | Listing] = ()
 
     def as_json(self, data: xr.Dataset) -> dict[str, Any]:
-        """Return what is shown as data: findings, and which variables table and budget are of."""
+        """Return what is shown as data: findings, and which variables tables and budget are of."""
         record: dict[str, Any] = {"findings": [finding.as_json() for finding in self.findings]}
-        if self.table is not None:
-            record["table"] = self.table.as_json(data)
+        tables = [*([] if self.table is None else [self.table]), *self.more]
+        record["tables"] = {table.file: table.as_json(data) for table in tables}
         if self.budget:
             record["budget"] = list(self.budget)
         return record
