@@ -207,7 +207,7 @@ class Child:
             timer.cancel()
 
     def _end(self) -> int:
-        """End the process; return how it ended."""
+        """End the process; return its exit code, minus the signal that ended it; the lock is held."""
         code = 0
         if self._connection is not None:
             self._connection.close()

@@ -85,6 +85,11 @@ class _Cluster:
         return outcome
 
     def awaited_workers(self) -> dict[str, float]:
+        """Wait for workers, and return the memory limit [bytes] of each by its address.
+
+        A RunFailed once none came within the patience, or a scheduler that was lost has not answered for
+        `_LOST_AFTER` seconds; at once where our own client is closed.
+        """
         began, noted = time.monotonic(), False
         while True:
             patience, lacking = self.patience, "no workers"
@@ -101,7 +106,7 @@ class _Cluster:
             waited = time.monotonic() - began
             problem = f"--scheduler = {self.address!r}: {lacking} for {waited:.0f} s; "
             if waited > _TOLD_AFTER and not noted:
-                # Told and looked again before giving up, even where one look took longer than the patience.
+                # One look can take longer than the patience: it is told, and looked again, before giving up.
                 noted = True
                 self.progress.note(f"{problem}waiting for up to {patience:.0f} s")
             elif waited > patience:
