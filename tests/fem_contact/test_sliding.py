@@ -15,11 +15,7 @@ Q = 2 * np.pi
 
 def rough(n, ratio=8, seed=7):
     return random_surface(
-        lambda q: 1e-6 * q**-3.6,
-        q_short=ratio * Q * (1 + 1e-9),
-        lengths=(1.0, 1.0),
-        shape=(n, n),
-        seed=seed,
+        lambda q: 1e-6 * q**-3.6, q_short=ratio * Q * (1 + 1e-9), lengths=(1.0, 1.0), shape=(n, n), seed=seed
     )
 
 

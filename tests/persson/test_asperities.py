@@ -6,13 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from persson.asperities import (
-    Asperities,
-    FullerTabor,
-    bush_gibson_thomas,
-    nayak_asperities,
-    ring_asperities,
-)
+from persson.asperities import Asperities, FullerTabor, bush_gibson_thomas, nayak_asperities, ring_asperities
 from persson.elastic import KAPPA_BGT
 from persson.errors import InvalidInput
 from persson.spectrum import Moments, SelfAffine

@@ -244,10 +244,7 @@ def test_cases_without_a_solution_are_named(error, match, arguments):
 
 
 @given(
-    pressure=st.floats(0.05, 3),
-    limit=st.floats(0, 5),
-    hardness=st.floats(3.1, 30),
-    growth=st.floats(0, 0.6),
+    pressure=st.floats(0.05, 3), limit=st.floats(0, 5), hardness=st.floats(3.1, 30), growth=st.floats(0, 0.6)
 )
 @settings(max_examples=25, deadline=None)
 def test_ledger_closes_and_areas_are_shares_whatever_the_walls(pressure, limit, hardness, growth):

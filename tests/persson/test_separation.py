@@ -12,12 +12,7 @@ from persson.elastic import contact_area
 from persson.errors import InvalidInput, OutsideTheory
 from persson.gaps import gap_distribution
 from persson.scale import Scale
-from persson.separation import (
-    contact_stiffness,
-    elastic_energy,
-    macroasperity_magnification,
-    mean_separation,
-)
+from persson.separation import contact_stiffness, elastic_energy, macroasperity_magnification, mean_separation
 from persson.spectrum import SelfAffine
 from persson.variants import EnergyReading, corrected_contact_area, energy_share
 

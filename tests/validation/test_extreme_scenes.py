@@ -71,21 +71,13 @@ def problem(tree) -> str:
 
 
 BEYOND = [
-    (
-        ("surface", "length"),
-        5e-324,
-        "surface.length = 5e-324: is out of range; sizes from 1e-30",
-    ),
+    (("surface", "length"), 5e-324, "surface.length = 5e-324: is out of range; sizes from 1e-30"),
     (("surface", "length"), "1 m**9**9**9", "has an unknown unit"),
     (("surface", "length"), "1 nm squared squared squared", "has an unknown unit"),
     (("surface", "length"), "1e999999999 m", "has an unknown unit"),
     (("surface", "length"), "1" * 5000 + " m", "(5004 characters): must be a length such as"),
     (("surface", "length"), 10**5000, "a number of thousands of digits: is out of range"),
-    (
-        ("surface", "rms_gradient"),
-        5e-324,
-        "surface.rms_gradient = 5e-324: must lie between 1e-12 and 1e+06",
-    ),
+    (("surface", "rms_gradient"), 5e-324, "surface.rms_gradient = 5e-324: must lie between 1e-12 and 1e+06"),
     (("surface", "seed"), 2**63, "must be less than 9223372036854775808"),
     (("solid", "young"), 1e300, "solid.young = 1e+300: is out of range"),
     (("load", "reduced_pressure"), 1e300, "must lie between 1e-12 and 1e+06"),

@@ -170,8 +170,7 @@ def test_where_alpha_is_all_that_matters_it_is_seen_and_where_the_hurst_exponent
     area = fitted_area(loads, alpha=alpha[..., None])
     dims = ("hurst", "bandwidth", "reduced_pressure")
     table = xr.Dataset(
-        {"area": (dims, area)},
-        coords={"hurst": hursts, "bandwidth": bandwidths, "reduced_pressure": loads},
+        {"area": (dims, area)}, coords={"hurst": hursts, "bandwidth": bandwidths, "reduced_pressure": loads}
     )
     table = claim(table, "area", surfaces=1e-3 * table.area)
     found = at_equal_alpha(table, (4.0, 6.0, 12.0))

@@ -307,9 +307,7 @@ SCENES: dict[str, tuple[str, tuple[str, ...]]] = {
 #: Run to this accuracy.
 ACCURATE = {"scene to an accuracy": 0.1}
 #: Runs put side by side.
-COMPARED = {
-    "compare of two runs": ("scene plain", "scene of another Hurst exponent"),
-}
+COMPARED = {"compare of two runs": ("scene plain", "scene of another Hurst exponent")}
 #: Places that two runs do not share, by entry: times, memory of the machine, and what follows from them.
 UNSTEADY: dict[str, tuple[str, ...]] = {
     "*": (
