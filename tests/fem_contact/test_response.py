@@ -65,12 +65,6 @@ def test_given_response_is_used_as_given() -> None:
     np.testing.assert_allclose(given.compliance(np.ones((2, 1)), np.ones((1, 3))), np.full((2, 3), 0.25))
 
 
-@pytest.mark.parametrize("thickness", [0.0, -1.0, np.nan, np.inf])
-def test_thickness_must_be_positive(thickness: float) -> None:
-    with pytest.raises(InvalidInput, match="thickness"):
-        BondedLayer(solid=Solid(young=1.0, poisson=0.3), thickness=thickness)
-
-
 def test_a_function_of_one_number_is_no_compliance():
     with pytest.raises(InvalidInput, match="must be a function of qx and qy"):
         GivenResponse(contact_modulus=1.0, function=float)
