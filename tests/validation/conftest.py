@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import pytest
+import xarray as xr
+from gold.make import new_numbers
 from small_scene import small_scene
 
 from validation.comparison.run import run_scene
 from validation.execution.bench import Bench
 from validation.execution.outputs import Outputs
+from validation.files import atomic_path
 from validation.scenes.scene import load_scene
 
 _HEAD = 'name = "small"\ntitle = "A small scene"\n' + small_scene(
@@ -47,6 +51,21 @@ def bench(tmp_path_factory, worker_id) -> Bench:
     """One store of this session, which all its processes share: what one test solves, no other does."""
     folder = tmp_path_factory.getbasetemp()
     return Bench.at((folder if worker_id == "master" else folder.parent) / "solves")
+
+
+@pytest.fixture(scope="session")
+def numbers(bench, tmp_path_factory):
+    """Numbers of a study as its gold file asks for them, by name: computed once for all processes."""
+
+    def known(name: str) -> xr.Dataset:
+        path = bench.store.folder.parent / f"{name}.pickle"
+        if not path.exists():
+            data = new_numbers(name, bench, tmp_path_factory.mktemp("asked"))
+            with atomic_path(path) as draft:
+                draft.write_bytes(pickle.dumps(data))
+        return pickle.loads(path.read_bytes())
+
+    return known
 
 
 @pytest.fixture(scope="session")

@@ -1,20 +1,19 @@
 """The studies of hardness and adhesion: limits they must meet, and sentences that follow from the numbers."""
 
 import pytest
-from gold.asked import STUDIES
 
 from validation.errors import UsageError
 from validation.studies import adhesion, find_study, hardness
 
 
 @pytest.fixture(scope="module")
-def yielding(bench):
-    return hardness.run(hardness.Options(**STUDIES["hardness"]), bench=bench)
+def yielding(numbers):
+    return numbers("hardness")
 
 
 @pytest.fixture(scope="module")
-def sticking(bench):
-    return adhesion.run(adhesion.Options(**STUDIES["adhesion"]), bench=bench)
+def sticking(numbers):
+    return numbers("adhesion")
 
 
 @pytest.mark.parametrize("name", ["hardness", "adhesion"])

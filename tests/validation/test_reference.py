@@ -284,9 +284,8 @@ def test_the_documentation_prints_the_areas_of_the_table_that_is_shipped():
 
 
 @pytest.fixture(scope="module")
-def small(bench):
-    options = study.Options(**STUDIES["reference"])
-    return options, bench, study.run(options, bench=bench)
+def small(bench, numbers):
+    return study.Options(**STUDIES["reference"]), bench, numbers("reference")
 
 
 def test_a_cell_of_the_table_is_the_chained_mean_of_its_pairs(small):

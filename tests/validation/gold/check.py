@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from gold.asked import ROUNDING
-from gold.make import Record, compute, machine, numbers_of, read
+from gold.make import Known, Record, compute, machine, numbers_of, read
 from gold.maps import Look, maps_of
 from validation.execution.bench import Bench
 
@@ -24,11 +24,11 @@ RTOL_HERE = 1e-12
 RTOL_ELSEWHERE = 1e-6
 
 
-def disagreements(name: str, bench: Bench, folder: Path) -> list[str]:
-    """Compute an entry anew and say what differs from its gold file."""
+def disagreements(name: str, bench: Bench, folder: Path, *, known: Known | None = None) -> list[str]:
+    """Compute an entry anew, but for what is `known`, and say what differs from its gold file."""
     gold = read(name)
     here = gold["machine"] == machine()
-    new, data = compute(name, bench, folder)
+    new, data = compute(name, bench, folder, known=known)
     rtol = RTOL_HERE if here else RTOL_ELSEWHERE
     record = {
         place: entry
