@@ -110,7 +110,7 @@ def test_without_an_answering_scheduler_nothing_is_computed(tmp_path, monkeypatc
     pytest.importorskip("distributed")
     from validation.execution import cluster
 
-    monkeypatch.setattr(cluster, "_CONNECTS_WITHIN", 3.0)
+    monkeypatch.setattr(cluster, "_CONNECTS_WITHIN", 0.5)
     with pytest.raises(UsageError, match=r"--scheduler = 'tcp://127.0.0.1:9': no scheduler answers"):
         run_area(bench=bench_at(tmp_path, scheduler="tcp://127.0.0.1:9"), **FEW)
     assert list(tmp_path.iterdir()) == []
