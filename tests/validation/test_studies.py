@@ -46,13 +46,6 @@ def test_numbers_do_not_depend_on_the_modulus(measured):
     np.testing.assert_allclose(other.mean_gap.values, measured.mean_gap.values, rtol=1e-6)
 
 
-def test_energy_tends_to_that_of_full_contact():
-    full = measurement(reduced_pressures=(8.0,), grids=((24, 24),), shifts=1).do()
-    assert float(full.pixel[0, 0, 0]) == 1.0
-    # The mean pressure stores nothing here: u has no mean in a half-space.
-    assert float(full.energy[0, 0, 0]) == pytest.approx(full.attrs["full_contact_energy"], rel=1e-9)
-
-
 def test_the_inverted_surface_has_the_same_gradient_and_another_area(measured):
     inverted = measurement(problem=replace(pressed(), inverted=True))
     assert inverted.key != measurement().key
