@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 import xarray as xr
+from gold.asked import STUDIES
 from gold.make import new_numbers
 from small_scene import small_scene
 
@@ -15,6 +16,7 @@ from validation.execution.bench import Bench
 from validation.execution.outputs import Outputs
 from validation.files import atomic_path
 from validation.scenes.scene import load_scene
+from validation.studies import find_study
 
 _HEAD = 'name = "small"\ntitle = "A small scene"\n' + small_scene(
     "shifts = 2\n\n[methods.theory]\n", grids="[12, 24, 48]"
@@ -66,6 +68,12 @@ def numbers(bench, tmp_path_factory):
         return pickle.loads(path.read_bytes())
 
     return known
+
+
+@pytest.fixture(scope="session")
+def asked(numbers):
+    """Options and numbers of a study as its gold file asks for them, by name."""
+    return lambda name: (find_study(name).options(**STUDIES[name]), numbers(name))
 
 
 @pytest.fixture(scope="session")

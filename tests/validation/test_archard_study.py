@@ -12,9 +12,8 @@ LOADS = (0.016, 0.032, 0.064)
 
 
 @pytest.fixture(scope="module")
-def data(bench):
-    options = archard.Options(waves=(8,), heights=(0.2,), loads=LOADS, surfaces=2, grids=(96, 128), seed=17)
-    return archard.run(options, bench=bench)
+def data(numbers):
+    return numbers("archard")
 
 
 def test_tops_of_every_level_have_the_radius_that_the_theory_is_told():

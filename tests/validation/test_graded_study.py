@@ -7,12 +7,12 @@ from validation.comparison.explain import explain
 from validation.errors import UsageError
 from validation.execution.press import solves_of
 from validation.scenes.scene import load_scene
-from validation.studies import find_study, graded
+from validation.studies import find_study
 
 
 @pytest.fixture(scope="module")
-def data(bench):
-    return graded.run(graded.Options(ratios=(0.5, 2.0)), bench=bench)
+def data(numbers):
+    return numbers("graded")
 
 
 def test_the_worst_errors_are_those_of_the_waves_and_of_those_where_the_claim_holds(data):
