@@ -2,8 +2,7 @@
 
 import pytest
 
-from validation.errors import UsageError
-from validation.studies import adhesion, find_study, hardness
+from validation.studies import adhesion, hardness
 
 
 @pytest.fixture(scope="module")
@@ -14,25 +13,6 @@ def yielding(numbers):
 @pytest.fixture(scope="module")
 def sticking(numbers):
     return numbers("adhesion")
-
-
-@pytest.mark.parametrize("name", ["hardness", "adhesion"])
-def test_a_magnification_beyond_the_bandwidth_is_refused(name):
-    with pytest.raises(UsageError, match="magnifications = 5: must lie above 1, at most bandwidth = 4"):
-        find_study(name).parse(["--magnifications", "5", "--bandwidth", "4"])
-
-
-@pytest.mark.parametrize(
-    ("name", "grids", "words"),
-    [
-        ("hardness", "64", "grids = 64: at least two"),
-        ("hardness", "64,64", "grids = 64, 64: at least two"),
-        ("adhesion", "96,64", "grids = 96, 64: must rise"),
-    ],
-)
-def test_one_grid_has_no_limit(name, grids, words):
-    with pytest.raises(UsageError, match=words):
-        find_study(name).parse(["--grids", grids])
 
 
 def along(data, dial):

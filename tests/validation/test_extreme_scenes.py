@@ -182,12 +182,6 @@ def test_extreme_scenes_are_refused_or_explained(changes):
         explained(changes)
 
 
-@pytest.mark.parametrize(("name", "flag"), [("scaling", "--surfaces"), ("hurst", "--pairs")])
-def test_a_study_of_two_billion_surfaces_is_refused(name, flag):
-    with pytest.raises(UsageError, match=r"= '?2147483648'?: must be (at most|less than or equal to) 10000"):
-        find_study(name).options.parse([flag, "2147483648"])
-
-
 def planned(*arguments):
     """What a study says of its plan, in how many seconds of processor time."""
     began = time.process_time()

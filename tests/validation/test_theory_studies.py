@@ -110,20 +110,3 @@ def test_the_ladders_of_the_hurst_study_keep_phases_and_area(numbers):
     row = dict(zip(budget.columns, budget.rows[0], strict=True))
     assert row["bandwidth [%]"] not in ("does not enter", "not measured")
     assert row["for any [%]"] >= row["for this spectrum and period [%]"] > 0
-
-
-@pytest.mark.parametrize("name", ["hurst", "pressure", "magnification", "theory-verdict"])
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ("--points-per-wave 8,4", "--points-per-wave = 8,4: must be positive and rising"),
-        ("--points-per-wave 2,4", "with shifts = 2 a limit over grids needs three solves on two grids"),
-        ("--shifts 1 --points-per-wave 4,6", "with shifts = 1 a limit over grids needs three solves"),
-        ("--reduced-pressures 0,1", "must be greater than 0"),
-        ("--hurzt 4", "unknown option '--hurzt'; did you mean "),
-    ],
-)
-def test_options_are_refused_by_name_before_anything_runs(name, options, words):
-    with pytest.raises(UsageError) as caught:
-        find_study(name).parse(options.split())
-    assert words in str(caught.value)
