@@ -162,7 +162,7 @@ def theory_doors() -> dict[str, Door]:
         (
             sine.sine_expansion,
             {"variance": 1.0, "pressure": 1.0, "tensile_limit": lambda v: 0.5}
-            | {"yield_stress": lambda v: 4.0, "modes": 10},
+            | {"yield_stress": lambda v: 4.0, "modes": 4},
         ),
         (
             sine.sine_expansion(
