@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from small_scene import OBLONG, small_scene
 
-__all__ = ["ACCURATE", "COMPARED", "LADDERS", "ROUNDING", "SCENES", "STUDIES", "UNSTEADY"]
-
 _ROUGH = {"periods": 2.0, "bandwidth": 2.0, "points_per_wave": (4.0, 6.0, 8.0), "seed": 61}
 _LADDERS = {
     "ladder_hursts": (0.3, 0.8),

@@ -15,8 +15,6 @@ from gold.make import Known, Record, compute, machine, numbers_of, read
 from gold.maps import Look, maps_of
 from validation.execution.bench import Bench
 
-__all__ = ["RTOL_ELSEWHERE", "RTOL_HERE", "differences", "disagreements"]
-
 #: On the machine of the gold files the same operations run in the same order.
 RTOL_HERE = 1e-12
 #: Elsewhere solves end where their residuals, 1e-8 of p |g| and below, are small enough, and areas,

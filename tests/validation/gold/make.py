@@ -28,19 +28,6 @@ from validation.report.table import budget_table
 from validation.scenes.scene import load_scene
 from validation.studies import Study, StudyOptions, find_study
 
-__all__ = [
-    "FOLDER",
-    "Known",
-    "compute",
-    "machine",
-    "new_numbers",
-    "numbers_of",
-    "of_dataset",
-    "options_of",
-    "read",
-    "write",
-]
-
 FOLDER = Path(__file__).parent / "stored"
 #: Longer arrays are stored as every k-th value, their sum and the sum of their squares.
 _WHOLE = 1000
