@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from fem_contact.response import Response
 
-__all__ = ["Contact", "pressed", "response_matrix"]
-
 Array = NDArray[np.float64]
 
 

@@ -7,8 +7,6 @@ import numpy as np
 from fem_contact.area import ContactAreas
 from fem_contact.contact import ContactResult, Cost, Residuals, Status
 
-__all__ = ["made_areas", "made_contact"]
-
 
 def made_contact(touches: np.ndarray, /, **changes: object) -> ContactResult:
     """A converged contact on a unit period, of unit pressure wherever it touches."""

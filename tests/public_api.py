@@ -139,10 +139,7 @@ def solver_doors() -> dict[str, Door]:
         adhesion.cells_in_process_zone,
         (adhesion.solve, {"mean_pressure": 0.01, "hardness": 0.5, "start": above}),
         (adhesion.solve, {"offset": 0.03}),
-        (
-            adhesion.stability,
-            {"state": adhesion.solve(field, half, law=law, mean_pressure=0.01)},
-        ),
+        (adhesion.stability, {"state": adhesion.solve(field, half, law=law, mean_pressure=0.01)}),
         (adhesion.follow, {"offsets": [0.08, 0.06], "resolution": 0.01, "least_jump": 0.5}),
         (adhesion.follow, {"mean_pressures": [0.01, 0.012], "start": above}),
         (

@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from fem_contact.surface import HeightField, random_surface
 
-__all__ = ["periodic_paraboloid", "rough_surface"]
-
 #: Sum of |n|^-3 over the points of the square lattice but the origin: what the images of a load do to
 #: the curvature below it.
 LATTICE_CUBE = 9.03362168

@@ -6,6 +6,7 @@ import itertools
 import math
 import re
 import signal
+from collections import Counter
 from contextlib import contextmanager
 
 import numpy as np
@@ -185,15 +186,54 @@ def test_what_lies_just_outside_of_a_range_that_is_stated_is_refused(package):
     for name, door in DOORS[package].items():
         for argument in door[1]:
             said = refusal_of(door, {argument: -1e29})
-            ends = re.search(rf"\b{argument}\b.*lie in [\[(]([-+.\de]+), ([-+.\de]+)[\])]", said)
-            for end, sign in zip(map(float, ends.groups()), (-1, 1), strict=True) if ends else ():
+            ends = re.search(rf"\b{argument}\b.*lie in ([\[(])([-+.\de]+), ([-+.\de]+)([\])])", said)
+            for bracket, number, sign in ((*ends.group(1, 2), -1), (*ends.group(4, 3), 1)) if ends else ():
                 stated += 1
-                outside = end + sign * (1e-3 * abs(end) + 1e-9)
-                wrong += (
-                    [] if argument in refusal_of(door, {argument: outside}) else [(name, argument, outside)]
-                )
+                end = float(number)
+                outside = [end + sign * (1e-3 * abs(end) + 1e-9), *([end] if bracket in "()" else [])]
+                taken = [value for value in outside if argument not in refusal_of(door, {argument: value})]
+                wrong += [(name, argument, *taken)] if taken else []
     assert wrong == []
     assert stated > 20
+
+
+#: How many doors take what is no number, no positive one, or nothing; by argument.
+TAKEN = (
+    ("x", {"axis": 3}),
+    ({}, {"breaks": 2, "mean_pressures": 3, "slopes": 1, "wavelengths": 1}),
+    (True, {"subcell": 1, "under_resolved": 1}),
+    (1j, {}),
+    (math.nan, {}),
+    (math.inf, {"contact_size": 1, "second": 1, "tensile_limit": 2, "yield_stress": 1}),
+    (
+        -1.0,
+        {"distance": 1, "edge_constant": 1, "gap": 7, "height": 1, "mean_gap": 1, "mean_pressure": 1}
+        | {"offset": 3, "pressure": 4, "q": 3, "qx": 8, "qy": 8, "separation": 4, "stress": 6}
+        | {"target_pressure": 1, "velocity": 3, "work": 1},
+    ),
+    (
+        0.0,
+        {"area": 4, "barrier": 1, "contact_modulus": 1, "contact_radius": 1, "depth": 2, "dissipation": 2}
+        | {"distance": 2, "edge_constant": 1, "exponent": 1, "force": 4, "frequency": 4, "gap": 7}
+        | {"height": 1, "hurst": 3, "least_jump": 1, "length": 1, "m2": 2, "magnification": 1, "mean_gap": 1}
+        | {"mean_pressure": 1, "nominal": 1, "offset": 4, "poisson": 13, "pressure": 18, "q": 5}
+        | {"q_gravity": 1, "q_min": 3, "q_upper": 13, "qx": 8, "qy": 8, "ramp": 1, "reduced_pressure": 1}
+        | {"rms_gradient": 1, "separation": 4, "shear_stress": 1, "stress": 6, "stress_variance": 10}
+        | {"target_pressure": 1, "tensile_limit": 5, "time": 1, "variance": 3, "velocity": 3}
+        | {"wavevector": 3, "wavevectors": 1, "work": 2},
+    ),
+)
+
+
+@pytest.mark.parametrize(("value", "taken"), TAKEN, ids=[str(value) for value, _ in TAKEN])
+def test_what_is_no_sensible_number_is_refused_but_where_it_means_something(value, taken):
+    found = Counter(
+        argument
+        for door in (*FEM.values(), *THEORY.values())
+        for argument in door[1]
+        if not refusal_of(door, {argument: value})
+    )
+    assert found == taken
 
 
 def numbers_of(door):

@@ -8,8 +8,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["ThreadComm", "run_threads"]
-
 
 class ThreadComm:
     """A communicator of mpi4py between threads; every call is one of all."""

@@ -219,11 +219,6 @@ def test_a_limit_on_iterations_or_time_is_a_status():
     [
         ({}, "exactly one"),
         ({"mean_pressure": 1.0, "offset": 1.0}, "exactly one"),
-        ({"mean_pressure": np.nan}, "finite"),
-        ({"offset": np.inf}, "finite"),
-        ({"offset": 0.0, "tolerance": 0.0}, "tolerance"),
-        ({"offset": 0.0, "max_iterations": 0}, "max_iterations"),
-        ({"offset": 0.0, "time_limit": -1.0}, "time_limit"),
         ({"offset": 0.0, "start": np.zeros((3, 3))}, "start"),
     ],
 )

@@ -17,7 +17,6 @@ from fem_contact.adhesion.path import _Walk
 from fem_contact.adhesion.state import AdhesionProblem, Stability
 from fem_contact.contact import Status
 from fem_contact.extrapolation import located_limit
-from fem_contact.graded import ExponentialSolid, LayeredSolid
 from fem_contact.response import HalfSpace
 from fem_contact.settings import Settings
 from fem_contact.solid import Solid
@@ -175,20 +174,6 @@ def test_the_distribution_of_pressure_counts_each_point_by_its_weight():
     exact = 1.75 * np.count_nonzero(contact) / 64
     assert found.area == pytest.approx(exact, rel=1e-12)
     assert found.density[0] * 2 == pytest.approx(exact, rel=1e-12)
-
-
-def test_the_usual_sublayers_of_a_graded_solid_leave_three_in_ten_thousand():
-    surface, q = Solid(young=1.0, poisson=0.3), np.array([0.3, 1.0, 3.0])
-    graded = ExponentialSolid(surface=surface, bulk_young=5.0, depth=1.0)
-    # The same profile in 600 layers down to twelve depths: off by a hundredth of that.
-    depths = np.linspace(0, 12, 601)
-    middle = (depths[1:] + depths[:-1]) / 2
-    layered = LayeredSolid(
-        layers=[Solid(young=5 - 4 * math.exp(-z), poisson=0.3) for z in middle],
-        thicknesses=list(np.diff(depths)),
-        base=Solid(young=5.0, poisson=0.3),
-    )
-    np.testing.assert_allclose(graded.compliance(q, 0 * q), layered.compliance(q, 0 * q), rtol=3e-4)
 
 
 def test_what_a_window_takes_from_the_power_is_made_up_for():

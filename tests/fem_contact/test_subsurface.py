@@ -215,8 +215,6 @@ def test_what_has_no_fields_below_is_refused_by_name(tmp_path):
         fields_below(contact, response, depths=[0.1, 0.2])
     with pytest.raises(InvalidInput, match="must rise"):
         fields_below(contact, response, depths=[0.1, 0.1])
-    with pytest.raises(InvalidInput, match="threads = 'x': must be"):
-        strongest_point(contact, response, threads="x")
     weighed = replace(contact, weights=np.ones(MESHED))
     with pytest.raises(UnsupportedEffect, match="quadratic elements"):
         strongest_point(weighed, response)

@@ -113,6 +113,9 @@ def copied_tree() -> Iterator[Path]:
                 shutil.copytree(source, tree / entry, ignore=leave)
             elif source.exists():
                 shutil.copy(source, tree / entry)
+        # Of the catalogue its list of checks alone, which the cases are held to.
+        (tree / "tests/mutants").mkdir()
+        shutil.copy(ROOT / "tests/mutants/checks.json", tree / "tests/mutants")
         # Bytecode that knows its source by the text: that of a file with a fault is not taken.
         compileall.compile_dir(tree, quiet=2, invalidation_mode=py_compile.PycInvalidationMode.CHECKED_HASH)
         yield tree

@@ -15,12 +15,7 @@ from persson.interface import detachment_stress
 from persson.scale import Scale
 from persson.spectrum import SelfAffine, area_factor
 from persson.spheres import derjaguin_pull_off, hertz
-from persson.squeezed_spheres import (
-    hertz_pressure,
-    roughness_barrier,
-    yielded_pull_off,
-    yielded_share,
-)
+from persson.squeezed_spheres import hertz_pressure, roughness_barrier, yielded_pull_off, yielded_share
 from persson.viscoelastic import StandardSolid, crack_dissipation
 
 RUBBER = StandardSolid(relaxed=1e6, unrelaxed=1e9, time=1e-3)

@@ -6,13 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from persson.asperities import (
-    Asperities,
-    FullerTabor,
-    bush_gibson_thomas,
-    nayak_asperities,
-    ring_asperities,
-)
+from persson.asperities import Asperities, FullerTabor, bush_gibson_thomas, nayak_asperities
 from persson.elastic import KAPPA_BGT
 from persson.errors import InvalidInput
 from persson.spectrum import Moments, SelfAffine
@@ -52,22 +46,6 @@ def test_contact_at_a_pressure_carries_it_and_area_is_nearly_linear():
     assert found[1].patch_area > found[0].patch_area
     with pytest.raises(InvalidInput, match="pressure"):
         BUMPS.contact_at(1e-300, contact_modulus=1e9)
-
-
-def test_estimates_for_one_wavelength():
-    """Persson 2006, Sec. 3.2: n0 = 0.029 q_m^2, h* = 0.6 h_rms; exact: 0.0230 q_m^2 and 0.634 h_rms."""
-    rough = ring_asperities(600.0, rms_height=1 / 600.0)
-    assert rough.density / 600**2 == pytest.approx(0.029, abs=5e-4)
-    assert rough.radius == pytest.approx(1 / (math.sqrt(2) * 600), rel=1e-12)
-    exact = nayak_asperities(Moments(m0=1 / 600**2, m2=1.0, m4=600.0**2))
-    assert exact.density / 600**2 == pytest.approx(1 / (8 * math.pi * math.sqrt(3)), rel=1e-12)
-
-
-def test_scatter_of_summit_heights_is_the_published_one():
-    """sigma_s^2 = (1 - 0.8968/alpha) m0: McCool, Wear 107, 37 (1986), after Bush, Gibson and Keogh (1976)."""
-    for alpha in (2.0, 30.0):
-        moments = Moments(m0=1.0, m2=1.0, m4=alpha / 1.5)
-        assert nayak_asperities(moments).rms_height ** 2 == pytest.approx(1 - 0.8968 / alpha, abs=5e-5)
 
 
 def test_bush_gibson_thomas_tends_to_its_asymptote():
@@ -135,23 +113,3 @@ def test_adhesion_is_lost_when_roughness_exceeds_the_stretch():
     assert relative[0] > 0.85
     assert relative[0] > relative[1] > relative[2]
     assert relative[2] < 0.1
-
-
-def test_mean_radius_of_summits_is_mccools():
-    """1/R = (8/3) sqrt(m4 / pi) with the fourth moment of a profile: McCool, Wear 107, 37 (1986)."""
-    of_profile = 0.7
-    moments = Moments(m0=2.0, m2=1.0, m4=8 / 3 * of_profile)
-    assert 1 / nayak_asperities(moments).radius == pytest.approx(8 / 3 * math.sqrt(0.7 / math.pi), rel=1e-12)
-
-
-@pytest.mark.parametrize("alpha", [2.0, 12.0])
-def test_heights_of_the_summits_pressed_scatter_like_nayaks(alpha):
-    moments = Moments(m0=1.0, m2=1.0, m4=alpha / 1.5)
-    d = np.linspace(-6.0, 8.0, 351)
-    above = bush_gibson_thomas(d, moments=moments, contact_modulus=1.0).density
-    exact = nayak_asperities(moments)
-    assert above[0] == pytest.approx(exact.density, rel=1e-4)
-    share, middle = -np.diff(above) / above[0], (d[1:] + d[:-1]) / 2
-    mean = float(share @ middle)
-    # Cells of .04 add .04^2 / 12.
-    assert float(share @ (middle - mean) ** 2) == pytest.approx(exact.rms_height**2, rel=1e-3)

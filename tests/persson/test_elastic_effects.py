@@ -1,7 +1,5 @@
 """Variants of the theory, mean separation, macroasperities and graded solids."""
 
-import math
-
 import numpy as np
 import pytest
 from scipy.integrate import trapezoid
@@ -13,7 +11,7 @@ from persson.graded import ExponentialLayers, GradedModulus, SurfaceLayer
 from persson.scale import Scale
 from persson.separation import macroasperity_magnification, mean_separation
 from persson.spectrum import SelfAffine
-from persson.variants import corrected_contact_area, energy_factor, light_load_kappa
+from persson.variants import corrected_contact_area, light_load_kappa
 
 STEEL = SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e9, rolloff="smooth", q_min=1e3)
 
@@ -89,11 +87,6 @@ def test_uniform_grading_is_no_grading():
 @pytest.mark.parametrize(
     ("call", "named"),
     [
-        (lambda: energy_factor(0.5, variant="other"), "variant"),
-        (lambda: energy_factor(1.0, variant="yang_persson", energy_ratio=0.0), "energy_ratio"),
-        (lambda: corrected_contact_area(1.0, stress_variance=1.0, variant="other"), "variant"),
-        (lambda: mean_separation(0.0, scale=Scale(STEEL, contact_modulus=1.0)), "pressure"),
-        (lambda: SurfaceLayer(layer=1.0, bulk=1.0, thickness=1.0, poisson=0.6), "poisson"),
         (lambda: ExponentialLayers(bulk=1.0, excess=(1.0,), depths=(), poisson=0.3), "depths"),
         (lambda: ExponentialLayers(bulk=1.0, excess=(-2.0,), depths=(1.0,), poisson=0.3), "excess"),
         (lambda: Scale(STEEL, contact_modulus=lambda q: -q), "contact_modulus"),
@@ -102,14 +95,3 @@ def test_uniform_grading_is_no_grading():
 def test_wrong_arguments_are_refused_by_name(call, named):
     with pytest.raises(InvalidInput, match=named):
         call()
-
-
-def test_energy_factor_of_wang_and_mueser_is_five_ninths_without_contact_and_one_at_full_contact():
-    """S(P) = (5 - 2 P^2 + 6 P^4) / 9 (Wang and Mueser, Tribol. Lett. 65, 2017); its least is at P^2 = 1/6."""
-    factor = energy_factor(np.array([0.0, math.sqrt(1 / 6), 1.0]), variant="wang_mueser")
-    np.testing.assert_allclose(factor, [5 / 9, 29 / 54, 1.0], rtol=1e-14)
-
-
-def test_the_variant_of_xu_stores_the_share_its_authors_published():
-    assert light_load_kappa("xu") == pytest.approx(KAPPA_PERSSON / math.sqrt(0.42), rel=1e-14)
-    assert light_load_kappa("yang_persson") == pytest.approx(KAPPA_PERSSON / math.sqrt(0.45), rel=1e-14)

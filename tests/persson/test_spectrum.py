@@ -77,15 +77,6 @@ def test_moments_are_continuous_where_a_power_becomes_a_logarithm(hurst):
         assert a == pytest.approx(b, rel=1e-11)
 
 
-def test_the_logarithms_are_right():
-    assert SelfAffine(hurst=0.0, q_long=2.0, q_short=2e5, amplitude=1.0).m0() == pytest.approx(
-        2 * math.pi * 4 * math.log(1e5), rel=1e-14
-    )
-    assert SelfAffine(hurst=1.0, q_long=2.0, q_short=2e5, amplitude=1.0).m2() == pytest.approx(
-        2 * math.pi * 16 * math.log(1e5), rel=1e-14
-    )
-
-
 @pytest.mark.parametrize("rolloff", ROLLOFFS)
 def test_partial_moments_end_in_the_whole_and_never_decrease(rolloff):
     spectrum = SelfAffine.from_rms_gradient(0.3, hurst=0.6, q_long=10.0, q_short=1e4, rolloff=rolloff)
@@ -161,12 +152,7 @@ def test_area_factor_is_the_average_over_gaussian_slopes():
 @pytest.mark.parametrize(
     ("change", "named"),
     [
-        ({"hurst": 1.2}, "hurst"),
-        ({"hurst": float("nan")}, "hurst"),
-        ({"q_long": 0.0}, "q_long"),
         ({"q_short": 1.0}, "q_short"),
-        ({"amplitude": -1.0}, "amplitude"),
-        ({"rolloff": "soft"}, "rolloff"),
         ({"q_min": 1.0}, "q_min"),
         ({"q_min": 9.0, "rolloff": "plateau"}, "q_min"),
     ],

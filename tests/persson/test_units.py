@@ -16,12 +16,7 @@ from persson.interface import Interface
 from persson.limits import critical_roughness
 from persson.percolation import percolation_magnification
 from persson.scale import Scale
-from persson.separation import (
-    contact_stiffness,
-    elastic_energy,
-    macroasperity_magnification,
-    mean_separation,
-)
+from persson.separation import contact_stiffness, elastic_energy, macroasperity_magnification, mean_separation
 from persson.soft_structures import fibre_modulus
 from persson.spectrum import SelfAffine
 from persson.spheres import hertz, maugis_pull_off, tabor_parameter
@@ -146,10 +141,7 @@ def structures(units):
     )
     rubber = StandardSolid(relaxed=1e6 * stress, unrelaxed=1e9 * stress, time=1e-3)
     f = crack_dissipation(
-        1e-4 * length,
-        loss_compliance=rubber.loss_compliance,
-        relaxed=1e6 * stress,
-        tip_radius=1e-9 * length,
+        1e-4 * length, loss_compliance=rubber.loss_compliance, relaxed=1e6 * stress, tip_radius=1e-9 * length
     )
     plate = ElasticPlate(young=1e9 * stress, poisson=0.3, thickness=1e-6 * length)
     fibres = fibre_modulus(

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import pytest
+import xarray as xr
+from gold.asked import STUDIES
+from gold.make import new_numbers
 from small_scene import small_scene
 
 from validation.comparison.run import run_scene
 from validation.execution.bench import Bench
 from validation.execution.outputs import Outputs
+from validation.files import atomic_path
 from validation.scenes.scene import load_scene
+from validation.studies import find_study
 
 _HEAD = 'name = "small"\ntitle = "A small scene"\n' + small_scene(
     "shifts = 2\n\n[methods.theory]\n", grids="[12, 24, 48]"
@@ -47,6 +53,27 @@ def bench(tmp_path_factory, worker_id) -> Bench:
     """One store of this session, which all its processes share: what one test solves, no other does."""
     folder = tmp_path_factory.getbasetemp()
     return Bench.at((folder if worker_id == "master" else folder.parent) / "solves")
+
+
+@pytest.fixture(scope="session")
+def numbers(bench, tmp_path_factory):
+    """Numbers of a study as its gold file asks for them, by name: computed once for all processes."""
+
+    def known(name: str) -> xr.Dataset:
+        path = bench.store.folder.parent / f"{name}.pickle"
+        if not path.exists():
+            data = new_numbers(name, bench, tmp_path_factory.mktemp("asked"))
+            with atomic_path(path) as draft:
+                draft.write_bytes(pickle.dumps(data))
+        return pickle.loads(path.read_bytes())
+
+    return known
+
+
+@pytest.fixture(scope="session")
+def asked(numbers):
+    """Options and numbers of a study as its gold file asks for them, by name."""
+    return lambda name: (find_study(name).options(**STUDIES[name]), numbers(name))
 
 
 @pytest.fixture(scope="session")

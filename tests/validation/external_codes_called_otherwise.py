@@ -9,8 +9,6 @@ import numpy as np
 
 from validation.arrays import Array
 
-__all__ = ["contact_mechanics_by_default", "tamaas_by_gaps"]
-
 
 def tamaas_by_gaps(
     heights: Array,

@@ -1,7 +1,5 @@
 """A small scene as text: one rough surface on one solid, to which a test adds what it is about."""
 
-__all__ = ["OBLONG", "UNEQUAL", "small_scene"]
-
 
 def small_scene(
     more: str = "",

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from gold.asked import STUDIES
 
 from fem_contact import HalfSpace, bem
 from persson.adhesion import Interface, solve_adhesion
@@ -12,12 +13,12 @@ from validation.measurements.adhesive import STRESS_EDGES, readings, sticky_cont
 from validation.measurements.distributions import largest_difference
 from validation.studies import adhesive_magnification as study
 
-OPTIONS = study.Options(magnifications=(1.5, 3.0), periods=1.0, surfaces=2, seed=31, work=0.5)
+OPTIONS = study.Options(**STUDIES["adhesive-magnification"])
 
 
 @pytest.fixture(scope="module")
-def data(bench):
-    return study.run(OPTIONS, bench=bench)
+def data(numbers):
+    return numbers("adhesive-magnification")
 
 
 @pytest.fixture(scope="module")

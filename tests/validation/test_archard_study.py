@@ -3,18 +3,16 @@
 import numpy as np
 import pytest
 
-from validation.errors import UsageError
 from validation.measurements.hierarchy import bumps, press_bumps, radii_of
 from validation.report.estimates import total_error
-from validation.studies import archard, find_study
+from validation.studies import archard
 
 LOADS = (0.016, 0.032, 0.064)
 
 
 @pytest.fixture(scope="module")
-def data(bench):
-    options = archard.Options(waves=(8,), heights=(0.2,), loads=LOADS, surfaces=2, grids=(96, 128), seed=17)
-    return archard.run(options, bench=bench)
+def data(numbers):
+    return numbers("archard")
 
 
 def test_tops_of_every_level_have_the_radius_that_the_theory_is_told():
@@ -69,13 +67,6 @@ def test_a_path_of_loads_with_a_contact_too_small_has_no_power(data):
     told = archard.with_exponents(told)
     assert np.isnan(told.load_exponent[0])
     assert np.isfinite(told.load_exponent[1])
-
-
-def test_bumps_that_no_grid_resolves_are_refused():
-    with pytest.raises(UsageError, match="take 512 points or more"):
-        find_study("archard").parse(["--grids", "256,512"])
-    with pytest.raises(UsageError, match="one for each of --waves"):
-        find_study("archard").parse(["--waves", "16"])
 
 
 def test_a_contact_of_a_few_points_has_no_area():

@@ -219,7 +219,7 @@ def data(bench):
 
 
 def test_the_grids_share_is_what_finer_grids_change(data, bench):
-    finer = autopsied(bench, (16.0, 24.0))
+    finer = autopsied(bench, (12.0, 18.0))
     for name in (
         "square_growth",
         "square_diffusion",

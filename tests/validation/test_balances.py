@@ -7,7 +7,6 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 import xarray as xr
-from gold.asked import STUDIES
 from small_scene import small_scene
 
 from validation.comparison.run import run_scene
@@ -15,7 +14,6 @@ from validation.execution.bench import Bench
 from validation.execution.store import check_store
 from validation.report.estimates import shown_sources, total_error
 from validation.scenes.scene import load_scene
-from validation.studies import find_study
 
 
 @pytest.fixture(scope="module")
@@ -79,12 +77,8 @@ def test_contact_and_gap_share_the_nominal_area_and_the_load(fresh):
 
 
 @pytest.mark.parametrize("name", ["run", "magnification", "hurst"])
-def test_shares_of_an_error_make_the_whole(name, fresh, bench):
-    if name == "run":
-        data = fresh[0].data
-    else:
-        study = find_study(name)
-        data = study.compute(study.options(**STUDIES[name]), bench=bench)
+def test_shares_of_an_error_make_the_whole(name, fresh, numbers):
+    data = fresh[0].data if name == "run" else numbers(name)
     judged = 0
     for error in (variable for variable in map(str, data.data_vars) if variable.endswith("_error")):
         parts, whole = data[error], total_error(data, error.removesuffix("_error"))

@@ -110,7 +110,7 @@ def test_without_an_answering_scheduler_nothing_is_computed(tmp_path, monkeypatc
     pytest.importorskip("distributed")
     from validation.execution import cluster
 
-    monkeypatch.setattr(cluster, "_CONNECTS_WITHIN", 3.0)
+    monkeypatch.setattr(cluster, "_CONNECTS_WITHIN", 0.5)
     with pytest.raises(UsageError, match=r"--scheduler = 'tcp://127.0.0.1:9': no scheduler answers"):
         run_area(bench=bench_at(tmp_path, scheduler="tcp://127.0.0.1:9"), **FEW)
     assert list(tmp_path.iterdir()) == []
@@ -187,10 +187,7 @@ def small_disk(folder, kilobytes, *, inodes=0):
     ("size", "words"),
     [
         ({"kilobytes": 600}, r"the disk is full: .*finished solves are intact"),
-        (
-            {"kilobytes": 100_000, "inodes": 20},
-            r"inodes are used up: .* was not written; finished",
-        ),
+        ({"kilobytes": 100_000, "inodes": 20}, r"inodes are used up: .* was not written; finished"),
     ],
 )
 @pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
@@ -258,8 +255,7 @@ def test_a_bench_that_only_plans_solves_nothing(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name",
-    [name for name, asked in STUDIES.items() if asked and not {"scene", "theory"} & set(asked)],
+    "name", [name for name, asked in STUDIES.items() if asked and not {"scene", "theory"} & set(asked)]
 )
 def test_each_planned_solve_of_a_study_takes_time_and_room_for_its_unknowns(name, tmp_path):
     study = find_study(name.partition(" ")[0])

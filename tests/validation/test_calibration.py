@@ -48,8 +48,7 @@ def test_a_prediction_grows_with_the_factor_that_was_measured(cache, write_scene
 
 
 @pytest.mark.parametrize(
-    "text",
-    ["", "[1]", '{"factors": {"hardness": 1.0}, "date": "x"}', '{"factors": 3, "date": "x"}', "{}"],
+    "text", ["", "[1]", '{"factors": {"hardness": 1.0}, "date": "x"}', '{"factors": 3, "date": "x"}', "{}"]
 )
 def test_a_damaged_or_foreign_cache_is_as_none(cache, text):
     cache.parent.mkdir(parents=True)

@@ -88,11 +88,7 @@ def planted_chain(rng, *, counts, further, statistics=12):
         return x, coarse, middle, 7 + (middle - 6.5) + 0.05 * rng.normal(size=count)
 
     (x, coarse, _, _), (_, low, middle, _), (_, _, high, fine) = map(drawn, counts)
-    levels = [
-        (coarse, x),
-        (middle, low),
-        (fine, high),
-    ]
+    levels = [(coarse, x), (middle, low), (fine, high)]
     return levels, Known.of_samples(drawn(further)[0])
 
 

@@ -11,14 +11,13 @@ from gold.asked import STUDIES
 
 from fem_contact import HalfSpace, bem, contact_areas
 from fem_contact.errors import NotConverged
-from validation.errors import UsageError
 from validation.execution.measurement import Call
 from validation.execution.results import Result
 from validation.measurements import external_codes, ways
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.theory import RANKED
-from validation.studies import accuracy_cost, find_study
+from validation.studies import accuracy_cost
 from validation.studies._outputs import study_page
 
 
@@ -135,16 +134,3 @@ def test_an_installed_peer_counts_the_area_that_is_counted_here(code):
         assert float(found[name]) == pytest.approx(getattr(exact, name), rel=0.02)
     # The interpreter and what it loads are not counted.
     assert 0 <= float(found.peak_bytes) < 2**26
-
-
-@pytest.mark.parametrize(
-    ("grids", "words"),
-    [
-        ("64,128", "at least 3"),
-        ("128,64,256", "must be positive and rising"),
-        ("8,16,32", "must be above L/lambda_long"),
-    ],
-)
-def test_scaling_refuses_grids_it_cannot_fit(grids, words):
-    with pytest.raises(UsageError, match=f"grids = .*{words}"):
-        find_study("scaling").parse(["--grids", grids])

@@ -8,14 +8,10 @@ from fem_contact.area import contact_areas
 from persson import StandardSolid, contact_area, stress_variance
 from validation.measurements.common import base_case
 from validation.scenes.tables import SolidSpec
-from validation.studies import creep as study
-
-SMALL = {"durations": (1e-4, 1e-3), "periods": 1.0, "bandwidth": 3.0, "surfaces": 2, "steps": 3, "seed": 17}
 
 
-def test_the_study_is_the_solver_on_the_finest_grid_and_the_theory_of_its_gradient(bench):
-    options = study.Options(**SMALL)
-    data = study.run(options, bench=bench)
+def test_the_study_is_the_solver_on_the_finest_grid_and_the_theory_of_its_gradient(asked):
+    options, data = asked("creep")
     rubber = PronySolid.standard(relaxed=1e6, unrelaxed=1e7, time=1e-3, poisson=0.5)
     solid = SolidSpec(young=1e6, poisson=0.5)
     case = base_case(options.self_affine(), reduced_pressure=0.1, solid=solid).further(1)

@@ -155,10 +155,7 @@ PLANTS = {
         "the pressure lies -0.5 and 0 cells beside the heights",
     ),
     "transposed": (Spoilt(after=lambda p, job: p.T if p.shape[0] == p.shape[1] else p), "transposed"),
-    "heights transposed": (
-        Spoilt(pressing(lambda h: h.T if h.shape[0] == h.shape[1] else h)),
-        "transposed",
-    ),
+    "heights transposed": (Spoilt(pressing(lambda h: h.T if h.shape[0] == h.shape[1] else h)), "transposed"),
     "mirrored in x": (Spoilt(after=lambda p, job: np.roll(p[::-1], 1, axis=0)), "mirrored in x"),
     "mirrored in y": (Spoilt(after=lambda p, job: np.roll(p[:, ::-1], 1, axis=1)), "mirrored in y"),
     "upside down and backwards": (
@@ -171,10 +168,7 @@ PLANTS = {
     "a NaN": (Spoilt(after=with_nan), "pressures are no finite numbers"),
     "no contact needed": (Spoilt(after=linear), "pressures below zero are allowed"),
     "all zero": (Spoilt(after=lambda p, job: 0 * p), "all pressures are zero"),
-    "uniform": (
-        Spoilt(after=lambda p, job: 0 * p + p.mean()),
-        "all points have one pressure",
-    ),
+    "uniform": (Spoilt(after=lambda p, job: 0 * p + p.mean()), "all points have one pressure"),
     "lifted": (
         Spoilt(after=lambda p, job: 0.9 * p + 0.1 * p.mean() if (p == 0).any() else p),
         "a constant is added to the pressures",

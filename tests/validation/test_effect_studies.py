@@ -1,39 +1,18 @@
 """The studies of hardness and adhesion: limits they must meet, and sentences that follow from the numbers."""
 
 import pytest
-from gold.asked import STUDIES
 
-from validation.errors import UsageError
-from validation.studies import adhesion, find_study, hardness
+from validation.studies import adhesion, hardness
 
 
 @pytest.fixture(scope="module")
-def yielding(bench):
-    return hardness.run(hardness.Options(**STUDIES["hardness"]), bench=bench)
+def yielding(numbers):
+    return numbers("hardness")
 
 
 @pytest.fixture(scope="module")
-def sticking(bench):
-    return adhesion.run(adhesion.Options(**STUDIES["adhesion"]), bench=bench)
-
-
-@pytest.mark.parametrize("name", ["hardness", "adhesion"])
-def test_a_magnification_beyond_the_bandwidth_is_refused(name):
-    with pytest.raises(UsageError, match="magnifications = 5: must lie above 1, at most bandwidth = 4"):
-        find_study(name).parse(["--magnifications", "5", "--bandwidth", "4"])
-
-
-@pytest.mark.parametrize(
-    ("name", "grids", "words"),
-    [
-        ("hardness", "64", "grids = 64: at least two"),
-        ("hardness", "64,64", "grids = 64, 64: at least two"),
-        ("adhesion", "96,64", "grids = 96, 64: must rise"),
-    ],
-)
-def test_one_grid_has_no_limit(name, grids, words):
-    with pytest.raises(UsageError, match=words):
-        find_study(name).parse(["--grids", grids])
+def sticking(numbers):
+    return numbers("adhesion")
 
 
 def along(data, dial):

@@ -175,10 +175,7 @@ def test_what_a_method_lacks_is_refused_by_name_before_computing(with_effects, e
     ("effect", "message"),
     [
         ('[[effects]]\nkind = "hardness"\n', "[[effects]] 1 hardness: missing"),
-        (
-            "[[effects]]\nhardness = 1.0\n",
-            "[[effects]] 1 kind: missing; one of 'adhesion', ",
-        ),
+        ("[[effects]]\nhardness = 1.0\n", "[[effects]] 1 kind: missing; one of 'adhesion', "),
         (HARD.replace("[[effects]]", "[effects]"), "write [[effects]], not [effects]"),
         (HARD.replace("kPa", "nm"), "[[effects]] 1 hardness = '40 nm': is not a pressure"),
         (STICKY.replace("mJ/m^2", "mJ"), "is not a work of adhesion"),

@@ -23,11 +23,8 @@ ASKED = ("energy_ratio", "gap", "compliance")
 
 
 @pytest.fixture(scope="module")
-def stored(bench):
-    options = energy.Options(
-        reduced_pressures=LOADS, periods=2.0, bandwidth=2.0, surfaces=2, points_per_wave=(4.0, 8.0), seed=23
-    )
-    return options, energy.run(options, bench=bench)
+def stored(asked):
+    return asked("energy")
 
 
 def test_energy_gap_and_compliance_are_those_of_the_contact_carried_to_the_limit(stored):

@@ -16,17 +16,13 @@ LOADS = (0.01, 0.04, 0.16)
 
 
 @pytest.fixture(scope="module")
-def stiff(bench):
-    options = conductance.Options(
-        reduced_pressures=LOADS, periods=(1.0, 2.0), bandwidth=3.0, surfaces=2, shifts=1, seed=17
-    )
-    return options, conductance.run(options, bench=bench)
+def stiff(asked):
+    return asked("conductance")
 
 
 @pytest.fixture(scope="module")
-def leaking(bench):
-    options = leak.Options(areas=(0.1, 0.35), bandwidths=(4.0,), surfaces=3, seed=17)
-    return options, leak.run(options, bench=bench)
+def leaking(asked):
+    return asked("leak")
 
 
 def test_the_stiffness_of_the_study_is_that_of_the_frozen_contact_on_its_finest_grid(stiff):

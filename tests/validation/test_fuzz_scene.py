@@ -16,7 +16,6 @@ from validation.scenes.checks import check_scene
 from validation.scenes.mistakes import problems
 from validation.scenes.problem import realise
 from validation.scenes.scene import Scene, load_scene, scene_text
-from validation.studies import find_study
 
 BASE = """
 name = "fuzz"
@@ -211,24 +210,6 @@ def test_the_command_line_ends_with_an_exit_code_and_no_traceback(tmp_path, argu
         result = CliRunner().invoke(cli.app, arguments)
     expected = (SystemExit, UsageError, SceneError)
     assert result.exception is None or isinstance(result.exception, expected), result.exception
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (
-            "hardness --reduced-pressures 0.0 --grids 64,32",
-            "--reduced-pressures = '0.0': must be greater than 0",
-        ),
-        ("hardness --grids ,", r"--grids = \[\]: .* at least 1 value"),
-        ("adhesion --works nan", "--works = 'nan': must be a finite number"),
-        ("hardness --periods 0", "--periods = '0': must be greater than or equal to 1"),
-    ],
-)
-def test_options_of_a_study_that_make_no_case_are_refused_in_words(arguments, message):
-    name, *options = arguments.split()
-    with pytest.raises(UsageError, match=message):
-        find_study(name).parse(options)
 
 
 @pytest.mark.parametrize("name", ["stability", "graded"])

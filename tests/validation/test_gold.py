@@ -24,8 +24,8 @@ def told(gold, new, data=DATA, rtol=check.RTOL_HERE):
 
 
 @pytest.mark.parametrize("name", ALL)
-def test_the_numbers_are_those_of_the_gold_file(name, bench, tmp_path):
-    assert check.disagreements(name, bench, tmp_path) == []
+def test_the_numbers_are_those_of_the_gold_file(name, bench, numbers, tmp_path):
+    assert check.disagreements(name, bench, tmp_path, known=numbers) == []
 
 
 def test_every_study_and_every_scene_of_the_library_has_gold_numbers():

@@ -4,15 +4,13 @@ import numpy as np
 import pytest
 
 from validation.comparison.explain import explain
-from validation.errors import UsageError
 from validation.execution.press import solves_of
 from validation.scenes.scene import load_scene
-from validation.studies import find_study, graded
 
 
 @pytest.fixture(scope="module")
-def data(bench):
-    return graded.run(graded.Options(ratios=(0.5, 2.0)), bench=bench)
+def data(numbers):
+    return numbers("graded")
 
 
 def test_the_worst_errors_are_those_of_the_waves_and_of_those_where_the_claim_holds(data):
@@ -22,11 +20,6 @@ def test_the_worst_errors_are_those_of_the_waves_and_of_those_where_the_claim_ho
     np.testing.assert_allclose(data.felt_error_mild, [mild[0].max(), mild[1].min()], rtol=1e-12)
     assert (abs(data.felt_error_mild) <= abs(data.felt_error_profile)).all()
     assert float(data.felt_error_coating[0]) > float(data.felt_error_profile[0]) > 0.1
-
-
-def test_no_grading_is_refused():
-    with pytest.raises(UsageError, match="ratios = 2, 1: must not be 1"):
-        find_study("graded").parse(["--ratios", "2,1"])
 
 
 @pytest.mark.parametrize(("name", "less"), [("oxide-layer", True), ("soft-layer", False)])

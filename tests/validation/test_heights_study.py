@@ -12,15 +12,13 @@ from validation.studies import heights
 
 
 @pytest.fixture(scope="module")
-def options():
-    return heights.Options(
-        periods=(1.0, 3.0), reduced_pressures=(0.05, 0.2), bandwidth=4.0, surfaces=3, seed=17
-    )
+def options(asked):
+    return asked("heights")[0]
 
 
 @pytest.fixture(scope="module")
-def data(options, bench):
-    return heights.run(options, bench=bench)
+def data(asked):
+    return asked("heights")[1]
 
 
 def test_the_moments_of_the_heights_are_those_of_the_surface(options, data):

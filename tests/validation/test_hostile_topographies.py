@@ -88,8 +88,7 @@ SAID = {
 
 
 @pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=() if name in HERE else pytest.mark.nightly) for name in SAID],
+    "name", [pytest.param(name, marks=() if name in HERE else pytest.mark.nightly) for name in SAID]
 )
 def test_the_sentence_says_what_is_wrong(tmp_path, corpus, name):
     path = tmp_path / name

@@ -13,20 +13,9 @@ from validation.measurements.slopes import CHANGES, with_differences
 from validation.studies import large_slope
 
 
-def small_options():
-    return large_slope.Options(
-        slopes=(0.1, 0.2),
-        reduced_pressures=(0.1,),
-        poissons=(0.3,),
-        surfaces=2,
-        points_per_wave=(4.0, 5.0),
-        seed=17,
-    )
-
-
 @pytest.fixture(scope="module")
-def small(bench):
-    return large_slope.run(small_options(), bench=bench)
+def small(numbers):
+    return numbers("large-slope")
 
 
 def test_the_differences_are_those_of_the_block_from_the_linear_one(small):

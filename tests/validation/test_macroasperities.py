@@ -15,21 +15,13 @@ ZETA = (0.5, 1.0, 2.0, 4.0)
 
 
 @pytest.fixture(scope="module")
-def options():
-    return macroasperities.Options(
-        reduced_pressures=(0.01, 0.05, 0.2),
-        magnifications=ZETA,
-        percolating=(0.1,),
-        periods=3.0,
-        bandwidth=4.0,
-        surfaces=3,
-        seed=17,
-    )
+def options(asked):
+    return asked("macroasperities")[0]
 
 
 @pytest.fixture(scope="module")
-def data(options, bench):
-    return macroasperities.run(options, bench=bench)
+def data(asked):
+    return asked("macroasperities")[1]
 
 
 def pressed(options, k, *, zeta, load):

@@ -154,8 +154,7 @@ def test_numbers_of_a_figure_stand_at_values_not_at_places(tmp_path):
 
 def test_what_looks_like_markup_is_shown_and_not_obeyed():
     page = dataclasses.replace(
-        _page(findings=("<b>A/A0</b> = 1",), answers=(Card("<i>", "<u>"),)),
-        title="<script>alert(1)</script>",
+        _page(findings=("<b>A/A0</b> = 1",), answers=(Card("<i>", "<u>"),)), title="<script>alert(1)</script>"
     )
     html = render(page)
     assert "<script>" not in html

@@ -14,11 +14,7 @@ HANGS = subprocess.TimeoutExpired([], 1)
 
 
 @pytest.mark.parametrize(
-    ("end", "words"),
-    [
-        ({"return_value": DIED}, "libGL.so.1"),
-        ({"side_effect": HANGS}, "took more than"),
-    ],
+    ("end", "words"), [({"return_value": DIED}, "libGL.so.1"), ({"side_effect": HANGS}, "took more than")]
 )
 def test_a_renderer_that_dies_or_hangs_leaves_a_word_and_no_file(tmp_path, monkeypatch, end, words):
     monkeypatch.setattr(pictures.subprocess, "run", Mock(**end))

@@ -15,12 +15,7 @@ from validation.measurements import references
 from validation.measurements.common import persson_area
 from validation.report.estimates import claim, total_error
 from validation.report.marks import draw
-from validation.studies import (
-    find_study,
-    hurst,
-    refinement,
-    theory_verdict,
-)
+from validation.studies import find_study, hurst, refinement, theory_verdict
 
 # hurst: kappa of pairs, ladders ------------------------------------------------------------------------
 

@@ -23,13 +23,10 @@ from planted import (
     measurement,
 )
 
-from fem_contact.surface import HeightField
 from validation.measurements import adhesive, limits, ways
 from validation.measurements.common import persson_area
-from validation.measurements.edge import start_of_pressure
 from validation.measurements.load_path import SHARES
 from validation.measurements.measurement import area_limits, truncated_heights
-from validation.measurements.theory import WITH_ENERGY, Waves
 from validation.report.estimates import NORMAL, total_error
 from validation.studies import (
     accuracy_cost,
@@ -177,16 +174,6 @@ def test_the_theory_of_pressure_is_at_full_contact_where_every_gap_is_closed():
     np.testing.assert_allclose(data.gap_predicted, 0.0, atol=1e-6)
     np.testing.assert_allclose(data.area_predicted, 1.0, rtol=1e-9)
     assert data.energy_ratio_over.isnull().all()
-
-
-def test_the_theory_of_pressure_stores_half_of_p_u_of_a_flattened_wave():
-    """p = E* q a cos(q x) / 2 and u = a cos(q x): half of the mean of p u is E* q a^2 / 8."""
-    a, length, n = 2e-6, 1e-3, 16
-    heights = a * np.cos(2 * np.pi * np.arange(n) / n)[:, None] * np.ones(n)
-    waves = Waves.of_field(HeightField(heights=heights, lengths=(length, length)))
-    for variant in WITH_ENERGY:
-        (stored,) = waves.elastic_energy(np.array([1.0]), variant)
-        assert stored == pytest.approx(2 * np.pi / length * a**2 / 8, rel=1e-12)
 
 
 # magnification ------------------------------------------------------------------------------------------
@@ -444,29 +431,6 @@ def test_graded_says_the_planted_error_inside_and_outside_the_range_of_the_claim
     assert said["felt_error_mild"].value == pytest.approx(-0.05, rel=1e-12)
     assert said["felt_error_profile"].value == pytest.approx(0.3, rel=1e-12)
     assert said["felt_error_coating"].value == pytest.approx(-0.4, rel=1e-12)
-
-
-def test_near_zero_reads_density_and_slope_of_a_straight_start_in_their_own_windows():
-    """P = 3 sigma: the density in a window eps is 3 eps / 2, its slope 3, and the contour's 2 S <B^-2>."""
-    upper = np.linspace(0, 0.6, 121)[1:]
-    middle = upper - 0.0025
-    data = xr.Dataset(
-        {
-            "density": ("bin", 3 * middle),
-            "contour": ((), 2.0),
-            "inverse_square": ((), 0.7),
-            "patches": ((), 9),
-            "excess": ((), 0.0),
-        },
-        coords={"upper": ("bin", upper), "stress": ("bin", middle)},
-    )
-    windows = {"spacing": 1 / 16, "window": 0.4, "slope_window": 1.2}
-    start = start_of_pressure(data, **windows)
-    assert float(start.density_at_zero_each) == pytest.approx(3 * 0.1 / 2, rel=1e-9)
-    assert float(start.window_slope_each) == pytest.approx(3.0, rel=1e-9)
-    assert float(start.contour_slope_each) == pytest.approx(2.8, rel=1e-12)
-    lifted = start_of_pressure(data.assign(excess=((), 0.045)), **windows)
-    assert float(lifted.window_slope_each) == pytest.approx(3.0 - 2 * 0.045 / 0.09, rel=1e-9)
 
 
 def test_near_zero_gives_students_interval_of_three_surfaces():

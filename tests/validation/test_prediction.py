@@ -43,9 +43,7 @@ def job_of(number: int, *, small: bool = False) -> Press:
         method=method,
         grid=(side, side),
         problem=ContactProblem(
-            surface=surface,
-            solid=SolidSpec(young=1e9, poisson=0.3),
-            load=Load(reduced_pressure=pressure),
+            surface=surface, solid=SolidSpec(young=1e9, poisson=0.3), load=Load(reduced_pressure=pressure)
         ),
         settings=tuple(settings.items()),
     )

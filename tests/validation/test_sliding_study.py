@@ -1,6 +1,7 @@
 """The study of sliding: its numbers are the surface's, its sentences the numbers'."""
 
 import pytest
+from gold.asked import STUDIES
 
 from fem_contact import PronySolid, slide
 from validation.errors import UsageError
@@ -10,20 +11,10 @@ from validation.measurements.measurement import grid_for
 from validation.scenes.tables import SolidSpec
 from validation.studies import find_study, sliding
 
-SMALL = {
-    "velocities": (0.05, 2.0),
-    "periods": 1.0,
-    "bandwidth": 3.0,
-    "surfaces": 2,
-    "points_per_wave": (4.0, 8.0),
-    "seed": 17,
-}
-
 
 @pytest.fixture(scope="module")
-def slid(bench):
-    options = sliding.Options(**SMALL)
-    return options, sliding.run(options, bench=bench)
+def slid(asked):
+    return asked("sliding")
 
 
 def test_the_friction_of_the_study_is_that_of_the_surface_on_each_grid(slid):
@@ -49,7 +40,7 @@ def test_the_friction_of_the_study_is_that_of_the_surface_on_each_grid(slid):
 def test_the_theory_of_the_study_is_told_the_realised_waves(slid):
     """At a load that closes the gap the theory is exact, whatever the surface."""
     _, data = slid
-    full = sliding.Options(**(SMALL | {"reduced_pressure": 40.0, "velocities": (0.05,)}))
+    full = sliding.Options(**(STUDIES["sliding"] | {"reduced_pressure": 40.0, "velocities": (0.05,)}))
     rubber, relaxed = full.rubber(), SolidSpec(young=1e6, poisson=0.5)
     case = base_case(full.self_affine(length=full.length), reduced_pressure=40.0, solid=relaxed)
     friction, area = measure._theory(case, rubber, (0.05,))

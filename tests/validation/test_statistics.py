@@ -26,16 +26,6 @@ def test_the_interval_of_a_mean_is_that_of_student():
     assert float(half) == pytest.approx(2.262 * 1.23 / np.sqrt(10), rel=1e-3)
 
 
-def test_an_interval_depends_on_the_samples_alone_and_in_no_order():
-    values = np.random.default_rng(3).normal(2.0, 0.5, 8)
-    (_, first), (_, second) = estimated(values), estimated(values[::-1])
-    assert float(first) == pytest.approx(float(second), rel=1e-14)
-    # Twice as many of the same samples know the mean better by the root of two, but for what n - 1 does; t of
-    # seven degrees of freedom is 2.3646, of fifteen 2.1314.
-    _, twice = estimated(np.tile(values, 2))
-    assert float(twice / first) == pytest.approx(np.sqrt(7 / 15) * 2.1314 / 2.3646, rel=1e-4)
-
-
 def test_anti_correlated_pairs_gain_by_being_averaged_first():
     rng = np.random.default_rng(5)
     common, own = rng.normal(0, 1, 200), rng.normal(0, 0.3, (200, 2))

@@ -46,13 +46,6 @@ def test_numbers_do_not_depend_on_the_modulus(measured):
     np.testing.assert_allclose(other.mean_gap.values, measured.mean_gap.values, rtol=1e-6)
 
 
-def test_energy_tends_to_that_of_full_contact():
-    full = measurement(reduced_pressures=(8.0,), grids=((24, 24),), shifts=1).do()
-    assert float(full.pixel[0, 0, 0]) == 1.0
-    # The mean pressure stores nothing here: u has no mean in a half-space.
-    assert float(full.energy[0, 0, 0]) == pytest.approx(full.attrs["full_contact_energy"], rel=1e-9)
-
-
 def test_the_inverted_surface_has_the_same_gradient_and_another_area(measured):
     inverted = measurement(problem=replace(pressed(), inverted=True))
     assert inverted.key != measurement().key
@@ -94,22 +87,61 @@ def test_a_list_of_one_is_enough_where_nothing_is_compared_along_it():
         find_study(name).parse(options.split())
 
 
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ("--surfaces 1", "--surfaces = '1': must be greater than or equal to 2"),
-        ("--points-per-wave 8,4", "--points-per-wave = 8,4: must be positive and rising"),
-        ("--points-per-wave 2,4", "needs three solves on two grids of at least 3 points per wave"),
-        ("--shifts 1 --points-per-wave 3,4", "with shifts = 1 a limit over grids needs three solves"),
-        ("--hurst 1.4", "--hurst = '1.4'"),
-        ("--bandwidth 0.5", "--bandwidth = '0.5'"),
-        ("--elements Hex3", "--elements = "),
-        ("--fem-points-per-wave 4,8", "fem_points_per_wave = 4, 8: the limit of the finite elements needs"),
-    ],
-)
-def test_options_of_a_study_are_refused_by_name_before_anything_runs(options, words):
+#: Options, and the words with which they are refused.
+REFUSED = [
+    (
+        "adhesion --bandwidth 4 --magnifications 5",
+        "magnifications = 5: must lie above 1, at most bandwidth = 4",
+    ),
+    ("adhesion --grids 96,64", "grids = 96, 64: must rise"),
+    ("adhesion --works nan", "--works = 'nan': must be a finite number"),
+    ("archard --grids 256,512", "take 512 points or more"),
+    ("archard --waves 16", "one for each of --waves"),
+    ("graded --ratios 2,1", "ratios = 2, 1: must not be 1"),
+    (
+        "hardness --bandwidth 4 --magnifications 5",
+        "magnifications = 5: must lie above 1, at most bandwidth = 4",
+    ),
+    ("hardness --grids ,", "at least 1 value"),
+    ("hardness --grids 64", "grids = 64: at least two"),
+    ("hardness --grids 64,64", "grids = 64, 64: at least two"),
+    ("hardness --periods 0", "--periods = '0': must be greater than or equal to 1"),
+    ("hardness --reduced-pressures 0.0 --grids 64,32", "--reduced-pressures = '0.0': must be greater than 0"),
+    ("hurst --pairs 2147483648", "10000"),
+    ("refinement --bandwidth 0.5", "--bandwidth = '0.5'"),
+    ("refinement --elements Hex3", "--elements = "),
+    (
+        "refinement --fem-points-per-wave 4,8",
+        "fem_points_per_wave = 4, 8: the limit of the finite elements needs",
+    ),
+    ("refinement --hurst 1.4", "--hurst = '1.4'"),
+    ("refinement --points-per-wave 8,4", "--points-per-wave = 8,4: must be positive and rising"),
+    ("refinement --points-per-wave 2,4", "needs three solves on two grids of at least 3 points per wave"),
+    ("refinement --shifts 1 --points-per-wave 3,4", "with shifts = 1 a limit over grids needs three solves"),
+    ("refinement --surfaces 1", "--surfaces = '1': must be greater than or equal to 2"),
+    ("scaling --grids 64,128", "at least 3"),
+    ("scaling --grids 128,64,256", "must be positive and rising"),
+    ("scaling --grids 8,16,32", "must be above L/lambda_long"),
+    ("scaling --surfaces 2147483648", "10000"),
+    *(
+        (f"{name} {options}", words)
+        for name in ("hurst", "pressure", "magnification", "theory-verdict")
+        for options, words in (
+            ("--points-per-wave 8,4", "--points-per-wave = 8,4: must be positive and rising"),
+            ("--points-per-wave 2,4", "with shifts = 2 a limit over grids needs three solves on two grids"),
+            ("--shifts 1 --points-per-wave 4,6", "with shifts = 1 a limit over grids needs three solves"),
+            ("--reduced-pressures 0,1", "must be greater than 0"),
+            ("--hurzt 4", "unknown option '--hurzt'; did you mean "),
+        )
+    ),
+]
+
+
+@pytest.mark.parametrize(("asked", "words"), REFUSED)
+def test_options_of_a_study_are_refused_by_name_before_anything_runs(asked, words):
+    name, *options = asked.split()
     with pytest.raises(UsageError) as caught:
-        find_study("refinement").parse(options.split())
+        find_study(name).parse(options)
     assert words in str(caught.value)
 
 

@@ -34,10 +34,7 @@ from validation.scenes.surfaces import spectrum_of
 from validation.scenes.tables import SelfAffineSurface
 from validation.scenes.topography.reading import read_topography
 from validation.scenes.topography.writing import write_topography
-from validation.studies import (
-    graded,
-    magnification,
-)
+from validation.studies import graded, magnification
 
 SOFT = Solid(young=1.0, poisson=0.0)
 

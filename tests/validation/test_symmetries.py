@@ -94,13 +94,19 @@ def assert_scaled(before, after, length, pressure):
             np.testing.assert_allclose(after[name], factor * values, rtol=1e-9, err_msg=name)
 
 
-@pytest.mark.parametrize(("length", "pressure"), [(2.0**20, 1.0), (1.0, 2.0**-30), (2.0**-10, 2.0**20)])
-def test_every_number_scales_by_its_unit(tmp_path, length, pressure):
-    def data(name, long, stiff):
-        yields = [{"kind": "hardness", "hardness": 1.5e5 * stiff}]
-        return run_of(scaled_tables(long, stiff, "ensemble", effects=yields), tmp_path, name).data
+def yielding(folder, length, pressure):
+    yields = [{"kind": "hardness", "hardness": 1.5e5 * pressure}]
+    return run_of(scaled_tables(length, pressure, "ensemble", effects=yields), folder).data
 
-    assert_scaled(data("before", 1.0, 1.0), data("after", length, pressure), length, pressure)
+
+@pytest.fixture(scope="module")
+def in_si(tmp_path_factory):
+    return yielding(tmp_path_factory.mktemp("si"), 1.0, 1.0)
+
+
+@pytest.mark.parametrize(("length", "pressure"), [(2.0**20, 1.0), (1.0, 2.0**-30), (2.0**-10, 2.0**20)])
+def test_every_number_scales_by_its_unit(in_si, tmp_path, length, pressure):
+    assert_scaled(in_si, yielding(tmp_path, length, pressure), length, pressure)
 
 
 def test_every_number_of_a_sweep_scales_by_its_unit(tmp_path):
@@ -139,23 +145,29 @@ TURNED = {
 }
 
 
-@pytest.mark.parametrize("turn", TURNED)
-def test_no_number_knows_how_axes_were_laid(tmp_path, turn):
+def laid(folder, turn):
+    """What is said of a rough map, turned."""
     rough = random_surface(
         lambda q: q**-3.6, q_short=2 * np.pi / 2.5e-6, lengths=(20e-6, 10e-6), shape=(32, 20), seed=5
     )
+    heights = turn(rough.heights) * (0.05 / rough.rms_gradient)
+    np.save(folder / "map.npy", heights)
+    turned = slice(None, None, -1 if heights.shape[0] < heights.shape[1] else 1)
+    surface = {"kind": "file", "path": "map.npy", "length": ["20 um", "10 um"][turned], "unit": 1.0}
+    surface |= {"tilt": "keep", "edges": "periodic", "missing": "refuse"}
+    grids = [grid[turned] for grid in ([64, 40], [96, 60])]
+    methods = {"bem": {"grids": grids, "tolerance": 1e-11}, "theory": {}}
+    return run_of(tables("passing", surface=surface, methods=methods), folder).data
 
-    def run(heights, name):
-        swapped = heights.shape[0] < heights.shape[1]
-        np.save(tmp_path / f"{name}.npy", heights * (0.05 / rough.rms_gradient))
-        turned = slice(None, None, -1 if swapped else 1)
-        surface = {"kind": "file", "path": f"{name}.npy", "length": ["20 um", "10 um"][turned], "unit": 1.0}
-        grids = [grid[turned] for grid in ([64, 40], [96, 60])]
-        methods = {"bem": {"grids": grids, "tolerance": 1e-11}, "theory": {}}
-        surface |= {"tilt": "keep", "edges": "periodic", "missing": "refuse"}
-        return run_of(tables("passing", surface=surface, methods=methods), tmp_path, name).data
 
-    plain, other = run(rough.heights, "plain"), run(TURNED[turn](rough.heights), turn)
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory):
+    return laid(tmp_path_factory.mktemp("plain"), lambda heights: heights)
+
+
+@pytest.mark.parametrize("turn", TURNED)
+def test_no_number_knows_how_axes_were_laid(plain, tmp_path, turn):
+    other = laid(tmp_path, TURNED[turn])
     # Statistics of a patch look at no neighbours across its edges, which rolling moves.
     of_patch = {"slope_kurtosis", "steep_share", "summit_density", "summit_curvature", "summit_height"}
     numerical = {"residual", "residual_finest"} | (of_patch if turn == "rolled" else set())

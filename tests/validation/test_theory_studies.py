@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from gold.asked import STUDIES
 from planted import edge_data
 
 from validation.errors import UsageError
@@ -12,7 +11,7 @@ from validation.execution.outputs import show
 from validation.execution.results import write_results
 from validation.measurements.common import base_case, base_surface, persson_area
 from validation.measurements.load_path import moved_shares
-from validation.studies import find_study, hurst, magnification, pressure, theory_verdict
+from validation.studies import find_study, hurst, pressure, theory_verdict
 from validation.studies._outputs import study_page
 from validation.theories import Rough
 from validation.theories.asperities import BushGibsonThomas
@@ -20,8 +19,8 @@ from validation.theories.persson_variants import persson_variants
 from validation.theories.predicted import COMPARED
 
 
-def test_hurst_study_reports_change_by_surface_and_finds_the_bandwidth_of_equal_nayak(bench):
-    data = hurst.run(hurst.Options(**STUDIES["hurst of equal Nayak parameter"]), bench=bench)
+def test_hurst_study_reports_change_by_surface_and_finds_the_bandwidth_of_equal_nayak(numbers):
+    data = numbers("hurst of equal Nayak parameter")
     assert data.family.values.tolist() == ["bandwidth 2", "alpha 2.2"]
     assert np.ptp(data.bandwidth.values[0]) == 0 < np.ptp(data.bandwidth.values[1])
     change = data.kappa_each.isel(hurst=-1) / data.kappa_each.isel(hurst=0) - 1
@@ -35,8 +34,8 @@ def test_an_impossible_nayak_parameter_is_refused_by_name(bench):
         hurst.run(hurst.Options(equal_nayak=1.2), bench=bench)
 
 
-def test_magnification_ends_at_the_theory_of_the_whole_surface(bench):
-    data = magnification.run(magnification.Options(**STUDIES["magnification"]), bench=bench)
+def test_magnification_ends_at_the_theory_of_the_whole_surface(numbers):
+    data = numbers("magnification")
     area, theory = data.area_each.isel(load=0), data.area_persson_each.isel(load=0, magnification=-1)
     np.testing.assert_allclose(theory, persson_area(0.05), rtol=1e-9)
     assert np.all(area.isel(magnification=0) > area.isel(magnification=-1))
@@ -60,8 +59,8 @@ def test_the_slope_at_zero_is_scored_against_every_variant():
 
 
 @pytest.fixture(scope="module")
-def scored(bench):
-    return theory_verdict.run(theory_verdict.Options(**STUDIES["theory-verdict"]), bench=bench)
+def scored(numbers):
+    return numbers("theory-verdict")
 
 
 def test_every_quantity_of_the_theory_is_scored_and_full_contact_is_no_comparison_but_of_the_area(scored):
@@ -86,8 +85,8 @@ def test_a_report_lists_what_is_uncertain_and_writes_it_as_csv(scored, tmp_path)
     assert (tmp_path / "budget.csv").read_text().startswith("number,value,for this spectrum")
 
 
-def test_the_pressure_study_says_from_where_on_the_distributions_move(bench):
-    data = pressure.run(pressure.Options(**STUDIES["pressure"]), bench=bench)
+def test_the_pressure_study_says_from_where_on_the_distributions_move(numbers):
+    data = numbers("pressure")
     claim = next(one for one in pressure.views(data).findings if one.by == "moved_stress_beyond")
     assert claim.outcomes[-1] == "+"
     # Were all loads alike, none would have moved.
@@ -97,8 +96,8 @@ def test_the_pressure_study_says_from_where_on_the_distributions_move(bench):
     assert set(claim.outcomes) <= {"0", "-"}
 
 
-def test_the_ladders_of_the_hurst_study_keep_phases_and_area(bench):
-    data = hurst.run(hurst.Options(**STUDIES["hurst"]), bench=bench)
+def test_the_ladders_of_the_hurst_study_keep_phases_and_area(numbers):
+    data = numbers("hurst")
     assert np.all(data.nayak_by_bandwidth[:, 0] < data.nayak_by_bandwidth[:, 1])
     assert data.order_by_bandwidth.values == pytest.approx([1.4, 0.4], rel=1e-12)
     # The first rung of the bandwidth ladder is the study's own spectrum: the same surfaces on the same grids,
@@ -111,20 +110,3 @@ def test_the_ladders_of_the_hurst_study_keep_phases_and_area(bench):
     row = dict(zip(budget.columns, budget.rows[0], strict=True))
     assert row["bandwidth [%]"] not in ("does not enter", "not measured")
     assert row["for any [%]"] >= row["for this spectrum and period [%]"] > 0
-
-
-@pytest.mark.parametrize("name", ["hurst", "pressure", "magnification", "theory-verdict"])
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ("--points-per-wave 8,4", "--points-per-wave = 8,4: must be positive and rising"),
-        ("--points-per-wave 2,4", "with shifts = 2 a limit over grids needs three solves on two grids"),
-        ("--shifts 1 --points-per-wave 4,6", "with shifts = 1 a limit over grids needs three solves"),
-        ("--reduced-pressures 0,1", "must be greater than 0"),
-        ("--hurzt 4", "unknown option '--hurzt'; did you mean "),
-    ],
-)
-def test_options_are_refused_by_name_before_anything_runs(name, options, words):
-    with pytest.raises(UsageError) as caught:
-        find_study(name).parse(options.split())
-    assert words in str(caught.value)

@@ -329,10 +329,10 @@ def test_several_maps_of_a_surface_are_an_ensemble(tmp_path):
     """Its mean is that of the maps pressed one by one, each under p* by its own gradient."""
     for name, seed in (("a", 31), ("b", 32), ("c", 33)):
         np.save(tmp_path / f"{name}.npy", patch(40, seed=seed) * 1e9)
-    head = SCENE[: SCENE.index("[methods.bem]")] + "[methods.bem]\ngrids = [80, 120]\n"
+    head = SCENE[: SCENE.index("[methods.bem]")] + "[methods.bem]\ngrids = [56, 80]\n"
     head = head.format(path="{path}", length='length = "10 um"\nunit = "nm"\n{more}')
     more = 'more_paths = ["b.npy", "c.npy"]\ntreatment = false'
-    ensemble = "[ensemble]\nrealisations = {}\ngrids = [80, 120]\n"
+    ensemble = "[ensemble]\nrealisations = {}\ngrids = [56, 80]\n"
     scene = tmp_path / "all.toml"
     scene.write_text(head.format(path="a.npy", more=more) + ensemble.format(3))
     data = run_scene(load_scene(str(scene)), tmp_path / "all").data

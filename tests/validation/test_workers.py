@@ -265,7 +265,7 @@ def test_what_is_no_scheduler_is_given_up_in_time_and_in_one_line(tmp_path, monk
     pytest.importorskip("distributed")
     from validation.execution import cluster as module
 
-    monkeypatch.setattr(module, "_CONNECTS_WITHIN", 2.0)
+    monkeypatch.setattr(module, "_CONNECTS_WITHIN", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as server:
 
         def answer():

@@ -53,12 +53,7 @@ def test_a_set_that_returns_is_a_cycle_unless_nothing_is_violated(
     start = np.zeros((4, 4), dtype=bool)
     start[0] = True
     found = solve_contact(
-        bumpy_block(),
-        load=0.1,
-        offset=0.0,
-        start=start,
-        **LIMITS,
-        violation=lambda *_: violation,
+        bumpy_block(), load=0.1, offset=0.0, start=start, **LIMITS, violation=lambda *_: violation
     )
     assert found.status is status
     assert found.iterations < 6

@@ -53,8 +53,7 @@ def test_one_row_of_nodes_is_plane_strain() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "poisson"),
-    [("Hex1", 0.3), ("Hex1/P0", 0.45), pytest.param("Hex2", 0.3, marks=pytest.mark.slow)],
+    ("name", "poisson"), [("Hex1", 0.3), ("Hex1/P0", 0.45), pytest.param("Hex2", 0.3, marks=pytest.mark.slow)]
 )
 def test_edge_constant_makes_the_counted_area_right_on_average(name: str, poisson: float) -> None:
     excess, fraction, places = [], [], 16

@@ -321,11 +321,7 @@ def test_each_solver_of_the_full_system_is_named():
 
 @pytest.mark.parametrize(
     "options",
-    [
-        {},
-        {"element": "Hex2"},
-        {"modulus": lambda x, y, z: 1 + 0.1 * np.cos(2 * np.pi * x) + 0 * z},
-    ],
+    [{}, {"element": "Hex2"}, {"modulus": lambda x, y, z: 1 + 0.1 * np.cos(2 * np.pi * x) + 0 * z}],
     ids=["trilinear", "triquadratic", "sideways"],
 )
 def test_the_estimate_holds_the_memory_that_is_used(options):

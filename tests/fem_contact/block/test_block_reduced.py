@@ -164,8 +164,7 @@ def test_faint_and_steep_roughness_on_prime_grids_is_solved(slope: float, shape:
 def test_impossible_modulus_is_refused(bad: float) -> None:
     with pytest.raises(InvalidInput, match="modulus: 1 of"):
         press(
-            rough((10, 10)),
-            modulus=lambda x, y, z: np.where((x < 1e-6) & (y < 1e-6) & (z > -1e-6), bad, 1.0),
+            rough((10, 10)), modulus=lambda x, y, z: np.where((x < 1e-6) & (y < 1e-6) & (z > -1e-6), bad, 1.0)
         )
 
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from small_scene import OBLONG, small_scene
 
-__all__ = ["ACCURATE", "COMPARED", "LADDERS", "ROUNDING", "SCENES", "STUDIES", "UNSTEADY"]
-
 _ROUGH = {"periods": 2.0, "bandwidth": 2.0, "points_per_wave": (4.0, 6.0, 8.0), "seed": 61}
 _LADDERS = {
     "ladder_hursts": (0.3, 0.8),
@@ -307,9 +305,7 @@ SCENES: dict[str, tuple[str, tuple[str, ...]]] = {
 #: Run to this accuracy.
 ACCURATE = {"scene to an accuracy": 0.1}
 #: Runs put side by side.
-COMPARED = {
-    "compare of two runs": ("scene plain", "scene of another Hurst exponent"),
-}
+COMPARED = {"compare of two runs": ("scene plain", "scene of another Hurst exponent")}
 #: Places that two runs do not share, by entry: times, memory of the machine, and what follows from them.
 UNSTEADY: dict[str, tuple[str, ...]] = {
     "*": (

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import lzma
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from fnmatch import fnmatch
 from importlib.metadata import version
 from pathlib import Path
@@ -28,18 +28,6 @@ from validation.report.table import budget_table
 from validation.scenes.scene import load_scene
 from validation.studies import Study, StudyOptions, find_study
 
-__all__ = [
-    "FOLDER",
-    "compute",
-    "machine",
-    "new_numbers",
-    "numbers_of",
-    "of_dataset",
-    "options_of",
-    "read",
-    "write",
-]
-
 FOLDER = Path(__file__).parent / "stored"
 #: Longer arrays are stored as every k-th value, their sum and the sum of their squares.
 _WHOLE = 1000
@@ -48,6 +36,8 @@ _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
 
 #: A place such as "data.kappa" or "table.p*", and what is there: dims, numbers or words.
 Record = dict[str, dict[str, Any]]
+#: Numbers of a study by the name of its entry.
+Known = Callable[[str], xr.Dataset]
 
 
 def machine() -> dict[str, str]:
@@ -66,21 +56,26 @@ def options_of(name: str, folder: Path, **changed: Any) -> tuple[Study, StudyOpt
     return study, study.options(**told), LADDERS if name.endswith("with ladders") else {}
 
 
-def new_numbers(study: Study, options: StudyOptions, bench: Bench) -> xr.Dataset:
+def new_numbers(name: str, bench: Bench, folder: Path) -> xr.Dataset:
     """Return the numbers of a study; views are made from them."""
-    return study.compute(options, bench=bench)
+    study, options, small = options_of(name, folder)
+    with patch.dict(Ladders.__init__.__kwdefaults__, small):
+        return study.compute(options, bench=bench)
 
 
-def compute(name: str, bench: Bench, folder: Path) -> tuple[Record, xr.Dataset]:
-    """Compute an entry anew: its record, and the dataset in which renamed numbers are looked up."""
+def compute(
+    name: str, bench: Bench, folder: Path, *, known: Known | None = None
+) -> tuple[Record, xr.Dataset]:
+    """Return the record of an entry, and the dataset in which renamed numbers are looked up.
+
+    It is computed anew, but for the numbers of a study that `known` has.
+    """
     if name not in STUDIES:
         from gold.scenes import of_scene
 
         return of_scene(name, bench, folder)
-    study, options, small = options_of(name, folder)
-    with patch.dict(Ladders.__init__.__kwdefaults__, small):
-        data = new_numbers(study, options, bench)
-    record = dict(_of_dataset("data", data))
+    data = known(name) if known else new_numbers(name, bench, folder)
+    record, study = dict(_of_dataset("data", data)), find_study(name.partition(" ")[0])
     shown = study.views(data)
     if shown.table is not None:
         table = shown.table.of(data)

@@ -18,8 +18,6 @@ from validation.execution.bench import Bench
 from validation.execution.results import read_results
 from validation.scenes.sweep import Sweep, load_asked
 
-__all__ = ["of_scene"]
-
 
 def of_scene(name: str, bench: Bench, folder: Path) -> tuple[Record, xr.Dataset]:
     """Run what an entry asks for as the command line does, and read what it left."""

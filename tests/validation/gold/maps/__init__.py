@@ -25,8 +25,6 @@ from typing import Any
 
 import xarray as xr
 
-__all__ = ["Look", "maps_of"]
-
 #: Another place, a variable of the new dataset, or a function of that dataset.
 Look = str | Callable[[xr.Dataset], Any]
 
