@@ -60,12 +60,11 @@ def distance(wall: Wall, pressure: float, sign: float, name: str) -> Callable[[A
                 raise InvalidInput(
                     f"{name}(V): must give a stress that is not negative for every V of an array"
                 )
-            return sign * pressure + limit if sign > 0 else limit - pressure
+            return sign * pressure + limit
 
         return moving
     limit = within(name, wall, 0, math.inf, interval="[0, inf]", unit="Pa")
-    gap = pressure + limit if sign > 0 else limit - pressure
-    return lambda variance: np.full(np.shape(variance), gap)
+    return lambda variance: np.full(np.shape(variance), sign * pressure + limit)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -29,14 +29,14 @@ from persson._checks import (
     whole,
     within,
 )
-from persson.diffusion import Diffusion, Wall, diffuse_once
+from persson.diffusion import Diffusion, diffuse_once
 from persson.errors import InvalidInput, NotConverged, OutsideTheory
 from persson.interface import Interface as Interface
 from persson.interface import closing_work as closing_work
 from persson.interface import crossover_length as crossover_length
 from persson.interface import detachment_stress as detachment_stress
 from persson.interface import opening_work as opening_work
-from persson.scale import Scale
+from persson.scale import Scale, of_variance
 from persson.spectrum import area_factor
 
 #: Spacing of the nodes in ln V and in ln q, on the coarse and on the fine level.
@@ -249,13 +249,12 @@ def solve_adhesion(
     pressure = scalar("pressure", pressure, unit="Pa")
     if pressure < 0 and scale.spectrum.q_min == 0:
         raise InvalidInput("q_min = 0: under tension the size L of the sample matters; give q_min = 2 pi / L")
-    reference = float(scale.variance(scale.q_short))
     case = _Case(
         scale=scale,
         pressure=pressure,
         interface=interface,
         yield_stress=yield_stress,
-        reference=reference,
+        reference=float(scale.variance(scale.q_short)),
     )
     with in_proportion():
         if start is None and pressure <= 0:
@@ -316,10 +315,10 @@ def _iterate(
             if case.pressure > 0:
                 raise
             return _empty(case, nodes, count)
-        result = _result(case, nodes, state, count)
-        new_work = result.work
         if state.area[-1] < _LOST:
             return _empty(case, nodes, count)
+        result = _result(case, nodes, state, count)
+        new_work = result.work
         if case.pressure <= 0 and new_work[0] <= 0:
             failures += 1
             if failures > 2:
@@ -369,17 +368,11 @@ def _diffuse(case: _Case, nodes: _Nodes, work: Array, onset: float | None) -> Di
         return np.asarray(bare if strength is None else bare / (1 + bare / strength))
 
     hardness = case.yield_stress
-    wall: Wall
-    if callable(hardness):
-        of_q = hardness
-        wall = lambda variance: np.asarray(of_q(case.scale.wavevector(variance)))  # noqa: E731
-    else:
-        wall = hardness
     return diffuse_once(
         case.reference * np.exp(nodes.t),
         pressure=case.pressure,
         tensile_limit=tensile_limit,
-        yield_stress=wall,
+        yield_stress=of_variance(hardness, case.scale) if callable(hardness) else hardness,
         breaks=() if onset is None else (case.reference * math.exp(onset),),
         modes=48,
         step=0.3,

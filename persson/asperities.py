@@ -16,6 +16,7 @@ from scipy.optimize import brentq
 from scipy.special import binom, ellipe, ellipk, ellipkm1, gamma, pbdv
 
 from persson._checks import Array, instance, positive, real
+from persson._quadrature import gauss, panels
 from persson.errors import InvalidInput
 from persson.spectrum import Moments
 
@@ -212,7 +213,7 @@ def bush_gibson_thomas(separation: ArrayLike, *, moments: Moments, contact_modul
     # sqrt(k).
     k = t[:, None]
     one, three = tail_moment(1, threshold), tail_moment(1.5, threshold)
-    count = moments.m4 / moments.m2 / (8 * math.pi * math.sqrt(3))
+    count = nayak_asperities(moments).density
     scale = count * height / curvature
     area = math.pi * scale * np.sum(weights * shape_area * one / k, axis=(-2, -1))
     slope = math.sqrt(height * curvature)
@@ -229,10 +230,7 @@ def _summits() -> tuple[Array, Array, Array]:
 
     Their density is phi(T) (T^2 - y) exp(-y), with y = (w T)^2 < T^2.
     """
-    x, a = np.polynomial.legendre.leggauss(80)
-    t, wt = 6.5 * (1 + x), 6.5 * a
-    z, b = np.polynomial.legendre.leggauss(40)
-    w, ww = (1 + z) / 2, b / 2
+    (t, wt), (w, ww) = panels(np.array([0.0, 13.0]), 80), gauss(40)
     y = np.square(t[:, None] * w)
     density = np.exp(-0.5 * t * t)[:, None] / math.sqrt(2 * math.pi) * (t[:, None] ** 2 - y) * np.exp(-y)
     jacobian = 2 * t[:, None] ** 2 * w
@@ -323,13 +321,12 @@ def yielding_asperities(
 
 def _unyielded(t: Array, span: float) -> Array:
     """Int_t^(t + span) (x - t)^(3/2) phi(x) dx; x = t + w y^2 takes the root away."""
-    points, weights = np.polynomial.legendre.leggauss(160)
-    y = (1 + points) / 2
+    y, weights = gauss(160)
     width = np.minimum(span, np.maximum(_HIGHEST - t, 0.0))
     x = t[..., None] + width[..., None] * y * y
     with np.errstate(under="ignore"):
         density = np.exp(-0.5 * np.minimum(x * x, 1400.0)) / math.sqrt(2 * math.pi)
-    return np.asarray(width * width * np.sqrt(width) * ((y**4 * density) @ weights))
+    return np.asarray(2 * width * width * np.sqrt(width) * ((y**4 * density) @ weights))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -382,14 +379,13 @@ class FullerTabor:
         offset = np.asarray(d / unit)
         # Summits from d - 3/4 up stick; t = low + span u^2 removes the square root where they let go.
         low = np.clip((offset - 0.75) / h, -9.0, 9.0)
-        points, weights = np.polynomial.legendre.leggauss(240)
-        u = (1 + points) / 2
+        u, weights = gauss(240)
         span = 9.0 - low
         t = low[..., None] + span[..., None] * u * u
         x = _jkr_radius(h * t - offset[..., None])
         force = 4 / 3 * x * x * x - math.sqrt(8) * x * np.sqrt(x)
         density = np.exp(-0.5 * t * t) / math.sqrt(2 * math.pi)
-        total = span * ((density * force * u) @ weights)
+        total = 2 * span * ((density * force * u) @ weights)
         return np.asarray(self.asperities.density * self.contact_modulus * a * unit * total)[()]
 
     def pull_off(self) -> float:

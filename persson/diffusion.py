@@ -264,8 +264,7 @@ def _integrate(problem: Problem, outputs: Array, pieces: Pieces, *, largest: flo
     moving = t_out > pieces.start
     grid = make_grid(problem, pieces, t_out[moving], largest)
     history = _run(problem, reference, grid, modes)
-    nodes = np.concatenate([[pieces.start], grid.ends]) if grid.steps.size else np.empty(0)
-    where = np.searchsorted(nodes, t_out[moving] - 1e-12) if nodes.size else np.empty(0, dtype=int)
+    where = np.searchsorted(np.append(pieces.start, grid.ends), t_out[moving] - 1e-12)
     count = outputs.size
     windows, coefficients = np.full((count, 2), np.nan), np.zeros((count, modes))
     ledger = np.zeros((count, 4))

@@ -9,9 +9,10 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
 from persson._checks import Array, in_proportion, instance, positive, real, within
+from persson._quadrature import panels
 from persson.elastic import contact_area, non_contact_area
 from persson.scale import Scale
-from persson.separation import opening_integral, panels
+from persson.separation import opening_integral
 
 #: Intervals of V over which area leaves contact, on each side of half of the whole variance.
 _INTERVALS = 120

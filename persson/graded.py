@@ -19,6 +19,7 @@ from persson._checks import (
     real,
     returned,
 )
+from persson._quadrature import panels
 from persson.errors import InvalidInput
 
 
@@ -74,16 +75,14 @@ class GradedModulus:
     def __call__(self, wavevector: ArrayLike) -> Array:
         """E~*(q) [Pa] for wavevectors [1/m]."""
         q = checked_wavevectors(wavevector)
-        points, weights = np.polynomial.legendre.leggauss(12)
         # Panels grow with depth: fine near the surface, where a thin layer may lie, and up to exp(-60).
-        panels = np.concatenate([[0.0], np.geomspace(1e-9, 60.0, 80)])
+        nodes = np.concatenate([[0.0], np.geomspace(1e-9, 60.0, 80)])
         breaks = np.array(sorted(self.breaks))
         result = np.empty(q.size)
         for index, wave in enumerate(q.flat):
-            edges = np.unique(np.concatenate([panels, np.minimum(breaks * wave, 60.0)]))
-            x = edges[:-1, None] + np.diff(edges)[:, None] * (1 + points) / 2
-            values = returned("young(z)", self.young(x / wave), x.shape, unit="Pa") * np.exp(-x)
-            result[index] = np.sum((values @ weights) * np.diff(edges) / 2)
+            x, weights = panels(np.unique(np.append(nodes, np.minimum(breaks * wave, 60.0))), 12)
+            young = returned("young(z)", self.young(x / wave), x.shape, unit="Pa")
+            result[index] = np.sum(weights * young * np.exp(-x))
         return _plane_strain(result.reshape(q.shape), self.poisson)[()]
 
 

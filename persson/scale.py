@@ -58,16 +58,13 @@ class Scale:
         self.graded = callable(contact_modulus)
         if callable(contact_modulus):
             self._modulus = contact_modulus
-            moduli = non_negative("contact_modulus(q)", self.modulus(self._q), unit="Pa")
-            if moduli.shape != self._q.shape or np.any(moduli == 0):
+            if np.any(non_negative("contact_modulus(q)", self.modulus(self._q), unit="Pa") == 0):
                 raise InvalidInput("contact_modulus(q): must be positive at every wavevector")
-        else:
-            constant = positive("contact_modulus", contact_modulus, unit="Pa")
-            self._modulus = lambda q: np.full(np.shape(q), constant)
-        if self.graded:
             first = self._between(np.array([spectrum.q_min]), self._q[:1])
             self._variance = np.cumsum(np.concatenate([first, self._between(self._q[:-1], self._q[1:])]))
         else:
+            constant = positive("contact_modulus", contact_modulus, unit="Pa")
+            self._modulus = lambda q: np.full(np.shape(q), constant)
             self._variance = self.variance(self._q)
         keep = np.concatenate([[True], np.diff(self._variance) > 0]) & (self._variance > 0)
         if keep.sum() < 2:
@@ -119,3 +116,8 @@ class Scale:
             offset = q - self._origin
             q = self._origin + np.clip(offset - step, offset / 2, offset * 2)
         return np.where(wanted < self._first, self.q_min, np.minimum(q, self.q_short))[()]
+
+
+def of_variance(function: Callable[[Array], Array], scale: Scale) -> Callable[[Array], Array]:
+    """Return a function of q [1/m] as one of V(q) [Pa^2]."""
+    return lambda variance: np.asarray(function(scale.wavevector(variance)))

@@ -198,14 +198,13 @@ def _moving(
     ramp_moved = (alternate * ramp - stretch @ ramp, (alternate - 1) * ramp - shift @ ramp)
     h = 1e-6 * end
 
-    def rise(v: float) -> float:
+    def slope(wall: Callable[[float], float], v: float) -> float:
         low, high = max(v - h, 0.0), v + h
-        return max((above(high) - above(low)) / (high - low), 0.0)
+        return (wall(high) - wall(low)) / (high - low)
 
     def matrix(v: float) -> Array:
-        width, upper = below(v) + above(v), rise(v)
-        low, high = max(v - h, 0.0), v + h
-        both = upper + (below(high) - below(low)) / (high - low)
+        width, upper = below(v) + above(v), max(slope(above, v), 0.0)
+        both = upper + slope(below, v)
         result = np.zeros((modes + 1, modes + 1))
         result[:modes, :modes] = both / width * stretch - upper / width * shift
         diagonal = np.arange(modes)
@@ -234,7 +233,7 @@ def _moving(
             raise NotConverged(f"sine expansion: {solution.message}")
         state = solution.y[:, -1]
     plastic = float(state[-1])
-    density = 2 * rise(end) * plastic
+    density = 2 * max(slope(above, end), 0.0) * plastic
     return SineExpansion(
         amplitudes=state[:-1] - density * ramp,
         density_at_yield=density,

@@ -15,6 +15,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.special import erf, erfc, erfinv
 
 from persson._checks import Array, alike, choice, non_negative, real, shown, within
+from persson._quadrature import gauss
 from persson.elastic import KAPPA_PERSSON, contact_area
 from persson.errors import InvalidInput
 
@@ -181,21 +182,21 @@ def corrected_contact_area(pressure: ArrayLike, *, stress_variance: ArrayLike, v
 
 def _grown(x: Array, variant: Variant) -> Array:
     """Invert x = int_0^y dy' / S(erf(1/sqrt(2 y'))); below y = 1e-3 S is 1."""
-    points, weights = np.polynomial.legendre.leggauss(8)
+    points, weights = gauss(8)
 
     def rate(y: Array) -> Array:
         return np.asarray(1 / energy_factor(erf(1 / np.sqrt(2 * y)), variant=variant))
 
     low, high = _NODES[:-1, None], _NODES[1:, None]
-    inner = low + (high - low) * (1 + points) / 2
-    table = np.concatenate([_NODES[:1], _NODES[0] + np.cumsum((rate(inner) @ weights) * np.diff(_NODES) / 2)])
+    parts = (rate(low + (high - low) * points) @ weights) * np.diff(_NODES)
+    table = np.concatenate([_NODES[:1], _NODES[0] + np.cumsum(parts)])
     inside = np.clip(x, table[0], table[-1])
     y = np.exp(PchipInterpolator(np.log(table), np.log(_NODES))(np.log(inside)))
     index = np.clip(np.searchsorted(_NODES, y, side="right") - 1, 0, _NODES.size - 2)
     for _ in range(2):
         start = _NODES[index]
-        part = start[..., None] + (y - start)[..., None] * (1 + points) / 2
-        value = table[index] + (rate(part) @ weights) * (y - start) / 2
+        part = start[..., None] + (y - start)[..., None] * points
+        value = table[index] + (rate(part) @ weights) * (y - start)
         y = y + (inside - value) / rate(y)
     return np.where(x < table[0], x, np.where(x > table[-1], x * (y / inside), y))
 

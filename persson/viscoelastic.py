@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
 from persson._checks import Array, function, in_proportion, non_negative, positive, returned
+from persson._quadrature import panels
 from persson.errors import InvalidInput
 
 #: E-folds of frequency below the highest over which is summed, and in how many panels.
@@ -149,10 +150,7 @@ def _compliance_taken(loss_compliance: Callable[[Array], Array], *, highest: flo
     over `extent` e-folds of frequency below the `highest`, omega_1 [1/s].
     """
     # With z = ln(omega_1 / omega) the weight sqrt(1 - exp(-2 z)) starts like a root: z = y^2.
-    points, weights = np.polynomial.legendre.leggauss(6)
-    panel = math.sqrt(extent) / _PANELS
-    y = (panel * (np.arange(_PANELS)[:, None] + (1 + points) / 2)).ravel()
-    weights = np.tile(weights * panel / 2, _PANELS)
+    y, weights = panels(np.linspace(0.0, math.sqrt(extent), _PANELS + 1), 6)
     z = y**2
     loss = returned("loss_compliance", loss_compliance(highest * np.exp(-z)), z.shape, unit="1/Pa")
     return 2 / math.pi * float(np.sum(weights * 2 * y * np.sqrt(-np.expm1(-2 * z)) * np.abs(loss)))
