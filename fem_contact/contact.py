@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from enum import Enum
 from functools import partial
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,6 +99,18 @@ class Cost:
     linear_iterations: int = 0
     unknowns: int
     peak_bytes: int
+
+
+class Clock:
+    """Elapsed and processor time since it was made."""
+
+    def __init__(self) -> None:
+        self.began, self.processor = time.perf_counter(), time.process_time()
+
+    def cost(self, **counted: Any) -> Cost:
+        """Return what was counted as a cost, with the time."""
+        wall, cpu = time.perf_counter() - self.began, time.process_time() - self.processor
+        return Cost(wall_seconds=wall, cpu_seconds=cpu, **counted)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 import time
 from collections import deque
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from fem_contact import bem
 from fem_contact._checks import finite, instance, positive, pressures
 from fem_contact._types import Array
-from fem_contact.contact import ContactResult, Cost, Residuals, Status, measure_residuals
+from fem_contact.contact import Clock, ContactResult, Residuals, Status, measure_residuals
 from fem_contact.errors import InvalidInput
 from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
@@ -159,9 +159,7 @@ def slide(
     settings = Settings(
         tolerance=tolerance, max_iterations=max_iterations, time_limit=time_limit, threads=threads
     )
-    problem = _Problem.checked(
-        surface, solid, velocity=velocity, mean_pressure=mean_pressure, settings=settings
-    )
+    problem = _Problem(surface, solid, velocity=velocity, mean_pressure=mean_pressure, settings=settings)
     first = None if start is None else pressures("start", start, surface.shape)
     return _iterated(problem, first)
 
@@ -209,57 +207,36 @@ class _State:
     size: float
 
 
-@dataclass(kw_only=True)
 class _Problem:
     """Surface, solid, velocity and load, checked, with the response per wavevector."""
 
-    surface: HeightField
-    heights: Array
-    level: float
-    qx: Array
-    response: Complex
-    magnitude: Array
-    metric: _Magnitude
-    load: float
-    settings: Settings
-    clock: float = field(default_factory=time.perf_counter)
-    processor: float = field(default_factory=time.process_time)
-
-    @classmethod
-    def checked(
-        cls,
+    def __init__(
+        self,
         surface: HeightField,
         solid: ViscoelasticSolid,
         *,
         velocity: float,
         mean_pressure: float,
         settings: Settings,
-    ) -> _Problem:
-        """Refuse what no computation can start from."""
+    ) -> None:
+        self.clock = Clock()
         instance("surface", surface, HeightField)
         check_viscoelastic(solid)
         finite("velocity", velocity, unit="m/s")
         (nx, ny), (dx, dy) = surface.shape, surface.spacing
         qx = 2 * np.pi * scipy.fft.fftfreq(nx, dx)[:, None]
         qy = 2 * np.pi * scipy.fft.rfftfreq(ny, dy)[None, :]
-        response = _compliance(solid, qx, qy, velocity=velocity)
+        self.response = _compliance(solid, qx, qy, velocity=velocity)
         if nx % 2 == 0:
             # The shortest wave along x runs both ways at once.
-            response[nx // 2] = response[nx // 2].real
+            self.response[nx // 2] = self.response[nx // 2].real
         relaxed = float(np.real(solid.modulus(np.zeros(1))[0])) / (1 - solid.poisson**2)
-        metric = _Magnitude(solid=solid, velocity=velocity, contact_modulus=relaxed)
-        level = float(np.mean(surface.heights))
-        return cls(
-            surface=surface,
-            heights=surface.heights - level,
-            level=level,
-            qx=qx,
-            response=response,
-            magnitude=metric.compliance(qx, qy),
-            metric=metric,
-            load=positive("mean_pressure", mean_pressure, unit="Pa"),
-            settings=settings,
-        )
+        self.metric = _Magnitude(solid=solid, velocity=velocity, contact_modulus=relaxed)
+        self.magnitude = self.metric.compliance(qx, qy)
+        self.level = float(np.mean(surface.heights))
+        self.heights = surface.heights - self.level
+        self.load = positive("mean_pressure", mean_pressure, unit="Pa")
+        self.surface, self.settings, self.qx = surface, settings, qx
 
     def forward(self, values: Array) -> Complex:
         """Fourier coefficients on half of the wavevectors."""
@@ -372,9 +349,7 @@ class _Problem:
             status=status,
             tolerance=self.settings.tolerance,
             residuals=state.residuals,
-            cost=Cost(
-                wall_seconds=time.perf_counter() - self.clock,
-                cpu_seconds=time.process_time() - self.processor,
+            cost=self.clock.cost(
                 **counted,
                 unknowns=state.gap.size,
                 peak_bytes=inner.cost.peak_bytes + arrays,

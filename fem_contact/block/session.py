@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cache, cached_property
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, Literal, Unpack
@@ -29,11 +28,16 @@ from fem_contact.block.elements import element_for
 from fem_contact.block.mesh import BlockMesh, MeshOptions, nodal_pressure, node_weights, plan_mesh
 from fem_contact.block.problem import Answer, Problem
 from fem_contact.block.reduced.fields import FourierSource
-from fem_contact.block.reduced.surface import BlockResponse, solve_reduced, surface_operator
+from fem_contact.block.reduced.surface import (
+    BlockResponse,
+    solve_reduced,
+    solve_reduced_offset,
+    surface_operator,
+)
 from fem_contact.block.solution import ArraySource, BlockSolution, FieldSource
 from fem_contact.complementarity.direct import SLACK
 from fem_contact.complementarity.fourier import FourierOperator
-from fem_contact.contact import ContactResult, Cost, Status, measure_residuals
+from fem_contact.contact import Clock, ContactResult, Status, measure_residuals
 from fem_contact.errors import InvalidInput
 from fem_contact.settings import available_processors
 from fem_contact.solid import Solid
@@ -100,21 +104,11 @@ def needed_bytes(mesh: BlockMesh, method: Method, *, lateral: bool = False) -> i
     return _BYTES_PER_NODE[mesh.element.order] * mesh.shape[0] * mesh.shape[1]
 
 
-@dataclass(kw_only=True)
 class Session:
     """What all solves of one surface on one block share: the block's grids or its surface's operator."""
 
-    surface: HeightField
-    solid: Solid
-    problem: Problem
-    method: Method
-    width: float
-    top: float
-    began: tuple[float, float] = field(default_factory=lambda: (time.perf_counter(), time.process_time()))
-
-    @classmethod
-    def checked(
-        cls,
+    def __init__(
+        self,
         surface: HeightField,
         solid: Solid,
         *,
@@ -124,9 +118,8 @@ class Session:
         max_iterations: int | None = None,
         pressure_bound: float | Array | None = None,
         **options: Unpack[MeshOptions],
-    ) -> Session:
-        """Refuse what no computation can start from."""
-        began = time.perf_counter(), time.process_time()
+    ) -> None:
+        self.clock = Clock()
         instance("surface", surface, HeightField)
         instance("solid", solid, Solid)
         check_method(method)
@@ -134,8 +127,8 @@ class Session:
         if max_iterations is not None:
             whole("max_iterations", max_iterations, least=1, most=10**7)
         mesh = planned_mesh(surface.shape, surface.lengths, poisson=solid.poisson, options=options)
-        width, top = surface.lengths[0] / mesh.cells[0], float(np.max(surface.heights))
-        moduli = _cell_moduli(modulus, mesh, width)
+        self.width, self.top = surface.lengths[0] / mesh.cells[0], float(np.max(surface.heights))
+        moduli = _cell_moduli(modulus, mesh, self.width)
         lateral = moduli is not None and moduli.shape[:2] != (1, 1)
         if lateral:
             # Columns that differ have no waves of their own: nothing can be eliminated.
@@ -152,9 +145,10 @@ class Session:
         if pressure_bound is not None:
             pressure_bound = bound_of("pressure_bound", pressure_bound, surface.shape) / solid.young
             pressure_bound = np.array(np.broadcast_to(pressure_bound, surface.shape))
-        problem = Problem(
+        self.surface, self.solid, self.method = surface, solid, method
+        self.problem = Problem(
             mesh=mesh,
-            heights=(surface.heights - top) / width,
+            heights=(surface.heights - self.top) / self.width,
             poisson=solid.poisson,
             pressure=None,
             offset=None,
@@ -163,9 +157,6 @@ class Session:
             tolerance=tolerance,
             steps=max_iterations or (_SETS if method == "full" else _STEPS),
             bound=pressure_bound,
-        )
-        return cls(
-            surface=surface, solid=solid, problem=problem, method=method, width=width, top=top, began=began
         )
 
     def at_pressure(self, mean_pressure: float, start: Mask | BlockSolution | None) -> BlockSolution:
@@ -201,8 +192,6 @@ class Session:
         elif self.method == "full":
             answer = self._find(problem, None)
         else:
-            from fem_contact.block.reduced.surface import solve_reduced_offset
-
             answer = solve_reduced_offset(problem, self.response, self.operator)
         return self._dressed(answer, target=None)
 
@@ -241,7 +230,7 @@ class Session:
 
     def _dressed(self, answer: Answer, *, target: float | None) -> BlockSolution:
         contact = self._result(answer, target=target)
-        self.began = time.perf_counter(), time.process_time()
+        self.clock = Clock()
         if answer.field is not None:
             source: FieldSource = ArraySource(
                 field=answer.field * self.width, order=self.problem.mesh.element.order
@@ -287,9 +276,7 @@ class Session:
                 at_bound=answer.at_bound,
                 weights=weights,
             ),
-            cost=Cost(
-                wall_seconds=time.perf_counter() - self.began[0],
-                cpu_seconds=time.process_time() - self.began[1],
+            cost=self.clock.cost(
                 iterations=answer.iterations,
                 fft_pairs=answer.fft_pairs,
                 linear_iterations=answer.linear_iterations,

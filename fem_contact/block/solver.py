@@ -131,7 +131,7 @@ def solve(
     mean_pressure = positive("mean_pressure", mean_pressure, unit="Pa")
     if start is not None:
         instance("start", start, np.ndarray, what="an array of bool with the surface's shape")
-    session = Session.checked(
+    session = Session(
         surface,
         solid,
         method=method,
@@ -166,7 +166,7 @@ def solve_displacement(
     InvalidInput, InsufficientMemory
         As in `solve`.
     """
-    return Session.checked(surface, solid, **options).at_offset(offset)
+    return Session(surface, solid, **options).at_offset(offset)
 
 
 def solve_path(
@@ -191,7 +191,7 @@ def solve_path(
         One per load, as soon as it is found.
     """
     loads = positives("mean_pressures", mean_pressures, unit="Pa")
-    session = Session.checked(surface, solid, **options)
+    session = Session(surface, solid, **options)
     return _path(session, loads)
 
 
