@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact._checks import finite, listed, samples, truth, whole
-from fem_contact.contact import ContactResult, check_result
+from fem_contact.contact import ContactResult, check_result, weights_of
 from fem_contact.errors import InvalidInput
 from fem_contact.height_traits import height_traits
 
@@ -202,7 +202,7 @@ def contact_areas(
     dx, dy = result.spacing
     across_x = int(np.count_nonzero(contact != np.roll(contact, 1, axis=0)))
     across_y = int(np.count_nonzero(contact != np.roll(contact, 1, axis=1)))
-    pixel = float(np.mean(contact if result.weights is None else contact * result.weights))
+    pixel = float(np.mean(contact * weights_of(result)))
     fraction = (across_x + across_y) / contact.size
     edges = contact_edges(result)
     return ContactAreas(

@@ -208,7 +208,7 @@ class ContactResult:
         dx, dy = self.spacing
         mean_wavevector = float(np.mean(np.hypot(np.pi / dx * middles[:, None], np.pi / dy * middles)))
         least = 0.5 * self.contact_modulus * mean_wavevector * lift
-        weights = 1.0 if self.weights is None else self.weights
+        weights = weights_of(self)
         surely = self.in_contact & ((self.pressure > least) | self.at_bound)
         maybe = self.in_contact | (self.gap < lift)
         return float(np.mean(weights * surely)), float(np.mean(weights * maybe))
@@ -233,6 +233,11 @@ class ContactResult:
 
 #: Gaps, in tolerances times h_rms, within which a point may change sides before the solve is exact.
 _UNDECIDED = 10.0
+
+
+def weights_of(result: ContactResult) -> Array:
+    """Return the area carried by each point over the mean cell area, 1 where all are alike."""
+    return np.broadcast_to(1.0, result.shape) if result.weights is None else result.weights
 
 
 def check_result(name: str, result: object) -> None:

@@ -215,13 +215,6 @@ def waves_up(poisson: float, shear: float | Array, x: Array) -> tuple[Array, Arr
     return MIRROR @ displacement, -MIRROR @ stress
 
 
-def at_top(poisson: float, shear: float | Array, across: Array, reflection: Array) -> tuple[Array, Array]:
-    """Displacement and stress at the top of a layer, per amplitude of what decays downwards."""
-    decay = np.exp(-across)[:, None, None]
-    down, up = waves_down(poisson, shear, np.zeros_like(across)), waves_up(poisson, shear, across)
-    return down[0] + up[0] @ reflection * decay, down[1] + up[1] @ reflection * decay
-
-
 def impedance_of(displacement: Array, stress: Array) -> Array:
     """Z of stress = Z displacement, for both waves."""
     turned = (np.swapaxes(part, -1, -2) for part in (displacement, stress))
@@ -243,13 +236,14 @@ def upwards(
     condition = sliding if base == "frictionless" else bonded
     for k in reversed(range(len(thicknesses))):
         across, nu, modulus = q * thicknesses[k], poisson[k], shear[k]
+        reflection, top = np.zeros((q.size, 2, 2)), waves_down(nu, modulus, 0 * q)
         if np.all(np.isfinite(across)):
+            decay = np.exp(-across)[:, None, None]
             down, up = waves_down(nu, modulus, across), waves_up(nu, modulus, 0 * across)
             down_missed, up_missed = (condition[0] @ u + condition[1] @ s for u, s in (down, up))
-            reflection = -np.linalg.solve(up_missed, down_missed) * np.exp(-across)[:, None, None]
-            top = at_top(nu, modulus, across, reflection)
-        else:
-            reflection, top = np.zeros((q.size, 2, 2)), waves_down(nu, modulus, 0 * q)
+            reflection = -np.linalg.solve(up_missed, down_missed) * decay
+            risen = waves_up(nu, modulus, across)
+            top = top[0] + risen[0] @ reflection * decay, top[1] + risen[1] @ reflection * decay
         yield reflection, top
         condition = (-impedance_of(*top), identity)
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fem_contact import bem
 from fem_contact._checks import bound, instance, non_negative
 from fem_contact._types import Array
-from fem_contact.contact import ContactResult, Cost, Status
+from fem_contact.contact import ContactResult, Cost, Status, weights_of
 from fem_contact.patches import find_patches
 from fem_contact.response import Response
 from fem_contact.settings import Limits
@@ -124,7 +124,7 @@ def yielded(contact: ContactResult) -> YieldedContact:
     """
     instance("contact", contact, ContactResult)
     # A point between two nodes of different area counts by its own.
-    weights = np.ones(contact.shape) if contact.weights is None else contact.weights
+    weights = weights_of(contact)
     load = weights * contact.pressure
     plastic = contact.at_bound
     elastic = contact.in_contact & ~plastic

@@ -27,16 +27,17 @@ from fem_contact._checks import finite, instance, positive, pressures
 from fem_contact._types import Array
 from fem_contact.contact import Clock, ContactResult, Residuals, Status, measure_residuals
 from fem_contact.errors import InvalidInput
-from fem_contact.settings import Settings
+from fem_contact.settings import Settings, inner_tolerance
 from fem_contact.surface import HeightField
+from fem_contact.surface.heights import wavevectors
 from fem_contact.viscoelastic import ViscoelasticSolid, check_viscoelastic
 
 Complex = NDArray[np.complex128]
 
 #: Steps that the acceleration remembers.
 _MEMORY = 5
-#: Tolerance of the elastic contact inside a step over the residual of the step, and its range.
-_INNER, _LOOSEST, _FINEST = 1e-1, 1e-3, 1e-13
+#: Tolerance of the elastic contact inside a step over the residual of the step.
+_INNER = 1e-1
 #: It needs not be met closer than this share of the tolerance of the whole.
 _INNER_FLOOR = 0.1
 #: FFT pairs of a step besides the elastic contact.
@@ -223,13 +224,12 @@ class _Problem:
         instance("surface", surface, HeightField)
         check_viscoelastic(solid)
         finite("velocity", velocity, unit="m/s")
-        (nx, ny), (dx, dy) = surface.shape, surface.spacing
-        qx = 2 * np.pi * scipy.fft.fftfreq(nx, dx)[:, None]
-        qy = 2 * np.pi * scipy.fft.rfftfreq(ny, dy)[None, :]
+        qx, qy = np.ix_(*wavevectors(surface.shape, surface.lengths))
         self.response = _compliance(solid, qx, qy, velocity=velocity)
-        if nx % 2 == 0:
+        middle, odd = divmod(surface.shape[0], 2)
+        if not odd:
             # The shortest wave along x runs both ways at once.
-            self.response[nx // 2] = self.response[nx // 2].real
+            self.response[middle] = self.response[middle].real
         relaxed = float(np.real(solid.modulus(np.zeros(1))[0])) / (1 - solid.poisson**2)
         self.metric = _Magnitude(solid=solid, velocity=velocity, contact_modulus=relaxed)
         self.magnitude = self.metric.compliance(qx, qy)
@@ -255,14 +255,13 @@ class _Problem:
 
     def pressed(self, heights: Array, *, start: Array | None, tolerance: float, settings: Settings) -> _State:
         """Press heights on |C|, and see what the viscoelastic response makes of the pressure."""
-        field_ = HeightField(heights=heights, lengths=self.surface.lengths)
-        share = self.surface.rms_height / field_.rms_height if field_.rms_height > 0 else 1.0
+        surface = HeightField(heights=heights, lengths=self.surface.lengths)
         contact = bem.solve(
-            field_,
+            surface,
             self.metric,
             mean_pressure=self.load,
             start=start,
-            tolerance=min(max(tolerance * share, _FINEST), _LOOSEST),
+            tolerance=inner_tolerance(tolerance, of=self.surface.rms_height, on=surface.rms_height),
             time_limit=settings.time_limit,
             threads=settings.threads,
         )

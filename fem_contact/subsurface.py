@@ -23,6 +23,7 @@ from fem_contact.response import Response, check_response
 from fem_contact.settings import Settings
 from fem_contact.sheets import Exponential, Layered, body_of
 from fem_contact.stress import von_mises
+from fem_contact.surface.heights import wavevectors
 
 #: Growth of the default depths from one to the next, and the deepest of them over the longer period.
 _GROWTH, _DEEPEST = 1.25, 1.0
@@ -276,9 +277,7 @@ class _Fields:
     def __init__(self, contact: ContactResult, body: Layered | Exponential, threads: int | None) -> None:
         self.body, self.shape = body, contact.shape
         self.threads = Settings(threads=threads).workers
-        (nx, ny), (dx, dy) = contact.shape, contact.spacing
-        qx = 2 * np.pi * scipy.fft.fftfreq(nx, dx)[:, None]
-        qy = 2 * np.pi * scipy.fft.rfftfreq(ny, dy)[None, :]
+        qx, qy = np.ix_(*wavevectors(contact.shape, contact.lengths))
         q = np.hypot(qx, qy)
         self.waves = scipy.fft.rfft2(contact.pressure, workers=self.threads)
         self.mean = contact.mean_pressure
@@ -291,7 +290,9 @@ class _Fields:
         unit = np.where(q > 0, q, 1.0)
         self.cos2, self.sin2 = (qx / unit) ** 2, (qy / unit) ** 2
         # A wave at the Nyquist limit runs both ways at once: what is odd in it vanishes on the grid.
-        self.cos, self.sin = _without_nyquist(qx, nx) / unit, _without_nyquist(qy, ny) / unit
+        self.cos, self.sin = (
+            _without_nyquist(part, n) / unit for part, n in zip((qx, qy), contact.shape, strict=True)
+        )
 
     def at(self, depth: float) -> AtDepth:
         """Sum the waves at one depth, and the mean."""

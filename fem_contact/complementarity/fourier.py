@@ -17,6 +17,7 @@ from fem_contact.complementarity.rows import Rows
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response
 from fem_contact.settings import available_processors
+from fem_contact.surface.heights import wavevectors
 
 Single = NDArray[np.float32]
 
@@ -64,13 +65,11 @@ class FourierOperator:
         gathered: Callable[..., Array] = lambda *values: np.array([values], dtype=float),
     ) -> None:
         """Evaluate the compliance at columns of the spectrum, and what depends on all of them."""
-        nx, ny = self.shape
-        qx = 2 * np.pi * scipy.fft.fftfreq(nx, lengths[0] / nx)
-        qy = 2 * np.pi * scipy.fft.rfftfreq(ny, lengths[1] / ny)[columns]
-        given = array("compliance", response.compliance(qx[:, None], qy[None, :]), power=2)
-        self.compliance = np.array(given)
-        if self.compliance.shape != (nx, qy.size):
-            self.compliance = np.full((nx, qy.size), -1.0)
+        qx, qy = wavevectors(self.shape, lengths)
+        qy = qy[columns]
+        self.compliance = np.array(array("compliance", response.compliance(*np.ix_(qx, qy)), power=2))
+        if self.compliance.shape != (qx.size, qy.size):
+            self.compliance = np.full((qx.size, qy.size), -1.0)
         # All but q = 0, which the first column has.
         positive = self.compliance.ravel()[int(not columns.start) :]
         valid = bool(np.all(positive > LEAST**2) and self.compliance[0, 0] >= 0)

@@ -89,17 +89,8 @@ class SlabIterationArrays(IterationArrays):
     the finer one, its 2 r rows by the one after and, third from that, the one before.
     """
 
-    def __init__(
-        self,
-        operator: SlabOperator,
-        heights: Array,
-        *,
-        bound: Array | None,
-        caution: float,
-        units: tuple[float, float] | None = None,
-        threads: int,
-    ) -> None:
-        super().__init__(operator, heights, bound=bound, caution=caution, units=units, threads=threads)
+    def __init__(self, operator: SlabOperator, heights: Array, *, threads: int, **options: Any) -> None:
+        super().__init__(operator, heights, threads=threads, **options)
         slabs = self.slabs = operator.slabs
         self.xp = SlabNumpy(slabs)
         self.count = slabs.shape[0] * slabs.shape[1]
@@ -118,13 +109,11 @@ class SlabIterationArrays(IterationArrays):
 
     def move(self, factor: float, shift: float) -> Errors:
         """Move the gap, and measure the conditions there."""
-        errors = super().move(factor, shift)
-        parts = self.slabs.gathered(*vars(errors).values())
-        total = dict(zip(vars(errors), parts.sum(axis=0).tolist(), strict=True))
-        names = list(vars(errors))
-        total["lowest"] = float(parts[:, names.index("lowest")].min())
-        total["highest"] = float(parts[:, names.index("highest")].max())
-        return Errors(**total)
+        names, values = zip(*vars(super().move(factor, shift)).items(), strict=True)
+        parts = dict(zip(names, self.slabs.gathered(*values).T, strict=True))
+        totals = {name: float(part.sum()) for name, part in parts.items()}
+        extremes = {"lowest": float(parts["lowest"].min()), "highest": float(parts["highest"].max())}
+        return Errors(**(totals | extremes))
 
     def _restore(self, toward: float) -> None:
         super()._restore(toward)

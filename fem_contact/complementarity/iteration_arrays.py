@@ -132,17 +132,8 @@ class IterationArrays:
     @property
     def nbytes(self) -> int:
         """Memory of the arrays, the heights included."""
-        fields = (
-            self.heights,
-            self.force,
-            self.displacement,
-            self.gap,
-            self.step,
-            self.image,
-            self.buffer,
-            self.working,
-        )
-        return sum(array.nbytes for array in (*fields, *self.top[0], *self.top[1]))
+        fields = self.heights, self.force, self.displacement, self.gap, self.step, self.image, self.buffer
+        return sum(array.nbytes for array in (*fields, self.working, *self.top[0], *self.top[1]))
 
     @property
     def load_unit(self) -> float:
@@ -159,16 +150,9 @@ class IterationArrays:
         else:
             self.operator.apply(self.force, self.displacement)
             self._afresh = self.displacement, 1 / self.length_unit
-        u, per_u = self._afresh
+        (u, per_u), per_h = self._afresh, 1 / self.length_unit
         total, moment = self.rows.add(
-            self.kernels.weigh,
-            self.force,
-            u,
-            self.heights,
-            self.bound,
-            self.load_unit,
-            per_u,
-            1 / self.length_unit,
+            self.kernels.weigh, self.force, u, self.heights, self.bound, self.load_unit, per_u, per_h
         )
         return total, moment
 
@@ -180,21 +164,9 @@ class IterationArrays:
 
     def move(self, factor: float, shift: float) -> Errors:
         """Move the gap by `factor` steps and a change of offset, and measure the conditions there."""
-        parts = self.coarse_rows.run(
-            self.kernels.move,
-            self.force,
-            self.gap,
-            self.step,
-            self.image,
-            self.bound,
-            factor,
-            shift,
-            self.load_unit,
-            self.stiffness,
-            self.working,
-            self.levels[0][0],
-            self.levels[1][0],
-        )
+        fields = self.force, self.gap, self.step, self.image, self.bound
+        units, level = (self.load_unit, self.stiffness), (self.levels[0][0], self.levels[1][0])
+        parts = self.coarse_rows.run(self.kernels.move, *fields, factor, shift, *units, self.working, *level)
         moments, totals, lowest, highest, free, last, images = zip(*parts, strict=True)
         return Errors(
             moment=sum(moments),
@@ -255,18 +227,8 @@ class IterationArrays:
 
     def trial(self, load: float, *, length: float, beta: float, shift: float) -> None:
         """Write the step to the clipped trial force of the prescribed sum."""
-        total, above, below = self.rows.add(
-            self.kernels.trial,
-            self.force,
-            self.buffer,
-            self.step,
-            self.working,
-            self.bound,
-            self.load_unit,
-            length,
-            beta,
-            shift,
-        )
+        fields = self.force, self.buffer, self.step, self.working, self.bound
+        total, above, below = self.rows.add(self.kernels.trial, *fields, self.load_unit, length, beta, shift)
         missing = load - total
         limit = total if self.bound is None else above if missing > 0 else below
         if self.bound is not None and abs(missing) > limit:
@@ -276,13 +238,7 @@ class IterationArrays:
 
     def _restore(self, toward: float) -> None:
         parts = self.rows.run(
-            self.kernels.restore,
-            self.force,
-            self.gap,
-            self.step,
-            self.bound,
-            self.load_unit,
-            toward,
+            self.kernels.restore, self.force, self.gap, self.step, self.bound, self.load_unit, toward
         )
         slopes, most = zip(*parts, strict=True)
         self.slope, self.most = sum(slopes), max(most)
@@ -318,14 +274,6 @@ class IterationArrays:
 
     def advance(self, factor: float) -> tuple[float, float]:
         """Move the force by `factor` steps; sum phi, and phi times the gap there before the offset moves."""
-        total, moment = self.rows.add(
-            self.kernels.advance,
-            self.force,
-            self.gap,
-            self.step,
-            self.image,
-            self.bound,
-            self.load_unit,
-            factor,
-        )
+        fields = self.force, self.gap, self.step, self.image, self.bound
+        total, moment = self.rows.add(self.kernels.advance, *fields, self.load_unit, factor)
         return total, moment

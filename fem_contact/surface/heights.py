@@ -133,7 +133,7 @@ class HeightField:
 
     def _power(self) -> tuple[Array, Array, Array]:
         """|h(q)|^2 [m^2] of half of the wavevectors, counted for both signs, and both components [1/m]."""
-        (nx, ny), (lx, ly) = self.shape, self.lengths
+        nx, ny = self.shape
         power = np.abs(scipy.fft.rfft2(self.heights, norm="forward")) ** 2
         # The half spectrum stands for both signs of q_y; the Nyquist waves of the interpolant are split in
         # two halves.
@@ -143,9 +143,7 @@ class HeightField:
         if nx % 2 == 0 and nx > 1:
             power[nx // 2] *= 0.5
         power[0, 0] = 0
-        qx = 2 * np.pi * scipy.fft.fftfreq(nx, lx / nx)
-        qy = 2 * np.pi * scipy.fft.rfftfreq(ny, ly / ny)
-        return power, qx, qy
+        return power, *wavevectors(self.shape, self.lengths)
 
     @property
     def rms_gradient(self) -> float:
@@ -286,6 +284,12 @@ def checked_counts(shape: object) -> Shape:
 def checked_lengths(lengths: object) -> Lengths:
     """Return two positive, finite periods [m], or refuse."""
     return pair("lengths", lengths, positive, what="two positive periods (Lx, Ly) in m")
+
+
+def wavevectors(shape: Shape, lengths: Lengths) -> tuple[Array, Array]:
+    """Components [1/m] along both axes of the waves of a half spectrum, as `scipy.fft.rfft2` has them."""
+    (nx, ny), (lx, ly) = shape, lengths
+    return 2 * np.pi * scipy.fft.fftfreq(nx, lx / nx), 2 * np.pi * scipy.fft.rfftfreq(ny, ly / ny)
 
 
 def _wave_numbers(n: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:

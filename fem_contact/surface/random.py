@@ -90,10 +90,7 @@ def random_surface(
     numbers outwards, so they depend neither on the grid nor on q_short: cutting the spectrum elsewhere keeps
     the remaining waves.
     """
-    shape, lengths = checked_shape(shape), checked_lengths(lengths)
-    q_short = positive("q_short", q_short, unit="1/m")
-    truth("under_resolved", under_resolved)
-    _check_resolved(shape, lengths, q_short, under_resolved)
+    _checked_grid(shape, lengths, q_short, under_resolved)
     waves = random_waves(
         spectrum, q_short=q_short, lengths=lengths, seed=seed, amplitudes=amplitudes, isotropic=isotropic
     )
@@ -127,10 +124,8 @@ class RandomWaves:
         InvalidInput
             For a grid that does not resolve q_short, unless asked for.
         """
-        shape = checked_shape(shape)
-        truth("under_resolved", under_resolved)
-        _check_resolved(shape, self.lengths, self.q_short, under_resolved)
-        half = np.zeros((shape[0], shape[1]), dtype=complex)
+        shape = _checked_grid(shape, self.lengths, self.q_short, under_resolved)
+        half = np.zeros(shape, dtype=complex)
         np.add.at(half, (self.m % shape[0], self.n % shape[1]), self.amplitudes)
         heights = 2 * scipy.fft.ifft2(half, norm="forward").real
         return HeightField(heights=heights, lengths=self.lengths)
@@ -171,9 +166,12 @@ def random_waves(
     return RandomWaves(m=m, n=n, amplitudes=waves, q_short=q_short, lengths=lengths)
 
 
-def _check_resolved(shape: Shape, lengths: Lengths, q_short: float, under_resolved: bool) -> None:
-    if under_resolved or resolves(shape, lengths, q_short=q_short):
-        return
+def _checked_grid(shape: Shape, lengths: Lengths, q_short: float, under_resolved: bool) -> Shape:
+    """Return the points of a grid that resolves the waves, or need not."""
+    shape = checked_shape(shape)
+    truth("under_resolved", under_resolved)
+    if resolves(shape, lengths, q_short=q_short) or under_resolved:
+        return shape
     needed = tuple(int(np.floor(length * q_short / np.pi * (1 + _EDGE))) + 1 for length in lengths)
     raise InvalidInput(
         f"shape = {shape}: does not resolve lambda_short = {2 * np.pi / q_short:.6g} m; "
