@@ -147,7 +147,7 @@ class ExponentialSolid:
         place = np.log(q / q[0])
         nodes = np.linspace(0.0, place[-1], TABULATED)
         table = q[0] * np.exp(nodes)
-        return np.asarray(CubicSpline(nodes, table * self._compliance(table))(place) / q)
+        return CubicSpline(nodes, table * self._compliance(table))(place) / q
 
     def _edges(self, q: Array) -> Array:
         # What lies below min(30 d, 30 / q) is bulk, or out of reach of the wave. Depths are denser near the
@@ -182,7 +182,7 @@ def _on_distinct(q: Array, compliance: Callable[[Array], Array]) -> Array:
     # Of a wave far longer than the solar system the compliance may exceed what a number can hold.
     with np.errstate(over="ignore"):
         out[values > 0] = compliance(values[values > 0])
-    return np.asarray(out[places].reshape(q.shape))
+    return out[places].reshape(q.shape)
 
 
 def plane_waves(poisson: float | Array, x: Array) -> tuple[Array, Array]:
@@ -218,7 +218,7 @@ def waves_up(poisson: float, shear: float | Array, x: Array) -> tuple[Array, Arr
 def impedance_of(displacement: Array, stress: Array) -> Array:
     """Z of stress = Z displacement, for both waves."""
     turned = (np.swapaxes(part, -1, -2) for part in (displacement, stress))
-    return np.asarray(np.swapaxes(np.linalg.solve(*turned), -1, -2))
+    return np.swapaxes(np.linalg.solve(*turned), -1, -2)
 
 
 def upwards(
@@ -252,4 +252,4 @@ def sheet_compliance(q: Array, *, thicknesses: Array, shear: Array, poisson: Arr
     """Displacement per pressure without shear [m/Pa] of waves [1/m] on sheets."""
     for _, top in upwards(q, thicknesses=thicknesses, shear=shear, poisson=poisson):
         surface = top
-    return np.asarray(-np.linalg.inv(impedance_of(*surface))[:, 1, 1] / q)
+    return -np.linalg.inv(impedance_of(*surface))[:, 1, 1] / q

@@ -68,7 +68,7 @@ class Hardness:
         patches = find_patches(in_contact, spacing)
         areas = np.concatenate([[spacing[0] * spacing[1]], patches.areas])
         factor = (1 + self.length / (2 * np.sqrt(areas / np.pi))) ** self.exponent
-        return np.asarray(self.pressure * factor[patches.labels])
+        return self.pressure * factor[patches.labels]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -197,7 +197,7 @@ class Splined:
         # Without its exponential the state varies slowly with q.
         nodes = np.log(self.table.q)
         bare = self.table.at(depth) * np.exp(np.minimum(self.table.q * depth, 600.0))[:, None]
-        return np.asarray(CubicSpline(nodes, bare)(np.log(self.q)) * np.exp(-self.q * depth)[:, None])
+        return CubicSpline(nodes, bare)(np.log(self.q)) * np.exp(-self.q * depth)[:, None]
 
 
 def _confined(solid: Solid) -> float:

@@ -192,7 +192,7 @@ def _compliance(solid: ViscoelasticSolid, qx: Array, qy: Array, *, velocity: flo
     # Strains go like exp(i omega t) with omega = -q_x v: the conjugate where q_x v is positive.
     inverse = np.where(passing > 0, inverse.conj(), inverse)
     q = np.hypot(qx, qy)
-    return np.asarray(np.where(q > 0, 2 * inverse / np.where(q > 0, q, 1.0), 0.0))
+    return np.where(q > 0, 2 * inverse / np.where(q > 0, q, 1.0), 0.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -240,12 +240,12 @@ class _Problem:
 
     def forward(self, values: Array) -> Complex:
         """Fourier coefficients on half of the wavevectors."""
-        return np.asarray(scipy.fft.rfft2(values, norm="forward", workers=self.settings.workers))
+        return scipy.fft.rfft2(values, norm="forward", workers=self.settings.workers)
 
     def backward(self, spectrum: Complex) -> Array:
         """Values at the grid points."""
         shape, threads = self.surface.shape, self.settings.workers
-        return np.asarray(scipy.fft.irfft2(spectrum, s=shape, norm="forward", workers=threads))
+        return scipy.fft.irfft2(spectrum, s=shape, norm="forward", workers=threads)
 
     def first(self, pressure: Array | None) -> Array:
         """Heights [m] that the first step presses on |C|: those whose gap has a given pressure."""
@@ -397,7 +397,7 @@ class _Acceleration:
             count = len(self._changes)
             weights = np.linalg.lstsq(changed.reshape(count, -1).T, step.ravel(), rcond=None)[0]
             there = there - np.tensordot(weights, moved + changed, axes=1)
-        return np.asarray(there)
+        return there
 
 
 def _iterated(problem: _Problem, start: Array | None) -> SlidingContact:

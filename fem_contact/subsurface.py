@@ -325,7 +325,7 @@ class _Fields:
         return AtDepth(depth=depth, displacement=displacement, stress=stress)
 
     def _summed(self, waves: NDArray[np.complex128]) -> Array:
-        return np.asarray(scipy.fft.irfft2(waves, s=self.shape, workers=self.threads))
+        return scipy.fft.irfft2(waves, s=self.shape, workers=self.threads)
 
 
 def _without_nyquist(q: Array, points: int) -> Array:

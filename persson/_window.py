@@ -163,7 +163,7 @@ class Grid:
     @property
     def ends(self) -> Array:
         """T at the end of each step."""
-        return np.asarray(self.time(self.last[:, None])[:, 0])
+        return self.time(self.last[:, None])[:, 0]
 
 
 def make_grid(problem: Problem, pieces: Pieces, outputs: Array, largest: float) -> Grid:

@@ -365,7 +365,7 @@ def _diffuse(case: _Case, nodes: _Nodes, work: Array, onset: float | None) -> Di
     def tensile_limit(variance: Array) -> Array:
         t = np.clip(np.log(variance / case.reference), first, last)
         bare = np.sqrt(np.where(t < start, 0.0, np.maximum(square(t) - offset, 0.0)))
-        return np.asarray(bare if strength is None else bare / (1 + bare / strength))
+        return bare if strength is None else bare / (1 + bare / strength)
 
     hardness = case.yield_stress
     return diffuse_once(

@@ -309,12 +309,12 @@ def yielding_asperities(
     below = np.maximum(tail_moment(1, t) - beyond - onset * tail_moment(0, late), 0.0)
     slope = math.sqrt(height / radius)
     elastic = 4 / 3 * modulus * scale * slope * _unyielded(t, onset)
-    area = np.asarray(math.pi * scale * below + plastic)[()]
+    area = math.pi * scale * below + plastic
     return AsperityContact(
         area=area,
-        area_plastic=np.asarray(plastic)[()],
-        pressure=(elastic + limit * plastic)[()],
-        density=np.asarray(asperities.density * tail_moment(0, t))[()],
+        area_plastic=plastic,
+        pressure=elastic + limit * plastic,
+        density=asperities.density * tail_moment(0, t),
         patch_area=np.full(np.shape(area), np.nan)[()],
     )
 
@@ -326,7 +326,7 @@ def _unyielded(t: Array, span: float) -> Array:
     x = t[..., None] + width[..., None] * y * y
     with np.errstate(under="ignore"):
         density = np.exp(-0.5 * np.minimum(x * x, 1400.0)) / math.sqrt(2 * math.pi)
-    return np.asarray(2 * width * width * np.sqrt(width) * ((y**4 * density) @ weights))
+    return 2 * width * width * np.sqrt(width) * ((y**4 * density) @ weights)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -386,7 +386,7 @@ class FullerTabor:
         force = 4 / 3 * x * x * x - math.sqrt(8) * x * np.sqrt(x)
         density = np.exp(-0.5 * t * t) / math.sqrt(2 * math.pi)
         total = 2 * span * ((density * force * u) @ weights)
-        return np.asarray(self.asperities.density * self.contact_modulus * a * unit * total)[()]
+        return self.asperities.density * self.contact_modulus * a * unit * total
 
     def pull_off(self) -> float:
         """Largest nominal tension [Pa], as a positive number."""

@@ -94,7 +94,7 @@ def contact_area(pressure: ArrayLike, *, stress_variance: ArrayLike) -> Array:
     >>> round(float(contact_area(1.0, stress_variance=1.0)), 6)
     0.682689
     """
-    return np.asarray(erf(_argument(pressure, stress_variance)))[()]
+    return erf(_argument(pressure, stress_variance))
 
 
 def non_contact_area(pressure: ArrayLike, *, stress_variance: ArrayLike) -> Array:
@@ -102,7 +102,7 @@ def non_contact_area(pressure: ArrayLike, *, stress_variance: ArrayLike) -> Arra
 
     Arguments as for `contact_area`.
     """
-    return np.asarray(erfc(_argument(pressure, stress_variance)))[()]
+    return erfc(_argument(pressure, stress_variance))
 
 
 def pressure_for_area(area: ArrayLike, *, stress_variance: ArrayLike) -> Array:

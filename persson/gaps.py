@@ -100,4 +100,4 @@ def _mean_gaps(pressure: Array, variance: Array, top: float, *, scale: Scale, ra
     # The integral over pressures is a function of s alone: a table in ln s.
     table = np.linspace(math.log(min(float(s.min()), _CLOSED / 2)), math.log(_CLOSED), 400)
     opening = CubicSpline(table, opening_integral(np.exp(table), ratio))(np.log(s))
-    return np.asarray((2 / math.sqrt(math.pi) * root / 2 / (scale.modulus(wave) * wave) * opening) @ weight)
+    return (2 / math.sqrt(math.pi) * root / 2 / (scale.modulus(wave) * wave) * opening) @ weight

@@ -115,7 +115,7 @@ def _staying_series(x: float, v: Array) -> Array:
 
 def _eigenfunction(n: int, x: float, v: Array) -> Array:
     wave = n * math.pi
-    return np.asarray(2 / wave * math.sin(wave * x) * np.exp(-0.5 * wave**2 * v))
+    return 2 / wave * math.sin(wave * x) * np.exp(-0.5 * wave**2 * v)
 
 
 def size_dependent_hardness(

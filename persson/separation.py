@@ -49,7 +49,7 @@ def elastic_energy(pressure: ArrayLike, *, scale: Scale, energy: EnergyReading =
     load = non_negative("pressure", pressure, unit="Pa")
     variance, length = _waves(scale)
     share = energy_share(load[..., None], stress_variance=variance, energy=energy)
-    return np.asarray(share @ length)[()]
+    return share @ length
 
 
 def contact_stiffness(pressure: ArrayLike, *, scale: Scale, energy_ratio: float = 1.0) -> Array:
@@ -80,7 +80,7 @@ def contact_stiffness(pressure: ArrayLike, *, scale: Scale, energy_ratio: float 
         rate = (energy_ratio + 3 * (1 - energy_ratio) * erf(s) ** 2) * np.exp(-np.minimum(s * s, 700.0))
         softness = 2 / math.sqrt(math.pi) * (rate @ length)
     with np.errstate(divide="ignore", over="ignore"):
-        return np.asarray(load / softness)[()]
+        return load / softness
 
 
 def _loaded_waves(pressure: ArrayLike, scale: Scale, energy_ratio: float) -> tuple[Array, Array, Array]:
@@ -131,7 +131,7 @@ def mean_separation(pressure: ArrayLike, *, scale: Scale, energy_ratio: float = 
     and Persson, J. Phys. Condens. Matter 20, 215214, 2008), with dV = (E*^2/4) 2 pi q^3 C dq.
     """
     _, s, length = _loaded_waves(pressure, scale, energy_ratio)
-    return np.asarray(2 / math.sqrt(math.pi) * (opening_integral(s, energy_ratio) @ length))[()]
+    return 2 / math.sqrt(math.pi) * (opening_integral(s, energy_ratio) @ length)
 
 
 def opening_integral(s: Array, energy_ratio: float) -> Array:
@@ -139,7 +139,7 @@ def opening_integral(s: Array, energy_ratio: float) -> Array:
     integral = energy_ratio * 0.5 * exp1(np.minimum(s * s, 700.0))
     if energy_ratio < 1:
         integral = integral + 3 * (1 - energy_ratio) * _partial(s)
-    return np.asarray(integral)
+    return integral
 
 
 def _partial(s: Array) -> Array:
@@ -147,7 +147,7 @@ def _partial(s: Array) -> Array:
     points, weights = panels(np.arange(8.0), 10)
     t = s[..., None] + points
     with np.errstate(under="ignore"):
-        return np.asarray((erf(t) ** 2 * np.exp(-t * t) / t) @ weights)
+        return (erf(t) ** 2 * np.exp(-t * t) / t) @ weights
 
 
 def macroasperity_magnification(

@@ -80,7 +80,7 @@ class Tabulated(SpectrumMoments):
     def _exponents(self) -> Array:
         q, c = self.wavevectors, self.power
         # Ratios before logarithms: no digit of the exponents may depend on the unit of length.
-        return np.asarray(np.log(c[1:] / c[:-1]) / np.log(q[1:] / q[:-1]))
+        return np.log(c[1:] / c[:-1]) / np.log(q[1:] / q[:-1])
 
     def __call__(self, q: ArrayLike) -> Array:
         """C(q) [m^4]; 0 outside the table."""
@@ -105,7 +105,7 @@ class Tabulated(SpectrumMoments):
         safe = np.clip(upper, q[0], q[-1])
         index = np.clip(np.searchsorted(q, safe, side="right") - 1, 0, q.size - 2)
         rest = weight[index] * growth(n[index], np.log1p((safe - q[index]) / q[index]))
-        return np.asarray(2 * math.pi * (whole[index] + rest))[()]
+        return 2 * math.pi * (whole[index] + rest)
 
 
 def smoothed(

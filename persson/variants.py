@@ -104,14 +104,14 @@ def energy_share(pressure: ArrayLike, *, stress_variance: ArrayLike, energy: Ene
     if energy == "old":
         return area
     if energy in ("yang_persson", "wang_mueser"):
-        return np.asarray(area * energy_factor(area, variant=energy))[()]
+        return area * energy_factor(area, variant=energy)
     if energy == "xu_hybrid":
-        return np.asarray(area * (XU_RATIO - 2 / 9 * square + (11 / 9 - XU_RATIO) * square * square))[()]
+        return area * (XU_RATIO - 2 / 9 * square + (11 / 9 - XU_RATIO) * square * square)
     if energy == "xu":
         bell = _bell(erfinv(np.minimum(area, 1 - 1e-16)))
         factor = XU_RATIO + (1 - XU_RATIO) * area
         # From V_p = factor V: contact is lost as V grows, and V_p grows by less than factor dV.
-        return np.asarray(area * factor / (1 + (1 - XU_RATIO) * bell / (2 * factor)))[()]
+        return area * factor / (1 + (1 - XU_RATIO) * bell / (2 * factor))
     root = np.sqrt(2 * full)
     # Beyond 27 nothing of the terms is left, and the area is 1.
     closed = np.where(np.broadcast_to(load, np.shape(area)) > 0, 27.0, 0.0)
@@ -121,7 +121,7 @@ def energy_share(pressure: ArrayLike, *, stress_variance: ArrayLike, energy: Ene
 
 
 def _bell(s: Array) -> Array:
-    return np.asarray(2 / math.sqrt(math.pi) * s * np.exp(-s * s))
+    return 2 / math.sqrt(math.pi) * s * np.exp(-s * s)
 
 
 def light_load_kappa(variant: Variant) -> float:
@@ -185,7 +185,7 @@ def _grown(x: Array, variant: Variant) -> Array:
     points, weights = gauss(8)
 
     def rate(y: Array) -> Array:
-        return np.asarray(1 / energy_factor(erf(1 / np.sqrt(2 * y)), variant=variant))
+        return 1 / energy_factor(erf(1 / np.sqrt(2 * y)), variant=variant)
 
     low, high = _NODES[:-1, None], _NODES[1:, None]
     parts = (rate(low + (high - low) * points) @ weights) * np.diff(_NODES)

@@ -46,7 +46,7 @@ class StandardSolid:
     def creep_compliance(self, time: ArrayLike) -> Array:
         """J(t) [1/Pa] at t >= 0 [s]; a contact whose load does not fall has the area of E = 1/J(t)."""
         since = non_negative("time", time, unit="s") / self.time
-        return np.asarray(1 / self.unrelaxed - (1 / self.relaxed - 1 / self.unrelaxed) * np.expm1(-since))[()]
+        return 1 / self.unrelaxed - (1 / self.relaxed - 1 / self.unrelaxed) * np.expm1(-since)
 
     def modulus(self, frequency: ArrayLike) -> NDArray[np.complex128]:
         """E(omega) [Pa] for omega [1/s], storage modulus + i times the loss modulus."""

@@ -59,7 +59,7 @@ class CellLayer:
         along_x = _simpson(np.roll(in_z[..., 0], -2, axis=0) - in_z[..., 0], axis=1)[::2] / size[0]
         along_y = _simpson(np.roll(in_z[..., 1], -2, axis=1) - in_z[..., 1], axis=0)[:, ::2] / size[1]
         rise = (u[2] - u[0])[..., 2] / size[2]
-        return np.asarray(along_x + along_y + _simpson(_simpson(rise, axis=0), axis=1))
+        return along_x + along_y + _simpson(_simpson(rise, axis=0), axis=1)
 
 
 def _simpson(values: Array, *, axis: int) -> Array:

@@ -218,7 +218,7 @@ class SlabGrids(Grids):
         coarse = scipy.fft.ifft(coarse, axis=0, norm="forward", overwrite_x=True)
         if target is None:
             lines_here = np.concatenate(source.comm.allgather(coarse), axis=1)
-            return np.asarray(scipy.fft.irfft(lines_here, n=new[1], norm="forward"))
+            return scipy.fft.irfft(lines_here, n=new[1], norm="forward")
         out = np.empty((target.last - target.first, new[1]))
 
         def put(lo: int, hi: int, part: AnyArray) -> None:

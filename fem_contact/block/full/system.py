@@ -134,8 +134,8 @@ def _pressed(
 def highest_nodes(heights: Array, problem: Problem) -> Mask:
     """Take the points beyond the undeformed surface, or the highest, about as many as will touch."""
     if problem.offset is not None:
-        return np.asarray(heights >= min(problem.offset, float(np.max(heights))))
+        return heights >= min(problem.offset, float(np.max(heights)))
     assert problem.pressure is not None
     relative = problem.pressure / problem.gradient if problem.gradient > 0 else 1.0
     share = min(1.0, max(2 * relative, 1 / heights.size))
-    return np.asarray(heights >= np.quantile(heights, 1 - share, method="lower"))
+    return heights >= np.quantile(heights, 1 - share, method="lower")

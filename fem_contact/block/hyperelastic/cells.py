@@ -76,14 +76,14 @@ class Strained:
 
     def tension(self, first: float, second: float) -> Array:
         """Mean tension dU/dJ over E."""
-        return np.asarray(2 / 3 * second * (self.jacobian - 1) + first * (self.dilated - 1))
+        return 2 / 3 * second * (self.jacobian - 1) + first * (self.dilated - 1)
 
     def stress(self, first: float, second: float) -> Array:
         """First Piola-Kirchhoff stress dW/dF over E."""
         scaled = (second * self.jacobian ** (-2 / 3))[..., None, None]
         inverse = self.cofactor / self.jacobian[..., None, None]
         isochoric = scaled * (self.gradient - self.stretch[..., None, None] / 3 * inverse)
-        return np.asarray(isochoric + self.tension(first, second)[..., None, None] * self.cofactor)
+        return isochoric + self.tension(first, second)[..., None, None] * self.cofactor
 
 
 def stress(gradient: Array, *, poisson: float) -> Array:

@@ -84,7 +84,7 @@ class Press:
 
     def gap(self, state: State) -> Array:
         """Return g at every node."""
-        return np.asarray(state.offset - self.below(state.field).height - state.field[:, :, -1, 2])
+        return state.offset - self.below(state.field).height - state.field[:, :, -1, 2]
 
     def unbalanced(self, state: State) -> Array:
         """Return the forces of the cells less those of the contact, (nx, ny, nz, 3)."""
