@@ -30,7 +30,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem_contact._checks import pair, positive, whole
-from fem_contact._types import Array
+from fem_contact._types import Array, Lengths
 from fem_contact.area import EDGE_CONSTANTS, ContactAreas
 
 
@@ -38,7 +38,7 @@ from fem_contact.area import EDGE_CONSTANTS, ContactAreas
 class PlannedGrid:
     """A grid that is to be solved."""
 
-    spacing: tuple[float, float]  # (dx, dy) [m]
+    spacing: Lengths  # (dx, dy) [m]
     cells: int  # Number of its cells
     solves: int = 1  # Sub-grid shifts that are averaged
 

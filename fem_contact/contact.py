@@ -11,10 +11,9 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import doubles, finite, instance, non_negative, pair, positive, shape_of, shown
-from fem_contact._types import Array
+from fem_contact._types import Array, Lengths, Mask, Shape
 from fem_contact.errors import InvalidInput, NotConverged
 
 
@@ -147,10 +146,10 @@ class ContactResult:
     pressure: Array
     gap: Array
     displacement: Array
-    in_contact: NDArray[np.bool_]
-    at_bound: NDArray[np.bool_]
+    in_contact: Mask
+    at_bound: Mask
     heights: Array
-    lengths: tuple[float, float]
+    lengths: Lengths
     contact_modulus: float
     offset: float
     mean_pressure: float
@@ -178,13 +177,13 @@ class ContactResult:
         return partial(ContactResult, **(values | {"provenance": dict(self.provenance)})), ()
 
     @property
-    def shape(self) -> tuple[int, int]:
+    def shape(self) -> Shape:
         """Grid points (nx, ny)."""
         nx, ny = self.pressure.shape
         return nx, ny
 
     @property
-    def spacing(self) -> tuple[float, float]:
+    def spacing(self) -> Lengths:
         """Grid spacing (dx, dy) [m]."""
         return self.lengths[0] / self.shape[0], self.lengths[1] / self.shape[1]
 
@@ -250,11 +249,11 @@ def measure_residuals(
     pressure: Array,
     gap: Array,
     heights: Array,
-    lengths: tuple[float, float],
+    lengths: Lengths,
     contact_modulus: float,
     rms_gradient: float,
     target_pressure: float | None = None,
-    at_bound: NDArray[np.bool_] | None = None,
+    at_bound: Mask | None = None,
     weights: Array | None = None,
 ) -> Residuals:
     """Evaluate the residuals of any code's pressure and gap, in the same words for all of them.
@@ -319,11 +318,7 @@ _PART = 2**15
 
 
 def residual_sums(
-    pressure: Array,
-    gap: Array,
-    *,
-    at_bound: NDArray[np.bool_] | None = None,
-    weights: Array | None = None,
+    pressure: Array, gap: Array, *, at_bound: Mask | None = None, weights: Array | None = None
 ) -> list[float]:
     """Return sums of w p, w |p| and w |p g|, the least gap off the bound and the least pressure."""
     pressure, gap = pressure.reshape(-1), gap.reshape(-1)

@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import choice, finite, instance, shown
-from fem_contact._types import Array
+from fem_contact._types import Array, Numbers
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 from fem_contact.stress import von_mises
@@ -175,9 +174,7 @@ def _grid_points(contact: ContactResult, planes: Array) -> Array:
     return np.stack(grid, axis=-1)
 
 
-def _cells(
-    nodes: tuple[int, ...], corners: tuple[tuple[int, int, int], ...], *, step: int
-) -> NDArray[np.int64]:
+def _cells(nodes: tuple[int, ...], corners: tuple[tuple[int, int, int], ...], *, step: int) -> Numbers:
     number = np.arange(int(np.prod(nodes))).reshape(nodes)
     nx, ny, nz = (n - 1 for n in nodes)
     columns = [number[i : i + nx : step, j : j + ny : step, k : k + nz : step].ravel() for i, j, k in corners]

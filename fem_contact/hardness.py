@@ -11,11 +11,10 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Unpack
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact import bem
 from fem_contact._checks import bound, instance, non_negative
-from fem_contact._types import Array
+from fem_contact._types import Array, Lengths, Mask
 from fem_contact.contact import ContactResult, Cost, Status, weights_of
 from fem_contact.patches import find_patches
 from fem_contact.response import Response
@@ -63,10 +62,10 @@ class Hardness:
         """Whether it depends on the size of a patch."""
         return self.length > 0 and self.exponent > 0
 
-    def of_patches(self, in_contact: NDArray[np.bool_], spacing: tuple[float, float]) -> Array:
+    def of_patches(self, in_contact: Mask, spacing: Lengths) -> Array:
         """Return what each point bears [Pa], (nx, ny); out of contact, what a patch of one cell would."""
         patches = find_patches(in_contact, spacing)
-        areas = np.concatenate([[spacing[0] * spacing[1]], patches.areas])
+        areas = np.append(spacing[0] * spacing[1], patches.areas)
         factor = (1 + self.length / (2 * np.sqrt(areas / np.pi))) ** self.exponent
         return self.pressure * factor[patches.labels]
 

@@ -20,19 +20,16 @@ from typing import Any
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
 from fem_contact import bem
 from fem_contact._checks import finite, instance, positive, pressures
-from fem_contact._types import Array
+from fem_contact._types import Array, Complex
 from fem_contact.contact import Clock, ContactResult, Residuals, Status, measure_residuals
 from fem_contact.errors import InvalidInput
 from fem_contact.settings import Settings, inner_tolerance
 from fem_contact.surface import HeightField
 from fem_contact.surface.heights import wavevectors
 from fem_contact.viscoelastic import ViscoelasticSolid, check_viscoelastic
-
-Complex = NDArray[np.complex128]
 
 #: Steps that the acceleration remembers.
 _MEMORY = 5
@@ -286,7 +283,7 @@ class _Problem:
         waves = 2 * self.magnitude * (waves / both - pressure)
         waves[0, 0] = 0.0
         # In the metric in which steps shrink: sum |f|^2 / |C|.
-        stiffness = np.where(self.magnitude > 0, 1 / np.where(self.magnitude > 0, self.magnitude, 1.0), 0.0)
+        stiffness = 1 / np.where(self.magnitude > 0, self.magnitude, np.inf)
         return _State(
             contact=contact,
             displacement=displacement,

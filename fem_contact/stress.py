@@ -187,7 +187,7 @@ def window_slope(
     stress = result.contact_modulus * HeightField(heights=result.heights, lengths=result.lengths).rms_gradient
     if not stress > 0:
         raise InvalidInput("a flat surface has no scale of pressure: the slope of P is undefined")
-    if not 0 <= window[0] < window[1]:
+    if not window[0] < window[1]:
         raise InvalidInput(f"window = {window!r}: must be two increasing pressures in units of E* h'_rms")
     edges = stress * np.linspace(window[0], window[1], bins + 1)
     distribution = pressure_distribution(result, edges)
@@ -273,7 +273,7 @@ def loading_work(results: Sequence[ContactResult]) -> Array:
     steady = np.abs(growth) < 1e-6
     exact = np.diff(load) / np.where(steady, 1.0, growth)
     mean = np.where(steady, 0.5 * (load[1:] + load[:-1]), exact)
-    return np.concatenate([[0.0], np.cumsum(mean * np.diff(approach))])
+    return np.append(0.0, np.cumsum(mean * np.diff(approach)))
 
 
 def contact_stiffness(results: Sequence[ContactResult]) -> Array:

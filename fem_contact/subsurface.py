@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.fft
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fem_contact._checks import room_for, samples, shown
-from fem_contact._types import Array
+from fem_contact._types import Array, Complex
 from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput, UnsupportedEffect
 from fem_contact.response import Response, check_response
@@ -245,7 +245,7 @@ def default_depths(contact: ContactResult, response: Response) -> Array:
     count = int(np.ceil(np.log(deepest / first) / np.log(_GROWTH)))
     # Ratios are raised to a power, not lengths, whose unit would change the last digit.
     steps = (deepest / first) ** (np.arange(count + 1) / count)
-    return np.concatenate([[0.0], np.minimum(first * steps, deepest)])
+    return np.append(0.0, np.minimum(first * steps, deepest))
 
 
 def _checked(
@@ -324,7 +324,7 @@ class _Fields:
         stress[..., 2] -= rest
         return AtDepth(depth=depth, displacement=displacement, stress=stress)
 
-    def _summed(self, waves: NDArray[np.complex128]) -> Array:
+    def _summed(self, waves: Complex) -> Array:
         return scipy.fft.irfft2(waves, s=self.shape, workers=self.threads)
 
 

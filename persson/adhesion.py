@@ -165,14 +165,14 @@ class _Case:
         t = np.log(scale.variance(q) / self.reference)
         t = np.maximum.accumulate(t)
         q, t = q[t > -28], t[t > -28]
-        path = np.concatenate([[0.0], np.cumsum(np.diff(t) + np.log1p(np.diff(q) / q[:-1]))])
+        path = np.append(0.0, np.cumsum(np.diff(t) + np.log1p(np.diff(q) / q[:-1])))
         count = max(math.ceil(path[-1] / (2 * spacing)), 12)
         chosen = np.interp(np.linspace(0, path[-1], count + 1), path, t)
         if onset is not None:
             ramp = np.linspace(0, 1, math.ceil(2 / spacing) + 1)[1:] ** 2
             chosen = np.concatenate([chosen, onset - ramp, [onset], onset + ramp])
         chosen = np.unique(np.clip(chosen, t[0], 0.0))
-        chosen = chosen[np.concatenate([[True], np.diff(chosen) > 1e-4 * spacing])]
+        chosen = chosen[np.append(True, np.diff(chosen) > 1e-4 * spacing)]
         if chosen[-1] < 0:
             chosen[-1] = 0.0
         q = scale.wavevector(self.reference * np.exp(chosen))

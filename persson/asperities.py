@@ -404,7 +404,7 @@ def _jkr_radius(approach: Array) -> Array:
     for _ in range(40):
         slope = 2 * x - 1 / np.sqrt(2 * x)
         miss = (x - 0.5) * (x + 0.5) - np.sqrt(2 * x) + 1 - excess
-        step = np.where(slope > 0, miss / np.where(slope > 0, slope, 1.0), 0.0)
+        step = miss / np.where(slope > 0, slope, np.inf)
         x = np.maximum(x - step, 0.5)
         if np.all(np.abs(step) < 1e-14 * x):
             break

@@ -194,12 +194,7 @@ def solve_diffusion(
 
 
 def _refined(
-    problem: Problem,
-    outputs: Array,
-    breaks: Array,
-    *,
-    levels: Sequence[tuple[float, int]],
-    tolerance: float,
+    problem: Problem, outputs: Array, breaks: Array, *, levels: Sequence[tuple[float, int]], tolerance: float
 ) -> Diffusion:
     """Refine the discretisation until two of them agree and the ledger closes."""
     pieces = find_pieces(problem, outputs, breaks)
@@ -296,7 +291,7 @@ def _integrate(problem: Problem, outputs: Array, pieces: Pieces, *, largest: flo
         tensile_limit=below - problem.pressure,
         yield_stress=above + problem.pressure,
         area_residual=np.abs(elastic + lost + plastic + leaked - 1),
-        load_residual=np.where(exchanged > 0, missing / np.where(exchanged > 0, exchanged, 1.0), 0.0),
+        load_residual=missing / np.where(exchanged > 0, exchanged, np.inf),
         error_estimate=math.nan,
         tolerance=math.nan,
         modes=modes,

@@ -76,7 +76,7 @@ class GradedModulus:
         """E~*(q) [Pa] for wavevectors [1/m]."""
         q = checked_wavevectors(wavevector)
         # Panels grow with depth: fine near the surface, where a thin layer may lie, and up to exp(-60).
-        nodes = np.concatenate([[0.0], np.geomspace(1e-9, 60.0, 80)])
+        nodes = np.append(0.0, np.geomspace(1e-9, 60.0, 80))
         breaks = np.array(sorted(self.breaks))
         result = np.empty(q.size)
         for index, wave in enumerate(q.flat):

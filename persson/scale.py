@@ -66,7 +66,7 @@ class Scale:
             constant = positive("contact_modulus", contact_modulus, unit="Pa")
             self._modulus = lambda q: np.full(np.shape(q), constant)
             self._variance = self.variance(self._q)
-        keep = np.concatenate([[True], np.diff(self._variance) > 0]) & (self._variance > 0)
+        keep = np.append(True, np.diff(self._variance) > 0) & (self._variance > 0)
         if keep.sum() < 2:
             raise InvalidInput("the spectrum holds no roughness: C(q) vanishes")
         top = self._variance[-1]
@@ -85,9 +85,7 @@ class Scale:
         middle = (low + high) / 2
         density = 2 * np.pi * middle * middle * middle * self.spectrum(middle)
         shift = (m2_low + m2_high) / 2 - self.spectrum.m2(middle)
-        middle = np.clip(
-            middle + np.where(density > 0, shift / np.where(density > 0, density, 1.0), 0.0), low, high
-        )
+        middle = np.clip(middle + shift / np.where(density > 0, density, np.inf), low, high)
         squares = [np.square(self.modulus(np.maximum(q, self.q_min)) / 2) for q in (low, middle, high)]
         return np.asarray((m2_high - m2_low) * (squares[0] + 4 * squares[1] + squares[2]) / 6)
 
@@ -112,7 +110,7 @@ class Scale:
             # walls need.
             half = self.modulus(q) / 2
             rate = 2 * np.pi * q * q * q * self.spectrum(q) * half * half
-            step = np.where(rate > 0, (self.variance(q) - value) / np.where(rate > 0, rate, 1.0), 0.0)
+            step = (self.variance(q) - value) / np.where(rate > 0, rate, np.inf)
             offset = q - self._origin
             q = self._origin + np.clip(offset - step, offset / 2, offset * 2)
         return np.where(wanted < self._first, self.q_min, np.minimum(q, self.q_short))[()]

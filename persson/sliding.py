@@ -168,7 +168,7 @@ def friction_of_waves(
     added, heats = np.bincount(ring, weights=variance), np.bincount(ring, weights=heat)
     # Four Gauss points inside what each ring adds, since the contact opens while it is added.
     points, weights = gauss(4)
-    before = np.concatenate([[0.0], np.cumsum(added)[:-1]])
+    before = np.append(0.0, np.cumsum(added)[:-1])
     inside = before[:, None] + added[:, None] * points
     share = contact_area(1.0, stress_variance=inside)
     retained = share * energy_factor(share, variant="yang_persson", energy_ratio=ratio)

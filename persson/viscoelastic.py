@@ -58,7 +58,7 @@ class StandardSolid:
         """-Im 1/E(omega) [1/Pa] for omega [1/s]."""
         x = non_negative("frequency", frequency, unit="1/s") * self.time
         # x / (1 + x^2) that does not overflow.
-        lag = np.where(x > 1, 1 / np.where(x > 1, x, 1.0), x)
+        lag = np.minimum(x, 1 / np.maximum(x, 1.0))
         return np.asarray((1 / self.relaxed - 1 / self.unrelaxed) * lag / (1 + lag * lag))[()]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from fem_contact._checks import bound as bound_of
 from fem_contact._checks import choice, instance, positive, pressures
-from fem_contact._types import Array
+from fem_contact._types import Array, Shape
 from fem_contact.bem.parallel import SlabSurface
 from fem_contact.complementarity import FreeOperator, Solution, polonsky_keer, solve_nested, surely_partial
 from fem_contact.complementarity.arrays import ArrayGrids
@@ -116,7 +116,7 @@ class Problem:
         ends = self.grids.xp.max(self.heights), self.grids.xp.min(self.heights)
         return max(abs(float(end) + self.level) for end in ends)
 
-    def _on_grid(self, shape: tuple[int, int]) -> Any:
+    def _on_grid(self, shape: Shape) -> Any:
         return self.grids.operator_of(self.response, shape, self.surface.lengths)
 
     def full_pressure(self) -> Any:

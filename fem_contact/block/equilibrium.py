@@ -6,9 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_contact._types import Array
+from fem_contact._types import Array, Numbers
 from fem_contact.block.mesh import BlockMesh, element_matrices, nodal_force
 
 
@@ -69,7 +68,7 @@ def measure_equilibrium(
 
 
 def _layer_forces(
-    mesh: BlockMesh, nodes: Array, matrix: Array, *, offsets: NDArray[np.int64], modulus: Array | float
+    mesh: BlockMesh, nodes: Array, matrix: Array, *, offsets: Numbers, modulus: Array | float
 ) -> tuple[Array, float]:
     """Nodal forces of one layer of cells, and the energy it stores."""
     order, step = mesh.element.order, 2 // mesh.element.order

@@ -11,19 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack
 import numpy as np
 
 from fem_contact._checks import bound as bound_of
-from fem_contact._checks import (
-    choice,
-    doubles,
-    finite,
-    function,
-    instance,
-    positive,
-    room_for,
-    shown,
-    whole,
-    within,
-)
-from fem_contact._types import Array, Mask
+from fem_contact._checks import choice, doubles, finite, function, instance, room_for, shown, whole, within
+from fem_contact._types import Array, Lengths, Mask, Shape
 from fem_contact.block.elements import element_for
 from fem_contact.block.mesh import BlockMesh, MeshOptions, nodal_pressure, node_weights, plan_mesh
 from fem_contact.block.problem import Answer, Problem
@@ -84,9 +73,7 @@ _FINEST = 1e-16
 _SETS, _STEPS = 60, 10_000
 
 
-def planned_mesh(
-    shape: tuple[int, int], lengths: tuple[float, float], *, poisson: float, options: MeshOptions
-) -> BlockMesh:
+def planned_mesh(shape: Shape, lengths: Lengths, *, poisson: float, options: MeshOptions) -> BlockMesh:
     """Plan the mesh that options of the public functions describe."""
     for name, value in options.items():
         if name not in MeshOptions.__annotations__:
@@ -161,14 +148,14 @@ class Session:
 
     def at_pressure(self, mean_pressure: float, start: Mask | BlockSolution | None) -> BlockSolution:
         """Solve at a mean pressure [Pa], from a first set or a solution of this session."""
-        mean_pressure = positive("mean_pressure", mean_pressure, unit="Pa")
-        if not 1 / _STIFFEST < mean_pressure / self.solid.young < _STIFFEST:
+        pressure = mean_pressure / self.solid.young
+        if not 1 / _STIFFEST < pressure < _STIFFEST:
             raise InvalidInput(
                 f"mean_pressure = {mean_pressure!r}: over Young's modulus it must lie in (1e-60, 1e60), or "
                 "its products leave the range of the arithmetic"
             )
-        problem = replace(self.problem, pressure=mean_pressure / self.solid.young)
-        if problem.mean_bound < mean_pressure / self.solid.young * (1 - SLACK):
+        problem = replace(self.problem, pressure=pressure)
+        if problem.mean_bound < pressure * (1 - SLACK):
             raise InvalidInput(
                 f"pressure_bound with mean {problem.mean_bound * self.solid.young:.6g} Pa: must not be below "
                 f"mean_pressure = {mean_pressure:.6g} Pa, or nothing carries the load"
@@ -336,10 +323,10 @@ def _cell_moduli(modulus: Modulus | None, mesh: BlockMesh, width: float) -> Arra
         return None
     function("modulus", modulus)
     (nx, ny), edges = mesh.cells, mesh.edges * width
-    x = np.asarray((np.arange(nx) + 0.5) * width, dtype=float)[:, None, None]
-    y = np.asarray((np.arange(ny) + 0.5) * (width * mesh.aspect), dtype=float)[None, :, None]
-    z: Array = np.asarray(0.5 * (edges[1:] + edges[:-1]), dtype=float)[None, None, :]
-    values = doubles("modulus", modulus(x, y, z))
+    x: Array = (np.arange(nx, dtype=float) + 0.5) * width
+    y: Array = (np.arange(ny, dtype=float) + 0.5) * (width * mesh.aspect)
+    z = 0.5 * (edges[1:] + edges[:-1])
+    values = doubles("modulus", modulus(x[:, None, None], y[None, :, None], z[None, None, :]))
     try:
         full = np.broadcast_to(values, (nx, ny, mesh.nz))
     except ValueError as error:

@@ -9,7 +9,7 @@ from typing import Unpack
 import numpy as np
 
 from fem_contact._checks import instance, poisson_ratio, positive, positives
-from fem_contact._types import Array, Mask
+from fem_contact._types import Array, Lengths, Mask, Shape
 from fem_contact.block.mesh import MeshOptions
 from fem_contact.block.session import Method, Modulus, Session, check_method, needed_bytes, planned_mesh
 from fem_contact.block.solution import BlockSolution
@@ -37,8 +37,8 @@ class Estimate:
 
 
 def estimate(
-    shape: tuple[int, int],
-    lengths: tuple[float, float] = (1.0, 1.0),
+    shape: Shape,
+    lengths: Lengths = (1.0, 1.0),
     *,
     method: Method = "reduced",
     poisson: float = 0.3,

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
-from fem_contact._types import Array, Shape
+from fem_contact._types import AnyArray, Array, Lengths, Numbers, Shape
 from fem_contact.complementarity.fourier import (
     FourierOperator,
     carried,
@@ -24,15 +23,11 @@ from fem_contact.complementarity.rows import Rows
 from fem_contact.complementarity.slabs import SlabNumpy, Slabs, shares
 from fem_contact.response import Response
 
-AnyArray = NDArray[Any]
-
 
 class SlabOperator(FourierOperator):
     """The response of a solid on one grid in slabs; see `FourierOperator`."""
 
-    def __init__(
-        self, response: Response, slabs: Slabs, lengths: tuple[float, float], *, threads: int
-    ) -> None:
+    def __init__(self, response: Response, slabs: Slabs, lengths: Lengths, *, threads: int) -> None:
         self.slabs, self.shape, self.threads = slabs, slabs.shape, threads
         columns = slice(*slabs.columns[slabs.rank : slabs.rank + 2])
         self._evaluate(response, lengths, columns=columns, gathered=slabs.gathered)
@@ -177,7 +172,7 @@ class SlabGrids(Grids):
         return Slabs(finest.comm, shape)
 
     def operator_of(
-        self, response: Response, shape: Shape, lengths: tuple[float, float]
+        self, response: Response, shape: Shape, lengths: Lengths
     ) -> FourierOperator | SlabOperator:
         """Return the response of a solid on a grid with these sides [m], in slabs where it has some."""
         slabs = self.slabs_of(shape)
@@ -233,7 +228,7 @@ class SlabGrids(Grids):
         if target is None:
             return refined(field, new)
 
-        def wanted(rank: int) -> NDArray[np.int64]:
+        def wanted(rank: int) -> Numbers:
             first, last = target.rows[rank : rank + 2]
             ends = first * old[0] // new[0], (last - 1) * old[0] // new[0]
             return np.arange(ends[0], ends[1] + 2) % old[0]
@@ -248,7 +243,7 @@ class SlabGrids(Grids):
         """Take a field of the finest grid at the points of a coarser grid nearest below."""
         old, target = self.shape, self.slabs_of(new)
 
-        def wanted(rank: int) -> NDArray[np.int64]:
+        def wanted(rank: int) -> Numbers:
             first, last = (0, new[0]) if target is None else target.rows[rank : rank + 2]
             return np.arange(first, last) * old[0] // new[0]
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact._types import Array
+from fem_contact._types import AnyArray, Array, Shape
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.rows import Rows
 
@@ -45,7 +45,7 @@ class Errors:
         return self.moment / self.total if self.total > 0 else 0.0
 
 
-def _staggered(shape: tuple[int, int], place: int, dtype: type[np.floating[Any]]) -> NDArray[Any]:
+def _staggered(shape: Shape, place: int, dtype: type[np.floating[Any]]) -> AnyArray:
     """Empty array that starts on a cache line, the one after those of the arrays of lower place.
 
     A pass reads up to seven arrays at one point of the grid. Large ones all start at the same place of a
@@ -62,7 +62,7 @@ def _staggered(shape: tuple[int, int], place: int, dtype: type[np.floating[Any]]
 
 def _levels(
     nx: int, ny: int, precision: type[np.floating[Any]]
-) -> tuple[list[NDArray[Any]], list[NDArray[np.uint8]]]:
+) -> tuple[list[AnyArray], list[NDArray[np.uint8]]]:
     """Return arrays of the sums and counts of the level of nx x ny cells and those above."""
     shapes = [(nx, ny)]
     while max(shapes[-1]) > 4:
@@ -211,17 +211,17 @@ class IterationArrays:
         total, image = self.rows.add(k.finish, self.buffer, self.working, sums[0], self.image)
         return total, image
 
-    def _whole(self, level: NDArray[Any]) -> NDArray[Any]:
+    def _whole(self, level: AnyArray) -> AnyArray:
         return level
 
     def _take_top(self) -> None:
         """Take the rows of `levels` over from `top`, whose finest they are."""
 
-    def _as_coarse(self, level: int) -> NDArray[Any]:
+    def _as_coarse(self, level: int) -> AnyArray:
         """Return the sums of a level as the next finer one reads them."""
         return self.levels[0][level]
 
-    def _as_fine(self, level: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    def _as_fine(self, level: int) -> tuple[AnyArray, AnyArray, AnyArray]:
         """Values and counts of a level, -1 for the grid, as the next coarser one reads them, and its sums."""
         return self.buffer, self.working.view(np.uint8), self.levels[0][0]
 

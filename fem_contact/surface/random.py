@@ -13,10 +13,9 @@ from typing import Literal
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
 from fem_contact._checks import array, choice, function, positive, room_for, shown, truth
-from fem_contact._types import Array, Lengths, Shape
+from fem_contact._types import Array, Complex, Lengths, Numbers, Shape
 from fem_contact.errors import InvalidInput
 from fem_contact.surface.heights import HeightField, checked_lengths, checked_shape
 
@@ -102,9 +101,9 @@ class RandomWaves:
     """The waves of one realisation of a random surface, drawn once and sampled on any grid."""
 
     # (count,): Wave numbers, one of each pair +-q.
-    m: NDArray[np.int64]
-    n: NDArray[np.int64]
-    amplitudes: NDArray[np.complex128]  # (count,): Fourier coefficients of half the surface [m]
+    m: Numbers
+    n: Numbers
+    amplitudes: Complex  # (count,): Fourier coefficients of half the surface [m]
     q_short: float  # Cut-off wavevector [1/m]
     lengths: Lengths  # Periods (Lx, Ly) [m]
 
@@ -179,9 +178,7 @@ def _checked_grid(shape: Shape, lengths: Lengths, q_short: float, under_resolved
     )
 
 
-def _half_plane(
-    lengths: Lengths, q_short: float, columns: tuple[int, int] | None
-) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+def _half_plane(lengths: Lengths, q_short: float, columns: Shape | None) -> tuple[Numbers, Numbers, Array]:
     """Wave numbers (m, n) with 0 < |q| <= q_short, one of each pair +-q, and |q| [1/m]."""
     unit_x, unit_y = (2 * np.pi / length for length in lengths)
     limit = q_short * (1 + _EDGE)
@@ -198,9 +195,7 @@ def _half_plane(
     return m[keep], n[keep], q[keep]
 
 
-def _random_waves(
-    m: NDArray[np.int64], n: NDArray[np.int64], *, seed: int | np.random.Generator, gaussian: bool
-) -> NDArray[np.complex128]:
+def _random_waves(m: Numbers, n: Numbers, *, seed: int | np.random.Generator, gaussian: bool) -> Complex:
     """Unit-variance complex random numbers, a function of the seed and of each wave number alone."""
     ring = np.maximum(np.abs(m), n)
     along = np.where(m == ring, n, np.where(n == ring, 2 * ring - m, 4 * ring - n))
@@ -212,7 +207,7 @@ def _random_waves(
             raise InvalidInput(f"seed = {shown(seed)}: must be {whole}, or a numpy.random.Generator")
         seed = np.random.default_rng(int(seed))
     phases, sizes = seed.spawn(2)
-    waves: NDArray[np.complex128] = np.exp(2j * np.pi * _drawn(phases, position))
+    waves: Complex = np.exp(2j * np.pi * _drawn(phases, position))
     if gaussian:
         waves *= np.sqrt(-np.log1p(-_drawn(sizes, position)))
     return waves
@@ -222,7 +217,7 @@ def _random_waves(
 _DRAWN = 2**20
 
 
-def _drawn(generator: np.random.Generator, position: NDArray[np.int64]) -> Array:
+def _drawn(generator: np.random.Generator, position: Numbers) -> Array:
     """Return the random numbers at these positions of the sequence, of which little is held at once."""
     order, out = np.argsort(position), np.empty(position.shape)
     ordered = position[order]

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem_contact._types import Array
+from fem_contact._types import Array, Shape
 from fem_contact.block.mesh import BlockMesh, element_matrices
 
 #: Neighbours of a column on the stack of cells towards +x and +y: itself, along x, along y, the diagonal one.
@@ -50,7 +50,7 @@ def corner_coefficients(mesh: BlockMesh, *, poisson: float) -> Array:
     return table
 
 
-def overlap_means(modulus: Array, shape: tuple[int, int]) -> Array:
+def overlap_means(modulus: Array, shape: Shape) -> Array:
     """Mean modulus of the cells of a coarser grid over the same periods, from (nx, ny, nz)."""
     for axis, coarse in enumerate(shape):
         fine = modulus.shape[axis]

@@ -55,13 +55,8 @@ def solve_full(problem: Problem, start: Mask | Answer | None, block: Block) -> A
 
     # Vectors are short and everything else is serial: more BLAS threads only wait for each other.
     with threadpool_limits(limits=1, user_api="blas"):
-        return _pressed(
-            block,
-            problem,
-            _first(block, problem, start),
-            tolerance=problem.tolerance,
-            violation=problem.violation,
-        )
+        first = _first(block, problem, start)
+        return _pressed(block, problem, first, tolerance=problem.tolerance, violation=problem.violation)
 
 
 def _first(block: Block, problem: Problem, start: Mask | Answer | None) -> First:
@@ -111,12 +106,7 @@ def _proposed(block: Block, problem: Problem) -> First:
 
 
 def _pressed(
-    block: Block,
-    problem: Problem,
-    first: First,
-    *,
-    tolerance: float,
-    violation: Violation,
+    block: Block, problem: Problem, first: First, *, tolerance: float, violation: Violation
 ) -> Answer:
     nodes, offset, displacement = first
     return solve_contact(

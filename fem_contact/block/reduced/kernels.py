@@ -17,11 +17,10 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from fem_contact._types import Array
+from fem_contact._types import Array, Numbers
 
-FoldingPlan = tuple[NDArray[np.int64], NDArray[np.int64], Array]
+FoldingPlan = tuple[Numbers, Numbers, Array]
 
 _OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
 
