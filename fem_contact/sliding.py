@@ -390,7 +390,7 @@ class _Acceleration:
         self._last = point, step
         there = point + step
         if self.active:
-            moved, changed = (np.array(list(column)) for column in zip(*self._changes, strict=True))
+            moved, changed = (np.array(column) for column in zip(*self._changes, strict=True))
             count = len(self._changes)
             weights = np.linalg.lstsq(changed.reshape(count, -1).T, step.ravel(), rcond=None)[0]
             there = there - np.tensordot(weights, moved + changed, axes=1)

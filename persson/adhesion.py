@@ -403,7 +403,7 @@ def _result(case: _Case, nodes: _Nodes, state: Diffusion, count: int) -> Adhesiv
     total_energy = energy[0] + density[0]
     gained = state.area[-1] * nodes.factor[-1] * case.interface.work_of_adhesion
     area = np.maximum(state.area, 1e-300)
-    work = np.asarray((gained - energy) / (area * nodes.factor))
+    work = (gained - energy) / (area * nodes.factor)
     carried = state.area_plastic * np.where(state.area_plastic != 0, state.yield_stress, 0.0)
     return AdhesiveContact(
         wavevectors=nodes.q,

@@ -376,7 +376,7 @@ class FullerTabor:
         a, big = self._length, self.asperities.radius
         unit = a * (a / big)
         h = self.asperities.rms_height / unit
-        offset = np.asarray(d / unit)
+        offset = d / unit
         # Summits from d - 3/4 up stick; t = low + span u^2 removes the square root where they let go.
         low = np.clip((offset - 0.75) / h, -9.0, 9.0)
         u, weights = gauss(240)

@@ -164,8 +164,8 @@ def optimal_modulus(
         raise InvalidInput("q_min = 0: must be positive; give q_min = 2 pi / L")
     q = spectrum.q_min * np.geomspace(1.0, spectrum.q_short / spectrum.q_min, _NODES)
     q[-1] = spectrum.q_short
-    added = np.diff(np.asarray(spectrum.m2(q))) / 4
-    star = np.asarray(area_factor(spectrum.m2(q))) if interface.area == "star" else np.ones_like(q)
+    added = np.diff(spectrum.m2(q)) / 4
+    star = area_factor(spectrum.m2(q)) if interface.area == "star" else np.ones_like(q)
     bond = interface.work_of_adhesion
     unit = limit / interface.alpha * (limit / bond) / q
     relative = np.ones_like(q)

@@ -101,7 +101,7 @@ def _crossed(x: float, width: Array) -> Array:
 
 def _staying(x: float, width: Array) -> Array:
     bands = ((-1) ** j * _erf_band(j / width, x / width) for j in range(1, 12))
-    return sum(bands, start=np.asarray(erf(x / width)))
+    return sum(bands, start=erf(x / width))
 
 
 def _crossed_series(x: float, v: Array) -> Array:

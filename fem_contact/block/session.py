@@ -19,6 +19,7 @@ from fem_contact.block.problem import Answer, Problem
 from fem_contact.block.reduced.fields import FourierSource
 from fem_contact.block.reduced.surface import (
     BlockResponse,
+    SurfaceOperator,
     solve_reduced,
     solve_reduced_offset,
     surface_operator,
@@ -34,7 +35,6 @@ from fem_contact.surface import HeightField
 
 if TYPE_CHECKING:
     from fem_contact.block.full.block import Block
-    from fem_contact.block.reduced.surface import SurfaceOperator
 
 Method = Literal["full", "reduced"]
 Modulus = Callable[[Array, Array, Array], Array]
@@ -218,21 +218,14 @@ class Session:
     def _dressed(self, answer: Answer, *, target: float | None) -> BlockSolution:
         contact = self._result(answer, target=target)
         self.clock = Clock()
+        mesh, modulus, width = self.problem.mesh, self.problem.modulus, self.width
         if answer.field is not None:
-            source: FieldSource = ArraySource(
-                field=answer.field * self.width, order=self.problem.mesh.element.order
-            )
+            source: FieldSource = ArraySource(field=answer.field * width, order=mesh.element.order)
         else:
             source = FourierSource(
-                response=self.response, force=answer.force, width=self.width, threads=available_processors()
+                response=self.response, force=answer.force, width=width, threads=available_processors()
             )
-        return BlockSolution(
-            contact=contact,
-            solid=self.solid,
-            mesh=self.problem.mesh,
-            source=source,
-            modulus=self.problem.modulus,
-        )
+        return BlockSolution(contact=contact, solid=self.solid, mesh=mesh, source=source, modulus=modulus)
 
     def _result(self, answer: Answer, *, target: float | None) -> ContactResult:
         surface, mesh = self.surface, self.problem.mesh

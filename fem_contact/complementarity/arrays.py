@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,11 +17,9 @@ from fem_contact._types import AnyArray, Lengths, Shape
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.grids import Grids
 from fem_contact.complementarity.iteration_arrays import Errors, IterationArrays
+from fem_contact.complementarity.operator import Operator, Solution
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response
-
-if TYPE_CHECKING:
-    from fem_contact.complementarity.operator import Operator, Solution
 
 #: What the compiled passes have as `PARTS`, for one and for two.
 ALONE, PAIRED = 0.5, 0.46

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact._types import AnyArray, Array, Shape
 from fem_contact.complementarity.fourier import FourierOperator
+from fem_contact.complementarity.operator import Operator
 from fem_contact.complementarity.rows import Rows
-
-if TYPE_CHECKING:
-    from fem_contact.complementarity.operator import Operator
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,11 +9,10 @@ import numpy as np
 
 from fem_contact._types import Array, Numbers
 from fem_contact.block.elements import LocalForms, lame, local_dilatation, local_shear
+from fem_contact.block.mesh import BlockMesh
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
-
-    from fem_contact.block.mesh import BlockMesh
 
 
 @dataclass(frozen=True, kw_only=True)
