@@ -99,7 +99,7 @@ def energy_share(pressure: ArrayLike, *, stress_variance: ArrayLike, energy: Ene
     full = non_negative("stress_variance", stress_variance, unit="Pa^2", power=2)
     variant: Variant = "wang_mueser" if energy == "wang_mueser" else "persson"
     variant = "xu" if energy in ("xu", "xu_hybrid") else variant
-    area = corrected_contact_area(load, stress_variance=full, variant=variant)
+    area = np.asarray(corrected_contact_area(load, stress_variance=full, variant=variant))
     square = area * area
     if energy == "old":
         return area
