@@ -13,7 +13,6 @@ from fem_contact._types import Array, Shape
 from fem_contact.errors import InsufficientMemory, InvalidInput
 
 _T = TypeVar("_T")
-
 #: Sizes of numbers, in SI units, between which squares neither vanish nor products of squares overflow.
 LEAST, GREATEST = 1e-120, 1e30
 

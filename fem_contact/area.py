@@ -37,18 +37,14 @@ EDGE_CONSTANTS = MappingProxyType(
 
 #: Width [cells] over which the contact map is smoothed to find the direction of an edge.
 _SMOOTHING = 1.5
-
 #: Unevenness of the directions of a contour: below the first, rough contacts of a few tens of edges lie, too;
 #: the second is that of lines.
 _UNEVEN = (0.4, 1.0)
-
 #: Degrees of the edge map in v = 1 / (1 + rho^(2/3)) and in the squared cosine of the edge's direction.
 _DEGREES = (5, 2)
-
 #: Degrees of its second part in v and the squared cosine, and powers of the ratios further in and out.
 _BEND_DEGREES = (2, 1)
 _BEND_POWERS = ((0, 0), (1, 0), (0, 1), (2, 0), (0, 2), (1, 1))
-
 #: Largest ratio of fields beside the edge: beyond it, as on patches of one cell, it says nothing more.
 _STEEPEST = 1.5
 

@@ -200,11 +200,11 @@ def press_by_patches(
         result = press(limits)
         costs.append(result.cost)
         lower = np.minimum(limits, hardness.of_patches(result.in_contact, surface.spacing))
-        settled = bool(np.all(lower >= limits))
-        if settled or result.status is not Status.CONVERGED:
+        if np.all(lower >= limits) or result.status is not Status.CONVERGED:
             break
         limits = lower
+    else:
+        result = replace(result, status=Status.ITERATION_LIMIT)
     names = {entry.name for entry in fields(Cost)} - {"unknowns", "peak_bytes"}
     cost = replace(result.cost, **{name: sum(getattr(c, name) for c in costs) for name in names})
-    status = result.status if settled else Status.ITERATION_LIMIT
-    return replace(result, cost=cost, status=status if result.status is Status.CONVERGED else result.status)
+    return replace(result, cost=cost)

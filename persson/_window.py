@@ -26,7 +26,6 @@ Wall = float | Callable[[Array], Array] | None
 
 #: Half width of the window in standard deviations: the neglected tail holds 3e-14 of the area.
 TAIL = 7.6
-
 #: Steps beyond which a wall counts as too wild to be followed; the error estimate then says so.
 _MOST_STEPS = 5000
 

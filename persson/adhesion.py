@@ -41,13 +41,10 @@ from persson.spectrum import area_factor
 
 #: Spacing of the nodes in ln V and in ln q, on the coarse and on the fine level.
 _SPACINGS = (0.24, 0.12)
-
 #: Below this share of the nominal area contact counts as lost.
 _LOST = 1e-13
-
 #: Share of the largest gamma_eff to which it is known, over the tolerance.
 _ROUNDED = 1e-4
-
 #: Rounds that a load on the way to none gets: near the loss of contact the state without load takes more.
 _ROUNDS_UNDER_LOAD = 300
 

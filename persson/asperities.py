@@ -22,7 +22,6 @@ from persson.spectrum import Moments
 
 #: Height in standard deviations beyond which series replace parabolic cylinder functions.
 _FAR = 12.0
-
 #: Standard deviations above the mean beyond which there are no summits.
 _HIGHEST = 12.0
 

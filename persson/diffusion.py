@@ -27,7 +27,6 @@ from persson.errors import InvalidInput, NotConverged
 
 #: Largest steps in ln V and numbers of basis functions tried in turn until the ledger closes.
 _LEVELS = ((0.2, 48), (0.1, 56), (0.05, 80), (0.025, 120), (0.012, 180))
-
 #: Beginning of a step and the abscissae of the stages of `persson._galerkin`.
 _STAGES = np.array([0.0, 0.25, 0.75, 0.55, 0.5, 1.0])
 

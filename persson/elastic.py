@@ -19,7 +19,6 @@ from persson.spectrum import Spectrum, check_spectrum
 #: Slope of A/A0 against p* = p0/(E* h'_rms) at light load, Persson 2006, Eqs. 13 and 22:
 #: sqrt(8/pi) = 1.596.
 KAPPA_PERSSON = math.sqrt(8 / math.pi)
-
 #: The same slope in the asperity theory of Bush, Gibson and Thomas (1975): sqrt(2 pi) = 2.507.
 KAPPA_BGT = math.sqrt(2 * math.pi)
 

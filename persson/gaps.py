@@ -16,7 +16,6 @@ from persson.separation import opening_integral
 
 #: Intervals of V over which area leaves contact, on each side of half of the whole variance.
 _INTERVALS = 120
-
 #: sigma_0 / sqrt(2 V) beyond which no wave opens the contact.
 _CLOSED = 20.0
 

@@ -26,7 +26,6 @@ EnergyReading = Literal["old", "improved", "as_printed", "yang_persson", "wang_m
 
 #: Share of the full energy that is stored at vanishing contact, gamma of Yang and Persson (2008).
 ENERGY_RATIO = 0.45
-
 #: The same of Xu et al. (2024), as in the code they published.
 XU_RATIO = 0.42
 

@@ -25,12 +25,10 @@ from fem_contact.surface import HeightField
 #: Cells that the length E* w / sigma_th^2 must span. On a sphere the pull-off force is then within 2 % of
 #: its limit; below it cells snap one by one and the front of a contact is pinned by the lattice.
 CELLS_NEEDED = 2.0
-
 #: Work of adhesion over the elastic energy of full contact up to which a solve starts from the contact
 #: without attraction. On random surfaces both starts led to the same state (52 of 52 cases that converged
 #: from both, up to .4).
 WEAK = 0.03
-
 #: Tolerance of that first contact: vanishing adhesion is to recover it.
 _PLAIN = 1e-8
 

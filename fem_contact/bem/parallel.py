@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 #: Rows beyond a slab that the edges of contact in it are located with: those that their direction depends on.
 _BEYOND = 8
-
 #: Rows in which edges are located at once.
 _BAND = 128
 

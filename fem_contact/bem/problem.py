@@ -188,7 +188,6 @@ _PLACED = {
 
 #: Ratio of the sides of a cell beyond which a residual that no longer falls is put down to it.
 _OBLONG = 30.0
-
 #: Mean height over the rms height beyond which heights are counted from their mean while solving: the digits
 #: that a distant reference plane costs would be missing in the gap.
 _DISTANT = 100.0

@@ -32,19 +32,14 @@ if TYPE_CHECKING:
 
 #: A layer count is not raised for a rounding error in depth / first layer.
 _SLACK = 1e-9
-
 #: Width [m] that cells must exceed, or the powers of wavevectors leave the range of the arithmetic.
 _SMALLEST = 1e-60
-
 #: Cell widths that the depth and the other side of a cell must stay below.
 _DEEPEST = 1e9
-
 #: Depth over the first layer must stay below this.
 _THINNEST = 1e13
-
 #: Layers at most: beyond, nothing is gained and the time to plan them is no longer bounded.
 _MOST_LAYERS = 10_000
-
 #: Layers at least, where the depth is less than this many spacings.
 _LEAST_LAYERS = 4
 

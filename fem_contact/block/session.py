@@ -49,17 +49,14 @@ _METHODS = {
 #: Peak bytes per unknown of the full system: some nineteen fields; where the modulus varies sideways, nine
 #: more for the factors of every column.
 _BYTES_PER_UNKNOWN, _BYTES_OF_FACTORS = 158, 80
-
 #: Libraries, and what does not grow with the block.
 _BASE_BYTES = 250_000_000
-
 #: Peak bytes per surface node of the reduced system, by order: some 14 arrays, or 4 x 4 tables.
 _BYTES_PER_NODE = {1: 120, 2: 400}
 
 
 #: Largest ratio of mean pressure and Young's modulus, and the reciprocal of the least.
 _STIFFEST = 1e60
-
 #: Largest ratio of a cell's Young's modulus and the solid's, and the reciprocal of the least.
 _HARDEST = 1e30
 
@@ -68,7 +65,6 @@ _version = cache(version)
 
 #: Least tolerance: rounding leaves more.
 _FINEST = 1e-16
-
 #: Active sets, and steps of the surface iteration, allowed by default.
 _SETS, _STEPS = 60, 10_000
 

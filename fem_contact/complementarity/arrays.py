@@ -267,13 +267,18 @@ class PlainIterationArrays(IterationArrays):
         self.buffer[...] = above
         return self._sum(above), self._sum(above * self.image)
 
-    def _summed(self, fine: Values) -> Values:
-        """Sum over cells of 2 x 2, the last of an odd axis smaller."""
+    def _even(self, fine: Values) -> Values:
+        """Append zeros along an axis of an odd number of points."""
         (nx, ny), xp = fine.shape, self.xp
         if nx % 2:
             fine = xp.concat([fine, xp.zeros_like(fine[:1, :])], axis=0)
         if ny % 2:
             fine = xp.concat([fine, xp.zeros_like(fine[:, :1])], axis=1)
+        return fine
+
+    def _summed(self, fine: Values) -> Values:
+        """Sum over cells of 2 x 2, the last of an odd axis smaller."""
+        fine = self._even(fine)
         return fine[::2, ::2] + fine[1::2, ::2] + fine[::2, 1::2] + fine[1::2, 1::2]
 
     def _spread(self, coarse: Values, shape: Shape) -> Values:
@@ -289,11 +294,8 @@ class PlainIterationArrays(IterationArrays):
 
     def _gathered(self, fine: Values) -> Values:
         """Transpose of `_spread`."""
-        xp = self.xp
+        xp, fine = self.xp, self._even(fine)
         for axis in (0, 1):
-            if fine.shape[axis] % 2:
-                edge = fine[:1, :] if axis == 0 else fine[:, :1]
-                fine = xp.concat([fine, xp.zeros_like(edge)], axis=axis)
             left = fine[::2, :] if axis == 0 else fine[:, ::2]
             right = fine[1::2, :] if axis == 0 else fine[:, 1::2]
             fine = 0.75 * (left + right) + 0.25 * (

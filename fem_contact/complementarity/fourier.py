@@ -137,8 +137,7 @@ class FourierOperator:
             return
         import ducc0.fft
 
-        room = self._spectrum if field.dtype == np.float64 else self._spectrum.view(np.complex64)
-        room = room.reshape(-1)[: self._spectrum.size].reshape(self._spectrum.shape)
+        room = self._room_for(field)
         spectrum = room[:, : self.compliance.shape[1]]
         # One axis at a time and in place: a call for both allocates a second spectrum, and takes up to twice
         # as long where rows are a power of two apart.
@@ -148,6 +147,11 @@ class FourierOperator:
         self._weaken(spectrum, weaken)
         ducc0.fft.c2c(spectrum, axes=(0,), forward=False, inorm=2, out=spectrum, nthreads=threads)
         self._along_rows(spectrum, out)
+
+    def _room_for(self, field: AnyArray) -> AnyArray:
+        """Return the room for a spectrum, in the precision of a field."""
+        room = self._spectrum if field.dtype == np.float64 else self._spectrum.view(np.complex64)
+        return room.reshape(-1)[: self._spectrum.size].reshape(self._spectrum.shape)
 
     def _weaken(self, spectrum: AnyArray, wanted: bool) -> None:
         if wanted and self.long_waves is not None:

@@ -42,8 +42,7 @@ class SlabOperator(FourierOperator):
 
         from fem_contact.complementarity.kernels import divide
 
-        room = self._spectrum if field.dtype == np.float64 else self._spectrum.view(np.complex64)
-        spectrum = room.reshape(-1)[: self._spectrum.size].reshape(self._spectrum.shape)
+        spectrum = self._room_for(field)
         slabs, threads, waves = self.slabs, self.threads, self.shape[1] // 2 + 1
 
         def lines(lo: int, hi: int) -> AnyArray:

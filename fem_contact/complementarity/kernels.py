@@ -33,7 +33,6 @@ import numpy as np
 from numba import njit
 
 _OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"reassoc", "contract", "nsz"}}
-
 #: Weight of each of the occupied cells in a cell of the next level, by their number: the mean where they fill
 #: it. One or two are mostly the whole or the end of a contact, away from which the residual falls. The two
 #: numbers are those of the fewest steps on rough surfaces.

@@ -23,7 +23,6 @@ Violation = Callable[[Array, Array, Mask | None], float]
 
 #: Linear tolerance while the set still moves; it only has to tell contact from separation at most nodes.
 _LOOSE = 1e-3
-
 #: Conjugate-gradient steps allowed for one active set.
 _LINEAR_STEPS = 3000
 

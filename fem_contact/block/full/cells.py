@@ -18,7 +18,6 @@ from fem_contact.block.mesh import BlockMesh, element_matrices
 
 #: Neighbours of a column on the stack of cells towards +x and +y: itself, along x, along y, the diagonal one.
 _SIDES = ((0, 0), (1, 0), (0, 1), (1, 1))
-
 #: Sign of the cells on the four sides of a column, in x and in y.
 _QUADRANTS = ((1, 1), (-1, 1), (1, -1), (-1, -1))
 

@@ -19,7 +19,6 @@ from fem_contact.block.mesh import BlockMesh
 
 #: Spacings along both axes count as equal up to this ratio, and are then doubled together.
 _ALIKE = 1.5
-
 #: A coarse node is tied where this share of its weight lies on tied nodes.
 _TIED_SHARE = 0.25
 

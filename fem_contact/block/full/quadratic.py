@@ -23,7 +23,6 @@ from fem_contact.block.mesh import BlockMesh, element_matrices
 #: a + c, m and c - a from the nodes a, m, c of one axis, and whether they are odd.
 _COMBINATIONS = np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 1.0]])
 _ODD = (0, 0, 1)
-
 #: Poisson ratio of the trilinear cells where the solid's is larger: 0, .2, .4 and .45 take more steps.
 _COMPRESSIBLE = 0.3
 

@@ -20,10 +20,8 @@ Violation = Callable[[Array, Array, Mask | None], float]
 
 #: Below this many nodes along an axis no coarser grid looks for the first active set.
 _COARSEST = 16
-
 #: A coarser grid only proposes a set.
 _COARSE_TOLERANCE = 1e-3
-
 #: A node all of whose parents on the coarser grid touch is taken to touch.
 _INSIDE = 0.999
 

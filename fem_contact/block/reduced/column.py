@@ -34,7 +34,6 @@ SweepPlan = tuple[Numbers, Numbers, Array, Numbers, Numbers, Numbers]
 
 #: Poisson ratio from which pressures stay unknowns: below, 1/lambda may be of any size.
 _STIFF = 0.4
-
 #: Columns eliminated side by side by one instruction stream, of small and of large matrices.
 _LANES = (64, 16)
 
