@@ -9,11 +9,10 @@ import numpy as np
 
 from contact_checks import Checks, in_unit
 from contact_checks import shown as shown
-from fem_contact._types import Array
+from fem_contact._types import Array, Shape
 from fem_contact.errors import InsufficientMemory, InvalidInput
 
 _T = TypeVar("_T")
-
 #: Sizes of numbers, in SI units, between which squares neither vanish nor products of squares overflow.
 LEAST, GREATEST = 1e-120, 1e30
 
@@ -64,7 +63,7 @@ def shape_of(name: str, value: object) -> tuple[int, ...]:
         raise _CHECKS.refused(name, value, "an array of numbers") from None
 
 
-def field(name: str, value: object, shape: tuple[int, int], *, unit: str = "") -> Array:
+def field(name: str, value: object, shape: Shape, *, unit: str = "") -> Array:
     """Return real numbers on a grid of that shape as doubles."""
     values = array(name, value, unit=unit)
     if values.shape != shape:
@@ -72,7 +71,7 @@ def field(name: str, value: object, shape: tuple[int, int], *, unit: str = "") -
     return values
 
 
-def bound(name: str, value: object, shape: tuple[int, int] | None = None) -> Array:
+def bound(name: str, value: object, shape: Shape | None = None) -> Array:
     """Return a pressure bound [Pa], one or one for each point of a grid, all positive."""
     values = array(name, value, unit="Pa")
     if shape is not None and values.ndim > 0 and values.shape != shape:
@@ -90,7 +89,7 @@ def mask(name: str, value: object) -> None:
         raise InvalidInput(f"{name} of shape {value.shape}: must be a two-dimensional map (nx, ny)")
 
 
-def pressures(name: str, value: object, shape: tuple[int, int]) -> Array:
+def pressures(name: str, value: object, shape: Shape) -> Array:
     """Return pressures [Pa] on a grid, none negative and not all zero."""
     values = field(name, value, shape, unit="Pa")
     if values.min() < 0 or not np.mean(values) > LEAST:

@@ -13,10 +13,10 @@ from types import MappingProxyType
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import finite, listed, samples, truth, whole
-from fem_contact.contact import ContactResult, check_result
+from fem_contact._types import Array, Lengths, Numbers
+from fem_contact.contact import ContactResult, check_result, weights_of
 from fem_contact.errors import InvalidInput
 from fem_contact.height_traits import height_traits
 
@@ -37,18 +37,14 @@ EDGE_CONSTANTS = MappingProxyType(
 
 #: Width [cells] over which the contact map is smoothed to find the direction of an edge.
 _SMOOTHING = 1.5
-
 #: Unevenness of the directions of a contour: below the first, rough contacts of a few tens of edges lie, too;
 #: the second is that of lines.
 _UNEVEN = (0.4, 1.0)
-
 #: Degrees of the edge map in v = 1 / (1 + rho^(2/3)) and in the squared cosine of the edge's direction.
 _DEGREES = (5, 2)
-
 #: Degrees of its second part in v and the squared cosine, and powers of the ratios further in and out.
 _BEND_DEGREES = (2, 1)
 _BEND_POWERS = ((0, 0), (1, 0), (0, 1), (2, 0), (0, 2), (1, 1))
-
 #: Largest ratio of fields beside the edge: beyond it, as on patches of one cell, it says nothing more.
 _STEEPEST = 1.5
 
@@ -145,7 +141,7 @@ class ContactAreas:
     edge_length: float
     edge_fraction: float
     edge_constant: float
-    spacing: tuple[float, float]
+    spacing: Lengths
     subcell: float | None = None
     cells: int = 1
     alignment: float = 0.0
@@ -202,7 +198,7 @@ def contact_areas(
     dx, dy = result.spacing
     across_x = int(np.count_nonzero(contact != np.roll(contact, 1, axis=0)))
     across_y = int(np.count_nonzero(contact != np.roll(contact, 1, axis=1)))
-    pixel = float(np.mean(contact if result.weights is None else contact * result.weights))
+    pixel = float(np.mean(contact * weights_of(result)))
     fraction = (across_x + across_y) / contact.size
     edges = contact_edges(result)
     return ContactAreas(
@@ -278,42 +274,42 @@ def mean_areas(areas: Sequence[ContactAreas]) -> ContactAreas:
 class Edges:
     """Pairs of neighbouring cells with contact in the first and none in the second."""
 
-    inside: NDArray[np.int64]  # (n,): Flat index of the contact cell
-    axis: NDArray[np.int64]  # (n,): 0 where the neighbour lies along x, 1 along y
-    sign: NDArray[np.int64]  # (n,): +1 or -1: on which side it lies
+    inside: Numbers  # (n,): Flat index of the contact cell
+    axis: Numbers  # (n,): 0 where the neighbour lies along x, 1 along y
+    sign: Numbers  # (n,): +1 or -1: on which side it lies
     # (n,): Between the outward normal of the edge and the direction to the neighbour.
-    cosine: NDArray[np.float64]
+    cosine: Array
     # (n,): rho = E* g / (p d cosine), with the gap of the neighbour, the pressure of the contact cell
     # and their distance d.
-    ratio: NDArray[np.float64]
+    ratio: Array
     # (n,): p^2 of the contact cell over that of the cell behind it, and g^(2/3) of the neighbour over
     # that of the cell beyond: both grow linearly from a straight edge, and how they bend is what the
     # edge is off by in second order. At most 1.5.
-    inner: NDArray[np.float64]
-    outer: NDArray[np.float64]
+    inner: Array
+    outer: Array
 
-    def features(self) -> NDArray[np.float64]:
+    def features(self) -> Array:
         """Monomials of the edge map, as columns."""
         return self._monomials(_DEGREES)
 
-    def bends(self) -> NDArray[np.float64]:
+    def bends(self) -> Array:
         """Monomials of the second part of the edge map, as columns."""
         first = self._monomials(_BEND_DEGREES)
         fields = [self.inner**a * self.outer**b for a, b in _BEND_POWERS]
         return np.concatenate([first * field[:, None] for field in fields], axis=1)
 
-    def shift(self, coefficients: NDArray[np.float64]) -> float:
+    def shift(self, coefficients: Array) -> float:
         """Cells by which an edge map moves these edges, all together."""
         first, second = np.split(coefficients, [_FIRST])
         place = np.clip(self.features() @ first, -0.6, 1.2) + self.bends() @ second
         return float(np.sum((place - 0.5) * self.cosine**2))
 
-    def harmonics(self) -> NDArray[np.float64]:
+    def harmonics(self) -> Array:
         """Length of these edges, and the sum over it of cos 8 theta of their direction."""
         fourth = 8 * self.cosine**4 - 8 * self.cosine**2 + 1
         return np.array([np.sum(part * self.cosine**2) for part in (1.0, 2 * fourth**2 - 1)])
 
-    def _monomials(self, degrees: tuple[int, int]) -> NDArray[np.float64]:
+    def _monomials(self, degrees: tuple[int, int]) -> Array:
         v = 1 / (1 + self.ratio ** (2 / 3))
         powers = [v**k * self.cosine ** (2 * m) for k in range(degrees[0] + 1) for m in range(degrees[1] + 1)]
         return np.stack(powers, axis=1)
@@ -349,7 +345,7 @@ def contact_edges(result: ContactResult) -> Edges:
     return Edges(**dict(zip(names, columns, strict=True)))
 
 
-def _over(above: NDArray[np.float64], below: NDArray[np.float64]) -> NDArray[np.float64]:
+def _over(above: Array, below: Array) -> Array:
     """Ratio of fields that are not negative; infinite where nothing is below."""
     held = below > 0
     return np.where(held, np.maximum(above, 0.0) / np.where(held, below, 1.0), np.inf)
@@ -407,7 +403,7 @@ def _located(result: ContactResult, edges: Edges, edge_map: Sequence[float] | No
     return float(np.mean(result.in_contact)) + edges.shift(coefficients) / result.in_contact.size
 
 
-def alignment(harmonics: Sequence[float] | NDArray[np.float64]) -> float:
+def alignment(harmonics: Sequence[float] | Array) -> float:
     """How far the directions of a contour are from even: 0 within what rough contacts show, 1 for a line.
 
     The errors of the edge map repeat every quarter turn. The mean of cos 8 theta vanishes where directions

@@ -30,7 +30,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem_contact._checks import pair, positive, whole
-from fem_contact._types import Array
+from fem_contact._types import Array, Lengths
 from fem_contact.area import EDGE_CONSTANTS, ContactAreas
 
 
@@ -38,7 +38,7 @@ from fem_contact.area import EDGE_CONSTANTS, ContactAreas
 class PlannedGrid:
     """A grid that is to be solved."""
 
-    spacing: tuple[float, float]  # (dx, dy) [m]
+    spacing: Lengths  # (dx, dy) [m]
     cells: int  # Number of its cells
     solves: int = 1  # Sub-grid shifts that are averaged
 
@@ -91,10 +91,8 @@ LOCATED = ErrorLaw(
 
 #: Number of patches to which the deviations of a law belong, and f^2 n / (A (1 - A)^(5/4)) of a round one.
 _PATCHES, _ROUND = 80.0, 20.0
-
 #: Share of its deviations that a surface of ever so many patches keeps: lambda_long/lambda_short to 64.
 _LEAST_SPREAD = 0.8
-
 #: Largest z for which means were measured.
 WIDEST = 3.5
 
@@ -111,27 +109,21 @@ _PERIMETER = ErrorLaw(
 #: exceeds that of boundary elements: the softer cells are at the spacing of the grid, the more they err in
 #: second order, too. Of 510 surfaces on hexahedra: trilinear ones at nu = 0 to .4, others there, at .49, .5.
 _SOFT = ((-0.15, 0.15), (0.15, 0.08))
-
 #: Power of 1 - A in z.
 GAP_POWER = 1.25
-
 #: Deviations grow by the first for each unit of anisotropy beyond the second, which isotropic surfaces of few
 #: waves have by chance; and by the third where the first share of the curvature is unresolved, less below it
 #: with its fourth root.
 _ANISOTROPIC, _CHANCE = 6.5, 0.12
 _COARSE, _COARSE_SHARE = 1.5, 0.05
-
 #: Patches may be wide, but their edges are no smoother than the heights: least z over the wavenumber.
 _NARROW = 1.5
-
 #: Unresolved shares from which and beyond which heights count as kinked; error at kinks that grids may not
 #: show, and that of a single grid [cells].
 _KINKED, _HIDDEN, _UNSEEN = (0.05, 0.2), 0.02, 0.15
-
 #: Unresolved share of heights with steps: at .9 their areas were off by half at 4, 6 and 8 points per wave,
 #: which nearly agreed.
 _STEPS = 0.7
-
 #: A single grid is told its error by the law alone, from which surfaces differ by so much.
 ALONE = 1.1
 

@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import positive, samples
-from fem_contact._types import Array
+from fem_contact._types import Array, Mask
 from fem_contact.complementarity import FourierOperator, FreeOperator, operator_of
 from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput, NotConverged, UnsupportedEffect
@@ -112,9 +111,7 @@ def frozen_contact(
     return _solved(operator, moving, settings)
 
 
-def _solved(
-    operator: FourierOperator | FreeOperator, moving: NDArray[np.bool_], settings: Settings
-) -> FrozenContact:
+def _solved(operator: FourierOperator | FreeOperator, moving: Mask, settings: Settings) -> FrozenContact:
     """Conjugate gradients for a unit displacement of the contact set."""
     from scipy.sparse.linalg import LinearOperator, cg
 

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from enum import Enum
 from functools import partial
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import doubles, finite, instance, non_negative, pair, positive, shape_of, shown
-from fem_contact._types import Array
+from fem_contact._types import Array, Lengths, Mask, Shape
 from fem_contact.errors import InvalidInput, NotConverged
 
 
@@ -99,6 +100,18 @@ class Cost:
     peak_bytes: int
 
 
+class Clock:
+    """Elapsed and processor time since it was made."""
+
+    def __init__(self) -> None:
+        self.began, self.processor = time.perf_counter(), time.process_time()
+
+    def cost(self, **counted: Any) -> Cost:
+        """Return what was counted as a cost, with the time."""
+        wall, cpu = time.perf_counter() - self.began, time.process_time() - self.processor
+        return Cost(wall_seconds=wall, cpu_seconds=cpu, **counted)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ContactResult:
     """Solution of one contact problem on one grid.
@@ -133,10 +146,10 @@ class ContactResult:
     pressure: Array
     gap: Array
     displacement: Array
-    in_contact: NDArray[np.bool_]
-    at_bound: NDArray[np.bool_]
+    in_contact: Mask
+    at_bound: Mask
     heights: Array
-    lengths: tuple[float, float]
+    lengths: Lengths
     contact_modulus: float
     offset: float
     mean_pressure: float
@@ -164,13 +177,13 @@ class ContactResult:
         return partial(ContactResult, **(values | {"provenance": dict(self.provenance)})), ()
 
     @property
-    def shape(self) -> tuple[int, int]:
+    def shape(self) -> Shape:
         """Grid points (nx, ny)."""
         nx, ny = self.pressure.shape
         return nx, ny
 
     @property
-    def spacing(self) -> tuple[float, float]:
+    def spacing(self) -> Lengths:
         """Grid spacing (dx, dy) [m]."""
         return self.lengths[0] / self.shape[0], self.lengths[1] / self.shape[1]
 
@@ -194,7 +207,7 @@ class ContactResult:
         dx, dy = self.spacing
         mean_wavevector = float(np.mean(np.hypot(np.pi / dx * middles[:, None], np.pi / dy * middles)))
         least = 0.5 * self.contact_modulus * mean_wavevector * lift
-        weights = 1.0 if self.weights is None else self.weights
+        weights = weights_of(self)
         surely = self.in_contact & ((self.pressure > least) | self.at_bound)
         maybe = self.in_contact | (self.gap < lift)
         return float(np.mean(weights * surely)), float(np.mean(weights * maybe))
@@ -221,6 +234,11 @@ class ContactResult:
 _UNDECIDED = 10.0
 
 
+def weights_of(result: ContactResult) -> Array:
+    """Return the area carried by each point over the mean cell area, 1 where all are alike."""
+    return np.broadcast_to(1.0, result.shape) if result.weights is None else result.weights
+
+
 def check_result(name: str, result: object) -> None:
     """Refuse what is no result of a contact solver."""
     instance(name, result, ContactResult, what="a `ContactResult`")
@@ -231,11 +249,11 @@ def measure_residuals(
     pressure: Array,
     gap: Array,
     heights: Array,
-    lengths: tuple[float, float],
+    lengths: Lengths,
     contact_modulus: float,
     rms_gradient: float,
     target_pressure: float | None = None,
-    at_bound: NDArray[np.bool_] | None = None,
+    at_bound: Mask | None = None,
     weights: Array | None = None,
 ) -> Residuals:
     """Evaluate the residuals of any code's pressure and gap, in the same words for all of them.
@@ -300,11 +318,7 @@ _PART = 2**15
 
 
 def residual_sums(
-    pressure: Array,
-    gap: Array,
-    *,
-    at_bound: NDArray[np.bool_] | None = None,
-    weights: Array | None = None,
+    pressure: Array, gap: Array, *, at_bound: Mask | None = None, weights: Array | None = None
 ) -> list[float]:
     """Return sums of w p, w |p| and w |p g|, the least gap off the bound and the least pressure."""
     pressure, gap = pressure.reshape(-1), gap.reshape(-1)

@@ -23,13 +23,10 @@ from fem_contact._checks import instance, samples, shape_of
 from fem_contact.contact import ContactResult, measure_residuals
 from fem_contact.errors import InvalidInput
 from fem_contact.response import HalfSpace
-from fem_contact.settings import Settings
+from fem_contact.settings import Settings, inner_tolerance
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from fem_contact.viscoelastic import PronySolid
-
-#: Range of the tolerances of the elastic contacts.
-_FINEST, _LOOSEST = 1e-13, 1e-3
 
 
 def creep(
@@ -113,14 +110,12 @@ def creep(
         modulus = solid.relaxed + float(left.sum())
         memory = stresses.sum(axis=0) / modulus
         step_surface = HeightField(heights=surface.heights + memory, lengths=surface.lengths)
-        # The tolerance is relative to the roughness.
-        share = surface.rms_height / step_surface.rms_height if step_surface.rms_height > 0 else 1.0
         contact = bem.solve(
             step_surface,
             HalfSpace(solid=Solid(young=modulus, poisson=solid.poisson)),
             mean_pressure=float(load),
             start=results[-1].pressure * (load / results[-1].mean_pressure) if results else None,
-            tolerance=min(max(settings.tolerance * share, _FINEST), _LOOSEST),
+            tolerance=inner_tolerance(settings.tolerance, of=surface.rms_height, on=step_surface.rms_height),
             max_iterations=settings.max_iterations,
             threads=settings.threads,
         )

@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import choice, finite, instance, shown
-from fem_contact._types import Array
+from fem_contact._types import Array, Numbers
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 from fem_contact.stress import von_mises
@@ -175,9 +174,7 @@ def _grid_points(contact: ContactResult, planes: Array) -> Array:
     return np.stack(grid, axis=-1)
 
 
-def _cells(
-    nodes: tuple[int, ...], corners: tuple[tuple[int, int, int], ...], *, step: int
-) -> NDArray[np.int64]:
+def _cells(nodes: tuple[int, ...], corners: tuple[tuple[int, int, int], ...], *, step: int) -> Numbers:
     number = np.arange(int(np.prod(nodes))).reshape(nodes)
     nx, ny, nz = (n - 1 for n in nodes)
     columns = [number[i : i + nx : step, j : j + ny : step, k : k + nz : step].ravel() for i, j, k in corners]
@@ -199,7 +196,6 @@ def render_surface(path: Path, solution: ContactResult | BlockSolution) -> None:
     path = _checked_path(path)
     if not isinstance(solution, ContactResult):
         _check_solution(solution)
-    pyvista = _pyvista()
     contact = solution if isinstance(solution, ContactResult) else solution.contact
     rise = -(contact.displacement - contact.displacement.min())
     depth = float(np.ptp(rise))
@@ -208,13 +204,10 @@ def render_surface(path: Path, solution: ContactResult | BlockSolution) -> None:
     x, y = np.meshgrid(np.arange(nx + 1) * dx, np.arange(ny + 1) * dy, indexing="ij")
     # Lengths in periods: the drawing library's tolerances are absolute.
     unit = max(contact.lengths)
-    grid = pyvista.StructuredGrid(x / unit, y / unit, magnification * _unfolded(rise) / unit)
-    grid.point_data["pressure [MPa]"] = _unfolded(contact.pressure).ravel(order="F") / 1e6
-    plotter = pyvista.Plotter(off_screen=True, window_size=(1200, 900))
-    plotter.add_mesh(grid, scalars="pressure [MPa]", cmap="viridis_r", smooth_shading=True)
-    plotter.view_vector((-0.6, -1.0, 0.9), viewup=(0, 0, 1))
-    plotter.camera.zoom(1.3)
-    _shoot(plotter, path)
+    places = x / unit, y / unit, magnification * _unfolded(rise) / unit
+    with _drawn(path, places, "pressure [MPa]", _unfolded(contact.pressure)) as plotter:
+        plotter.view_vector((-0.6, -1.0, 0.9), viewup=(0, 0, 1))
+        plotter.camera.zoom(1.3)
 
 
 def render_section(
@@ -263,24 +256,23 @@ def render_section(
     edges = solution.mesh.edges * solution.cell_size[0]
     along = np.arange(cells[1 - across] + 1) * width[1 - across]
     s, z = np.meshgrid(along / unit, edges / unit, indexing="ij")
-    pyvista = _pyvista()
-    grid = pyvista.StructuredGrid(s, np.zeros_like(s), z)
-    grid.cell_data["von Mises [MPa]"] = cut.ravel(order="F") / 1e6
-    plotter = pyvista.Plotter(off_screen=True, window_size=(1200, 900))
-    plotter.add_mesh(grid, scalars="von Mises [MPa]", cmap="viridis_r")
-    plotter.view_xz()
-    _shoot(plotter, path)
+    with _drawn(path, (s, np.zeros_like(s), z), "von Mises [MPa]", cut) as plotter:
+        plotter.view_xz()
 
 
-def _pyvista() -> Any:
-    """Import the drawing library, which complains on the error stream where there is no display."""
+@contextmanager
+def _drawn(path: Path, places: tuple[Array, Array, Array], name: str, stress: Array) -> Iterator[Any]:
+    """Draw a stress [Pa] at points or in cells, dark where it is high; the picture is taken at the end."""
     import pyvista
     import vtk
 
+    # It complains on the error stream where there is no display.
     vtk.vtkLogger.SetStderrVerbosity(vtk.vtkLogger.VERBOSITY_OFF)
-    return pyvista
-
-
-def _shoot(plotter: Any, path: Path) -> None:
-    with _complete(path) as partial, closing(plotter):
-        plotter.screenshot(partial)
+    grid = pyvista.StructuredGrid(*places)
+    of_points = stress.shape == places[0].shape
+    (grid.point_data if of_points else grid.cell_data)[name] = stress.ravel(order="F") / 1e6
+    with closing(pyvista.Plotter(off_screen=True, window_size=(1200, 900))) as plotter:
+        plotter.add_mesh(grid, scalars=name, cmap="viridis_r", smooth_shading=of_points)
+        yield plotter
+        with _complete(path) as partial:
+            plotter.screenshot(partial)

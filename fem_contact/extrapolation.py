@@ -91,7 +91,7 @@ def located_limit(areas: Sequence[ContactAreas]) -> Limit:
     areas are off by on average, and the uncertainty what the law says of such a grid. Grids so coarse that no
     area remains inside their located edges say nothing and are left out.
     """
-    _check_areas(areas)
+    listed("areas", areas, ContactAreas, what="`ContactAreas`")
     if not areas or any(area.subcell is None for area in areas):
         raise InvalidInput(f"{len(areas)} areas: a limit needs at least one, each with its edge located")
     return _limit(areas, "subcell")
@@ -121,9 +121,6 @@ def perimeter_limit(areas: Sequence[ContactAreas]) -> Limit:
     -----
     For contours of all directions. Edges that all lie alike between the grid points are off together by more.
     """
-    _check_areas(areas)
-    if not areas:
-        raise InvalidInput("0 areas: a limit needs at least one")
     return _limit(areas, "perimeter")
 
 
@@ -176,21 +173,16 @@ def too_small(areas: Sequence[ContactAreas]) -> str:
     areas : sequence of ContactAreas
         Of one surface at one load, from one grid or more.
     """
-    _check_areas(areas)
+    listed("areas", areas, ContactAreas, what="`ContactAreas`")
     if not areas:
-        raise InvalidInput("0 areas: at least one is needed")
-    finest = min(area.spacing[0] * area.spacing[1] for area in areas)
-    points = float(
-        np.mean([a.pixel * a.cells for a in areas if a.spacing[0] * a.spacing[1] <= finest * (1 + 1e-9)])
-    )
+        raise InvalidInput("0 areas: a limit needs at least one")
+    sizes = [area.spacing[0] * area.spacing[1] for area in areas]
+    finest = [a for a, size in zip(areas, sizes, strict=True) if size <= min(sizes) * (1 + 1e-9)]
+    points = float(np.mean([area.pixel * area.cells for area in finest]))
     if points >= LEAST_CONTACT_POINTS * (1 - 1e-9):
         return ""
     count = f"{points:.3g} point{'' if round(points, 2) == 1 else 's'}"
     return f"the contact has {count} on the finest grid; a limit needs {LEAST_CONTACT_POINTS}"
-
-
-def _check_areas(areas: Sequence[ContactAreas]) -> None:
-    listed("areas", areas, ContactAreas, what="`ContactAreas`")
 
 
 def _no_limit(doubt: str, grids: int, *, definition: str) -> Limit:

@@ -147,7 +147,7 @@ class ExponentialSolid:
         place = np.log(q / q[0])
         nodes = np.linspace(0.0, place[-1], TABULATED)
         table = q[0] * np.exp(nodes)
-        return np.asarray(CubicSpline(nodes, table * self._compliance(table))(place) / q)
+        return CubicSpline(nodes, table * self._compliance(table))(place) / q
 
     def _edges(self, q: Array) -> Array:
         # What lies below min(30 d, 30 / q) is bulk, or out of reach of the wave. Depths are denser near the
@@ -182,7 +182,7 @@ def _on_distinct(q: Array, compliance: Callable[[Array], Array]) -> Array:
     # Of a wave far longer than the solar system the compliance may exceed what a number can hold.
     with np.errstate(over="ignore"):
         out[values > 0] = compliance(values[values > 0])
-    return np.asarray(out[places].reshape(q.shape))
+    return out[places].reshape(q.shape)
 
 
 def plane_waves(poisson: float | Array, x: Array) -> tuple[Array, Array]:
@@ -215,17 +215,10 @@ def waves_up(poisson: float, shear: float | Array, x: Array) -> tuple[Array, Arr
     return MIRROR @ displacement, -MIRROR @ stress
 
 
-def at_top(poisson: float, shear: float | Array, across: Array, reflection: Array) -> tuple[Array, Array]:
-    """Displacement and stress at the top of a layer, per amplitude of what decays downwards."""
-    decay = np.exp(-across)[:, None, None]
-    down, up = waves_down(poisson, shear, np.zeros_like(across)), waves_up(poisson, shear, across)
-    return down[0] + up[0] @ reflection * decay, down[1] + up[1] @ reflection * decay
-
-
 def impedance_of(displacement: Array, stress: Array) -> Array:
     """Z of stress = Z displacement, for both waves."""
     turned = (np.swapaxes(part, -1, -2) for part in (displacement, stress))
-    return np.asarray(np.swapaxes(np.linalg.solve(*turned), -1, -2))
+    return np.swapaxes(np.linalg.solve(*turned), -1, -2)
 
 
 def upwards(
@@ -243,13 +236,14 @@ def upwards(
     condition = sliding if base == "frictionless" else bonded
     for k in reversed(range(len(thicknesses))):
         across, nu, modulus = q * thicknesses[k], poisson[k], shear[k]
+        reflection, top = np.zeros((q.size, 2, 2)), waves_down(nu, modulus, 0 * q)
         if np.all(np.isfinite(across)):
+            decay = np.exp(-across)[:, None, None]
             down, up = waves_down(nu, modulus, across), waves_up(nu, modulus, 0 * across)
             down_missed, up_missed = (condition[0] @ u + condition[1] @ s for u, s in (down, up))
-            reflection = -np.linalg.solve(up_missed, down_missed) * np.exp(-across)[:, None, None]
-            top = at_top(nu, modulus, across, reflection)
-        else:
-            reflection, top = np.zeros((q.size, 2, 2)), waves_down(nu, modulus, 0 * q)
+            reflection = -np.linalg.solve(up_missed, down_missed) * decay
+            risen = waves_up(nu, modulus, across)
+            top = top[0] + risen[0] @ reflection * decay, top[1] + risen[1] @ reflection * decay
         yield reflection, top
         condition = (-impedance_of(*top), identity)
 
@@ -258,4 +252,4 @@ def sheet_compliance(q: Array, *, thicknesses: Array, shear: Array, poisson: Arr
     """Displacement per pressure without shear [m/Pa] of waves [1/m] on sheets."""
     for _, top in upwards(q, thicknesses=thicknesses, shear=shear, poisson=poisson):
         surface = top
-    return np.asarray(-np.linalg.inv(impedance_of(*surface))[:, 1, 1] / q)
+    return -np.linalg.inv(impedance_of(*surface))[:, 1, 1] / q

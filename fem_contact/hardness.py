@@ -11,12 +11,11 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Unpack
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact import bem
 from fem_contact._checks import bound, instance, non_negative
-from fem_contact._types import Array
-from fem_contact.contact import ContactResult, Cost, Status
+from fem_contact._types import Array, Lengths, Mask
+from fem_contact.contact import ContactResult, Cost, Status, weights_of
 from fem_contact.patches import find_patches
 from fem_contact.response import Response
 from fem_contact.settings import Limits
@@ -63,12 +62,12 @@ class Hardness:
         """Whether it depends on the size of a patch."""
         return self.length > 0 and self.exponent > 0
 
-    def of_patches(self, in_contact: NDArray[np.bool_], spacing: tuple[float, float]) -> Array:
+    def of_patches(self, in_contact: Mask, spacing: Lengths) -> Array:
         """Return what each point bears [Pa], (nx, ny); out of contact, what a patch of one cell would."""
         patches = find_patches(in_contact, spacing)
-        areas = np.concatenate([[spacing[0] * spacing[1]], patches.areas])
+        areas = np.append(spacing[0] * spacing[1], patches.areas)
         factor = (1 + self.length / (2 * np.sqrt(areas / np.pi))) ** self.exponent
-        return np.asarray(self.pressure * factor[patches.labels])
+        return self.pressure * factor[patches.labels]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -124,7 +123,7 @@ def yielded(contact: ContactResult) -> YieldedContact:
     """
     instance("contact", contact, ContactResult)
     # A point between two nodes of different area counts by its own.
-    weights = np.ones(contact.shape) if contact.weights is None else contact.weights
+    weights = weights_of(contact)
     load = weights * contact.pressure
     plastic = contact.at_bound
     elastic = contact.in_contact & ~plastic
@@ -201,11 +200,11 @@ def press_by_patches(
         result = press(limits)
         costs.append(result.cost)
         lower = np.minimum(limits, hardness.of_patches(result.in_contact, surface.spacing))
-        settled = bool(np.all(lower >= limits))
-        if settled or result.status is not Status.CONVERGED:
+        if np.all(lower >= limits) or result.status is not Status.CONVERGED:
             break
         limits = lower
+    else:
+        result = replace(result, status=Status.ITERATION_LIMIT)
     names = {entry.name for entry in fields(Cost)} - {"unknowns", "peak_bytes"}
     cost = replace(result.cost, **{name: sum(getattr(c, name) for c in costs) for name in names})
-    status = result.status if settled else Status.ITERATION_LIMIT
-    return replace(result, cost=cost, status=status if result.status is Status.CONVERGED else result.status)
+    return replace(result, cost=cost)

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
-from fem_contact._types import Array
+from fem_contact._types import Array, Complex, Lengths, Shape
 
 #: Rows of waves that are added up at once.
 _BAND = 128
@@ -23,7 +22,7 @@ class HeightTraits:
     wavenumber: float = 0.0
 
 
-def height_traits(heights: Array, spacing: tuple[float, float], *, patch: bool = False) -> HeightTraits:
+def height_traits(heights: Array, spacing: Lengths, *, patch: bool = False) -> HeightTraits:
     """Find what periodic heights are like, or those of a patch whose sides do not continue each other."""
     nx, ny = heights.shape
     deviation = heights - np.mean(heights)
@@ -41,9 +40,7 @@ def are_level(deviation: float, height: float) -> bool:
     return deviation <= 8 * float(np.finfo(float).eps) * height
 
 
-def wave_sums(
-    spectrum: NDArray[np.complex128], shape: tuple[int, int], spacing: tuple[float, float], first: int = 0
-) -> Array:
+def wave_sums(spectrum: Complex, shape: Shape, spacing: Lengths, first: int = 0) -> Array:
     """Add up what `traits_of` needs over waves: columns of a half spectrum from the first one given on."""
     (nx, ny), (dx, dy) = shape, spacing
     column = np.arange(first, first + spectrum.shape[1])

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fem_contact._checks import array, choice, mask, pair, positive
-from fem_contact._types import Array, Mask
+from fem_contact._types import Array, Lengths, Mask
 from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput, NotConverged
 from fem_contact.patches import find_patches
@@ -127,7 +127,7 @@ def critical_gap(gap: ArrayLike, axis: Axis) -> float:
     return float(levels[low]) if low >= 0 else 0.0
 
 
-def flow_conductance(gap: ArrayLike, lengths: tuple[float, float], *, axis: Axis = "x") -> GapFlow:
+def flow_conductance(gap: ArrayLike, lengths: Lengths, *, axis: Axis = "x") -> GapFlow:
     r"""Conductance of the gap for a thin viscous film, by Reynolds' equation.
 
     .. math:: \nabla\cdot\bigl(u^3 \nabla P\bigr) = 0, \qquad
@@ -177,7 +177,7 @@ def flow_conductance(gap: ArrayLike, lengths: tuple[float, float], *, axis: Axis
     return _flow(values, open_cells, spacing=(sizes[0] / values.shape[0], sizes[1] / values.shape[1]))
 
 
-def _flow(gap: Array, open_cells: Mask, *, spacing: tuple[float, float]) -> GapFlow:
+def _flow(gap: Array, open_cells: Mask, *, spacing: Lengths) -> GapFlow:
     """Solve for the pressure beside a mean gradient of one along x on the cells that are open."""
     dx, dy = spacing
     widest = float(gap[open_cells].max())

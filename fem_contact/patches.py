@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import mask, pair, positive
+from fem_contact._types import Array, Lengths, Mask, Numbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,8 +22,8 @@ class Patches:
         Area of each patch [m^2].
     """
 
-    labels: NDArray[np.int64]
-    areas: NDArray[np.float64]
+    labels: Numbers
+    areas: Array
 
     @property
     def count(self) -> int:
@@ -37,7 +37,7 @@ class Patches:
         return float(np.sum(self.areas**2)) / total if total > 0 else 0.0
 
 
-def find_patches(in_contact: NDArray[np.bool_], spacing: tuple[float, float]) -> Patches:
+def find_patches(in_contact: Mask, spacing: Lengths) -> Patches:
     """Find the patches of a periodic contact map: cells connected by their sides.
 
     Parameters

@@ -218,7 +218,7 @@ def _sinh_excess(t: Array) -> Array:
     square = np.minimum(t, 1.0) ** 2
     series = 1 + square / 20 * (1 + square / 42 * (1 + square / 72 * (1 + square / 110 * (1 + square / 156))))
     direct = -np.expm1(-2 * t) - 2 * t * np.exp(-t)
-    return np.asarray(np.where(t < 1, np.exp(-t) * t**3 / 3 * series, direct))
+    return np.where(t < 1, np.exp(-t) * t**3 / 3 * series, direct)
 
 
 def _with_mean(q: Array, ratio: Array, *, solid: Solid, thickness: float) -> Array:

@@ -78,3 +78,8 @@ class Settings:
         if self.time_limit is None:
             return self
         return replace(self, time_limit=max(self.time_limit - (time.monotonic() - began), 1e-9))
+
+
+def inner_tolerance(tolerance: float, *, of: float, on: float) -> float:
+    """Return a tolerance over one rms height [m] as one over another, in the range of an elastic contact."""
+    return min(max(tolerance * (of / on if on > 0 else 1.0), 1e-13), 1e-3)

@@ -8,14 +8,7 @@ import numpy as np
 
 from fem_contact._types import Array
 from fem_contact.errors import UnsupportedEffect
-from fem_contact.graded import (
-    MIRROR,
-    TABULATED,
-    ExponentialSolid,
-    LayeredSolid,
-    plane_waves,
-    upwards,
-)
+from fem_contact.graded import MIRROR, TABULATED, ExponentialSolid, LayeredSolid, plane_waves, upwards
 from fem_contact.response import BondedLayer, FrictionlessLayer, HalfSpace, Response
 from fem_contact.solid import Solid
 
@@ -147,7 +140,7 @@ class Layered:
 
     def sunk(self, depth: float) -> float:
         """Displacement into the solid per mean pressure [m/Pa], relative to the surface or to the base."""
-        tops = np.concatenate([[0.0], np.cumsum(self.thicknesses)[:-1]])
+        tops = np.append(0.0, np.cumsum(self.thicknesses)[:-1])
         within = np.clip(depth - tops, 0, self.thicknesses)
         if np.isfinite(self.base_depth):
             within = within - np.array(self.thicknesses)
@@ -197,7 +190,7 @@ class Splined:
         # Without its exponential the state varies slowly with q.
         nodes = np.log(self.table.q)
         bare = self.table.at(depth) * np.exp(np.minimum(self.table.q * depth, 600.0))[:, None]
-        return np.asarray(CubicSpline(nodes, bare)(np.log(self.q)) * np.exp(-self.q * depth)[:, None])
+        return CubicSpline(nodes, bare)(np.log(self.q)) * np.exp(-self.q * depth)[:, None]
 
 
 def _confined(solid: Solid) -> float:

@@ -15,28 +15,26 @@ from __future__ import annotations
 import math
 import time
 from collections import deque
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
 from fem_contact import bem
 from fem_contact._checks import finite, instance, positive, pressures
-from fem_contact._types import Array
-from fem_contact.contact import ContactResult, Cost, Residuals, Status, measure_residuals
+from fem_contact._types import Array, Complex
+from fem_contact.contact import Clock, ContactResult, Residuals, Status, measure_residuals
 from fem_contact.errors import InvalidInput
-from fem_contact.settings import Settings
+from fem_contact.settings import Settings, inner_tolerance
 from fem_contact.surface import HeightField
+from fem_contact.surface.heights import wavevectors
 from fem_contact.viscoelastic import ViscoelasticSolid, check_viscoelastic
-
-Complex = NDArray[np.complex128]
 
 #: Steps that the acceleration remembers.
 _MEMORY = 5
-#: Tolerance of the elastic contact inside a step over the residual of the step, and its range.
-_INNER, _LOOSEST, _FINEST = 1e-1, 1e-3, 1e-13
+#: Tolerance of the elastic contact inside a step over the residual of the step.
+_INNER = 1e-1
 #: It needs not be met closer than this share of the tolerance of the whole.
 _INNER_FLOOR = 0.1
 #: FFT pairs of a step besides the elastic contact.
@@ -159,9 +157,7 @@ def slide(
     settings = Settings(
         tolerance=tolerance, max_iterations=max_iterations, time_limit=time_limit, threads=threads
     )
-    problem = _Problem.checked(
-        surface, solid, velocity=velocity, mean_pressure=mean_pressure, settings=settings
-    )
+    problem = _Problem(surface, solid, velocity=velocity, mean_pressure=mean_pressure, settings=settings)
     first = None if start is None else pressures("start", start, surface.shape)
     return _iterated(problem, first)
 
@@ -193,7 +189,7 @@ def _compliance(solid: ViscoelasticSolid, qx: Array, qy: Array, *, velocity: flo
     # Strains go like exp(i omega t) with omega = -q_x v: the conjugate where q_x v is positive.
     inverse = np.where(passing > 0, inverse.conj(), inverse)
     q = np.hypot(qx, qy)
-    return np.asarray(np.where(q > 0, 2 * inverse / np.where(q > 0, q, 1.0), 0.0))
+    return np.where(q > 0, 2 * inverse / np.where(q > 0, q, 1.0), 0.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -209,66 +205,44 @@ class _State:
     size: float
 
 
-@dataclass(kw_only=True)
 class _Problem:
     """Surface, solid, velocity and load, checked, with the response per wavevector."""
 
-    surface: HeightField
-    heights: Array
-    level: float
-    qx: Array
-    response: Complex
-    magnitude: Array
-    metric: _Magnitude
-    load: float
-    settings: Settings
-    clock: float = field(default_factory=time.perf_counter)
-    processor: float = field(default_factory=time.process_time)
-
-    @classmethod
-    def checked(
-        cls,
+    def __init__(
+        self,
         surface: HeightField,
         solid: ViscoelasticSolid,
         *,
         velocity: float,
         mean_pressure: float,
         settings: Settings,
-    ) -> _Problem:
-        """Refuse what no computation can start from."""
+    ) -> None:
+        self.clock = Clock()
         instance("surface", surface, HeightField)
         check_viscoelastic(solid)
         finite("velocity", velocity, unit="m/s")
-        (nx, ny), (dx, dy) = surface.shape, surface.spacing
-        qx = 2 * np.pi * scipy.fft.fftfreq(nx, dx)[:, None]
-        qy = 2 * np.pi * scipy.fft.rfftfreq(ny, dy)[None, :]
-        response = _compliance(solid, qx, qy, velocity=velocity)
-        if nx % 2 == 0:
+        qx, qy = np.ix_(*wavevectors(surface.shape, surface.lengths))
+        self.response = _compliance(solid, qx, qy, velocity=velocity)
+        middle, odd = divmod(surface.shape[0], 2)
+        if not odd:
             # The shortest wave along x runs both ways at once.
-            response[nx // 2] = response[nx // 2].real
+            self.response[middle] = self.response[middle].real
         relaxed = float(np.real(solid.modulus(np.zeros(1))[0])) / (1 - solid.poisson**2)
-        metric = _Magnitude(solid=solid, velocity=velocity, contact_modulus=relaxed)
-        level = float(np.mean(surface.heights))
-        return cls(
-            surface=surface,
-            heights=surface.heights - level,
-            level=level,
-            qx=qx,
-            response=response,
-            magnitude=metric.compliance(qx, qy),
-            metric=metric,
-            load=positive("mean_pressure", mean_pressure, unit="Pa"),
-            settings=settings,
-        )
+        self.metric = _Magnitude(solid=solid, velocity=velocity, contact_modulus=relaxed)
+        self.magnitude = self.metric.compliance(qx, qy)
+        self.level = float(np.mean(surface.heights))
+        self.heights = surface.heights - self.level
+        self.load = positive("mean_pressure", mean_pressure, unit="Pa")
+        self.surface, self.settings, self.qx = surface, settings, qx
 
     def forward(self, values: Array) -> Complex:
         """Fourier coefficients on half of the wavevectors."""
-        return np.asarray(scipy.fft.rfft2(values, norm="forward", workers=self.settings.workers))
+        return scipy.fft.rfft2(values, norm="forward", workers=self.settings.workers)
 
     def backward(self, spectrum: Complex) -> Array:
         """Values at the grid points."""
         shape, threads = self.surface.shape, self.settings.workers
-        return np.asarray(scipy.fft.irfft2(spectrum, s=shape, norm="forward", workers=threads))
+        return scipy.fft.irfft2(spectrum, s=shape, norm="forward", workers=threads)
 
     def first(self, pressure: Array | None) -> Array:
         """Heights [m] that the first step presses on |C|: those whose gap has a given pressure."""
@@ -278,14 +252,13 @@ class _Problem:
 
     def pressed(self, heights: Array, *, start: Array | None, tolerance: float, settings: Settings) -> _State:
         """Press heights on |C|, and see what the viscoelastic response makes of the pressure."""
-        field_ = HeightField(heights=heights, lengths=self.surface.lengths)
-        share = self.surface.rms_height / field_.rms_height if field_.rms_height > 0 else 1.0
+        surface = HeightField(heights=heights, lengths=self.surface.lengths)
         contact = bem.solve(
-            field_,
+            surface,
             self.metric,
             mean_pressure=self.load,
             start=start,
-            tolerance=min(max(tolerance * share, _FINEST), _LOOSEST),
+            tolerance=inner_tolerance(tolerance, of=self.surface.rms_height, on=surface.rms_height),
             time_limit=settings.time_limit,
             threads=settings.threads,
         )
@@ -310,7 +283,7 @@ class _Problem:
         waves = 2 * self.magnitude * (waves / both - pressure)
         waves[0, 0] = 0.0
         # In the metric in which steps shrink: sum |f|^2 / |C|.
-        stiffness = np.where(self.magnitude > 0, 1 / np.where(self.magnitude > 0, self.magnitude, 1.0), 0.0)
+        stiffness = 1 / np.where(self.magnitude > 0, self.magnitude, np.inf)
         return _State(
             contact=contact,
             displacement=displacement,
@@ -372,9 +345,7 @@ class _Problem:
             status=status,
             tolerance=self.settings.tolerance,
             residuals=state.residuals,
-            cost=Cost(
-                wall_seconds=time.perf_counter() - self.clock,
-                cpu_seconds=time.process_time() - self.processor,
+            cost=self.clock.cost(
                 **counted,
                 unknowns=state.gap.size,
                 peak_bytes=inner.cost.peak_bytes + arrays,
@@ -419,11 +390,11 @@ class _Acceleration:
         self._last = point, step
         there = point + step
         if self.active:
-            moved, changed = (np.array(list(column)) for column in zip(*self._changes, strict=True))
+            moved, changed = (np.array(column) for column in zip(*self._changes, strict=True))
             count = len(self._changes)
             weights = np.linalg.lstsq(changed.reshape(count, -1).T, step.ravel(), rcond=None)[0]
             there = there - np.tensordot(weights, moved + changed, axes=1)
-        return np.asarray(there)
+        return there
 
 
 def _iterated(problem: _Problem, start: Array | None) -> SlidingContact:

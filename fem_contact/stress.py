@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from fem_contact._checks import array, doubles, listed, non_negative, pair, whole
 from fem_contact._types import Array
-from fem_contact.contact import ContactResult, check_result
+from fem_contact.contact import ContactResult, check_result, weights_of
 from fem_contact.errors import InvalidInput
 from fem_contact.patches import find_patches
 from fem_contact.surface import HeightField
@@ -187,7 +187,7 @@ def window_slope(
     stress = result.contact_modulus * HeightField(heights=result.heights, lengths=result.lengths).rms_gradient
     if not stress > 0:
         raise InvalidInput("a flat surface has no scale of pressure: the slope of P is undefined")
-    if not 0 <= window[0] < window[1]:
+    if not window[0] < window[1]:
         raise InvalidInput(f"window = {window!r}: must be two increasing pressures in units of E* h'_rms")
     edges = stress * np.linspace(window[0], window[1], bins + 1)
     distribution = pressure_distribution(result, edges)
@@ -238,7 +238,7 @@ def gap_distribution(result: ContactResult, edges: ArrayLike) -> GapDistribution
     """
     check_result("result", result)
     edges = _checked_edges(edges, "lengths in m")
-    weights = np.ones(result.shape) if result.weights is None else result.weights
+    weights = weights_of(result)
     apart = ~result.in_contact
     counts, _ = np.histogram(result.gap[apart], bins=edges, weights=weights[apart])
     density = counts / (result.gap.size * np.diff(edges))
@@ -252,8 +252,7 @@ def elastic_energy(result: ContactResult) -> float:
     to the same).
     """
     check_result("result", result)
-    weighted = result.pressure if result.weights is None else result.pressure * result.weights
-    return 0.5 * float(np.mean(weighted * result.displacement))
+    return 0.5 * float(np.mean(result.pressure * weights_of(result) * result.displacement))
 
 
 def loading_work(results: Sequence[ContactResult]) -> Array:
@@ -274,7 +273,7 @@ def loading_work(results: Sequence[ContactResult]) -> Array:
     steady = np.abs(growth) < 1e-6
     exact = np.diff(load) / np.where(steady, 1.0, growth)
     mean = np.where(steady, 0.5 * (load[1:] + load[:-1]), exact)
-    return np.concatenate([[0.0], np.cumsum(mean * np.diff(approach))])
+    return np.append(0.0, np.cumsum(mean * np.diff(approach)))
 
 
 def contact_stiffness(results: Sequence[ContactResult]) -> Array:
@@ -297,10 +296,7 @@ def contact_stiffness(results: Sequence[ContactResult]) -> Array:
 def _contact_pressures(result: ContactResult) -> tuple[Array, Array]:
     """Pressure [Pa] at the contact points, and the share of the nominal area each carries."""
     contact = result.in_contact
-    pressure = result.pressure[contact]
-    if result.weights is None:
-        return pressure, np.full(pressure.shape, 1 / contact.size)
-    return pressure, result.weights[contact] / contact.size
+    return result.pressure[contact], weights_of(result)[contact] / contact.size
 
 
 def _checked_edges(edges: ArrayLike, kind: str) -> Array:

@@ -13,16 +13,17 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.fft
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fem_contact._checks import room_for, samples, shown
-from fem_contact._types import Array
+from fem_contact._types import Array, Complex
 from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput, UnsupportedEffect
 from fem_contact.response import Response, check_response
 from fem_contact.settings import Settings
 from fem_contact.sheets import Exponential, Layered, body_of
 from fem_contact.stress import von_mises
+from fem_contact.surface.heights import wavevectors
 
 #: Growth of the default depths from one to the next, and the deepest of them over the longer period.
 _GROWTH, _DEEPEST = 1.25, 1.0
@@ -244,7 +245,7 @@ def default_depths(contact: ContactResult, response: Response) -> Array:
     count = int(np.ceil(np.log(deepest / first) / np.log(_GROWTH)))
     # Ratios are raised to a power, not lengths, whose unit would change the last digit.
     steps = (deepest / first) ** (np.arange(count + 1) / count)
-    return np.concatenate([[0.0], np.minimum(first * steps, deepest)])
+    return np.append(0.0, np.minimum(first * steps, deepest))
 
 
 def _checked(
@@ -276,9 +277,7 @@ class _Fields:
     def __init__(self, contact: ContactResult, body: Layered | Exponential, threads: int | None) -> None:
         self.body, self.shape = body, contact.shape
         self.threads = Settings(threads=threads).workers
-        (nx, ny), (dx, dy) = contact.shape, contact.spacing
-        qx = 2 * np.pi * scipy.fft.fftfreq(nx, dx)[:, None]
-        qy = 2 * np.pi * scipy.fft.rfftfreq(ny, dy)[None, :]
+        qx, qy = np.ix_(*wavevectors(contact.shape, contact.lengths))
         q = np.hypot(qx, qy)
         self.waves = scipy.fft.rfft2(contact.pressure, workers=self.threads)
         self.mean = contact.mean_pressure
@@ -291,7 +290,9 @@ class _Fields:
         unit = np.where(q > 0, q, 1.0)
         self.cos2, self.sin2 = (qx / unit) ** 2, (qy / unit) ** 2
         # A wave at the Nyquist limit runs both ways at once: what is odd in it vanishes on the grid.
-        self.cos, self.sin = _without_nyquist(qx, nx) / unit, _without_nyquist(qy, ny) / unit
+        self.cos, self.sin = (
+            _without_nyquist(part, n) / unit for part, n in zip((qx, qy), contact.shape, strict=True)
+        )
 
     def at(self, depth: float) -> AtDepth:
         """Sum the waves at one depth, and the mean."""
@@ -323,8 +324,8 @@ class _Fields:
         stress[..., 2] -= rest
         return AtDepth(depth=depth, displacement=displacement, stress=stress)
 
-    def _summed(self, waves: NDArray[np.complex128]) -> Array:
-        return np.asarray(scipy.fft.irfft2(waves, s=self.shape, workers=self.threads))
+    def _summed(self, waves: Complex) -> Array:
+        return scipy.fft.irfft2(waves, s=self.shape, workers=self.threads)
 
 
 def _without_nyquist(q: Array, points: int) -> Array:

@@ -9,13 +9,11 @@ from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fem_contact._checks import array, instance, poisson_ratio, positive, samples
-from fem_contact._types import Array
+from fem_contact._types import Array, Complex
 from fem_contact.errors import InvalidInput
-
-Complex = NDArray[np.complex128]
 
 
 @runtime_checkable
@@ -128,7 +126,7 @@ class PronySolid:
             # Of the lesser of omega tau and its inverse, so that nothing overflows.
             turn = omega * time
             fast = turn > 1
-            less = np.where(fast, 1 / np.where(fast, turn, 1.0), turn)
+            less = np.minimum(turn, 1 / np.maximum(turn, 1.0))
             stored = np.where(fast, 1.0, less * less) / (1 + less * less)
             total += modulus * (stored + 1j * less / (1 + less * less))
         return total

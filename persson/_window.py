@@ -26,7 +26,6 @@ Wall = float | Callable[[Array], Array] | None
 
 #: Half width of the window in standard deviations: the neglected tail holds 3e-14 of the area.
 TAIL = 7.6
-
 #: Steps beyond which a wall counts as too wild to be followed; the error estimate then says so.
 _MOST_STEPS = 5000
 
@@ -60,12 +59,11 @@ def distance(wall: Wall, pressure: float, sign: float, name: str) -> Callable[[A
                 raise InvalidInput(
                     f"{name}(V): must give a stress that is not negative for every V of an array"
                 )
-            return sign * pressure + limit if sign > 0 else limit - pressure
+            return sign * pressure + limit
 
         return moving
     limit = within(name, wall, 0, math.inf, interval="[0, inf]", unit="Pa")
-    gap = pressure + limit if sign > 0 else limit - pressure
-    return lambda variance: np.full(np.shape(variance), gap)
+    return lambda variance: np.full(np.shape(variance), sign * pressure + limit)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,7 +106,7 @@ def find_pieces(problem: Problem, outputs: Array, breaks: Array) -> Pieces:
         np.concatenate([[start], [s for s in switches if s > start], roots[roots > start], [0.0]])
     )
     # Two marks closer than rounding are one.
-    edges = edges[np.concatenate([[True], np.diff(edges) > 1e-12])]
+    edges = edges[np.append(True, np.diff(edges) > 1e-12)]
     return Pieces(reference=last, edges=edges, roots=roots, start=start)
 
 
@@ -164,7 +162,7 @@ class Grid:
     @property
     def ends(self) -> Array:
         """T at the end of each step."""
-        return np.asarray(self.time(self.last[:, None])[:, 0])
+        return self.time(self.last[:, None])[:, 0]
 
 
 def make_grid(problem: Problem, pieces: Pieces, outputs: Array, largest: float) -> Grid:
@@ -179,8 +177,8 @@ def make_grid(problem: Problem, pieces: Pieces, outputs: Array, largest: float) 
         sizes = np.repeat(np.diff(marks) / counts, counts)
         number = np.arange(sizes.size) - np.repeat(np.cumsum(counts) - counts, counts)
         first = np.repeat(marks[:-1], counts) + number * sizes
-        marked = np.full(first.size, root), np.full(first.size, low)
-        parts.append((first, np.append(first[1:], marks[-1]), *marked))
+        last = np.append(first[1:], marks[-1])
+        parts.append((first, last, np.full(first.size, root), np.full(first.size, low)))
     if not parts:
         empty = np.empty(0)
         return Grid(first=empty, last=empty, rooted=empty.astype(bool), origin=empty)
@@ -210,10 +208,7 @@ def _too_long(problem: Problem, reference: float, grid: Grid, largest: float) ->
 
 def _halved(grid: Grid, chosen: Flags) -> Grid:
     repeats = np.where(chosen, 2, 1)
-    middle = np.where(chosen, (grid.first + grid.last) / 2, grid.first)
-    first, last = np.repeat(grid.first, repeats), np.repeat(grid.last, repeats)
-    starts = np.cumsum(repeats) - repeats
-    last[starts[chosen]] = middle[chosen]
-    first[starts[chosen] + 1] = middle[chosen]
-    rooted, origin = np.repeat(grid.rooted, repeats), np.repeat(grid.origin, repeats)
-    return Grid(first=first, last=last, rooted=rooted, origin=origin)
+    halved = Grid(**{name: np.repeat(part, repeats) for name, part in vars(grid).items()})
+    starts = (np.cumsum(repeats) - repeats)[chosen]
+    halved.last[starts] = halved.first[starts + 1] = ((grid.first + grid.last) / 2)[chosen]
+    return halved

@@ -29,25 +29,22 @@ from persson._checks import (
     whole,
     within,
 )
-from persson.diffusion import Diffusion, Wall, diffuse_once
+from persson.diffusion import Diffusion, diffuse_once
 from persson.errors import InvalidInput, NotConverged, OutsideTheory
 from persson.interface import Interface as Interface
 from persson.interface import closing_work as closing_work
 from persson.interface import crossover_length as crossover_length
 from persson.interface import detachment_stress as detachment_stress
 from persson.interface import opening_work as opening_work
-from persson.scale import Scale
+from persson.scale import Scale, of_variance
 from persson.spectrum import area_factor
 
 #: Spacing of the nodes in ln V and in ln q, on the coarse and on the fine level.
 _SPACINGS = (0.24, 0.12)
-
 #: Below this share of the nominal area contact counts as lost.
 _LOST = 1e-13
-
 #: Share of the largest gamma_eff to which it is known, over the tolerance.
 _ROUNDED = 1e-4
-
 #: Rounds that a load on the way to none gets: near the loss of contact the state without load takes more.
 _ROUNDS_UNDER_LOAD = 300
 
@@ -165,14 +162,14 @@ class _Case:
         t = np.log(scale.variance(q) / self.reference)
         t = np.maximum.accumulate(t)
         q, t = q[t > -28], t[t > -28]
-        path = np.concatenate([[0.0], np.cumsum(np.diff(t) + np.log1p(np.diff(q) / q[:-1]))])
+        path = np.append(0.0, np.cumsum(np.diff(t) + np.log1p(np.diff(q) / q[:-1])))
         count = max(math.ceil(path[-1] / (2 * spacing)), 12)
         chosen = np.interp(np.linspace(0, path[-1], count + 1), path, t)
         if onset is not None:
             ramp = np.linspace(0, 1, math.ceil(2 / spacing) + 1)[1:] ** 2
             chosen = np.concatenate([chosen, onset - ramp, [onset], onset + ramp])
         chosen = np.unique(np.clip(chosen, t[0], 0.0))
-        chosen = chosen[np.concatenate([[True], np.diff(chosen) > 1e-4 * spacing])]
+        chosen = chosen[np.append(True, np.diff(chosen) > 1e-4 * spacing)]
         if chosen[-1] < 0:
             chosen[-1] = 0.0
         q = scale.wavevector(self.reference * np.exp(chosen))
@@ -249,13 +246,12 @@ def solve_adhesion(
     pressure = scalar("pressure", pressure, unit="Pa")
     if pressure < 0 and scale.spectrum.q_min == 0:
         raise InvalidInput("q_min = 0: under tension the size L of the sample matters; give q_min = 2 pi / L")
-    reference = float(scale.variance(scale.q_short))
     case = _Case(
         scale=scale,
         pressure=pressure,
         interface=interface,
         yield_stress=yield_stress,
-        reference=reference,
+        reference=float(scale.variance(scale.q_short)),
     )
     with in_proportion():
         if start is None and pressure <= 0:
@@ -316,10 +312,10 @@ def _iterate(
             if case.pressure > 0:
                 raise
             return _empty(case, nodes, count)
-        result = _result(case, nodes, state, count)
-        new_work = result.work
         if state.area[-1] < _LOST:
             return _empty(case, nodes, count)
+        result = _result(case, nodes, state, count)
+        new_work = result.work
         if case.pressure <= 0 and new_work[0] <= 0:
             failures += 1
             if failures > 2:
@@ -366,20 +362,14 @@ def _diffuse(case: _Case, nodes: _Nodes, work: Array, onset: float | None) -> Di
     def tensile_limit(variance: Array) -> Array:
         t = np.clip(np.log(variance / case.reference), first, last)
         bare = np.sqrt(np.where(t < start, 0.0, np.maximum(square(t) - offset, 0.0)))
-        return np.asarray(bare if strength is None else bare / (1 + bare / strength))
+        return bare if strength is None else bare / (1 + bare / strength)
 
     hardness = case.yield_stress
-    wall: Wall
-    if callable(hardness):
-        of_q = hardness
-        wall = lambda variance: np.asarray(of_q(case.scale.wavevector(variance)))  # noqa: E731
-    else:
-        wall = hardness
     return diffuse_once(
         case.reference * np.exp(nodes.t),
         pressure=case.pressure,
         tensile_limit=tensile_limit,
-        yield_stress=wall,
+        yield_stress=of_variance(hardness, case.scale) if callable(hardness) else hardness,
         breaks=() if onset is None else (case.reference * math.exp(onset),),
         modes=48,
         step=0.3,
@@ -410,7 +400,7 @@ def _result(case: _Case, nodes: _Nodes, state: Diffusion, count: int) -> Adhesiv
     total_energy = energy[0] + density[0]
     gained = state.area[-1] * nodes.factor[-1] * case.interface.work_of_adhesion
     area = np.maximum(state.area, 1e-300)
-    work = np.asarray((gained - energy) / (area * nodes.factor))
+    work = (gained - energy) / (area * nodes.factor)
     carried = state.area_plastic * np.where(state.area_plastic != 0, state.yield_stress, 0.0)
     return AdhesiveContact(
         wavevectors=nodes.q,

@@ -88,4 +88,4 @@ def archard_hierarchy(
             share *= crowd ** (1 - exponent) * math.pi * 0.75 ** (2 / 3) * peak**exponent * 2 / (2 + exponent)
             exponent = (2 + exponent) / 3
         area = share * sizes[0] * sizes[0] * (load / modulus / sizes[0] / sizes[0]) ** exponent
-    return HierarchyContact(area=np.asarray(area)[()], exponent=exponent)
+    return HierarchyContact(area=area, exponent=exponent)

@@ -16,12 +16,12 @@ from scipy.optimize import brentq
 from scipy.special import binom, ellipe, ellipk, ellipkm1, gamma, pbdv
 
 from persson._checks import Array, instance, positive, real
+from persson._quadrature import gauss, panels
 from persson.errors import InvalidInput
 from persson.spectrum import Moments
 
 #: Height in standard deviations beyond which series replace parabolic cylinder functions.
 _FAR = 12.0
-
 #: Standard deviations above the mean beyond which there are no summits.
 _HIGHEST = 12.0
 
@@ -212,7 +212,7 @@ def bush_gibson_thomas(separation: ArrayLike, *, moments: Moments, contact_modul
     # sqrt(k).
     k = t[:, None]
     one, three = tail_moment(1, threshold), tail_moment(1.5, threshold)
-    count = moments.m4 / moments.m2 / (8 * math.pi * math.sqrt(3))
+    count = nayak_asperities(moments).density
     scale = count * height / curvature
     area = math.pi * scale * np.sum(weights * shape_area * one / k, axis=(-2, -1))
     slope = math.sqrt(height * curvature)
@@ -229,10 +229,7 @@ def _summits() -> tuple[Array, Array, Array]:
 
     Their density is phi(T) (T^2 - y) exp(-y), with y = (w T)^2 < T^2.
     """
-    x, a = np.polynomial.legendre.leggauss(80)
-    t, wt = 6.5 * (1 + x), 6.5 * a
-    z, b = np.polynomial.legendre.leggauss(40)
-    w, ww = (1 + z) / 2, b / 2
+    (t, wt), (w, ww) = panels(np.array([0.0, 13.0]), 80), gauss(40)
     y = np.square(t[:, None] * w)
     density = np.exp(-0.5 * t * t)[:, None] / math.sqrt(2 * math.pi) * (t[:, None] ** 2 - y) * np.exp(-y)
     jacobian = 2 * t[:, None] ** 2 * w
@@ -311,25 +308,24 @@ def yielding_asperities(
     below = np.maximum(tail_moment(1, t) - beyond - onset * tail_moment(0, late), 0.0)
     slope = math.sqrt(height / radius)
     elastic = 4 / 3 * modulus * scale * slope * _unyielded(t, onset)
-    area = np.asarray(math.pi * scale * below + plastic)[()]
+    area = math.pi * scale * below + plastic
     return AsperityContact(
         area=area,
-        area_plastic=np.asarray(plastic)[()],
-        pressure=(elastic + limit * plastic)[()],
-        density=np.asarray(asperities.density * tail_moment(0, t))[()],
+        area_plastic=plastic,
+        pressure=elastic + limit * plastic,
+        density=asperities.density * tail_moment(0, t),
         patch_area=np.full(np.shape(area), np.nan)[()],
     )
 
 
 def _unyielded(t: Array, span: float) -> Array:
     """Int_t^(t + span) (x - t)^(3/2) phi(x) dx; x = t + w y^2 takes the root away."""
-    points, weights = np.polynomial.legendre.leggauss(160)
-    y = (1 + points) / 2
+    y, weights = gauss(160)
     width = np.minimum(span, np.maximum(_HIGHEST - t, 0.0))
     x = t[..., None] + width[..., None] * y * y
     with np.errstate(under="ignore"):
         density = np.exp(-0.5 * np.minimum(x * x, 1400.0)) / math.sqrt(2 * math.pi)
-    return np.asarray(width * width * np.sqrt(width) * ((y**4 * density) @ weights))
+    return 2 * width * width * np.sqrt(width) * ((y**4 * density) @ weights)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -379,18 +375,17 @@ class FullerTabor:
         a, big = self._length, self.asperities.radius
         unit = a * (a / big)
         h = self.asperities.rms_height / unit
-        offset = np.asarray(d / unit)
+        offset = d / unit
         # Summits from d - 3/4 up stick; t = low + span u^2 removes the square root where they let go.
         low = np.clip((offset - 0.75) / h, -9.0, 9.0)
-        points, weights = np.polynomial.legendre.leggauss(240)
-        u = (1 + points) / 2
+        u, weights = gauss(240)
         span = 9.0 - low
         t = low[..., None] + span[..., None] * u * u
         x = _jkr_radius(h * t - offset[..., None])
         force = 4 / 3 * x * x * x - math.sqrt(8) * x * np.sqrt(x)
         density = np.exp(-0.5 * t * t) / math.sqrt(2 * math.pi)
-        total = span * ((density * force * u) @ weights)
-        return np.asarray(self.asperities.density * self.contact_modulus * a * unit * total)[()]
+        total = 2 * span * ((density * force * u) @ weights)
+        return self.asperities.density * self.contact_modulus * a * unit * total
 
     def pull_off(self) -> float:
         """Largest nominal tension [Pa], as a positive number."""
@@ -408,7 +403,7 @@ def _jkr_radius(approach: Array) -> Array:
     for _ in range(40):
         slope = 2 * x - 1 / np.sqrt(2 * x)
         miss = (x - 0.5) * (x + 0.5) - np.sqrt(2 * x) + 1 - excess
-        step = np.where(slope > 0, miss / np.where(slope > 0, slope, 1.0), 0.0)
+        step = miss / np.where(slope > 0, slope, np.inf)
         x = np.maximum(x - step, 0.5)
         if np.all(np.abs(step) < 1e-14 * x):
             break

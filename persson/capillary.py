@@ -120,7 +120,7 @@ class CapillaryWaves(SpectrumMoments):
         q2 = self.q_bend * self.q_bend
         for _ in range(order):
             scale *= q2
-        return np.asarray(scale * part)[()]
+        return scale * part
 
 
 def _excess(root: float, delta: Array, start: float) -> Array:
@@ -131,7 +131,7 @@ def _excess(root: float, delta: Array, start: float) -> Array:
     for n in range(2, 34):
         series = series + (-1) ** n * power / n
         power = power * small
-    return np.asarray(start * u + root * np.where(u < 0.3, series, u - np.log1p(u)))
+    return start * u + root * np.where(u < 0.3, series, u - np.log1p(u))
 
 
 def maximum_height(independent_points: float) -> float:

@@ -27,7 +27,6 @@ from persson.errors import InvalidInput, NotConverged
 
 #: Largest steps in ln V and numbers of basis functions tried in turn until the ledger closes.
 _LEVELS = ((0.2, 48), (0.1, 56), (0.05, 80), (0.025, 120), (0.012, 180))
-
 #: Beginning of a step and the abscissae of the stages of `persson._galerkin`.
 _STAGES = np.array([0.0, 0.25, 0.75, 0.55, 0.5, 1.0])
 
@@ -194,12 +193,7 @@ def solve_diffusion(
 
 
 def _refined(
-    problem: Problem,
-    outputs: Array,
-    breaks: Array,
-    *,
-    levels: Sequence[tuple[float, int]],
-    tolerance: float,
+    problem: Problem, outputs: Array, breaks: Array, *, levels: Sequence[tuple[float, int]], tolerance: float
 ) -> Diffusion:
     """Refine the discretisation until two of them agree and the ledger closes."""
     pieces = find_pieces(problem, outputs, breaks)
@@ -264,8 +258,7 @@ def _integrate(problem: Problem, outputs: Array, pieces: Pieces, *, largest: flo
     moving = t_out > pieces.start
     grid = make_grid(problem, pieces, t_out[moving], largest)
     history = _run(problem, reference, grid, modes)
-    nodes = np.concatenate([[pieces.start], grid.ends]) if grid.steps.size else np.empty(0)
-    where = np.searchsorted(nodes, t_out[moving] - 1e-12) if nodes.size else np.empty(0, dtype=int)
+    where = np.searchsorted(np.append(pieces.start, grid.ends), t_out[moving] - 1e-12)
     count = outputs.size
     windows, coefficients = np.full((count, 2), np.nan), np.zeros((count, modes))
     ledger = np.zeros((count, 4))
@@ -297,7 +290,7 @@ def _integrate(problem: Problem, outputs: Array, pieces: Pieces, *, largest: flo
         tensile_limit=below - problem.pressure,
         yield_stress=above + problem.pressure,
         area_residual=np.abs(elastic + lost + plastic + leaked - 1),
-        load_residual=np.where(exchanged > 0, missing / np.where(exchanged > 0, exchanged, 1.0), 0.0),
+        load_residual=missing / np.where(exchanged > 0, exchanged, np.inf),
         error_estimate=math.nan,
         tolerance=math.nan,
         modes=modes,

@@ -19,7 +19,6 @@ from persson.spectrum import Spectrum, check_spectrum
 #: Slope of A/A0 against p* = p0/(E* h'_rms) at light load, Persson 2006, Eqs. 13 and 22:
 #: sqrt(8/pi) = 1.596.
 KAPPA_PERSSON = math.sqrt(8 / math.pi)
-
 #: The same slope in the asperity theory of Bush, Gibson and Thomas (1975): sqrt(2 pi) = 2.507.
 KAPPA_BGT = math.sqrt(2 * math.pi)
 
@@ -94,7 +93,7 @@ def contact_area(pressure: ArrayLike, *, stress_variance: ArrayLike) -> Array:
     >>> round(float(contact_area(1.0, stress_variance=1.0)), 6)
     0.682689
     """
-    return np.asarray(erf(_argument(pressure, stress_variance)))[()]
+    return erf(_argument(pressure, stress_variance))
 
 
 def non_contact_area(pressure: ArrayLike, *, stress_variance: ArrayLike) -> Array:
@@ -102,7 +101,7 @@ def non_contact_area(pressure: ArrayLike, *, stress_variance: ArrayLike) -> Arra
 
     Arguments as for `contact_area`.
     """
-    return np.asarray(erfc(_argument(pressure, stress_variance)))[()]
+    return erfc(_argument(pressure, stress_variance))
 
 
 def pressure_for_area(area: ArrayLike, *, stress_variance: ArrayLike) -> Array:

@@ -164,8 +164,8 @@ def optimal_modulus(
         raise InvalidInput("q_min = 0: must be positive; give q_min = 2 pi / L")
     q = spectrum.q_min * np.geomspace(1.0, spectrum.q_short / spectrum.q_min, _NODES)
     q[-1] = spectrum.q_short
-    added = np.diff(np.asarray(spectrum.m2(q))) / 4
-    star = np.asarray(area_factor(spectrum.m2(q))) if interface.area == "star" else np.ones_like(q)
+    added = np.diff(spectrum.m2(q)) / 4
+    star = area_factor(spectrum.m2(q)) if interface.area == "star" else np.ones_like(q)
     bond = interface.work_of_adhesion
     unit = limit / interface.alpha * (limit / bond) / q
     relative = np.ones_like(q)
@@ -173,12 +173,12 @@ def optimal_modulus(
         for _ in range(_ROUNDS):
             modulus = unit * relative
             square = modulus * modulus
-            variance = np.concatenate([[0.0], np.cumsum(added * (square[1:] + square[:-1]) / 2)])
+            variance = np.append(0.0, np.cumsum(added * (square[1:] + square[:-1]) / 2))
             area = contact_area(held, stress_variance=variance)
             density = energy_share(held, stress_variance=variance, energy=interface.energy) * modulus / q
             # U_el(q)/A0 [J/m^2] of the waves beyond q, by the trapezoidal rule over the nodes.
             pieces = added * (density[1:] + density[:-1]) / 2
-            energy = np.concatenate([np.cumsum(pieces[::-1])[::-1], [0.0]])
+            energy = np.append(np.cumsum(pieces[::-1])[::-1], 0.0)
             work = (area[-1] * star[-1] * bond - energy) / (np.maximum(area, 1e-300) * star)
             if np.any(work <= 0):
                 raise OutsideTheory(

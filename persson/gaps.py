@@ -9,13 +9,13 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
 from persson._checks import Array, in_proportion, instance, positive, real, within
+from persson._quadrature import panels
 from persson.elastic import contact_area, non_contact_area
 from persson.scale import Scale
-from persson.separation import opening_integral, panels
+from persson.separation import opening_integral
 
 #: Intervals of V over which area leaves contact, on each side of half of the whole variance.
 _INTERVALS = 120
-
 #: sigma_0 / sqrt(2 V) beyond which no wave opens the contact.
 _CLOSED = 20.0
 
@@ -99,4 +99,4 @@ def _mean_gaps(pressure: Array, variance: Array, top: float, *, scale: Scale, ra
     # The integral over pressures is a function of s alone: a table in ln s.
     table = np.linspace(math.log(min(float(s.min()), _CLOSED / 2)), math.log(_CLOSED), 400)
     opening = CubicSpline(table, opening_integral(np.exp(table), ratio))(np.log(s))
-    return np.asarray((2 / math.sqrt(math.pi) * root / 2 / (scale.modulus(wave) * wave) * opening) @ weight)
+    return (2 / math.sqrt(math.pi) * root / 2 / (scale.modulus(wave) * wave) * opening) @ weight

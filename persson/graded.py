@@ -19,6 +19,7 @@ from persson._checks import (
     real,
     returned,
 )
+from persson._quadrature import panels
 from persson.errors import InvalidInput
 
 
@@ -31,7 +32,7 @@ def checked_wavevectors(value: ArrayLike) -> Array:
 
 
 def _plane_strain(modulus: Array, poisson: float) -> Array:
-    return np.asarray(modulus / (1 - poisson * poisson))
+    return modulus / (1 - poisson * poisson)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,17 +75,15 @@ class GradedModulus:
     def __call__(self, wavevector: ArrayLike) -> Array:
         """E~*(q) [Pa] for wavevectors [1/m]."""
         q = checked_wavevectors(wavevector)
-        points, weights = np.polynomial.legendre.leggauss(12)
         # Panels grow with depth: fine near the surface, where a thin layer may lie, and up to exp(-60).
-        panels = np.concatenate([[0.0], np.geomspace(1e-9, 60.0, 80)])
+        nodes = np.append(0.0, np.geomspace(1e-9, 60.0, 80))
         breaks = np.array(sorted(self.breaks))
         result = np.empty(q.size)
         for index, wave in enumerate(q.flat):
-            edges = np.unique(np.concatenate([panels, np.minimum(breaks * wave, 60.0)]))
-            x = edges[:-1, None] + np.diff(edges)[:, None] * (1 + points) / 2
-            values = returned("young(z)", self.young(x / wave), x.shape, unit="Pa") * np.exp(-x)
-            result[index] = np.sum((values @ weights) * np.diff(edges) / 2)
-        return _plane_strain(result.reshape(q.shape), self.poisson)[()]
+            x, weights = panels(np.unique(np.append(nodes, np.minimum(breaks * wave, 60.0))), 12)
+            young = returned("young(z)", self.young(x / wave), x.shape, unit="Pa")
+            result[index] = np.sum(weights * young * np.exp(-x))
+        return _plane_strain(result.reshape(q.shape), self.poisson)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -164,7 +163,7 @@ class SurfaceLayer:
     def __call__(self, wavevector: ArrayLike) -> Array:
         """E~*(q) [Pa] for wavevectors [1/m]."""
         share = -np.expm1(-checked_wavevectors(wavevector) * self.thickness)
-        return _plane_strain(np.asarray(self.bulk + (self.layer - self.bulk) * share), self.poisson)[()]
+        return _plane_strain(self.bulk + (self.layer - self.bulk) * share, self.poisson)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -216,4 +215,4 @@ class ElasticPlate:
         under = thin * (2 + y / 6 * (1 + y / 20 * (1 + y / 42 * (1 + y / 72))))
         wide = np.clip(x, 0.3, 30.0)
         thick = (np.sinh(wide) ** 2 - wide * wide) / (np.sinh(wide) * np.cosh(wide) + wide)
-        return np.asarray(bulk * np.where(x < 0.3, above / under, np.where(x < 30, thick, 1.0)))[()]
+        return bulk * np.where(x < 0.3, above / under, np.where(x < 30, thick, 1.0))

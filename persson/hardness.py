@@ -13,7 +13,7 @@ from scipy.special import erf, erfc
 from persson._checks import Array, function, instance, non_negative, positive
 from persson.diffusion import Diffusion, solve_diffusion
 from persson.errors import InvalidInput, OutsideTheory
-from persson.scale import Scale
+from persson.scale import Scale, of_variance
 
 #: V / sigma_Y^2 up to which images converge faster than the eigenfunction series.
 _IMAGES = 0.35
@@ -96,36 +96,26 @@ def _erf_band(middle: ArrayLike, half: ArrayLike) -> Array:
 
 def _crossed(x: float, width: Array) -> Array:
     """Share that has reached 1 before 0 when started at x, by images; six reach exp(-300)."""
-    return sum(
-        (_erf_band((2 * k + 1) / width, x / width) for k in range(1, 6)),
-        start=_erf_band(1 / width, x / width),
-    )
+    return sum((_erf_band((2 * k + 1) / width, x / width) for k in range(6)), start=np.zeros(width.shape))
 
 
 def _staying(x: float, width: Array) -> Array:
-    result = np.asarray(erf(x / width))
-    for j in range(1, 12):
-        result = result + (-1) ** j * _erf_band(j / width, x / width)
-    return result
+    bands = ((-1) ** j * _erf_band(j / width, x / width) for j in range(1, 12))
+    return sum(bands, start=erf(x / width))
 
 
 def _crossed_series(x: float, v: Array) -> Array:
     """Return the same by eigenfunctions, for v >= 0.35, where twelve terms leave exp(-250)."""
-    result = np.full(np.shape(v), x)
-    for n in range(1, 13):
-        result = result + 2 * (-1) ** n / (n * math.pi) * math.sin(n * math.pi * x) * np.exp(
-            -0.5 * (n * math.pi) ** 2 * v
-        )
-    return result
+    return sum(((-1) ** n * _eigenfunction(n, x, v) for n in range(1, 13)), start=np.full(v.shape, x))
 
 
 def _staying_series(x: float, v: Array) -> Array:
-    result = np.zeros(np.shape(v))
-    for n in range(1, 13, 2):
-        result = result + 4 / (n * math.pi) * math.sin(n * math.pi * x) * np.exp(
-            -0.5 * (n * math.pi) ** 2 * v
-        )
-    return result
+    return sum((2 * _eigenfunction(n, x, v) for n in range(1, 13, 2)), start=np.zeros(v.shape))
+
+
+def _eigenfunction(n: int, x: float, v: Array) -> Array:
+    wave = n * math.pi
+    return 2 / wave * math.sin(wave * x) * np.exp(-0.5 * wave**2 * v)
 
 
 def size_dependent_hardness(
@@ -168,6 +158,6 @@ def size_dependent_hardness(
     return solve_diffusion(
         scale.variance(q),
         pressure=pressure,
-        yield_stress=lambda variance: np.asarray(yield_stress(scale.wavevector(variance))),
+        yield_stress=of_variance(yield_stress, scale),
         tolerance=tolerance,
     )

@@ -40,4 +40,4 @@ def height_distribution(height: ArrayLike, *, rms_height: float) -> Array:
     width = positive("rms_height", rms_height, unit="m")
     z = real("height", height, unit="m") / width
     with np.errstate(under="ignore", over="ignore"):
-        return np.asarray(np.exp(-0.5 * z * z) / (math.sqrt(2 * math.pi) * width))[()]
+        return np.exp(-0.5 * z * z) / (math.sqrt(2 * math.pi) * width)

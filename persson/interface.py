@@ -75,7 +75,7 @@ def detachment_stress(
     alike(work=energy, contact_modulus=modulus, wavevector=non_negative("wavevector", wavevector))
     bare = np.sqrt(interface.alpha * energy * modulus * non_negative("wavevector", wavevector, unit="1/m"))
     strength = interface.ideal_strength
-    return np.asarray(bare if strength is None else bare / (1 + bare / strength))[()]
+    return bare if strength is None else bare / (1 + bare / strength)
 
 
 def crossover_length(work_of_adhesion: float, *, contact_modulus: float, atomic_distance: float) -> float:

@@ -11,11 +11,9 @@ from persson.scale import Scale
 
 #: A/A0 at which the gaps percolate if contact is scattered at random, Persson 2006: 1 - p_c, 0.7 of sites.
 SITE_THRESHOLD = 0.3
-
 #: The same for elastic contact of randomly rough surfaces, computed without adhesion: .400 +- .005 (95 %) for
 #: contact and gap alike.
 MEASURED_THRESHOLD = 0.40
-
 #: Where computed thresholds lie, ours and those of others (.415, arXiv:2010.13470; .42, Dapp et al. 2012).
 COMPUTED_THRESHOLDS = (0.39, 0.42)
 

@@ -58,18 +58,15 @@ class Scale:
         self.graded = callable(contact_modulus)
         if callable(contact_modulus):
             self._modulus = contact_modulus
-            moduli = non_negative("contact_modulus(q)", self.modulus(self._q), unit="Pa")
-            if moduli.shape != self._q.shape or np.any(moduli == 0):
+            if np.any(non_negative("contact_modulus(q)", self.modulus(self._q), unit="Pa") == 0):
                 raise InvalidInput("contact_modulus(q): must be positive at every wavevector")
-        else:
-            constant = positive("contact_modulus", contact_modulus, unit="Pa")
-            self._modulus = lambda q: np.full(np.shape(q), constant)
-        if self.graded:
             first = self._between(np.array([spectrum.q_min]), self._q[:1])
             self._variance = np.cumsum(np.concatenate([first, self._between(self._q[:-1], self._q[1:])]))
         else:
+            constant = positive("contact_modulus", contact_modulus, unit="Pa")
+            self._modulus = lambda q: np.full(np.shape(q), constant)
             self._variance = self.variance(self._q)
-        keep = np.concatenate([[True], np.diff(self._variance) > 0]) & (self._variance > 0)
+        keep = np.append(True, np.diff(self._variance) > 0) & (self._variance > 0)
         if keep.sum() < 2:
             raise InvalidInput("the spectrum holds no roughness: C(q) vanishes")
         top = self._variance[-1]
@@ -88,9 +85,7 @@ class Scale:
         middle = (low + high) / 2
         density = 2 * np.pi * middle * middle * middle * self.spectrum(middle)
         shift = (m2_low + m2_high) / 2 - self.spectrum.m2(middle)
-        middle = np.clip(
-            middle + np.where(density > 0, shift / np.where(density > 0, density, 1.0), 0.0), low, high
-        )
+        middle = np.clip(middle + shift / np.where(density > 0, density, np.inf), low, high)
         squares = [np.square(self.modulus(np.maximum(q, self.q_min)) / 2) for q in (low, middle, high)]
         return np.asarray((m2_high - m2_low) * (squares[0] + 4 * squares[1] + squares[2]) / 6)
 
@@ -115,7 +110,12 @@ class Scale:
             # walls need.
             half = self.modulus(q) / 2
             rate = 2 * np.pi * q * q * q * self.spectrum(q) * half * half
-            step = np.where(rate > 0, (self.variance(q) - value) / np.where(rate > 0, rate, 1.0), 0.0)
+            step = (self.variance(q) - value) / np.where(rate > 0, rate, np.inf)
             offset = q - self._origin
             q = self._origin + np.clip(offset - step, offset / 2, offset * 2)
         return np.where(wanted < self._first, self.q_min, np.minimum(q, self.q_short))[()]
+
+
+def of_variance(function: Callable[[Array], Array], scale: Scale) -> Callable[[Array], Array]:
+    """Return a function of q [1/m] as one of V(q) [Pa^2]."""
+    return lambda variance: np.asarray(function(scale.wavevector(variance)))

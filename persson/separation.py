@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from scipy.special import erf, exp1
 
 from persson._checks import Array, instance, non_negative, positive, within
+from persson._quadrature import panels
 from persson.elastic import area_against_magnification
 from persson.errors import InvalidInput, OutsideTheory
 from persson.scale import Scale
@@ -48,7 +49,7 @@ def elastic_energy(pressure: ArrayLike, *, scale: Scale, energy: EnergyReading =
     load = non_negative("pressure", pressure, unit="Pa")
     variance, length = _waves(scale)
     share = energy_share(load[..., None], stress_variance=variance, energy=energy)
-    return np.asarray(share @ length)[()]
+    return share @ length
 
 
 def contact_stiffness(pressure: ArrayLike, *, scale: Scale, energy_ratio: float = 1.0) -> Array:
@@ -74,30 +75,23 @@ def contact_stiffness(pressure: ArrayLike, *, scale: Scale, energy_ratio: float 
     From p du = -dU, as `mean_separation`; the derivative of the energy is taken under the integral. Near full
     contact the computed gap is several times the theory's, and so the stiffness is too large.
     """
-    ratio = within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
-    load = _loaded(pressure)
-    variance, length = _waves(scale)
-    root = np.sqrt(2 * variance)
-    s = load[..., None] / root
+    load, s, length = _loaded_waves(pressure, scale, energy_ratio)
     with np.errstate(under="ignore"):
-        rate = (ratio + 3 * (1 - ratio) * erf(s) ** 2) * np.exp(-np.minimum(s * s, 700.0))
-        softness = 2 / math.sqrt(math.pi) * (rate @ (length / root))
+        rate = (energy_ratio + 3 * (1 - energy_ratio) * erf(s) ** 2) * np.exp(-np.minimum(s * s, 700.0))
+        softness = 2 / math.sqrt(math.pi) * (rate @ length)
     with np.errstate(divide="ignore", over="ignore"):
-        return np.asarray(load / softness)[()]
+        return load / softness
 
 
-def _loaded(pressure: ArrayLike) -> Array:
+def _loaded_waves(pressure: ArrayLike, scale: Scale, energy_ratio: float) -> tuple[Array, Array, Array]:
+    """Load [Pa], s = sigma_0 / sqrt(2 V) of the waves, and their energy of full contact over sqrt(2 V)."""
+    within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
     load = non_negative("pressure", pressure, unit="Pa")
     if np.any(load == 0):
         raise InvalidInput("pressure = 0: must be positive; without load the surfaces are not held together")
-    return load
-
-
-def panels(edges: Array, order: int) -> tuple[Array, Array]:
-    """Return Gauss points and weights between edges."""
-    points, weights = np.polynomial.legendre.leggauss(order)
-    half = np.diff(edges)[:, None]
-    return (edges[:-1, None] + half * (1 + points) / 2).ravel(), (half * weights / 2).ravel()
+    variance, length = _waves(scale)
+    root = np.sqrt(2 * variance)
+    return load, load[..., None] / root, length / root
 
 
 def _waves(scale: Scale) -> tuple[Array, Array]:
@@ -136,13 +130,8 @@ def mean_separation(pressure: ArrayLike, *, scale: Scale, energy_ratio: float = 
     The work of the load is stored elastically, p du = -dU (Persson, Phys. Rev. Lett. 99, 125502, 2007; Yang
     and Persson, J. Phys. Condens. Matter 20, 215214, 2008), with dV = (E*^2/4) 2 pi q^3 C dq.
     """
-    within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
-    load = _loaded(pressure)
-    variance, length = _waves(scale)
-    root = np.sqrt(2 * variance)
-    s = load[..., None] / root
-    integral = opening_integral(s, energy_ratio)
-    return np.asarray(integral @ (length * (2 / math.sqrt(math.pi)) / root))[()]
+    _, s, length = _loaded_waves(pressure, scale, energy_ratio)
+    return 2 / math.sqrt(math.pi) * (opening_integral(s, energy_ratio) @ length)
 
 
 def opening_integral(s: Array, energy_ratio: float) -> Array:
@@ -150,18 +139,15 @@ def opening_integral(s: Array, energy_ratio: float) -> Array:
     integral = energy_ratio * 0.5 * exp1(np.minimum(s * s, 700.0))
     if energy_ratio < 1:
         integral = integral + 3 * (1 - energy_ratio) * _partial(s)
-    return np.asarray(integral)
+    return integral
 
 
 def _partial(s: Array) -> Array:
     """Int_s^inf erf(t)^2 exp(-t^2) dt / t, by Gauss-Legendre on [s, s + 7] in panels."""
-    points, weights = np.polynomial.legendre.leggauss(10)
-    total = np.zeros_like(s)
-    for low in np.arange(0.0, 7.0, 1.0):
-        t = s[..., None] + low + (1 + points) / 2
-        with np.errstate(under="ignore"):
-            total = total + (erf(t) ** 2 * np.exp(-t * t) / t) @ weights / 2
-    return np.asarray(total)
+    points, weights = panels(np.arange(8.0), 10)
+    t = s[..., None] + points
+    with np.errstate(under="ignore"):
+        return (erf(t) ** 2 * np.exp(-t * t) / t) @ weights
 
 
 def macroasperity_magnification(

@@ -27,6 +27,9 @@ from persson._checks import (
 from persson._window import FALLING
 from persson.errors import InvalidInput, NotConverged, OutsideTheory
 
+#: A stress limit [Pa] against V [Pa^2].
+_Limit = Callable[[float], float]
+
 
 @dataclass(frozen=True, kw_only=True)
 class SineExpansion:
@@ -161,9 +164,7 @@ def _still(s0: float, *, modes: int, variance: float, walls: tuple[float, float]
     )
 
 
-def _free(
-    below: Callable[[float], float], above: Callable[[float], float], pressure: float, end: float
-) -> float:
+def _free(below: _Limit, above: _Limit, pressure: float, end: float) -> float:
     """Find how long the distribution is a Gaussian whose tails beyond 8 deviations no wall has cut."""
     start = end
     for _ in range(200):
@@ -175,13 +176,7 @@ def _free(
 
 
 def _moving(
-    below: Callable[[float], float],
-    above: Callable[[float], float],
-    pressure: float,
-    span: tuple[float, float],
-    *,
-    modes: int,
-    tolerance: float,
+    below: _Limit, above: _Limit, pressure: float, span: tuple[float, float], *, modes: int, tolerance: float
 ) -> SineExpansion:
     """Integrate the sine coefficients of P, and the yielded area, between moving walls up to V = end.
 
@@ -198,14 +193,13 @@ def _moving(
     ramp_moved = (alternate * ramp - stretch @ ramp, (alternate - 1) * ramp - shift @ ramp)
     h = 1e-6 * end
 
-    def rise(v: float) -> float:
+    def slope(wall: _Limit, v: float) -> float:
         low, high = max(v - h, 0.0), v + h
-        return max((above(high) - above(low)) / (high - low), 0.0)
+        return (wall(high) - wall(low)) / (high - low)
 
     def matrix(v: float) -> Array:
-        width, upper = below(v) + above(v), rise(v)
-        low, high = max(v - h, 0.0), v + h
-        both = upper + (below(high) - below(low)) / (high - low)
+        width, upper = below(v) + above(v), max(slope(above, v), 0.0)
+        both = upper + slope(below, v)
         result = np.zeros((modes + 1, modes + 1))
         result[:modes, :modes] = both / width * stretch - upper / width * shift
         diagonal = np.arange(modes)
@@ -234,7 +228,7 @@ def _moving(
             raise NotConverged(f"sine expansion: {solution.message}")
         state = solution.y[:, -1]
     plastic = float(state[-1])
-    density = 2 * rise(end) * plastic
+    density = 2 * max(slope(above, end), 0.0) * plastic
     return SineExpansion(
         amplitudes=state[:-1] - density * ramp,
         density_at_yield=density,
@@ -245,7 +239,7 @@ def _moving(
     )
 
 
-def _wall(name: str, wall: float | Callable[[float], float]) -> Callable[[float], float]:
+def _wall(name: str, wall: float | _Limit) -> _Limit:
     if not callable(wall):
         value = float(non_negative(name, within(name, wall, 0, math.inf, interval="[0, inf)"), unit="Pa"))
         return lambda variance: value

@@ -22,6 +22,7 @@ from persson._checks import (
     scalar,
     within,
 )
+from persson._quadrature import gauss
 from persson.elastic import contact_area
 from persson.errors import InvalidInput
 from persson.spectrum import Spectrum, check_spectrum
@@ -166,14 +167,14 @@ def friction_of_waves(
     _, ring = np.unique(np.round(q / q.min(), _DIGITS), return_inverse=True)
     added, heats = np.bincount(ring, weights=variance), np.bincount(ring, weights=heat)
     # Four Gauss points inside what each ring adds, since the contact opens while it is added.
-    points, weights = np.polynomial.legendre.leggauss(4)
-    before = np.concatenate([[0.0], np.cumsum(added)[:-1]])
-    inside = before[:, None] + added[:, None] * (1 + points) / 2
+    points, weights = gauss(4)
+    before = np.append(0.0, np.cumsum(added)[:-1])
+    inside = before[:, None] + added[:, None] * points
     share = contact_area(1.0, stress_variance=inside)
     retained = share * energy_factor(share, variant="yang_persson", energy_ratio=ratio)
     total = float(added.sum())
     return SlidingFriction(
-        friction=float(np.sum(heats * (retained @ weights) / 2)),
+        friction=float(np.sum(heats * (retained @ weights))),
         area=float(contact_area(1.0, stress_variance=total)),
         stress_variance=total * load**2,
     )

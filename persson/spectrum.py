@@ -263,7 +263,7 @@ class SelfAffine(SpectrumMoments):
         scale = 2 * math.pi * self.amplitude
         for _ in range(order + 1):  # with the same rounding in all units, which a power has not
             scale *= q2
-        return np.asarray(scale * part)[()]
+        return scale * part
 
 
 def growth(exponent: ArrayLike, x: Array) -> Array:
@@ -275,7 +275,7 @@ def growth(exponent: ArrayLike, x: Array) -> Array:
 def _power_panel(exponent: float, lower: float, width: Array) -> Array:
     """Int x^(exponent - 1) dx from lower to lower + width, for any exponent (positive if lower = 0)."""
     if lower == 0:
-        return np.asarray(width**exponent / exponent)
+        return width**exponent / exponent
     return np.asarray(lower**exponent * growth(exponent, np.log1p(width / lower)))
 
 

@@ -40,7 +40,7 @@ def hertz_pressure(force: ArrayLike, *, radius: float, contact_modulus: float) -
     load = non_negative("force", force, unit="N")
     big = positive("radius", radius, unit="m")
     stiff = 4 / 3 * positive("contact_modulus", contact_modulus, unit="Pa")
-    return np.asarray(np.cbrt(load / big / big / stiff) * stiff / math.pi)[()]
+    return np.cbrt(load / big / big / stiff) * stiff / math.pi
 
 
 def yielded_share(force: ArrayLike, *, radius: float, contact_modulus: float, hardness: float) -> Array:
@@ -61,7 +61,7 @@ def yielded_share(force: ArrayLike, *, radius: float, contact_modulus: float, ha
         raise OutsideTheory(
             f"force = {float(np.max(force))!r} N: the nominal pressure exceeds hardness = {limit!r} Pa"
         )
-    return np.asarray(pressure / limit)[()]
+    return pressure / limit
 
 
 def yielded_pull_off(
@@ -87,7 +87,7 @@ def yielded_pull_off(
     """
     share = yielded_share(force, radius=radius, contact_modulus=contact_modulus, hardness=hardness)
     work = positive("work_of_adhesion", work_of_adhesion, unit="J/m^2")
-    return np.asarray(2 * math.pi * radius * work * share)[()]
+    return 2 * math.pi * radius * work * share
 
 
 @dataclass(frozen=True, kw_only=True)

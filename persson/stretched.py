@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from persson._checks import Array, alike, non_negative, positive, real, within
+from persson._quadrature import gauss
 from persson.errors import InvalidInput
 from persson.spectrum import Spectrum, SpectrumMoments, check_spectrum
 
 #: Points of the quadrature over directions, on each panel between the ends of the spectrum.
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
+_POINTS, _WEIGHTS = gauss(64)
 
 _LARGEST = 50.0
 
@@ -118,8 +119,7 @@ class Stretched(SpectrumMoments):
         )
         total = np.zeros(flat.shape)
         for lower, upper in itertools.pairwise(panels):
-            half = (upper - lower) / 2
-            phi = lower + half * (1 + _NODES[:, None])
+            phi = lower + (upper - lower) * _POINTS[:, None]
             g = np.hypot(self.factor * np.cos(phi), np.sin(phi))
-            total += half * (_WEIGHTS[:, None] * value(g, flat)).sum(axis=0)
+            total += (upper - lower) * (_WEIGHTS[:, None] * value(g, flat)).sum(axis=0)
         return np.asarray(self.factor * total / (np.pi / 2)).reshape(np.shape(q))[()]

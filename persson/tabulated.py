@@ -47,9 +47,9 @@ class Tabulated(SpectrumMoments):
             raise InvalidInput(
                 f"wavevectors {q.shape} and power {c.shape}: must be equal, one-dimensional, n >= 2"
             )
-        if not (np.all(np.isfinite(q)) and q[0] > 0 and np.all(np.diff(q) > 0)):
+        if not (q[0] > 0 and np.all(np.diff(q) > 0)):
             raise InvalidInput("wavevectors: must be finite, positive and increasing")
-        if not (np.all(np.isfinite(c)) and np.all(c > 0)):
+        if not np.all(c > 0):
             raise InvalidInput("power: must be finite and positive; leave out points without roughness")
         for name, value in (("wavevectors", q), ("power", c)):
             value.setflags(write=False)
@@ -80,7 +80,7 @@ class Tabulated(SpectrumMoments):
     def _exponents(self) -> Array:
         q, c = self.wavevectors, self.power
         # Ratios before logarithms: no digit of the exponents may depend on the unit of length.
-        return np.asarray(np.log(c[1:] / c[:-1]) / np.log(q[1:] / q[:-1]))
+        return np.log(c[1:] / c[:-1]) / np.log(q[1:] / q[:-1])
 
     def __call__(self, q: ArrayLike) -> Array:
         """C(q) [m^4]; 0 outside the table."""
@@ -101,11 +101,11 @@ class Tabulated(SpectrumMoments):
         weight = c[:-1].copy()
         for _ in range(order + 1):
             weight = weight * q[:-1] * q[:-1]
-        whole = np.concatenate([[0.0], np.cumsum(weight * growth(n, np.log1p(np.diff(q) / q[:-1])))])
+        whole = np.append(0.0, np.cumsum(weight * growth(n, np.log1p(np.diff(q) / q[:-1]))))
         safe = np.clip(upper, q[0], q[-1])
         index = np.clip(np.searchsorted(q, safe, side="right") - 1, 0, q.size - 2)
         rest = weight[index] * growth(n[index], np.log1p((safe - q[index]) / q[index]))
-        return np.asarray(2 * math.pi * (whole[index] + rest))[()]
+        return 2 * math.pi * (whole[index] + rest)
 
 
 def smoothed(

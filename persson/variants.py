@@ -15,6 +15,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.special import erf, erfc, erfinv
 
 from persson._checks import Array, alike, choice, non_negative, real, shown, within
+from persson._quadrature import gauss
 from persson.elastic import KAPPA_PERSSON, contact_area
 from persson.errors import InvalidInput
 
@@ -25,7 +26,6 @@ EnergyReading = Literal["old", "improved", "as_printed", "yang_persson", "wang_m
 
 #: Share of the full energy that is stored at vanishing contact, gamma of Yang and Persson (2008).
 ENERGY_RATIO = 0.45
-
 #: The same of Xu et al. (2024), as in the code they published.
 XU_RATIO = 0.42
 
@@ -103,14 +103,14 @@ def energy_share(pressure: ArrayLike, *, stress_variance: ArrayLike, energy: Ene
     if energy == "old":
         return area
     if energy in ("yang_persson", "wang_mueser"):
-        return np.asarray(area * energy_factor(area, variant=energy))[()]
+        return area * energy_factor(area, variant=energy)
     if energy == "xu_hybrid":
-        return np.asarray(area * (XU_RATIO - 2 / 9 * square + (11 / 9 - XU_RATIO) * square * square))[()]
+        return area * (XU_RATIO - 2 / 9 * square + (11 / 9 - XU_RATIO) * square * square)
     if energy == "xu":
         bell = _bell(erfinv(np.minimum(area, 1 - 1e-16)))
         factor = XU_RATIO + (1 - XU_RATIO) * area
         # From V_p = factor V: contact is lost as V grows, and V_p grows by less than factor dV.
-        return np.asarray(area * factor / (1 + (1 - XU_RATIO) * bell / (2 * factor)))[()]
+        return area * factor / (1 + (1 - XU_RATIO) * bell / (2 * factor))
     root = np.sqrt(2 * full)
     # Beyond 27 nothing of the terms is left, and the area is 1.
     closed = np.where(np.broadcast_to(load, np.shape(area)) > 0, 27.0, 0.0)
@@ -120,7 +120,7 @@ def energy_share(pressure: ArrayLike, *, stress_variance: ArrayLike, energy: Ene
 
 
 def _bell(s: Array) -> Array:
-    return np.asarray(2 / math.sqrt(math.pi) * s * np.exp(-s * s))
+    return 2 / math.sqrt(math.pi) * s * np.exp(-s * s)
 
 
 def light_load_kappa(variant: Variant) -> float:
@@ -181,21 +181,21 @@ def corrected_contact_area(pressure: ArrayLike, *, stress_variance: ArrayLike, v
 
 def _grown(x: Array, variant: Variant) -> Array:
     """Invert x = int_0^y dy' / S(erf(1/sqrt(2 y'))); below y = 1e-3 S is 1."""
-    points, weights = np.polynomial.legendre.leggauss(8)
+    points, weights = gauss(8)
 
     def rate(y: Array) -> Array:
-        return np.asarray(1 / energy_factor(erf(1 / np.sqrt(2 * y)), variant=variant))
+        return 1 / energy_factor(erf(1 / np.sqrt(2 * y)), variant=variant)
 
     low, high = _NODES[:-1, None], _NODES[1:, None]
-    inner = low + (high - low) * (1 + points) / 2
-    table = np.concatenate([_NODES[:1], _NODES[0] + np.cumsum((rate(inner) @ weights) * np.diff(_NODES) / 2)])
+    parts = (rate(low + (high - low) * points) @ weights) * np.diff(_NODES)
+    table = np.concatenate([_NODES[:1], _NODES[0] + np.cumsum(parts)])
     inside = np.clip(x, table[0], table[-1])
     y = np.exp(PchipInterpolator(np.log(table), np.log(_NODES))(np.log(inside)))
     index = np.clip(np.searchsorted(_NODES, y, side="right") - 1, 0, _NODES.size - 2)
     for _ in range(2):
         start = _NODES[index]
-        part = start[..., None] + (y - start)[..., None] * (1 + points) / 2
-        value = table[index] + (rate(part) @ weights) * (y - start) / 2
+        part = start[..., None] + (y - start)[..., None] * points
+        value = table[index] + (rate(part) @ weights) * (y - start)
         y = y + (inside - value) / rate(y)
     return np.where(x < table[0], x, np.where(x > table[-1], x * (y / inside), y))
 

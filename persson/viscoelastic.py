@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
 from persson._checks import Array, function, in_proportion, non_negative, positive, returned
+from persson._quadrature import panels
 from persson.errors import InvalidInput
 
 #: E-folds of frequency below the highest over which is summed, and in how many panels.
@@ -45,7 +46,7 @@ class StandardSolid:
     def creep_compliance(self, time: ArrayLike) -> Array:
         """J(t) [1/Pa] at t >= 0 [s]; a contact whose load does not fall has the area of E = 1/J(t)."""
         since = non_negative("time", time, unit="s") / self.time
-        return np.asarray(1 / self.unrelaxed - (1 / self.relaxed - 1 / self.unrelaxed) * np.expm1(-since))[()]
+        return 1 / self.unrelaxed - (1 / self.relaxed - 1 / self.unrelaxed) * np.expm1(-since)
 
     def modulus(self, frequency: ArrayLike) -> NDArray[np.complex128]:
         """E(omega) [Pa] for omega [1/s], storage modulus + i times the loss modulus."""
@@ -57,7 +58,7 @@ class StandardSolid:
         """-Im 1/E(omega) [1/Pa] for omega [1/s]."""
         x = non_negative("frequency", frequency, unit="1/s") * self.time
         # x / (1 + x^2) that does not overflow.
-        lag = np.where(x > 1, 1 / np.where(x > 1, x, 1.0), x)
+        lag = np.minimum(x, 1 / np.maximum(x, 1.0))
         return np.asarray((1 / self.relaxed - 1 / self.unrelaxed) * lag / (1 + lag * lag))[()]
 
 
@@ -149,10 +150,7 @@ def _compliance_taken(loss_compliance: Callable[[Array], Array], *, highest: flo
     over `extent` e-folds of frequency below the `highest`, omega_1 [1/s].
     """
     # With z = ln(omega_1 / omega) the weight sqrt(1 - exp(-2 z)) starts like a root: z = y^2.
-    points, weights = np.polynomial.legendre.leggauss(6)
-    panel = math.sqrt(extent) / _PANELS
-    y = (panel * (np.arange(_PANELS)[:, None] + (1 + points) / 2)).ravel()
-    weights = np.tile(weights * panel / 2, _PANELS)
+    y, weights = panels(np.linspace(0.0, math.sqrt(extent), _PANELS + 1), 6)
     z = y**2
     loss = returned("loss_compliance", loss_compliance(highest * np.exp(-z)), z.shape, unit="1/Pa")
     return 2 / math.pi * float(np.sum(weights * 2 * y * np.sqrt(-np.expm1(-2 * z)) * np.abs(loss)))

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem_contact._types import Array, Mask
+from fem_contact._types import Array, Lengths, Mask
 from fem_contact.adhesion.laws import GapLaw
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.contact import Status
@@ -61,7 +61,7 @@ class Landscape:
         heights: Array,
         *,
         response: Response,
-        lengths: tuple[float, float],
+        lengths: Lengths,
         law: GapLaw,
         threads: int | None = None,
         hardness: float | Array | None = None,
@@ -313,7 +313,7 @@ def _newton_direction(state: _State) -> Array:
     land = state.land
     curvature = land.slope(state.gap, state.sunk)
     residual = -state.restricted(state.rest)
-    goal = min(0.1, np.sqrt(state.imbalance)) * float(np.sqrt(np.sum(residual**2)))
+    goal = min(0.1, np.sqrt(state.imbalance)) * float(np.linalg.norm(residual))
     step = np.zeros_like(residual)
     image = state.restricted(land.soften(residual))
     direction = image.copy()
@@ -327,7 +327,7 @@ def _newton_direction(state: _State) -> Array:
         length = product / bend
         step += length * direction
         residual -= length * bent
-        if float(np.sqrt(np.sum(residual**2))) <= goal:
+        if float(np.linalg.norm(residual)) <= goal:
             break
         image = state.restricted(land.soften(residual))
         product, previous = float(np.sum(residual * image)), product

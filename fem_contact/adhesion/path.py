@@ -165,18 +165,6 @@ def follow(
     return _Walk(problem, width=width, least=least_jump).run(points, start)
 
 
-def _numbers(minimum: Minimum, reach: float) -> PathPoint:
-    gap = minimum.gap
-    return PathPoint(
-        offset=minimum.offset,
-        mean_pressure=minimum.mean_pressure,
-        mean_gap=float(np.mean(gap)),
-        contact=float(np.count_nonzero(gap == 0)) / gap.size,
-        within_reach=float(np.count_nonzero(gap < reach)) / gap.size,
-        energy=minimum.energy,
-    )
-
-
 class _Walk:
     """Steps along a path; a step that loses energy is halved until the loss is pinned down."""
 
@@ -202,8 +190,18 @@ class _Walk:
 
     def _record(self, state: Minimum) -> None:
         if not state.separated:
-            self.points.append(_numbers(state, self.problem.law.reach))
+            self.points.append(self._numbers(state))
             self.last = state
+
+    def _numbers(self, minimum: Minimum) -> PathPoint:
+        return PathPoint(
+            offset=minimum.offset,
+            mean_pressure=minimum.mean_pressure,
+            mean_gap=float(np.mean(minimum.gap)),
+            contact=float(np.mean(minimum.gap == 0)),
+            within_reach=float(np.mean(minimum.gap < self.problem.law.reach)),
+            energy=minimum.energy,
+        )
 
     def _advance(self, state: Minimum, point: Point) -> Minimum:
         """Go to a point, recording states and jumps on the way."""
@@ -223,10 +221,9 @@ class _Walk:
 
     def _lost(self, before: Minimum, after: Minimum) -> float:
         """Energy lost beyond the least that counts; positive for a jump, or a step too long to tell."""
-        reach = self.problem.law.reach
-        one, two = _numbers(before, reach), _numbers(after, reach)
         # Before first contact nothing is within reach: the least area is that of a few points.
-        area = max(one.within_reach, two.within_reach, 4 / before.gap.size)
+        shares = (self._numbers(state).within_reach for state in (before, after))
+        area = max(*shares, 4 / before.gap.size)
         return self._dissipated(before, after) - self.least * self.problem.law.work * area
 
     def _dissipated(self, before: Minimum, after: Minimum) -> float:
@@ -237,8 +234,7 @@ class _Walk:
         return -mean * (after.offset - before.offset) - (after.energy - before.energy)
 
     def _jump(self, before: Minimum, after: Minimum) -> None:
-        reach = self.problem.law.reach
-        one, two = _numbers(before, reach), None if after.separated else _numbers(after, reach)
+        one, two = self._numbers(before), None if after.separated else self._numbers(after)
         closer = two is not None and two.within_reach > one.within_reach
         kind: Literal["snap-in", "pull-off"] = "snap-in" if closer else "pull-off"
         self.jumps.append(Jump(kind=kind, before=one, after=two, dissipated=self._dissipated(before, after)))

@@ -6,7 +6,6 @@ the solve starts; `fem_contact.adhesion.path` follows minima through a history o
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 from typing import Unpack
 
@@ -17,7 +16,7 @@ from fem_contact._checks import bound, field, finite, instance, positive
 from fem_contact._types import Array
 from fem_contact.adhesion.descent import Landscape, Minimum, Point, descend, least_curvature
 from fem_contact.adhesion.laws import GapLaw
-from fem_contact.contact import ContactResult, Cost, Residuals, Status
+from fem_contact.contact import Clock, ContactResult, Residuals, Status
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response, check_response
 from fem_contact.settings import Limits, Settings
@@ -26,12 +25,10 @@ from fem_contact.surface import HeightField
 #: Cells that the length E* w / sigma_th^2 must span. On a sphere the pull-off force is then within 2 % of
 #: its limit; below it cells snap one by one and the front of a contact is pinned by the lattice.
 CELLS_NEEDED = 2.0
-
 #: Work of adhesion over the elastic energy of full contact up to which a solve starts from the contact
 #: without attraction. On random surfaces both starts led to the same state (52 of 52 cases that converged
 #: from both, up to .4).
 WEAK = 0.03
-
 #: Tolerance of that first contact: vanishing adhesion is to recover it.
 _PLAIN = 1e-8
 
@@ -176,11 +173,7 @@ def stability(state: AdhesiveContact, response: Response) -> Stability:
     check_response(response)
     contact = state.contact
     land = Landscape(
-        contact.heights,
-        response=response,
-        lengths=contact.lengths,
-        law=state.law,
-        hardness=state.hardness,
+        contact.heights, response=response, lengths=contact.lengths, law=state.law, hardness=state.hardness
     )
     held = (
         Point(offset=contact.offset) if state.hardness is None else Point(mean_pressure=contact.mean_pressure)
@@ -246,7 +239,7 @@ class AdhesionProblem:
             threads=settings.threads,
             hardness=hardness,
         )
-        self.clock, self.processor = time.perf_counter(), time.process_time()
+        self.clock = Clock()
         self.pairs_before = 0
 
     def first_gap(self, point: Point, start: Array | None) -> Array:
@@ -345,9 +338,7 @@ class AdhesionProblem:
             mean_pressure=float(np.mean(pressure)),
             status=minimum.status,
             residuals=residuals,
-            cost=Cost(
-                wall_seconds=time.perf_counter() - self.clock,
-                cpu_seconds=time.process_time() - self.processor,
+            cost=self.clock.cost(
                 iterations=minimum.iterations,
                 fft_pairs=minimum.fft_pairs + self.pairs_before,
                 unknowns=pressure.size,

@@ -16,7 +16,6 @@ from fem_contact.errors import InvalidInput
 
 #: Relative width of a bracket in which no load is left to be tried.
 _JUMP = 1e-12
-
 #: Relative width of a bracket below which each solve is as accurate as the answer.
 _NARROW = 1e-4
 

@@ -15,10 +15,9 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
 from fem_contact._checks import instance
-from fem_contact._types import Array, Lengths
+from fem_contact._types import AnyArray, Array, Lengths, Numbers, Shape
 from fem_contact.complementarity.slabs import Slabs
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
@@ -30,7 +29,6 @@ if TYPE_CHECKING:
 
 #: Rows beyond a slab that the edges of contact in it are located with: those that their direction depends on.
 _BEYOND = 8
-
 #: Rows in which edges are located at once.
 _BAND = 128
 
@@ -103,7 +101,7 @@ class SlabSurface:
         *,
         q_short: float,
         lengths: Lengths,
-        shape: tuple[int, int],
+        shape: Shape,
         seed: int | np.random.Generator,
         amplitudes: Literal["exact", "gaussian"] = "exact",
         isotropic: bool = True,
@@ -137,7 +135,7 @@ class SlabSurface:
         half = scipy.fft.ifft(half, axis=0, norm="forward", overwrite_x=True)
         heights = np.empty((slabs.last - slabs.first, shape[1]))
 
-        def put(lo: int, hi: int, lines: NDArray[Any]) -> None:
+        def put(lo: int, hi: int, lines: AnyArray) -> None:
             heights[lo:hi] = scipy.fft.irfft(lines, n=shape[1], norm="forward")
 
         slabs.to_rows(half, slabs.columns, put)
@@ -150,7 +148,7 @@ class SlabSurface:
         )
 
     @property
-    def shape(self) -> tuple[int, int]:
+    def shape(self) -> Shape:
         """Number of grid points (nx, ny) of the whole surface."""
         return self.slabs.shape
 
@@ -198,7 +196,7 @@ class SlabResult:
         unused: dict[str, Any] = dict.fromkeys(("at_bound", "heights", "displacement"), np.empty((0, ny)))
         map_ = np.array(EDGE_MAPS["bem"])
 
-        def wanted(rank: int) -> NDArray[np.int64]:
+        def wanted(rank: int) -> Numbers:
             first, last = slabs.rows[rank : rank + 2]
             return np.append(np.arange(first - _BEYOND, first), np.arange(last, last + _BEYOND)) % nx
 

@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 import math
-import time
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
 
 from fem_contact._checks import bound as bound_of
 from fem_contact._checks import choice, instance, positive, pressures
-from fem_contact._types import Array
+from fem_contact._types import Array, Shape
 from fem_contact.bem.parallel import SlabSurface
-from fem_contact.complementarity import (
-    FreeOperator,
-    Solution,
-    polonsky_keer,
-    solve_nested,
-    surely_partial,
-)
+from fem_contact.complementarity import FreeOperator, Solution, polonsky_keer, solve_nested, surely_partial
 from fem_contact.complementarity.arrays import ArrayGrids
 from fem_contact.complementarity.direct import SLACK, all_at_bound, touching
 from fem_contact.complementarity.grids import Grids
 from fem_contact.complementarity.in_slabs import SlabGrids
-from fem_contact.contact import ContactResult, Cost, Status, residuals_of
+from fem_contact.contact import Clock, ContactResult, Status, residuals_of
 from fem_contact.errors import InvalidInput
 from fem_contact.response import FreeHalfSpace, Response, check_response
 from fem_contact.settings import Settings
@@ -33,28 +26,14 @@ from fem_contact.surface import HeightField
 Method = Literal["preconditioned", "double", "polonsky-keer"]
 
 
-@dataclass(kw_only=True)
 class Problem:
-    """A surface, a solid and solver settings, ready to be solved at any load.
+    """A surface, a solid and solver settings, checked and ready to be solved at any load.
 
     Heights, bound and what the operator acts on are arrays of `grids`: of NumPy, on a device, or slabs.
     """
 
-    surface: HeightField | SlabSurface
-    grids: Grids
-    heights: Any
-    level: float
-    response: Response
-    operator: Any
-    bound: Any
-    settings: Settings
-    method: Method
-    clock: float = field(default_factory=time.perf_counter)
-    processor: float = field(default_factory=time.process_time)
-
-    @classmethod
-    def checked(
-        cls,
+    def __init__(
+        self,
         surface: HeightField | SlabSurface,
         response: Response,
         *,
@@ -62,9 +41,8 @@ class Problem:
         settings: Settings,
         method: Method = "preconditioned",
         device: object = None,
-    ) -> Problem:
-        """Refuse what no computation can start from, and set up the operator."""
-        clock, processor = time.perf_counter(), time.process_time()
+    ) -> None:
+        self.clock = Clock()
         if not isinstance(surface, SlabSurface):
             instance("surface", surface, HeightField)
         check_response(response)
@@ -73,27 +51,17 @@ class Problem:
             raise InvalidInput("method = 'polonsky-keer' runs on no device and no MPI: use 'preconditioned'")
         if method == "polonsky-keer" and bound is not None:
             raise InvalidInput("method = 'polonsky-keer' knows no pressure bound: use 'preconditioned'")
-        grids = _grids(surface, response, device=device, threads=settings.workers)
-        heights, level = grids.put(surface.heights), 0.0
-        mean = float(grids.xp.mean(heights))
+        self.grids = grids = _grids(surface, response, device=device, threads=settings.workers)
+        self.heights, self.level = grids.put(surface.heights), 0.0
+        mean = float(grids.xp.mean(self.heights))
         if abs(mean) > _DISTANT * surface.rms_height:
-            heights, level = heights - mean, mean
+            self.heights, self.level = self.heights - mean, mean
         if bound is not None:
             bound = bound_of("pressure_bound", bound, surface.shape)
             bound = np.array(np.broadcast_to(bound, surface.shape if bound.ndim else surface.heights.shape))
-        return cls(
-            surface=surface,
-            grids=grids,
-            heights=heights,
-            level=level,
-            response=response,
-            operator=grids.operator_of(response, surface.shape, surface.lengths),
-            bound=grids.put(bound),
-            settings=settings,
-            method=method,
-            clock=clock,
-            processor=processor,
-        )
+        self.surface, self.response, self.settings, self.method = surface, response, settings, method
+        self.operator = self._on_grid(surface.shape)
+        self.bound: Any = grids.put(bound)
 
     def check_load(self, mean_pressure: float) -> None:
         """Refuse a load that cannot be carried."""
@@ -114,7 +82,7 @@ class Problem:
     def at(self, load: float, *, start: Any = None, settings: Settings | None = None) -> Solution:
         """Solve at one mean pressure."""
         partial = not self.grids.in_slabs and surely_partial(
-            self.heights, coarse=self._coarse, mean_force=load, xp=self.grids.xp
+            self.heights, coarse=self._on_grid, mean_force=load, xp=self.grids.xp
         )
         known: dict[str, Any] = {"bound": self.bound, "xp": self.grids.xp}
         exact = all_at_bound(self.operator, self.heights, mean_force=load, **known)
@@ -137,7 +105,7 @@ class Problem:
         if self.method == "polonsky-keer":
             solution = polonsky_keer(self.operator, self.heights, **options)
         else:
-            options |= {"coarse": self._coarse, "grids": self.grids, "bound": self.bound}
+            options |= {"coarse": self._on_grid, "grids": self.grids, "bound": self.bound}
             solution = solve_nested(self.operator, self.heights, double=self.method == "double", **options)
         # One pair goes into the question whether the contact is full.
         question = 0.0 if partial else self.operator.pairs
@@ -148,7 +116,7 @@ class Problem:
         ends = self.grids.xp.max(self.heights), self.grids.xp.min(self.heights)
         return max(abs(float(end) + self.level) for end in ends)
 
-    def _coarse(self, shape: tuple[int, int]) -> Any:
+    def _on_grid(self, shape: Shape) -> Any:
         return self.grids.operator_of(self.response, shape, self.surface.lengths)
 
     def full_pressure(self) -> Any:
@@ -198,9 +166,7 @@ class Problem:
             status=status,
             tolerance=self.settings.tolerance,
             residuals=residuals,
-            cost=Cost(
-                wall_seconds=time.perf_counter() - self.clock,
-                cpu_seconds=time.process_time() - self.processor,
+            cost=self.clock.cost(
                 iterations=solution.iterations,
                 fft_pairs=solution.fft_pairs,
                 unknowns=math.prod(surface.shape),
@@ -222,7 +188,6 @@ _PLACED = {
 
 #: Ratio of the sides of a cell beyond which a residual that no longer falls is put down to it.
 _OBLONG = 30.0
-
 #: Mean height over the rms height beyond which heights are counted from their mean while solving: the digits
 #: that a distant reference plane costs would be missing in the gap.
 _DISTANT = 100.0

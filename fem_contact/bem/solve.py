@@ -116,7 +116,7 @@ def solve(
     else:
         settings = SlabSettings(tolerance=tolerance, threads=threads or 1, comm=comm, **limits)
         surface = surface if isinstance(surface, SlabSurface) else SlabSurface.of(surface, comm)
-    problem = Problem.checked(
+    problem = Problem(
         surface, response, bound=pressure_bound, settings=settings, method=method, device=device
     )
     problem.check_load(mean_pressure)
@@ -209,4 +209,4 @@ def _checked(
     pressure_bound: float | Array | None = None,
     **limits: Unpack[Limits],
 ) -> Problem:
-    return Problem.checked(surface, response, bound=pressure_bound, settings=Settings(**limits))
+    return Problem(surface, response, bound=pressure_bound, settings=Settings(**limits))

@@ -9,6 +9,7 @@ from typing import Unpack
 import numpy as np
 
 from fem_contact._checks import poisson_ratio, positives, shown
+from fem_contact._types import Lengths, Shape
 from fem_contact.block.mesh import MeshOptions
 from fem_contact.block.reduced.column import fold, surface_compliance
 from fem_contact.block.session import planned_mesh
@@ -44,8 +45,8 @@ class WaveError:
 
 
 def wave_errors(
-    shape: tuple[int, int],
-    lengths: tuple[float, float],
+    shape: Shape,
+    lengths: Lengths,
     wavelengths: Iterable[float],
     *,
     poisson: float,

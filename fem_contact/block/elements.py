@@ -13,10 +13,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import choice
-from fem_contact._types import Array
+from fem_contact._types import Array, Numbers
 from fem_contact.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -133,7 +132,7 @@ class LocalForms:
     products: dict[tuple[int, int], Array]
     dilatations: Array  # (modes, 3, n, cells): int psi_m d_a phi_i
     masses: Array  # (modes, cells): int psi_m^2; the modes 1, xi, eta, zeta on [-1, 1]^3 are orthogonal
-    indices: NDArray[np.int64]  # (2, n, n, cells): Unknowns (test, trial) of the entries of a product
+    indices: Numbers  # (2, n, n, cells): Unknowns (test, trial) of the entries of a product
 
     @classmethod
     def integrate(cls, basis: CellBasis, element: Element) -> LocalForms:
@@ -199,5 +198,5 @@ def local_dilatation(forms: LocalForms, a: int, b: int) -> Array:
     """Element matrices (n, n, cells) of div u div v, projected where the element does that."""
     if len(forms.masses) == 0:
         return forms.product(b, a)
-    scaled: Array = forms.dilatations[:, b] / forms.masses[:, None]
-    return np.asarray(np.einsum("mie,mje->ije", forms.dilatations[:, a], scaled), dtype=float)
+    scaled = forms.dilatations[:, b] / forms.masses[:, None]
+    return np.asarray(np.einsum("mie,mje->ije", forms.dilatations[:, a], scaled))

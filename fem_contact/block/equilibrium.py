@@ -6,10 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_contact._types import Array
-from fem_contact.block.mesh import BlockMesh, element_matrices, node_weights
+from fem_contact._types import Array, Numbers
+from fem_contact.block.mesh import BlockMesh, element_matrices, nodal_force
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,9 +51,7 @@ def measure_equilibrium(
         For the incompressible solid, whose element matrices are not finite.
     """
     matrices, offsets = element_matrices(mesh, poisson, condensed=True)
-    weights = node_weights(mesh)
-    area = mesh.aspect / mesh.element.types
-    applied = pressure * area * (1.0 if weights is None else weights)
+    applied = nodal_force(pressure, mesh)
     squared, energy = 0.0, 0.0
     # Forces on the upper plane of the layer at hand from what lies above it; on the surface, the contact's.
     above = np.zeros((*mesh.shape, 3))
@@ -71,7 +68,7 @@ def measure_equilibrium(
 
 
 def _layer_forces(
-    mesh: BlockMesh, nodes: Array, matrix: Array, *, offsets: NDArray[np.int64], modulus: Array | float
+    mesh: BlockMesh, nodes: Array, matrix: Array, *, offsets: Numbers, modulus: Array | float
 ) -> tuple[Array, float]:
     """Nodal forces of one layer of cells, and the energy it stores."""
     order, step = mesh.element.order, 2 // mesh.element.order

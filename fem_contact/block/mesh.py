@@ -11,10 +11,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import instance, positive, samples, shown, within
-from fem_contact._types import Array, Lengths, Shape
+from fem_contact._types import Array, Lengths, Numbers, Shape
 from fem_contact.block.elements import (
     ELEMENTS,
     Element,
@@ -33,19 +32,14 @@ if TYPE_CHECKING:
 
 #: A layer count is not raised for a rounding error in depth / first layer.
 _SLACK = 1e-9
-
 #: Width [m] that cells must exceed, or the powers of wavevectors leave the range of the arithmetic.
 _SMALLEST = 1e-60
-
 #: Cell widths that the depth and the other side of a cell must stay below.
 _DEEPEST = 1e9
-
 #: Depth over the first layer must stay below this.
 _THINNEST = 1e13
-
 #: Layers at most: beyond, nothing is gained and the time to plan them is no longer bounded.
 _MOST_LAYERS = 10_000
-
 #: Layers at least, where the depth is less than this many spacings.
 _LEAST_LAYERS = 4
 
@@ -150,9 +144,7 @@ class BlockMesh:
     @property
     def edges(self) -> Array:
         """Heights z of the nz + 1 boundaries of the layers, from -depth to 0."""
-        below = np.append(np.cumsum(self.layers[::-1])[::-1], 0.0)
-        edges: Array = -below
-        return edges
+        return -np.append(np.cumsum(self.layers[::-1])[::-1], 0.0)
 
     @property
     def planes(self) -> Array:
@@ -170,7 +162,7 @@ class BlockMesh:
         nx, ny = self.shape
         return 3 * nx * ny * self.element.order * self.nz
 
-    def basis(self) -> tuple[CellBasis, NDArray[np.int64]]:
+    def basis(self) -> tuple[CellBasis, Numbers]:
         """Scalar scikit-fem basis on the periodic block, and the lattice number of each of its unknowns.
 
         The lattice number of node (i, j, k) is (i ny + j) nk + k, with ny nodes along y and nk planes of
@@ -209,9 +201,7 @@ class BlockMesh:
         return scalar_basis(mesh, self.element)
 
 
-def element_matrices(
-    mesh: BlockMesh, poisson: float, *, condensed: bool = False
-) -> tuple[Array, NDArray[np.int64]]:
+def element_matrices(mesh: BlockMesh, poisson: float, *, condensed: bool = False) -> tuple[Array, Numbers]:
     """Element matrices (nz, m, m) of the column, and the local nodes' offsets (n, 3) in half cells.
 
     Discontinuous linear pressures are unknowns of their own behind the displacements, unless they are
@@ -258,15 +248,13 @@ def node_weights(mesh: BlockMesh) -> Array | None:
 
 def nodal_pressure(force: Array, mesh: BlockMesh) -> Array:
     """Pressure over E from nodal forces over E times the cell width squared: force over the node's area."""
-    pressure: Array = force * (mesh.element.order**2 / mesh.aspect)
-    weights = node_weights(mesh)
+    weights, pressure = node_weights(mesh), force * (mesh.element.order**2 / mesh.aspect)
     return pressure if weights is None else pressure / weights
 
 
 def nodal_force(pressure: Array, mesh: BlockMesh) -> Array:
     """Nodal forces over E times the cell width squared from pressures over E; inverts `nodal_pressure`."""
-    force: Array = pressure * (mesh.aspect / mesh.element.order**2)
-    weights = node_weights(mesh)
+    weights, force = node_weights(mesh), pressure * (mesh.aspect / mesh.element.order**2)
     return force if weights is None else force * weights
 
 

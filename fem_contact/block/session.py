@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cache, cached_property
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, Literal, Unpack
@@ -12,28 +11,23 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack
 import numpy as np
 
 from fem_contact._checks import bound as bound_of
-from fem_contact._checks import (
-    choice,
-    doubles,
-    finite,
-    function,
-    instance,
-    positive,
-    room_for,
-    shown,
-    whole,
-    within,
-)
-from fem_contact._types import Array, Mask
+from fem_contact._checks import choice, doubles, finite, function, instance, room_for, shown, whole, within
+from fem_contact._types import Array, Lengths, Mask, Shape
 from fem_contact.block.elements import element_for
 from fem_contact.block.mesh import BlockMesh, MeshOptions, nodal_pressure, node_weights, plan_mesh
 from fem_contact.block.problem import Answer, Problem
 from fem_contact.block.reduced.fields import FourierSource
-from fem_contact.block.reduced.surface import BlockResponse, solve_reduced, surface_operator
+from fem_contact.block.reduced.surface import (
+    BlockResponse,
+    SurfaceOperator,
+    solve_reduced,
+    solve_reduced_offset,
+    surface_operator,
+)
 from fem_contact.block.solution import ArraySource, BlockSolution, FieldSource
 from fem_contact.complementarity.direct import SLACK
 from fem_contact.complementarity.fourier import FourierOperator
-from fem_contact.contact import ContactResult, Cost, Status, measure_residuals
+from fem_contact.contact import Clock, ContactResult, Status, measure_residuals
 from fem_contact.errors import InvalidInput
 from fem_contact.settings import available_processors
 from fem_contact.solid import Solid
@@ -41,7 +35,6 @@ from fem_contact.surface import HeightField
 
 if TYPE_CHECKING:
     from fem_contact.block.full.block import Block
-    from fem_contact.block.reduced.surface import SurfaceOperator
 
 Method = Literal["full", "reduced"]
 Modulus = Callable[[Array, Array, Array], Array]
@@ -56,17 +49,14 @@ _METHODS = {
 #: Peak bytes per unknown of the full system: some nineteen fields; where the modulus varies sideways, nine
 #: more for the factors of every column.
 _BYTES_PER_UNKNOWN, _BYTES_OF_FACTORS = 158, 80
-
 #: Libraries, and what does not grow with the block.
 _BASE_BYTES = 250_000_000
-
 #: Peak bytes per surface node of the reduced system, by order: some 14 arrays, or 4 x 4 tables.
 _BYTES_PER_NODE = {1: 120, 2: 400}
 
 
 #: Largest ratio of mean pressure and Young's modulus, and the reciprocal of the least.
 _STIFFEST = 1e60
-
 #: Largest ratio of a cell's Young's modulus and the solid's, and the reciprocal of the least.
 _HARDEST = 1e30
 
@@ -75,14 +65,11 @@ _version = cache(version)
 
 #: Least tolerance: rounding leaves more.
 _FINEST = 1e-16
-
 #: Active sets, and steps of the surface iteration, allowed by default.
 _SETS, _STEPS = 60, 10_000
 
 
-def planned_mesh(
-    shape: tuple[int, int], lengths: tuple[float, float], *, poisson: float, options: MeshOptions
-) -> BlockMesh:
+def planned_mesh(shape: Shape, lengths: Lengths, *, poisson: float, options: MeshOptions) -> BlockMesh:
     """Plan the mesh that options of the public functions describe."""
     for name, value in options.items():
         if name not in MeshOptions.__annotations__:
@@ -100,21 +87,11 @@ def needed_bytes(mesh: BlockMesh, method: Method, *, lateral: bool = False) -> i
     return _BYTES_PER_NODE[mesh.element.order] * mesh.shape[0] * mesh.shape[1]
 
 
-@dataclass(kw_only=True)
 class Session:
     """What all solves of one surface on one block share: the block's grids or its surface's operator."""
 
-    surface: HeightField
-    solid: Solid
-    problem: Problem
-    method: Method
-    width: float
-    top: float
-    began: tuple[float, float] = field(default_factory=lambda: (time.perf_counter(), time.process_time()))
-
-    @classmethod
-    def checked(
-        cls,
+    def __init__(
+        self,
         surface: HeightField,
         solid: Solid,
         *,
@@ -124,9 +101,8 @@ class Session:
         max_iterations: int | None = None,
         pressure_bound: float | Array | None = None,
         **options: Unpack[MeshOptions],
-    ) -> Session:
-        """Refuse what no computation can start from."""
-        began = time.perf_counter(), time.process_time()
+    ) -> None:
+        self.clock = Clock()
         instance("surface", surface, HeightField)
         instance("solid", solid, Solid)
         check_method(method)
@@ -134,8 +110,8 @@ class Session:
         if max_iterations is not None:
             whole("max_iterations", max_iterations, least=1, most=10**7)
         mesh = planned_mesh(surface.shape, surface.lengths, poisson=solid.poisson, options=options)
-        width, top = surface.lengths[0] / mesh.cells[0], float(np.max(surface.heights))
-        moduli = _cell_moduli(modulus, mesh, width)
+        self.width, self.top = surface.lengths[0] / mesh.cells[0], float(np.max(surface.heights))
+        moduli = _cell_moduli(modulus, mesh, self.width)
         lateral = moduli is not None and moduli.shape[:2] != (1, 1)
         if lateral:
             # Columns that differ have no waves of their own: nothing can be eliminated.
@@ -152,9 +128,10 @@ class Session:
         if pressure_bound is not None:
             pressure_bound = bound_of("pressure_bound", pressure_bound, surface.shape) / solid.young
             pressure_bound = np.array(np.broadcast_to(pressure_bound, surface.shape))
-        problem = Problem(
+        self.surface, self.solid, self.method = surface, solid, method
+        self.problem = Problem(
             mesh=mesh,
-            heights=(surface.heights - top) / width,
+            heights=(surface.heights - self.top) / self.width,
             poisson=solid.poisson,
             pressure=None,
             offset=None,
@@ -164,20 +141,17 @@ class Session:
             steps=max_iterations or (_SETS if method == "full" else _STEPS),
             bound=pressure_bound,
         )
-        return cls(
-            surface=surface, solid=solid, problem=problem, method=method, width=width, top=top, began=began
-        )
 
     def at_pressure(self, mean_pressure: float, start: Mask | BlockSolution | None) -> BlockSolution:
         """Solve at a mean pressure [Pa], from a first set or a solution of this session."""
-        mean_pressure = positive("mean_pressure", mean_pressure, unit="Pa")
-        if not 1 / _STIFFEST < mean_pressure / self.solid.young < _STIFFEST:
+        pressure = mean_pressure / self.solid.young
+        if not 1 / _STIFFEST < pressure < _STIFFEST:
             raise InvalidInput(
                 f"mean_pressure = {mean_pressure!r}: over Young's modulus it must lie in (1e-60, 1e60), or "
                 "its products leave the range of the arithmetic"
             )
-        problem = replace(self.problem, pressure=mean_pressure / self.solid.young)
-        if problem.mean_bound < mean_pressure / self.solid.young * (1 - SLACK):
+        problem = replace(self.problem, pressure=pressure)
+        if problem.mean_bound < pressure * (1 - SLACK):
             raise InvalidInput(
                 f"pressure_bound with mean {problem.mean_bound * self.solid.young:.6g} Pa: must not be below "
                 f"mean_pressure = {mean_pressure:.6g} Pa, or nothing carries the load"
@@ -201,8 +175,6 @@ class Session:
         elif self.method == "full":
             answer = self._find(problem, None)
         else:
-            from fem_contact.block.reduced.surface import solve_reduced_offset
-
             answer = solve_reduced_offset(problem, self.response, self.operator)
         return self._dressed(answer, target=None)
 
@@ -241,22 +213,15 @@ class Session:
 
     def _dressed(self, answer: Answer, *, target: float | None) -> BlockSolution:
         contact = self._result(answer, target=target)
-        self.began = time.perf_counter(), time.process_time()
+        self.clock = Clock()
+        mesh, modulus, width = self.problem.mesh, self.problem.modulus, self.width
         if answer.field is not None:
-            source: FieldSource = ArraySource(
-                field=answer.field * self.width, order=self.problem.mesh.element.order
-            )
+            source: FieldSource = ArraySource(field=answer.field * width, order=mesh.element.order)
         else:
             source = FourierSource(
-                response=self.response, force=answer.force, width=self.width, threads=available_processors()
+                response=self.response, force=answer.force, width=width, threads=available_processors()
             )
-        return BlockSolution(
-            contact=contact,
-            solid=self.solid,
-            mesh=self.problem.mesh,
-            source=source,
-            modulus=self.problem.modulus,
-        )
+        return BlockSolution(contact=contact, solid=self.solid, mesh=mesh, source=source, modulus=modulus)
 
     def _result(self, answer: Answer, *, target: float | None) -> ContactResult:
         surface, mesh = self.surface, self.problem.mesh
@@ -287,9 +252,7 @@ class Session:
                 at_bound=answer.at_bound,
                 weights=weights,
             ),
-            cost=Cost(
-                wall_seconds=time.perf_counter() - self.began[0],
-                cpu_seconds=time.process_time() - self.began[1],
+            cost=self.clock.cost(
                 iterations=answer.iterations,
                 fft_pairs=answer.fft_pairs,
                 linear_iterations=answer.linear_iterations,
@@ -349,10 +312,10 @@ def _cell_moduli(modulus: Modulus | None, mesh: BlockMesh, width: float) -> Arra
         return None
     function("modulus", modulus)
     (nx, ny), edges = mesh.cells, mesh.edges * width
-    x = np.asarray((np.arange(nx) + 0.5) * width, dtype=float)[:, None, None]
-    y = np.asarray((np.arange(ny) + 0.5) * (width * mesh.aspect), dtype=float)[None, :, None]
-    z: Array = np.asarray(0.5 * (edges[1:] + edges[:-1]), dtype=float)[None, None, :]
-    values = doubles("modulus", modulus(x, y, z))
+    x: Array = (np.arange(nx, dtype=float) + 0.5) * width
+    y: Array = (np.arange(ny, dtype=float) + 0.5) * (width * mesh.aspect)
+    z = 0.5 * (edges[1:] + edges[:-1])
+    values = doubles("modulus", modulus(x[:, None, None], y[None, :, None], z[None, None, :]))
     try:
         full = np.broadcast_to(values, (nx, ny, mesh.nz))
     except ValueError as error:

@@ -17,7 +17,7 @@ from fem_contact.block.equilibrium import Equilibrium, measure_equilibrium
 from fem_contact.block.mesh import BlockMesh
 from fem_contact.contact import ContactResult
 from fem_contact.solid import Solid
-from fem_contact.stress import von_mises
+from fem_contact.stress import elastic_energy, von_mises
 
 #: Components of symmetric tensors, in the order in which they are stored.
 _PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
@@ -59,7 +59,7 @@ class CellLayer:
         along_x = _simpson(np.roll(in_z[..., 0], -2, axis=0) - in_z[..., 0], axis=1)[::2] / size[0]
         along_y = _simpson(np.roll(in_z[..., 1], -2, axis=1) - in_z[..., 1], axis=0)[:, ::2] / size[1]
         rise = (u[2] - u[0])[..., 2] / size[2]
-        return np.asarray(along_x + along_y + _simpson(_simpson(rise, axis=0), axis=1))
+        return along_x + along_y + _simpson(_simpson(rise, axis=0), axis=1)
 
 
 def _simpson(values: Array, *, axis: int) -> Array:
@@ -164,9 +164,7 @@ class BlockSolution:
             If it does not fit; `stress_layers` needs a layer at a time.
         """
         order = self.mesh.element.order
-        shape = (*self.mesh.shape, self.mesh.planes.size, 3)
-        _refuse_beyond_memory(shape, "displacement field")
-        field = np.empty(shape)
+        field = _room_for((*self.mesh.shape, self.mesh.planes.size, 3), "displacement field")
         for layer in self.source.descend():
             first = order * layer.index
             field[:, :, first : first + order + 1] = np.moveaxis(layer.nodes, 0, 2)
@@ -181,9 +179,7 @@ class BlockSolution:
         InsufficientMemory
             If it does not fit; `stress_layers` needs a layer at a time.
         """
-        shape = (*self.mesh.cells, self.mesh.nz, 6)
-        _refuse_beyond_memory(shape, "stress field")
-        tensor = np.empty(shape)
+        tensor = _room_for((*self.mesh.cells, self.mesh.nz, 6), "stress field")
         for index, layer in self.stress_layers():
             tensor[:, :, index] = layer.tensor
         return CellStress(tensor=tensor)
@@ -195,9 +191,7 @@ class BlockSolution:
 
     def strain(self) -> Array:
         """Tensor strain xx, yy, zz, yz, xz, xy at the centres of the cells, (nx, ny, nz, 6)."""
-        shape = (*self.mesh.cells, self.mesh.nz, 6)
-        _refuse_beyond_memory(shape, "strain field")
-        strain = np.empty(shape)
+        strain = _room_for((*self.mesh.cells, self.mesh.nz, 6), "strain field")
         for layer in self.source.descend():
             strain[:, :, layer.index] = _symmetric(layer.gradient(self._size(layer), self.mesh.element))
         return strain
@@ -205,8 +199,7 @@ class BlockSolution:
     @property
     def energy(self) -> float:
         """Elastic energy per nominal area [J/m^2]: half of pressure times displacement."""
-        work = self.contact.pressure * self.contact.displacement
-        return 0.5 * float(np.mean(work if self.contact.weights is None else work * self.contact.weights))
+        return elastic_energy(self.contact)
 
     def equilibrium(self) -> Equilibrium:
         """Check the field against the element matrices: forces that nothing balances, and the energy stored.
@@ -245,9 +238,10 @@ class BlockSolution:
         return tensor * self.solid.young
 
 
-def _refuse_beyond_memory(shape: tuple[int, ...], what: str) -> None:
+def _room_for(shape: tuple[int, ...], what: str) -> Array:
     remedy = "walk through it with stress_layers()"
     room_for(f"the {what} of {shape} numbers", needed=8.0 * math.prod(shape), remedy=remedy)
+    return np.empty(shape)
 
 
 def _symmetric(gradient: Array) -> Array:

@@ -9,7 +9,7 @@ from typing import Unpack
 import numpy as np
 
 from fem_contact._checks import instance, poisson_ratio, positive, positives
-from fem_contact._types import Array, Mask
+from fem_contact._types import Array, Lengths, Mask, Shape
 from fem_contact.block.mesh import MeshOptions
 from fem_contact.block.session import Method, Modulus, Session, check_method, needed_bytes, planned_mesh
 from fem_contact.block.solution import BlockSolution
@@ -37,8 +37,8 @@ class Estimate:
 
 
 def estimate(
-    shape: tuple[int, int],
-    lengths: tuple[float, float] = (1.0, 1.0),
+    shape: Shape,
+    lengths: Lengths = (1.0, 1.0),
     *,
     method: Method = "reduced",
     poisson: float = 0.3,
@@ -131,7 +131,7 @@ def solve(
     mean_pressure = positive("mean_pressure", mean_pressure, unit="Pa")
     if start is not None:
         instance("start", start, np.ndarray, what="an array of bool with the surface's shape")
-    session = Session.checked(
+    session = Session(
         surface,
         solid,
         method=method,
@@ -166,7 +166,7 @@ def solve_displacement(
     InvalidInput, InsufficientMemory
         As in `solve`.
     """
-    return Session.checked(surface, solid, **options).at_offset(offset)
+    return Session(surface, solid, **options).at_offset(offset)
 
 
 def solve_path(
@@ -191,7 +191,7 @@ def solve_path(
         One per load, as soon as it is found.
     """
     loads = positives("mean_pressures", mean_pressures, unit="Pa")
-    session = Session.checked(surface, solid, **options)
+    session = Session(surface, solid, **options)
     return _path(session, loads)
 
 

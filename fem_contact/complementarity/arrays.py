@@ -8,21 +8,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import shown
-from fem_contact._types import Shape
+from fem_contact._types import AnyArray, Lengths, Shape
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.grids import Grids
 from fem_contact.complementarity.iteration_arrays import Errors, IterationArrays
+from fem_contact.complementarity.operator import Operator, Solution
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response
-
-if TYPE_CHECKING:
-    from fem_contact.complementarity.operator import Operator, Solution
 
 #: What the compiled passes have as `PARTS`, for one and for two.
 ALONE, PAIRED = 0.5, 0.46
@@ -73,7 +70,7 @@ class ArrayGrids(Grids):
             reason = " ".join(str(error).split())[:80]
             raise InvalidInput(f"device = {where!r}: must be one that PyTorch has here ({reason})") from None
 
-    def put(self, field: NDArray[Any] | None) -> Values:
+    def put(self, field: AnyArray | None) -> Values:
         """Return a field there."""
         return None if field is None else self.xp.asarray(field, device=self.device, copy=True)
 
@@ -83,7 +80,7 @@ class ArrayGrids(Grids):
         fields: dict[str, Any] = {name: self.fetched_field(getattr(solution, name)) for name in names}
         return replace(solution, **fields)
 
-    def fetched_field(self, field: Values) -> NDArray[Any]:
+    def fetched_field(self, field: Values) -> AnyArray:
         """Return one field as NumPy's."""
         if isinstance(field, np.ndarray):
             return field
@@ -111,7 +108,7 @@ class ArrayGrids(Grids):
         squares = xp.sum(rows * self.put(of_m * qx**2)) + xp.sum(columns * self.put(of_n * qy**2))
         return math.sqrt(float(squares))
 
-    def operator_of(self, response: Response, shape: Shape, lengths: tuple[float, float]) -> ArrayOperator:
+    def operator_of(self, response: Response, shape: Shape, lengths: Lengths) -> ArrayOperator:
         """Return the response of a solid on one of the grids; C(q) itself is evaluated by NumPy."""
         return ArrayOperator(FourierOperator(response, shape, lengths, threads=self.threads), self)
 
@@ -153,9 +150,7 @@ class ArrayOperator:
         self.xp, self.shape, self.stiffness = grids.xp, operator.shape, operator.stiffness
         self.nbytes = 2 * operator.compliance.nbytes
         self.compliance = grids.put(operator.compliance)
-        self.inverse = 1 / self.xp.where(
-            self.compliance > 0, self.compliance, self.xp.ones_like(self.compliance)
-        )
+        self.inverse = self._stiffnesses()
         self.inverse[0, 0] = 0.0
         if operator.long_waves is not None:
             rows, factor = operator.long_waves
@@ -169,13 +164,15 @@ class ArrayOperator:
 
     def invert(self, displacement: Values, out: Values) -> None:
         """Write the full-contact pressure [Pa] under a displacement [m], with no mean, into ``out``."""
-        positive = self.xp.where(self.compliance > 0, self.compliance, self.xp.ones_like(self.compliance))
-        self._filter(displacement, out, 1 / positive)
+        self._filter(displacement, out, self._stiffnesses())
         out -= self.xp.mean(out)
 
     def precondition(self, residual: Values, out: Values) -> None:
         """Do as `invert`, but with long waves no stiffer than contacts feel them: see `FourierOperator`."""
         self._filter(residual, out, self.inverse)
+
+    def _stiffnesses(self) -> Values:
+        return 1 / self.xp.where(self.compliance > 0, self.compliance, self.xp.ones_like(self.compliance))
 
     def _filter(self, field: Values, out: Values, factor: Values) -> None:
         fft = self.xp.fft
@@ -270,16 +267,21 @@ class PlainIterationArrays(IterationArrays):
         self.buffer[...] = above
         return self._sum(above), self._sum(above * self.image)
 
-    def _summed(self, fine: Values) -> Values:
-        """Sum over cells of 2 x 2, the last of an odd axis smaller."""
+    def _even(self, fine: Values) -> Values:
+        """Append zeros along an axis of an odd number of points."""
         (nx, ny), xp = fine.shape, self.xp
         if nx % 2:
             fine = xp.concat([fine, xp.zeros_like(fine[:1, :])], axis=0)
         if ny % 2:
             fine = xp.concat([fine, xp.zeros_like(fine[:, :1])], axis=1)
+        return fine
+
+    def _summed(self, fine: Values) -> Values:
+        """Sum over cells of 2 x 2, the last of an odd axis smaller."""
+        fine = self._even(fine)
         return fine[::2, ::2] + fine[1::2, ::2] + fine[::2, 1::2] + fine[1::2, 1::2]
 
-    def _spread(self, coarse: Values, shape: tuple[int, int]) -> Values:
+    def _spread(self, coarse: Values, shape: Shape) -> Values:
         """Interpolate a level bilinearly to the next finer one."""
         xp = self.xp
         for axis in (0, 1):
@@ -292,11 +294,8 @@ class PlainIterationArrays(IterationArrays):
 
     def _gathered(self, fine: Values) -> Values:
         """Transpose of `_spread`."""
-        xp = self.xp
+        xp, fine = self.xp, self._even(fine)
         for axis in (0, 1):
-            if fine.shape[axis] % 2:
-                edge = fine[:1, :] if axis == 0 else fine[:, :1]
-                fine = xp.concat([fine, xp.zeros_like(edge)], axis=axis)
             left = fine[::2, :] if axis == 0 else fine[:, ::2]
             right = fine[1::2, :] if axis == 0 else fine[:, 1::2]
             fine = 0.75 * (left + right) + 0.25 * (

@@ -12,13 +12,12 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from fem_contact._checks import LEAST, array
-from fem_contact._types import Array, Shape
+from fem_contact._types import AnyArray, Array, Lengths, Numbers, Shape, Single
 from fem_contact.complementarity.rows import Rows
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response
 from fem_contact.settings import available_processors
-
-Single = NDArray[np.float32]
+from fem_contact.surface.heights import wavevectors
 
 
 class FourierOperator:
@@ -45,7 +44,7 @@ class FourierOperator:
     pairs = 1.0
 
     def __init__(
-        self, response: Response, shape: Shape, lengths: tuple[float, float], *, threads: int | None = None
+        self, response: Response, shape: Shape, lengths: Lengths, *, threads: int | None = None
     ) -> None:
         self.shape = shape
         self.threads = available_processors() if threads is None else threads
@@ -58,19 +57,17 @@ class FourierOperator:
     def _evaluate(
         self,
         response: Response,
-        lengths: tuple[float, float],
+        lengths: Lengths,
         *,
         columns: slice = slice(None),
         gathered: Callable[..., Array] = lambda *values: np.array([values], dtype=float),
     ) -> None:
         """Evaluate the compliance at columns of the spectrum, and what depends on all of them."""
-        nx, ny = self.shape
-        qx = 2 * np.pi * scipy.fft.fftfreq(nx, lengths[0] / nx)
-        qy = 2 * np.pi * scipy.fft.rfftfreq(ny, lengths[1] / ny)[columns]
-        given = array("compliance", response.compliance(qx[:, None], qy[None, :]), power=2)
-        self.compliance = np.array(given)
-        if self.compliance.shape != (nx, qy.size):
-            self.compliance = np.full((nx, qy.size), -1.0)
+        qx, qy = wavevectors(self.shape, lengths)
+        qy = qy[columns]
+        self.compliance = np.array(array("compliance", response.compliance(*np.ix_(qx, qy)), power=2))
+        if self.compliance.shape != (qx.size, qy.size):
+            self.compliance = np.full((qx.size, qy.size), -1.0)
         # All but q = 0, which the first column has.
         positive = self.compliance.ravel()[int(not columns.start) :]
         valid = bool(np.all(positive > LEAST**2) and self.compliance[0, 0] >= 0)
@@ -129,12 +126,7 @@ class FourierOperator:
         self._filter(residual, out, divide, weaken=True)
 
     def _filter(
-        self,
-        field: Array | Single,
-        out: Array | Single,
-        kernel: Callable[..., Any],
-        *,
-        weaken: bool = False,
+        self, field: Array | Single, out: Array | Single, kernel: Callable[..., Any], *, weaken: bool = False
     ) -> None:
         threads = self.threads
         if not self._in_place:
@@ -145,8 +137,7 @@ class FourierOperator:
             return
         import ducc0.fft
 
-        room = self._spectrum if field.dtype == np.float64 else self._spectrum.view(np.complex64)
-        room = room.reshape(-1)[: self._spectrum.size].reshape(self._spectrum.shape)
+        room = self._room_for(field)
         spectrum = room[:, : self.compliance.shape[1]]
         # One axis at a time and in place: a call for both allocates a second spectrum, and takes up to twice
         # as long where rows are a power of two apart.
@@ -157,12 +148,17 @@ class FourierOperator:
         ducc0.fft.c2c(spectrum, axes=(0,), forward=False, inorm=2, out=spectrum, nthreads=threads)
         self._along_rows(spectrum, out)
 
-    def _weaken(self, spectrum: NDArray[Any], wanted: bool) -> None:
+    def _room_for(self, field: AnyArray) -> AnyArray:
+        """Return the room for a spectrum, in the precision of a field."""
+        room = self._spectrum if field.dtype == np.float64 else self._spectrum.view(np.complex64)
+        return room.reshape(-1)[: self._spectrum.size].reshape(self._spectrum.shape)
+
+    def _weaken(self, spectrum: AnyArray, wanted: bool) -> None:
         if wanted and self.long_waves is not None:
             rows, factor = self.long_waves
             spectrum[rows, : factor.shape[1]] *= factor
 
-    def _along_rows(self, spectrum: NDArray[Any], out: Array | Single) -> None:
+    def _along_rows(self, spectrum: AnyArray, out: Array | Single) -> None:
         """Transform back along rows."""
         import ducc0.fft
 
@@ -223,7 +219,7 @@ def coarsened(heights: Array, shape: Shape, *, threads: int = 1) -> Array:
     return np.ascontiguousarray(scipy.fft.irfft2(coarse, s=shape, norm="forward", workers=threads))
 
 
-def carried(old: int, new: int) -> NDArray[np.int64]:
+def carried(old: int, new: int) -> Numbers:
     """Wave numbers below the Nyquist limit of both grids, negative ones counted from the end."""
     top = (min(old, new) - 1) // 2
     return np.arange(-top, top + 1)
@@ -239,7 +235,7 @@ def refined(field: Array, shape: Shape) -> Array:
     return np.ascontiguousarray(field)
 
 
-def refined_along(field: Array, axis: int, places: NDArray[Any]) -> Array:
+def refined_along(field: Array, axis: int, places: AnyArray) -> Array:
     """Interpolate a periodic field at places between its points of one axis."""
     old, below = field.shape[axis], places.astype(int)
     share = np.expand_dims(places - below, 1 - axis)

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
-from fem_contact._types import Array
+from fem_contact._types import Array, Lengths, Shape, Single
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.response import FreeHalfSpace, Response
 from fem_contact.settings import available_processors
-
-Single = NDArray[np.float32]
 
 
 class FreeOperator:
@@ -46,8 +43,8 @@ class FreeOperator:
     def __init__(
         self,
         response: FreeHalfSpace,
-        shape: tuple[int, int],
-        lengths: tuple[float, float],
+        shape: Shape,
+        lengths: Lengths,
         *,
         threads: int | None = None,
     ) -> None:
@@ -58,9 +55,9 @@ class FreeOperator:
         x, y = (np.arange(nx + 2) - 0.5) * dx, (np.arange(ny + 2) - 0.5) * dy
         x, y = x[:, None], y[None, :]
         corners = x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))
-        cells: Array = np.diff(np.diff(corners, axis=0), axis=1) / (np.pi * response.contact_modulus)
+        cells = np.diff(np.diff(corners, axis=0), axis=1) / (np.pi * response.contact_modulus)
         qx, qy = (np.pi * np.arange(n) / length for n, length in zip(shape, lengths, strict=True))
-        stiffness: Array = 0.5 * response.contact_modulus * np.hypot(qx[:, None], qy[None, :])
+        stiffness = 0.5 * response.contact_modulus * np.hypot(qx[:, None], qy[None, :])
         self.stiffness = float(np.mean(stiffness))
         # A uniform pressure sinks the middle of the patch by this.
         middle = 4 * cells[: (shape[0] + 1) // 2, : (shape[1] + 1) // 2].sum()
@@ -94,8 +91,8 @@ class FreeOperator:
 
 def operator_of(
     response: Response | FreeHalfSpace,
-    shape: tuple[int, int],
-    lengths: tuple[float, float],
+    shape: Shape,
+    lengths: Lengths,
     *,
     threads: int | None = None,
 ) -> FourierOperator | FreeOperator:

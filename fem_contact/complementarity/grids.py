@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fem_contact._types import Shape
+from fem_contact._types import Lengths, Shape
 from fem_contact.complementarity.fourier import coarsened, nearest, refined
 from fem_contact.complementarity.free import operator_of
 from fem_contact.complementarity.operator import Solution
@@ -36,7 +36,7 @@ class Grids:
     def __init__(self, shape: Shape, *, threads: int) -> None:
         self.shape, self.threads = shape, threads
 
-    def operator_of(self, response: Response, shape: Shape, lengths: tuple[float, float]) -> Any:
+    def operator_of(self, response: Response, shape: Shape, lengths: Lengths) -> Any:
         """Return the response of a solid on one of the grids."""
         return operator_of(response, shape, lengths, threads=self.threads)
 

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
-from fem_contact._types import Array, Shape
+from fem_contact._types import AnyArray, Array, Lengths, Numbers, Shape
 from fem_contact.complementarity.fourier import (
     FourierOperator,
     carried,
@@ -24,15 +23,11 @@ from fem_contact.complementarity.rows import Rows
 from fem_contact.complementarity.slabs import SlabNumpy, Slabs, shares
 from fem_contact.response import Response
 
-AnyArray = NDArray[Any]
-
 
 class SlabOperator(FourierOperator):
     """The response of a solid on one grid in slabs; see `FourierOperator`."""
 
-    def __init__(
-        self, response: Response, slabs: Slabs, lengths: tuple[float, float], *, threads: int
-    ) -> None:
+    def __init__(self, response: Response, slabs: Slabs, lengths: Lengths, *, threads: int) -> None:
         self.slabs, self.shape, self.threads = slabs, slabs.shape, threads
         columns = slice(*slabs.columns[slabs.rank : slabs.rank + 2])
         self._evaluate(response, lengths, columns=columns, gathered=slabs.gathered)
@@ -47,8 +42,7 @@ class SlabOperator(FourierOperator):
 
         from fem_contact.complementarity.kernels import divide
 
-        room = self._spectrum if field.dtype == np.float64 else self._spectrum.view(np.complex64)
-        spectrum = room.reshape(-1)[: self._spectrum.size].reshape(self._spectrum.shape)
+        spectrum = self._room_for(field)
         slabs, threads, waves = self.slabs, self.threads, self.shape[1] // 2 + 1
 
         def lines(lo: int, hi: int) -> AnyArray:
@@ -89,17 +83,8 @@ class SlabIterationArrays(IterationArrays):
     the finer one, its 2 r rows by the one after and, third from that, the one before.
     """
 
-    def __init__(
-        self,
-        operator: SlabOperator,
-        heights: Array,
-        *,
-        bound: Array | None,
-        caution: float,
-        units: tuple[float, float] | None = None,
-        threads: int,
-    ) -> None:
-        super().__init__(operator, heights, bound=bound, caution=caution, units=units, threads=threads)
+    def __init__(self, operator: SlabOperator, heights: Array, *, threads: int, **options: Any) -> None:
+        super().__init__(operator, heights, threads=threads, **options)
         slabs = self.slabs = operator.slabs
         self.xp = SlabNumpy(slabs)
         self.count = slabs.shape[0] * slabs.shape[1]
@@ -118,13 +103,11 @@ class SlabIterationArrays(IterationArrays):
 
     def move(self, factor: float, shift: float) -> Errors:
         """Move the gap, and measure the conditions there."""
-        errors = super().move(factor, shift)
-        parts = self.slabs.gathered(*vars(errors).values())
-        total = dict(zip(vars(errors), parts.sum(axis=0).tolist(), strict=True))
-        names = list(vars(errors))
-        total["lowest"] = float(parts[:, names.index("lowest")].min())
-        total["highest"] = float(parts[:, names.index("highest")].max())
-        return Errors(**total)
+        names, values = zip(*vars(super().move(factor, shift)).items(), strict=True)
+        parts = dict(zip(names, self.slabs.gathered(*values).T, strict=True))
+        totals = {name: float(part.sum()) for name, part in parts.items()}
+        extremes = {"lowest": float(parts["lowest"].min()), "highest": float(parts["highest"].max())}
+        return Errors(**(totals | extremes))
 
     def _restore(self, toward: float) -> None:
         super()._restore(toward)
@@ -188,7 +171,7 @@ class SlabGrids(Grids):
         return Slabs(finest.comm, shape)
 
     def operator_of(
-        self, response: Response, shape: Shape, lengths: tuple[float, float]
+        self, response: Response, shape: Shape, lengths: Lengths
     ) -> FourierOperator | SlabOperator:
         """Return the response of a solid on a grid with these sides [m], in slabs where it has some."""
         slabs = self.slabs_of(shape)
@@ -229,7 +212,7 @@ class SlabGrids(Grids):
         coarse = scipy.fft.ifft(coarse, axis=0, norm="forward", overwrite_x=True)
         if target is None:
             lines_here = np.concatenate(source.comm.allgather(coarse), axis=1)
-            return np.asarray(scipy.fft.irfft(lines_here, n=new[1], norm="forward"))
+            return scipy.fft.irfft(lines_here, n=new[1], norm="forward")
         out = np.empty((target.last - target.first, new[1]))
 
         def put(lo: int, hi: int, part: AnyArray) -> None:
@@ -244,7 +227,7 @@ class SlabGrids(Grids):
         if target is None:
             return refined(field, new)
 
-        def wanted(rank: int) -> NDArray[np.int64]:
+        def wanted(rank: int) -> Numbers:
             first, last = target.rows[rank : rank + 2]
             ends = first * old[0] // new[0], (last - 1) * old[0] // new[0]
             return np.arange(ends[0], ends[1] + 2) % old[0]
@@ -259,7 +242,7 @@ class SlabGrids(Grids):
         """Take a field of the finest grid at the points of a coarser grid nearest below."""
         old, target = self.shape, self.slabs_of(new)
 
-        def wanted(rank: int) -> NDArray[np.int64]:
+        def wanted(rank: int) -> Numbers:
             first, last = (0, new[0]) if target is None else target.rows[rank : rank + 2]
             return np.arange(first, last) * old[0] // new[0]
 

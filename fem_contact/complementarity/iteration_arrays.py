@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact._types import Array
+from fem_contact._types import AnyArray, Array, Shape
 from fem_contact.complementarity.fourier import FourierOperator
+from fem_contact.complementarity.operator import Operator
 from fem_contact.complementarity.rows import Rows
-
-if TYPE_CHECKING:
-    from fem_contact.complementarity.operator import Operator
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +43,7 @@ class Errors:
         return self.moment / self.total if self.total > 0 else 0.0
 
 
-def _staggered(shape: tuple[int, int], place: int, dtype: type[np.floating[Any]]) -> NDArray[Any]:
+def _staggered(shape: Shape, place: int, dtype: type[np.floating[Any]]) -> AnyArray:
     """Empty array that starts on a cache line, the one after those of the arrays of lower place.
 
     A pass reads up to seven arrays at one point of the grid. Large ones all start at the same place of a
@@ -62,7 +60,7 @@ def _staggered(shape: tuple[int, int], place: int, dtype: type[np.floating[Any]]
 
 def _levels(
     nx: int, ny: int, precision: type[np.floating[Any]]
-) -> tuple[list[NDArray[Any]], list[NDArray[np.uint8]]]:
+) -> tuple[list[AnyArray], list[NDArray[np.uint8]]]:
     """Return arrays of the sums and counts of the level of nx x ny cells and those above."""
     shapes = [(nx, ny)]
     while max(shapes[-1]) > 4:
@@ -132,17 +130,8 @@ class IterationArrays:
     @property
     def nbytes(self) -> int:
         """Memory of the arrays, the heights included."""
-        fields = (
-            self.heights,
-            self.force,
-            self.displacement,
-            self.gap,
-            self.step,
-            self.image,
-            self.buffer,
-            self.working,
-        )
-        return sum(array.nbytes for array in (*fields, *self.top[0], *self.top[1]))
+        fields = self.heights, self.force, self.displacement, self.gap, self.step, self.image, self.buffer
+        return sum(array.nbytes for array in (*fields, self.working, *self.top[0], *self.top[1]))
 
     @property
     def load_unit(self) -> float:
@@ -159,16 +148,9 @@ class IterationArrays:
         else:
             self.operator.apply(self.force, self.displacement)
             self._afresh = self.displacement, 1 / self.length_unit
-        u, per_u = self._afresh
+        (u, per_u), per_h = self._afresh, 1 / self.length_unit
         total, moment = self.rows.add(
-            self.kernels.weigh,
-            self.force,
-            u,
-            self.heights,
-            self.bound,
-            self.load_unit,
-            per_u,
-            1 / self.length_unit,
+            self.kernels.weigh, self.force, u, self.heights, self.bound, self.load_unit, per_u, per_h
         )
         return total, moment
 
@@ -180,21 +162,9 @@ class IterationArrays:
 
     def move(self, factor: float, shift: float) -> Errors:
         """Move the gap by `factor` steps and a change of offset, and measure the conditions there."""
-        parts = self.coarse_rows.run(
-            self.kernels.move,
-            self.force,
-            self.gap,
-            self.step,
-            self.image,
-            self.bound,
-            factor,
-            shift,
-            self.load_unit,
-            self.stiffness,
-            self.working,
-            self.levels[0][0],
-            self.levels[1][0],
-        )
+        fields = self.force, self.gap, self.step, self.image, self.bound
+        units, level = (self.load_unit, self.stiffness), (self.levels[0][0], self.levels[1][0])
+        parts = self.coarse_rows.run(self.kernels.move, *fields, factor, shift, *units, self.working, *level)
         moments, totals, lowest, highest, free, last, images = zip(*parts, strict=True)
         return Errors(
             moment=sum(moments),
@@ -239,34 +209,24 @@ class IterationArrays:
         total, image = self.rows.add(k.finish, self.buffer, self.working, sums[0], self.image)
         return total, image
 
-    def _whole(self, level: NDArray[Any]) -> NDArray[Any]:
+    def _whole(self, level: AnyArray) -> AnyArray:
         return level
 
     def _take_top(self) -> None:
         """Take the rows of `levels` over from `top`, whose finest they are."""
 
-    def _as_coarse(self, level: int) -> NDArray[Any]:
+    def _as_coarse(self, level: int) -> AnyArray:
         """Return the sums of a level as the next finer one reads them."""
         return self.levels[0][level]
 
-    def _as_fine(self, level: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    def _as_fine(self, level: int) -> tuple[AnyArray, AnyArray, AnyArray]:
         """Values and counts of a level, -1 for the grid, as the next coarser one reads them, and its sums."""
         return self.buffer, self.working.view(np.uint8), self.levels[0][0]
 
     def trial(self, load: float, *, length: float, beta: float, shift: float) -> None:
         """Write the step to the clipped trial force of the prescribed sum."""
-        total, above, below = self.rows.add(
-            self.kernels.trial,
-            self.force,
-            self.buffer,
-            self.step,
-            self.working,
-            self.bound,
-            self.load_unit,
-            length,
-            beta,
-            shift,
-        )
+        fields = self.force, self.buffer, self.step, self.working, self.bound
+        total, above, below = self.rows.add(self.kernels.trial, *fields, self.load_unit, length, beta, shift)
         missing = load - total
         limit = total if self.bound is None else above if missing > 0 else below
         if self.bound is not None and abs(missing) > limit:
@@ -276,13 +236,7 @@ class IterationArrays:
 
     def _restore(self, toward: float) -> None:
         parts = self.rows.run(
-            self.kernels.restore,
-            self.force,
-            self.gap,
-            self.step,
-            self.bound,
-            self.load_unit,
-            toward,
+            self.kernels.restore, self.force, self.gap, self.step, self.bound, self.load_unit, toward
         )
         slopes, most = zip(*parts, strict=True)
         self.slope, self.most = sum(slopes), max(most)
@@ -318,14 +272,6 @@ class IterationArrays:
 
     def advance(self, factor: float) -> tuple[float, float]:
         """Move the force by `factor` steps; sum phi, and phi times the gap there before the offset moves."""
-        total, moment = self.rows.add(
-            self.kernels.advance,
-            self.force,
-            self.gap,
-            self.step,
-            self.image,
-            self.bound,
-            self.load_unit,
-            factor,
-        )
+        fields = self.force, self.gap, self.step, self.image, self.bound
+        total, moment = self.rows.add(self.kernels.advance, *fields, self.load_unit, factor)
         return total, moment

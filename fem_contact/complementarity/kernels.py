@@ -32,13 +32,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-_OPTIONS = {
-    "cache": True,
-    "nogil": True,
-    "error_model": "numpy",
-    "fastmath": {"reassoc", "contract", "nsz"},
-}
-
+_OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"reassoc", "contract", "nsz"}}
 #: Weight of each of the occupied cells in a cell of the next level, by their number: the mean where they fill
 #: it. One or two are mostly the whole or the end of a contact, away from which the residual falls. The two
 #: numbers are those of the fewest steps on rough surfaces.
@@ -216,16 +210,8 @@ def push_transposed(lo, hi, fine, occupied, coarse):
     zero, close, far = fine.dtype.type(0), fine.dtype.type(0.75), fine.dtype.type(0.25)
     for row in range(lo, hi):
         line[:] = 0
-        for k in range(4):
-            if k < 2:
-                i = 2 * row + k
-                weight = fine.dtype.type(0.75)
-            elif k == 2:
-                i = 2 * ((row + 1) % mx)
-                weight = fine.dtype.type(0.25)
-            else:
-                i = 2 * ((row - 1) % mx) + 1
-                weight = fine.dtype.type(0.25)
+        above, below = 2 * ((row + 1) % mx), 2 * ((row - 1) % mx) + 1
+        for i, weight in ((2 * row, close), (2 * row + 1, close), (above, far), (below, far)):
             if i < nx:
                 for j in range(ny):
                     line[j + 1] += zero if occupied[i, j] else weight * fine[i, j]

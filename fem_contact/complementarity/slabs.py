@@ -16,13 +16,10 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_contact._types import Shape
+from fem_contact._types import AnyArray, Array, Numbers, Shape
 from fem_contact.errors import InvalidInput
 from fem_contact.settings import Settings
-
-AnyArray = NDArray[Any]
 
 #: Bytes of the rows that are transposed at once, and the number of turns that this is done in at most.
 _TURN, _TURNS = 2**21, 16
@@ -60,7 +57,7 @@ class Slabs:
         self.columns = shares(waves, self.size)
         self.first, self.last = self.rows[self.rank : self.rank + 2]
 
-    def gathered(self, *values: Any) -> NDArray[np.float64]:
+    def gathered(self, *values: Any) -> Array:
         """Return the numbers of all processes, one row each."""
         parts = np.empty((self.size, len(values)))
         self.comm.Allgather(np.array(values, dtype=float), parts)
@@ -75,7 +72,7 @@ class Slabs:
         self.comm.Sendrecv(first, dest=below, recvbuf=after, source=above)
         return before, after
 
-    def taken(self, field: AnyArray, wanted: Callable[[int], NDArray[np.int64]]) -> AnyArray:
+    def taken(self, field: AnyArray, wanted: Callable[[int], Numbers]) -> AnyArray:
         """Return the rows of a field, whichever slabs they are in, that `wanted` lists for this process."""
         requests = [wanted(rank) for rank in range(self.size)]
         given = [rows[(rows >= self.first) & (rows < self.last)] - self.first for rows in requests]

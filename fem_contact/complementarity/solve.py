@@ -95,22 +95,17 @@ def solve_bounded(
 #: Trial length of the first step, and the range it may move in; the preconditioner is scaled like the inverse
 #: response.
 _FIRST, _LEAST, _GREATEST = 0.5, 0.1, 3.0
-
 #: A loaded point is let go when its force is below this share of (grid-scale stiffness x its gap). Left to
 #: the line search, points with little force and an open gap block the direction, which then need not be one
 #: of descent.
 _CAUTION = 0.1
-
 #: Share of the load between its bounds that is taken for rounding.
 _VANISHING = 3e-11
-
 #: Share of the load that the points below their bound are counted to bear at least: what rounding leaves them
 #: cannot be balanced.
 _BELOW = 0.1
-
 #: Steps without a new least error after which the iteration is said to stagnate.
 _PATIENCE = 60
-
 #: The same for a draft, whose precision may not reach its tolerance.
 _DRAFT_PATIENCE = 4
 
@@ -401,12 +396,9 @@ def surely_partial(
 
 #: Points along each side of a cell whose heights are averaged to rule out full contact.
 _AVERAGED = 8
-
 #: Grids with fewer points are solved in double precision.
 _SINGLE = 256**2
-
 #: Tolerance of the coarse grids: their answer is off by the discretisation anyway.
 _COARSE = 1e-2
-
 #: Grids are halved down to this number of points.
 _COARSEST = 32

@@ -9,10 +9,10 @@ from functools import cached_property, partial
 
 import numpy as np
 import scipy.fft
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fem_contact._checks import GREATEST, array, function, pair, positive, room_for, shown, whole, within
-from fem_contact._types import Array, Lengths, Shape
+from fem_contact._types import Array, Complex, Lengths, Numbers, Shape
 from fem_contact.errors import InvalidInput
 
 
@@ -133,7 +133,7 @@ class HeightField:
 
     def _power(self) -> tuple[Array, Array, Array]:
         """|h(q)|^2 [m^2] of half of the wavevectors, counted for both signs, and both components [1/m]."""
-        (nx, ny), (lx, ly) = self.shape, self.lengths
+        nx, ny = self.shape
         power = np.abs(scipy.fft.rfft2(self.heights, norm="forward")) ** 2
         # The half spectrum stands for both signs of q_y; the Nyquist waves of the interpolant are split in
         # two halves.
@@ -143,9 +143,7 @@ class HeightField:
         if nx % 2 == 0 and nx > 1:
             power[nx // 2] *= 0.5
         power[0, 0] = 0
-        qx = 2 * np.pi * scipy.fft.fftfreq(nx, lx / nx)
-        qy = 2 * np.pi * scipy.fft.rfftfreq(ny, ly / ny)
-        return power, qx, qy
+        return power, *wavevectors(self.shape, self.lengths)
 
     @property
     def rms_gradient(self) -> float:
@@ -288,7 +286,13 @@ def checked_lengths(lengths: object) -> Lengths:
     return pair("lengths", lengths, positive, what="two positive periods (Lx, Ly) in m")
 
 
-def _wave_numbers(n: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+def wavevectors(shape: Shape, lengths: Lengths) -> tuple[Array, Array]:
+    """Components [1/m] along both axes of the waves of a half spectrum, as `scipy.fft.rfft2` has them."""
+    (nx, ny), (lx, ly) = shape, lengths
+    return 2 * np.pi * scipy.fft.fftfreq(nx, lx / nx), 2 * np.pi * scipy.fft.rfftfreq(ny, ly / ny)
+
+
+def _wave_numbers(n: int) -> tuple[Numbers, Numbers, Array]:
     """Integer wave numbers of n points, their FFT slots and weights; the Nyquist wave is split into +-n/2."""
     numbers = np.arange(n) - n // 2
     weights = np.ones(n)
@@ -299,7 +303,7 @@ def _wave_numbers(n: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
     return numbers, numbers % n, weights
 
 
-def _refold(spectrum: NDArray[np.complex128], n: int, fraction: float, axis: int) -> NDArray[np.complex128]:
+def _refold(spectrum: Complex, n: int, fraction: float, axis: int) -> Complex:
     """Sample the interpolant of one axis at n points: waves beyond the new Nyquist limit fold back."""
     old = spectrum.shape[axis]
     numbers, slots, weights = _wave_numbers(old)
@@ -310,7 +314,7 @@ def _refold(spectrum: NDArray[np.complex128], n: int, fraction: float, axis: int
     return np.moveaxis(folded, 0, axis)
 
 
-def interpolant(surface: HeightField) -> tuple[Array, Array, NDArray[np.complex128]]:
+def interpolant(surface: HeightField) -> tuple[Array, Array, Complex]:
     """Wavevectors [1/m] along both axes and Fourier coefficients [m] of the trigonometric interpolant."""
     spectrum = scipy.fft.fft2(surface.heights, norm="forward")
     (mx, sx, wx), (my, sy, wy) = (_wave_numbers(n) for n in surface.shape)

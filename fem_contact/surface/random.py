@@ -13,10 +13,9 @@ from typing import Literal
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
 from fem_contact._checks import array, choice, function, positive, room_for, shown, truth
-from fem_contact._types import Array, Lengths, Shape
+from fem_contact._types import Array, Complex, Lengths, Numbers, Shape
 from fem_contact.errors import InvalidInput
 from fem_contact.surface.heights import HeightField, checked_lengths, checked_shape
 
@@ -90,10 +89,7 @@ def random_surface(
     numbers outwards, so they depend neither on the grid nor on q_short: cutting the spectrum elsewhere keeps
     the remaining waves.
     """
-    shape, lengths = checked_shape(shape), checked_lengths(lengths)
-    q_short = positive("q_short", q_short, unit="1/m")
-    truth("under_resolved", under_resolved)
-    _check_resolved(shape, lengths, q_short, under_resolved)
+    _checked_grid(shape, lengths, q_short, under_resolved)
     waves = random_waves(
         spectrum, q_short=q_short, lengths=lengths, seed=seed, amplitudes=amplitudes, isotropic=isotropic
     )
@@ -105,9 +101,9 @@ class RandomWaves:
     """The waves of one realisation of a random surface, drawn once and sampled on any grid."""
 
     # (count,): Wave numbers, one of each pair +-q.
-    m: NDArray[np.int64]
-    n: NDArray[np.int64]
-    amplitudes: NDArray[np.complex128]  # (count,): Fourier coefficients of half the surface [m]
+    m: Numbers
+    n: Numbers
+    amplitudes: Complex  # (count,): Fourier coefficients of half the surface [m]
     q_short: float  # Cut-off wavevector [1/m]
     lengths: Lengths  # Periods (Lx, Ly) [m]
 
@@ -127,10 +123,8 @@ class RandomWaves:
         InvalidInput
             For a grid that does not resolve q_short, unless asked for.
         """
-        shape = checked_shape(shape)
-        truth("under_resolved", under_resolved)
-        _check_resolved(shape, self.lengths, self.q_short, under_resolved)
-        half = np.zeros((shape[0], shape[1]), dtype=complex)
+        shape = _checked_grid(shape, self.lengths, self.q_short, under_resolved)
+        half = np.zeros(shape, dtype=complex)
         np.add.at(half, (self.m % shape[0], self.n % shape[1]), self.amplitudes)
         heights = 2 * scipy.fft.ifft2(half, norm="forward").real
         return HeightField(heights=heights, lengths=self.lengths)
@@ -171,9 +165,12 @@ def random_waves(
     return RandomWaves(m=m, n=n, amplitudes=waves, q_short=q_short, lengths=lengths)
 
 
-def _check_resolved(shape: Shape, lengths: Lengths, q_short: float, under_resolved: bool) -> None:
-    if under_resolved or resolves(shape, lengths, q_short=q_short):
-        return
+def _checked_grid(shape: Shape, lengths: Lengths, q_short: float, under_resolved: bool) -> Shape:
+    """Return the points of a grid that resolves the waves, or need not."""
+    shape = checked_shape(shape)
+    truth("under_resolved", under_resolved)
+    if resolves(shape, lengths, q_short=q_short) or under_resolved:
+        return shape
     needed = tuple(int(np.floor(length * q_short / np.pi * (1 + _EDGE))) + 1 for length in lengths)
     raise InvalidInput(
         f"shape = {shape}: does not resolve lambda_short = {2 * np.pi / q_short:.6g} m; "
@@ -181,9 +178,7 @@ def _check_resolved(shape: Shape, lengths: Lengths, q_short: float, under_resolv
     )
 
 
-def _half_plane(
-    lengths: Lengths, q_short: float, columns: tuple[int, int] | None
-) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+def _half_plane(lengths: Lengths, q_short: float, columns: Shape | None) -> tuple[Numbers, Numbers, Array]:
     """Wave numbers (m, n) with 0 < |q| <= q_short, one of each pair +-q, and |q| [1/m]."""
     unit_x, unit_y = (2 * np.pi / length for length in lengths)
     limit = q_short * (1 + _EDGE)
@@ -200,9 +195,7 @@ def _half_plane(
     return m[keep], n[keep], q[keep]
 
 
-def _random_waves(
-    m: NDArray[np.int64], n: NDArray[np.int64], *, seed: int | np.random.Generator, gaussian: bool
-) -> NDArray[np.complex128]:
+def _random_waves(m: Numbers, n: Numbers, *, seed: int | np.random.Generator, gaussian: bool) -> Complex:
     """Unit-variance complex random numbers, a function of the seed and of each wave number alone."""
     ring = np.maximum(np.abs(m), n)
     along = np.where(m == ring, n, np.where(n == ring, 2 * ring - m, 4 * ring - n))
@@ -214,7 +207,7 @@ def _random_waves(
             raise InvalidInput(f"seed = {shown(seed)}: must be {whole}, or a numpy.random.Generator")
         seed = np.random.default_rng(int(seed))
     phases, sizes = seed.spawn(2)
-    waves: NDArray[np.complex128] = np.exp(2j * np.pi * _drawn(phases, position))
+    waves: Complex = np.exp(2j * np.pi * _drawn(phases, position))
     if gaussian:
         waves *= np.sqrt(-np.log1p(-_drawn(sizes, position)))
     return waves
@@ -224,7 +217,7 @@ def _random_waves(
 _DRAWN = 2**20
 
 
-def _drawn(generator: np.random.Generator, position: NDArray[np.int64]) -> Array:
+def _drawn(generator: np.random.Generator, position: Numbers) -> Array:
     """Return the random numbers at these positions of the sequence, of which little is held at once."""
     order, out = np.argsort(position), np.empty(position.shape)
     ordered = position[order]

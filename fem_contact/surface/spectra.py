@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fem_contact._checks import choice, instance, within
-from fem_contact._types import Array
+from fem_contact._types import Array, Lengths, Numbers, Shape
 from fem_contact.errors import InvalidInput
 from fem_contact.surface.heights import HeightField, Patch, checked_shape, interpolant
 
@@ -32,7 +32,7 @@ class RadialSpectrum:
 
     q: Array
     power: Array
-    count: NDArray[np.int64]
+    count: Numbers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,7 +122,7 @@ def radial_spectrum(surface: HeightField) -> RadialSpectrum:
     )
 
 
-def window_weights(shape: tuple[int, int], *, window: Window, margin: float = 0.1) -> Array:
+def window_weights(shape: Shape, *, window: Window, margin: float = 0.1) -> Array:
     r"""Weights of a separable window on a grid of cell centres.
 
     .. math:: w(x) = \tfrac12[1 - \cos(\pi x / b)] \text{ for } x < b,\quad 1 \text{ inside},\quad
@@ -160,9 +160,7 @@ def window_weights(shape: tuple[int, int], *, window: Window, margin: float = 0.
     return np.multiply.outer(sides[0], sides[1])
 
 
-def estimate_spectrum(
-    heights: ArrayLike, lengths: tuple[float, float], *, window: Window = "hann"
-) -> RadialSpectrum:
+def estimate_spectrum(heights: ArrayLike, lengths: Lengths, *, window: Window = "hann") -> RadialSpectrum:
     r"""Estimate C(q) of a measured patch whose opposite edges do not match.
 
     .. math:: C(q) = \frac{L_x L_y}{(2\pi)^2}\,

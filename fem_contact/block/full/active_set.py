@@ -23,7 +23,6 @@ Violation = Callable[[Array, Array, Mask | None], float]
 
 #: Linear tolerance while the set still moves; it only has to tell contact from separation at most nodes.
 _LOOSE = 1e-3
-
 #: Conjugate-gradient steps allowed for one active set.
 _LINEAR_STEPS = 3000
 
@@ -42,24 +41,6 @@ class _State:
     gap: Array
     plastic: Mask | None = None
     sinking: Mask | None = None
-
-    @classmethod
-    def initial(cls, block: Block, *, start: Mask, offset: float, displacement: Array | None) -> _State:
-        field = (
-            np.zeros(3 * block.heights.size * block.levels) if displacement is None else displacement.ravel()
-        )
-        zero = np.zeros(block.shape)
-        none = None if block.bound is None else np.zeros(block.shape, dtype=bool)
-        return cls(
-            displacement=field,
-            offset=offset,
-            nodes=start,
-            following=start,
-            force=zero,
-            gap=zero,
-            plastic=none,
-            sinking=none,
-        )
 
     def read(self, block: Block, *, offset: float, displacement: Array) -> _State:
         """Take over the displacement of the linear problem of this set."""
@@ -216,7 +197,17 @@ def solve_contact(
     solution. The first sets are found with loosely solved systems. A set seen before means a cycle; it is
     accepted where what it violates is below the tolerance (ties), and reported otherwise.
     """
-    state = _State.initial(block, start=start, offset=offset, displacement=displacement)
+    if displacement is None:
+        displacement = np.zeros(3 * block.heights.size * block.levels)
+    state = _State(
+        displacement=displacement.ravel(),
+        offset=offset,
+        nodes=start,
+        following=start,
+        force=np.zeros(block.shape),
+        gap=np.zeros(block.shape),
+        plastic=None if block.bound is None else np.zeros(block.shape, dtype=bool),
+    )
     seen: set[bytes] = set()
     loosely = max(_LOOSE, tolerance)
     status = Status.ITERATION_LIMIT

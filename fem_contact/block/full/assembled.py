@@ -7,7 +7,7 @@ import numpy as np
 from fem_contact._checks import instance, room_for, within
 from fem_contact._types import Array
 from fem_contact.block.full.assembly import assemble
-from fem_contact.block.mesh import BlockMesh, node_weights
+from fem_contact.block.mesh import BlockMesh, nodal_force
 from fem_contact.block.solution import BlockSolution
 from fem_contact.errors import InvalidInput, NotConverged
 
@@ -57,11 +57,7 @@ def assembled_field(solution: BlockSolution, *, tolerance: float = 1e-9) -> Arra
     modulus = None if solution.modulus is None else np.broadcast_to(solution.modulus, (*mesh.cells, mesh.nz))
     matrix = assemble(mesh, poisson=poisson, modulus=modulus).free()
     forces = np.zeros((*mesh.shape, mesh.planes.size - 1, 3))
-    weights = node_weights(mesh)
-    area = mesh.aspect / mesh.element.types
-    forces[:, :, -1, 2] = -solution.contact.pressure / solution.solid.young * area
-    if weights is not None:
-        forces[:, :, -1, 2] *= weights
+    forces[:, :, -1, 2] = -nodal_force(solution.contact.pressure / solution.solid.young, mesh)
     smoother = ("block_gauss_seidel", {"sweep": "symmetric"})
     hierarchy = pyamg.smoothed_aggregation_solver(
         matrix,

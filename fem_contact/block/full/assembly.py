@@ -6,15 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_contact._types import Array
+from fem_contact._types import Array, Numbers
 from fem_contact.block.elements import LocalForms, lame, local_dilatation, local_shear
+from fem_contact.block.mesh import BlockMesh
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
-
-    from fem_contact.block.mesh import BlockMesh
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,13 +65,13 @@ def assemble(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -
 class Pattern:
     """Sparsity pattern of a sum of element matrices."""
 
-    positions: NDArray[np.int64]
-    rows: NDArray[np.int64]
-    columns: NDArray[np.int64]
+    positions: Numbers
+    rows: Numbers
+    columns: Numbers
     size: int
 
     @classmethod
-    def build(cls, rows: NDArray[np.int64], columns: NDArray[np.int64], *, size: int) -> Pattern:
+    def build(cls, rows: Numbers, columns: Numbers, *, size: int) -> Pattern:
         """Find the blocks that entries at these rows and columns fall into."""
         keys, positions = np.unique(rows * size + columns, return_inverse=True)
         return cls(positions=positions, rows=keys // size, columns=keys % size, size=size)

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_contact._types import Array, Mask
+from fem_contact._types import Array, Mask, Numbers, Shape
 from fem_contact.block.full.levels import StencilLevel, Transfer
 from fem_contact.block.full.multigrid import Hierarchy
 
@@ -47,7 +46,7 @@ class Block:
         return len(self.hierarchy.levels[0].coefficients)
 
     @property
-    def shape(self) -> tuple[int, int]:
+    def shape(self) -> Shape:
         """Surface nodes along both axes."""
         nx, ny = self.heights.shape
         return nx, ny
@@ -57,7 +56,7 @@ class Block:
         level = self.hierarchy.levels[0]
         return level.apply(field.reshape(level.field_shape)).ravel()
 
-    def vertical(self, nodes: Mask) -> NDArray[np.int64]:
+    def vertical(self, nodes: Mask) -> Numbers:
         """Numbers of the vertical unknowns at surface nodes."""
         return 3 * (np.flatnonzero(nodes) * self.levels + self.levels - 1) + 2
 
@@ -76,7 +75,7 @@ class Block:
         return field.reshape(*self.shape, self.levels, 3)[:, :, -1, 2]
 
 
-def _sampled(values: Array, shape: tuple[int, int]) -> Array:
+def _sampled(values: Array, shape: Shape) -> Array:
     """Interpolate a periodic array linearly at the nodes of a coarser grid."""
     for axis in (0, 1):
         at = Transfer.between(shape[axis], values.shape[axis])

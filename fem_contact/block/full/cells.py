@@ -13,12 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem_contact._types import Array
+from fem_contact._types import Array, Shape
 from fem_contact.block.mesh import BlockMesh, element_matrices
 
 #: Neighbours of a column on the stack of cells towards +x and +y: itself, along x, along y, the diagonal one.
 _SIDES = ((0, 0), (1, 0), (0, 1), (1, 1))
-
 #: Sign of the cells on the four sides of a column, in x and in y.
 _QUADRANTS = ((1, 1), (-1, 1), (1, -1), (-1, -1))
 
@@ -50,7 +49,7 @@ def corner_coefficients(mesh: BlockMesh, *, poisson: float) -> Array:
     return table
 
 
-def overlap_means(modulus: Array, shape: tuple[int, int]) -> Array:
+def overlap_means(modulus: Array, shape: Shape) -> Array:
     """Mean modulus of the cells of a coarser grid over the same periods, from (nx, ny, nz)."""
     for axis, coarse in enumerate(shape):
         fine = modulus.shape[axis]

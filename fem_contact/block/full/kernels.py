@@ -23,6 +23,15 @@ _OPTIONS = {"cache": True, "nogil": True, "fastmath": {"reassoc", "contract", "n
 
 
 @njit(**_OPTIONS)
+def _plane(t, x, y, z, fx, fy, fz):
+    """Return the forces on a plane, by component, and those of the values of one plane on it."""
+    a = t[0] * x[0] + t[1] * x[1] + t[2] * x[2] + t[3] * x[3] + t[11] * y[4] + t[18] * z[4] + t[19] * z[5]
+    b = t[4] * x[4] + t[7] * y[0] + t[8] * y[1] + t[9] * y[2] + t[10] * y[3] + t[20] * z[6] + t[21] * z[7]
+    c = t[5] * x[5] + t[6] * x[6] + t[12] * y[5] + t[13] * y[6]
+    return fx + a, fy + b, fz + c + t[14] * z[0] + t[15] * z[1] + t[16] * z[2] + t[17] * z[3]
+
+
+@njit(**_OPTIONS)
 def _column(c, u, i, before, after, j, left, right, out):
     """Write the forces A u of one column into out (nz, 3).
 
@@ -51,23 +60,12 @@ def _column(c, u, i, before, after, j, left, right, out):
         z1, z4 = high[k, 2] + low[k, 2], high[k, 2] - low[k, 2]
         z2, z6 = ahead[k, 2] + back[k, 2], ahead[k, 2] - back[k, 2]
         z3, z5, z7 = (p + q) + (r + s), (p + q) - (r + s), (p - q) + (r - s)
+        xs, ys = (x0, x1, x2, x3, x4, x5, x6), (y0, y1, y2, y3, y4, y5, y6)
+        zs = z0, z1, z2, z3, z4, z5, z6, z7
         if k > 0:
-            t = c[k, 0]
-            x += t[0] * x0 + t[1] * x1 + t[2] * x2 + t[3] * x3 + t[11] * y4 + t[18] * z4 + t[19] * z5
-            y += t[4] * x4 + t[7] * y0 + t[8] * y1 + t[9] * y2 + t[10] * y3 + t[20] * z6 + t[21] * z7
-            z += t[5] * x5 + t[6] * x6 + t[12] * y5 + t[13] * y6
-            z += t[14] * z0 + t[15] * z1 + t[16] * z2 + t[17] * z3
-            out[k - 1, 0], out[k - 1, 1], out[k - 1, 2] = x, y, z
-        t = c[k, 1]
-        x = next_x + t[0] * x0 + t[1] * x1 + t[2] * x2 + t[3] * x3 + t[11] * y4 + t[18] * z4 + t[19] * z5
-        y = next_y + t[4] * x4 + t[7] * y0 + t[8] * y1 + t[9] * y2 + t[10] * y3 + t[20] * z6 + t[21] * z7
-        z = next_z + t[5] * x5 + t[6] * x6 + t[12] * y5 + t[13] * y6
-        z += t[14] * z0 + t[15] * z1 + t[16] * z2 + t[17] * z3
-        t = c[k, 2]
-        next_x = t[0] * x0 + t[1] * x1 + t[2] * x2 + t[3] * x3 + t[11] * y4 + t[18] * z4 + t[19] * z5
-        next_y = t[4] * x4 + t[7] * y0 + t[8] * y1 + t[9] * y2 + t[10] * y3 + t[20] * z6 + t[21] * z7
-        next_z = t[5] * x5 + t[6] * x6 + t[12] * y5 + t[13] * y6
-        next_z += t[14] * z0 + t[15] * z1 + t[16] * z2 + t[17] * z3
+            out[k - 1, 0], out[k - 1, 1], out[k - 1, 2] = _plane(c[k, 0], xs, ys, zs, x, y, z)
+        x, y, z = _plane(c[k, 1], xs, ys, zs, next_x, next_y, next_z)
+        next_x, next_y, next_z = _plane(c[k, 2], xs, ys, zs, 0.0, 0.0, 0.0)
     out[nz - 1, 0], out[nz - 1, 1], out[nz - 1, 2] = x, y, z
 
 
@@ -81,6 +79,13 @@ def apply_stencil(c, u, out):
 
 
 @njit(**_OPTIONS)
+def coloured_columns(nx, ny):
+    """List the columns (i, j) by four colours: no two of one colour are neighbours."""
+    colours = ((0, 0), (0, 1), (1, 0), (1, 1))
+    return [(i, j) for a, b in colours for i in range(a, nx, 2) for j in range(b, ny, 2)]
+
+
+@njit(**_OPTIONS)
 def relax(c, low, d, f, tied, u, backward):
     """Solve every column for its own unknowns, four colours in turn, in place.
 
@@ -88,38 +93,26 @@ def relax(c, low, d, f, tied, u, backward):
     couples x, y and z only to themselves: three tridiagonal systems.
     """
     nx, ny, nz = u.shape[0], u.shape[1], u.shape[2]
-    r = np.empty((nz, 3))
-    for turn in range(4):
-        colour = 3 - turn if backward else turn
-        first_i, first_j = colour // 2, colour % 2
-        for row in range((nx - first_i + 1) // 2):
-            i = first_i + 2 * ((nx - first_i + 1) // 2 - 1 - row if backward else row)
-            for place in range((ny - first_j + 1) // 2):
-                j = first_j + 2 * ((ny - first_j + 1) // 2 - 1 - place if backward else place)
-                _column(c, u, i, (i - 1) % nx, (i + 1) % nx, j, (j - 1) % ny, (j + 1) % ny, r)
-                x = 0.0
-                y = 0.0
+    r, order = np.empty((nz, 3)), coloured_columns(nx, ny)
+    for i, j in order[::-1] if backward else order:
+        _column(c, u, i, (i - 1) % nx, (i + 1) % nx, j, (j - 1) % ny, (j + 1) % ny, r)
+        x, y, z = 0.0, 0.0, 0.0
+        for k in range(nz):
+            x = f[i, j, k, 0] - r[k, 0] - low[k, 0] * x
+            y = f[i, j, k, 1] - r[k, 1] - low[k, 1] * y
+            z = f[i, j, k, 2] - r[k, 2] - low[k, 2] * z
+            r[k, 0], r[k, 1], r[k, 2] = x, y, z
+        x, y, z = 0.0, 0.0, 0.0
+        for k in range(nz - 1, -1, -1):
+            up = low[k + 1] if k + 1 < nz else low[0]
+            x = r[k, 0] * d[k, 0] - up[0] * x
+            y = r[k, 1] * d[k, 1] - up[1] * y
+            z = r[k, 2] * d[k, 2] - up[2] * z
+            if k == nz - 1 and tied[i, j]:
                 z = 0.0
-                for k in range(nz):
-                    x = f[i, j, k, 0] - r[k, 0] - low[k, 0] * x
-                    y = f[i, j, k, 1] - r[k, 1] - low[k, 1] * y
-                    z = f[i, j, k, 2] - r[k, 2] - low[k, 2] * z
-                    r[k, 0] = x
-                    r[k, 1] = y
-                    r[k, 2] = z
-                x = 0.0
-                y = 0.0
-                z = 0.0
-                for k in range(nz - 1, -1, -1):
-                    up = low[k + 1] if k + 1 < nz else low[0]
-                    x = r[k, 0] * d[k, 0] - up[0] * x
-                    y = r[k, 1] * d[k, 1] - up[1] * y
-                    z = r[k, 2] * d[k, 2] - up[2] * z
-                    if k == nz - 1 and tied[i, j]:
-                        z = 0.0
-                    u[i, j, k, 0] += x
-                    u[i, j, k, 1] += y
-                    u[i, j, k, 2] += z
+            u[i, j, k, 0] += x
+            u[i, j, k, 1] += y
+            u[i, j, k, 2] += z
 
 
 @njit(**_OPTIONS)

@@ -6,9 +6,8 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_contact._types import Array, Mask
+from fem_contact._types import Array, Mask, Numbers, Shape
 from fem_contact.block.full import cell_kernels, kernels
 from fem_contact.block.full.cells import BlockFactors
 from fem_contact.block.full.stencil import LineFactors
@@ -18,7 +17,7 @@ from fem_contact.block.full.stencil import LineFactors
 class Transfer:
     """Linear interpolation along one axis, from a periodic grid of fewer nodes."""
 
-    low: NDArray[np.int64]  # (n,): Coarse node at or before each fine node
+    low: Numbers  # (n,): Coarse node at or before each fine node
     weight: Array  # (n,): Share of the coarse node after it
     size: int  # Coarse nodes
 
@@ -33,7 +32,7 @@ class Transfer:
 class Level(ABC):
     """One grid of the hierarchy."""
 
-    shape: tuple[int, int]  # Columns along both axes
+    shape: Shape  # Columns along both axes
     area: float  # Of the cell, over the square of the finest cell width along x
     coefficients: Array  # (nz, ...): What the cells of each layer do, over E times the finest cell width
     down: tuple[Transfer, Transfer] | None  # Interpolation from the next coarser grid; None on the last

@@ -60,18 +60,13 @@ def conjugate_gradients(
     measured where a residual falls no further.
     """
     x = start.copy()
-    iterations, best, aim = 0, np.inf, 0.9 * tolerance * scale
+    iterations, best, aim = 0, float(np.finfo(float).max), 0.9 * tolerance * scale
     while True:
         residual = right - apply(x)
         relative = float(np.linalg.norm(residual)) / scale
-        # Restarting gains only while the true residual still falls.
-        if (
-            not np.isfinite(relative)
-            or relative <= tolerance
-            or iterations >= max_iterations
-            or relative > 0.5 * best
-        ):
-            done = bool(np.isfinite(relative) and relative <= tolerance)
+        # Restarting gains only while the true residual is finite and still falls.
+        if not tolerance < relative <= 0.5 * best or iterations >= max_iterations:
+            done = relative <= tolerance
             if not done and relative <= _ROUNDED[1]:
                 # A third of x is rounded anew: three times its product differs from that of x by rounding.
                 rounding = float(np.linalg.norm(apply(x) - 3 * apply(x / 3))) / scale

@@ -8,7 +8,6 @@ single column, which lines solve exactly. The cells of a coarser grid are integr
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,13 +15,10 @@ from fem_contact._types import Array, Mask
 from fem_contact.block.full.cells import BlockFactors, corner_coefficients, overlap_means
 from fem_contact.block.full.levels import CellLevel, Level, StencilLevel, Transfer
 from fem_contact.block.full.stencil import LineFactors, stencil
-
-if TYPE_CHECKING:
-    from fem_contact.block.mesh import BlockMesh
+from fem_contact.block.mesh import BlockMesh
 
 #: Spacings along both axes count as equal up to this ratio, and are then doubled together.
 _ALIKE = 1.5
-
 #: A coarse node is tied where this share of its weight lies on tied nodes.
 _TIED_SHARE = 0.25
 

@@ -12,9 +12,8 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_contact._types import Array
+from fem_contact._types import Array, Numbers
 from fem_contact.block.elements import ELEMENTS
 from fem_contact.block.full.block import Block
 from fem_contact.block.full.multigrid import Hierarchy, build_hierarchy
@@ -24,7 +23,6 @@ from fem_contact.block.mesh import BlockMesh, element_matrices
 #: a + c, m and c - a from the nodes a, m, c of one axis, and whether they are odd.
 _COMBINATIONS = np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 1.0]])
 _ODD = (0, 0, 1)
-
 #: Poisson ratio of the trilinear cells where the solid's is larger: 0, .2, .4 and .45 take more steps.
 _COMPRESSIBLE = 0.3
 
@@ -34,9 +32,9 @@ class ParityBlocks:
     """Element matrices of the layers, class by class."""
 
     entries: Array  # (nz, 855): The blocks, row by row, one after the other, over E times the cell width
-    sizes: NDArray[np.int64]  # (8,)
+    sizes: Numbers  # (8,)
     # (3, 3, 3, 3): Row of each combination (x, y, z) of each component, classes one after the other.
-    places: NDArray[np.int64]
+    places: Numbers
 
 
 def parity_blocks(mesh: BlockMesh, *, poisson: float) -> ParityBlocks:

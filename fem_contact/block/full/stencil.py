@@ -17,7 +17,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem_contact._types import Array
+from fem_contact._types import Array, Shape
 from fem_contact.block.mesh import BlockMesh, element_matrices
 
 #: Coefficients in the order of the kernels: component of the force, of the displacement, and the neighbour
@@ -25,16 +25,8 @@ from fem_contact.block.mesh import BlockMesh, element_matrices
 TERMS = (
     *((0, 0, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1), (0, 0, 1, 1), (1, 0, 1, 1), (2, 0, 1, 0), (2, 0, 1, 1)),
     *((1, 1, 0, 0), (1, 1, 1, 0), (1, 1, 0, 1), (1, 1, 1, 1), (0, 1, 1, 1), (2, 1, 0, 1), (2, 1, 1, 1)),
-    *(
-        (2, 2, 0, 0),
-        (2, 2, 1, 0),
-        (2, 2, 0, 1),
-        (2, 2, 1, 1),
-        (0, 2, 1, 0),
-        (0, 2, 1, 1),
-        (1, 2, 0, 1),
-        (1, 2, 1, 1),
-    ),
+    *((2, 2, 0, 0), (2, 2, 1, 0), (2, 2, 0, 1), (2, 2, 1, 1)),
+    *((0, 2, 1, 0), (0, 2, 1, 1), (1, 2, 0, 1), (1, 2, 1, 1)),
 )
 
 #: Numbers in `TERMS` of a component's coupling to itself: own column, neighbours along x, along y, diagonal.
@@ -82,7 +74,7 @@ class LineFactors:
     reciprocal: Array  # (nz, 3): 1 / D
 
     @classmethod
-    def of(cls, coefficients: Array, shape: tuple[int, int]) -> LineFactors:
+    def of(cls, coefficients: Array, shape: Shape) -> LineFactors:
         """Factorise; where a grid is one node wide, a column is its own neighbour."""
         x, y = (2.0 if n == 1 else 0.0 for n in shape)
         share = np.array([1, x, y, x * y])

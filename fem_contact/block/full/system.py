@@ -20,10 +20,8 @@ Violation = Callable[[Array, Array, Mask | None], float]
 
 #: Below this many nodes along an axis no coarser grid looks for the first active set.
 _COARSEST = 16
-
 #: A coarser grid only proposes a set.
 _COARSE_TOLERANCE = 1e-3
-
 #: A node all of whose parents on the coarser grid touch is taken to touch.
 _INSIDE = 0.999
 
@@ -55,13 +53,8 @@ def solve_full(problem: Problem, start: Mask | Answer | None, block: Block) -> A
 
     # Vectors are short and everything else is serial: more BLAS threads only wait for each other.
     with threadpool_limits(limits=1, user_api="blas"):
-        return _pressed(
-            block,
-            problem,
-            _first(block, problem, start),
-            tolerance=problem.tolerance,
-            violation=problem.violation,
-        )
+        first = _first(block, problem, start)
+        return _pressed(block, problem, first, tolerance=problem.tolerance, violation=problem.violation)
 
 
 def _first(block: Block, problem: Problem, start: Mask | Answer | None) -> First:
@@ -111,12 +104,7 @@ def _proposed(block: Block, problem: Problem) -> First:
 
 
 def _pressed(
-    block: Block,
-    problem: Problem,
-    first: First,
-    *,
-    tolerance: float,
-    violation: Violation,
+    block: Block, problem: Problem, first: First, *, tolerance: float, violation: Violation
 ) -> Answer:
     nodes, offset, displacement = first
     return solve_contact(
@@ -134,8 +122,8 @@ def _pressed(
 def highest_nodes(heights: Array, problem: Problem) -> Mask:
     """Take the points beyond the undeformed surface, or the highest, about as many as will touch."""
     if problem.offset is not None:
-        return np.asarray(heights >= min(problem.offset, float(np.max(heights))))
+        return heights >= min(problem.offset, float(np.max(heights)))
     assert problem.pressure is not None
     relative = problem.pressure / problem.gradient if problem.gradient > 0 else 1.0
     share = min(1.0, max(2 * relative, 1 / heights.size))
-    return np.asarray(heights >= np.quantile(heights, 1 - share, method="lower"))
+    return heights >= np.quantile(heights, 1 - share, method="lower")

@@ -23,9 +23,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_contact._types import Array
+from fem_contact._types import Array, Numbers
 from fem_contact.block.elements import lame
 from fem_contact.block.full.assembly import Pattern
 from fem_contact.block.mesh import BlockMesh
@@ -71,19 +70,18 @@ class Strained:
     def energy(self, first: float, second: float) -> Array:
         """W over E."""
         isochoric = 0.5 * second * (self.jacobian ** (-2 / 3) * self.stretch - 3)
-        volume: Array = second / 3 * (self.jacobian - 1) ** 2 + 0.5 * first * (self.dilated - 1) ** 2
-        return isochoric + volume
+        return isochoric + (second / 3 * (self.jacobian - 1) ** 2 + 0.5 * first * (self.dilated - 1) ** 2)
 
     def tension(self, first: float, second: float) -> Array:
         """Mean tension dU/dJ over E."""
-        return np.asarray(2 / 3 * second * (self.jacobian - 1) + first * (self.dilated - 1))
+        return 2 / 3 * second * (self.jacobian - 1) + first * (self.dilated - 1)
 
     def stress(self, first: float, second: float) -> Array:
         """First Piola-Kirchhoff stress dW/dF over E."""
         scaled = (second * self.jacobian ** (-2 / 3))[..., None, None]
         inverse = self.cofactor / self.jacobian[..., None, None]
         isochoric = scaled * (self.gradient - self.stretch[..., None, None] / 3 * inverse)
-        return np.asarray(isochoric + self.tension(first, second)[..., None, None] * self.cofactor)
+        return isochoric + self.tension(first, second)[..., None, None] * self.cofactor
 
 
 def stress(gradient: Array, *, poisson: float) -> Array:
@@ -105,7 +103,7 @@ class Cells:
     poisson: float
 
     @cached_property
-    def _tables(self) -> tuple[Array, Array, NDArray[np.int64]]:
+    def _tables(self) -> tuple[Array, Array, Numbers]:
         """Gradients G, weights w, and the corners (8, 3) of a cell: scikit-fem's on one column."""
         basis = self.mesh.column()
         order = np.argsort(basis.mesh.doflocs[2, basis.mesh.t].mean(axis=0))
@@ -115,7 +113,7 @@ class Cells:
         return gradients[:, :, order].transpose(2, 3, 0, 1).copy(), np.asarray(basis.dx)[order], corners
 
     @cached_property
-    def _nodes(self) -> NDArray[np.int64]:
+    def _nodes(self) -> Numbers:
         """Free node of each corner of each cell, (nx, ny, nz, 8); -1 on the clamped plane."""
         (nx, ny), nz = self.mesh.cells, self.mesh.nz
         i, j, k = np.ogrid[:nx, :ny, :nz]
@@ -154,8 +152,7 @@ class Cells:
         size = int(self._nodes.max()) + 1
         nodes, parts = self._nodes[free], local[free]
         summed = [np.bincount(nodes, weights=parts[:, i], minlength=size) for i in range(3)]
-        forces: Array = np.stack(summed, axis=-1, dtype=float)
-        return forces.reshape(*self.mesh.cells, self.mesh.nz, 3)
+        return np.stack(summed, axis=-1, dtype=float).reshape(*self.mesh.cells, self.mesh.nz, 3)
 
     def stiffness(self, state: Strained, *, turning: Array | None = None) -> sp.bsr_array:
         """Second derivative of the energy over the free nodes, (i ny + j) nz + k.

@@ -17,7 +17,6 @@ Young's modulus.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,9 +26,6 @@ from fem_contact.block.full.linear import conjugate_gradients
 from fem_contact.block.full.multigrid import Hierarchy
 from fem_contact.block.hyperelastic.cells import Cells, Strained
 from fem_contact.block.hyperelastic.profile import Heights, Profile
-
-if TYPE_CHECKING:
-    import scipy.sparse as sp
 
 #: Bounds on the linear residual of a step, over the contact forces.
 _LOOSE = 1e-2
@@ -88,7 +84,7 @@ class Press:
 
     def gap(self, state: State) -> Array:
         """Return g at every node."""
-        return np.asarray(state.offset - self.below(state.field).height - state.field[:, :, -1, 2])
+        return state.offset - self.below(state.field).height - state.field[:, :, -1, 2]
 
     def unbalanced(self, state: State) -> Array:
         """Return the forces of the cells less those of the contact, (nx, ny, nz, 3)."""
@@ -136,7 +132,7 @@ def descend(press: Press, start: State) -> State:
 
 def _step(press: Press, state: State) -> State:
     """Solve the tangent problem of the active set, and go there as far as no cell turns inside out."""
-    tangent = _Tangent.at(press, state)
+    tangent = _Tangent(press, state)
     change, shift, steps, converged = tangent.solved()
     if not converged:
         return replace(state, trouble="the tangent stiffness is not positive definite")
@@ -158,30 +154,18 @@ def _step(press: Press, state: State) -> State:
     return replace(state, trouble="a cell turned inside out")
 
 
-@dataclass(frozen=True, kw_only=True)
 class _Tangent:
     """The linear problem of one step."""
 
-    press: Press
-    state: State
-    matrix: sp.bsr_array  # Stiffness of the cells, and of the contact forces, which turn with the profile
-    internal: Array  # (nx, ny, nz, 3): Forces of the cells
-    slope: Array  # (contacts, 2)
-    gap: Array  # (contacts,)
-
-    @classmethod
-    def at(cls, press: Press, state: State) -> _Tangent:
+    def __init__(self, press: Press, state: State) -> None:
+        self.press, self.state = press, state
         strained = state.strained or press.cells.strained(state.field)
         heights, nodes = press.below(state.field), state.nodes
-        gap = state.offset - heights.height - state.field[:, :, -1, 2]
-        return cls(
-            press=press,
-            state=state,
-            matrix=press.cells.stiffness(strained, turning=state.force[..., None] * heights.curvature),
-            internal=press.cells.forces(strained),
-            slope=heights.slope[nodes],
-            gap=gap[nodes],
-        )
+        # Stiffness of the cells, and of the contact forces, which turn with the profile.
+        self.matrix = press.cells.stiffness(strained, turning=state.force[..., None] * heights.curvature)
+        self.internal = press.cells.forces(strained)
+        self.slope = heights.slope[nodes]
+        self.gap = (state.offset - heights.height - state.field[:, :, -1, 2])[nodes]
 
     def times(self, field: Array) -> Array:
         """Multiply a displacement."""

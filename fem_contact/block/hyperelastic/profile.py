@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_contact._types import Array
+from fem_contact._types import Array, Complex
 from fem_contact.surface import HeightField
 from fem_contact.surface.heights import interpolant
 
@@ -28,7 +27,7 @@ class Profile:
     # (m,), (n,): Wavevectors times the length.
     qx: Array
     qy: Array
-    coefficients: NDArray[np.complex128]  # (m, n): Over the length
+    coefficients: Complex  # (m, n): Over the length
 
     @classmethod
     def of(cls, surface: HeightField, *, unit: float) -> Profile:

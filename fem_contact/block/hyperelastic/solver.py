@@ -76,7 +76,7 @@ class FiniteStrain:
     def pressure(self) -> Array:
         """Normal pressure at the surface nodes [Pa]: vertical force over the projected area."""
         area = self.shares * self.mesh.aspect
-        return np.asarray(self.solid.young * self.state.force / area)
+        return self.solid.young * self.state.force / area
 
     @property
     def gap(self) -> Array:

@@ -20,9 +20,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_contact._types import Array
+from fem_contact._types import Array, Numbers
 from fem_contact.block.elements import Element
 from fem_contact.block.mesh import BlockMesh, element_matrices
 from fem_contact.complementarity.rows import Rows
@@ -31,12 +30,10 @@ from fem_contact.settings import available_processors
 #: Functions of one phase that folded matrices are made of: 1, cos(t/2), cos t, sin(t/2), sin t.
 _FUNCTIONS = 5
 
-Numbers = NDArray[np.int64]
 SweepPlan = tuple[Numbers, Numbers, Array, Numbers, Numbers, Numbers]
 
 #: Poisson ratio from which pressures stay unknowns: below, 1/lambda may be of any size.
 _STIFF = 0.4
-
 #: Columns eliminated side by side by one instruction stream, of small and of large matrices.
 _LANES = (64, 16)
 

@@ -7,16 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
 from fem_contact._checks import room_for
-from fem_contact._types import Array
+from fem_contact._types import Array, Complex
 from fem_contact.block.reduced.column import surface_compliance
 from fem_contact.block.reduced.surface import BlockResponse, phase_pairs
 from fem_contact.block.solution import CellLayer
 from fem_contact.complementarity.rows import Rows
-
-Waves = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,7 +61,7 @@ class FourierSource:
         top[:, upper[0], upper[1]] = top[:, upper[1], upper[0]] = states[-1]
         unit[2:plane:3] = np.eye(folded.types)
         answer = np.linalg.solve(top, np.broadcast_to(unit, (len(phases), *unit.shape)))
-        waves: Waves = np.einsum("wst,wt->ws", answer[number.ravel()], load)
+        waves: Complex = np.einsum("wst,wt->ws", answer[number.ravel()], load)
         waves[quadrant < 0] *= signs
         entries, terms, weights, places, below, counts = folded.plan
         rows = Rows(-(-len(waves) // int(counts[-1])), threads=self.threads, least=8)
@@ -82,7 +79,7 @@ class FourierSource:
             yield CellLayer(index=layer, nodes=np.stack([lower, *inside, above]), pressure=pressure)
             above = lower
 
-    def _plane(self, waves: Waves, turns: Waves) -> Array:
+    def _plane(self, waves: Complex, turns: Complex) -> Array:
         """Displacement [m] of a plane of nodes."""
         (nx, ny), order = self.response.mesh.cells, self.response.mesh.element.order
         plane = np.empty((order * nx, order * ny, 3))

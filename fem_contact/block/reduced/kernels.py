@@ -17,14 +17,12 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from fem_contact._types import Array
+from fem_contact._types import Array, Numbers
 
-FoldingPlan = tuple[NDArray[np.int64], NDArray[np.int64], Array]
+FoldingPlan = tuple[Numbers, Numbers, Array]
 
 _OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
-
 #: Logarithm by which a wave has fallen where what lies below changes nothing (it comes back as much smaller),
 #: and by which it falls within one layer at most: in a thick one to 2 - sqrt(3).
 _REACH, _FALL = 17.0, 1.3

@@ -12,7 +12,7 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from fem_contact._checks import alike, array, instance, positive, samples, shown
-from fem_contact._types import Array
+from fem_contact._types import Array, Mask, Shape
 from fem_contact.block.mesh import BlockMesh, node_weights
 from fem_contact.block.problem import Answer, Problem
 from fem_contact.block.reduced.column import FoldedLayers, fold, surface_compliance
@@ -188,7 +188,7 @@ def solve_reduced(
     response: BlockResponse,
     operator: FourierOperator | SurfaceOperator,
     *,
-    start: NDArray[np.bool_] | Answer | None,
+    start: Mask | Answer | None,
 ) -> Answer:
     """Solve the contact of the surface nodes at a mean pressure."""
     mesh, threads = problem.mesh, operator.threads
@@ -205,7 +205,7 @@ def solve_reduced(
     # Coarser grids only lead to a first guess, for which the homogeneous layer is near enough.
     layer = BondedLayer(solid=response.solid, thickness=float(-mesh.planes[0]))
 
-    def coarse(shape: tuple[int, int]) -> FourierOperator:
+    def coarse(shape: Shape) -> FourierOperator:
         return FourierOperator(layer, shape, lengths, threads=threads)
 
     solution = all_at_bound(operator, heights, mean_force=problem.pressure, **known)
