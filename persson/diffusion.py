@@ -252,11 +252,17 @@ def _checked(
 
 
 def _integrate(problem: Problem, outputs: Array, pieces: Pieces, *, largest: float, modes: int) -> Diffusion:
+    """Integrate once, in steps of at most `largest` in ln V, and book where area and load have gone.
+
+    Outputs before `pieces.start` have met no wall: all is in contact, and their stress is Gaussian.
+    """
     reference = pieces.reference
     with np.errstate(divide="ignore"):
         t_out = np.log(outputs / reference)
     moving = t_out > pieces.start
     grid = make_grid(problem, pieces, t_out[moving], largest)
+    # By node: coefficients of the density times the squared width of the window, then area lost below, load
+    # that it carried, area that leaked at the tail, area that has yielded.
     history = _run(problem, reference, grid, modes)
     where = np.searchsorted(np.append(pieces.start, grid.ends), t_out[moving] - 1e-12)
     count = outputs.size
@@ -276,9 +282,9 @@ def _integrate(problem: Problem, outputs: Array, pieces: Pieces, *, largest: flo
             coefficients[moving], height[moving], left, right
         )
     lost, carried, leaked, plastic = ledger.T
-    yielded = np.where(plastic != 0, plastic * np.where(np.isfinite(above), above, 0.0), 0.0)
-    exchanged = np.abs(first) + np.abs(carried) + np.abs(yielded) + np.sqrt(np.abs(second * elastic))
-    missing = np.abs(first + carried + yielded)
+    load_yielded = np.where(plastic != 0, plastic * np.where(np.isfinite(above), above, 0.0), 0.0)
+    exchanged = np.abs(first) + np.abs(carried) + np.abs(load_yielded) + np.sqrt(np.abs(second * elastic))
+    missing = np.abs(first + carried + load_yielded)
     return Diffusion(
         variance=outputs,
         pressure=problem.pressure,

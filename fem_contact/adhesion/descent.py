@@ -352,7 +352,7 @@ _INNER, _FARTHEST = 100, 2.0
 
 
 def _search(state: _State, direction: Array) -> bool:
-    """Backtrack along the projected direction until the energy falls; False where it never does."""
+    """Move the state along the projected direction until its energy falls; False where it never does."""
     land = state.land
     if not np.any(direction):
         return False
@@ -364,7 +364,8 @@ def _search(state: _State, direction: Array) -> bool:
         change = gap - state.gap
         force = land.stiff(change)
         slope = float(np.sum(state.gradient * change))
-        # The attraction's part of the gradient is replaced by the exact change of its energy.
+        # The energy there less that here, summed over the points as `Landscape.energy` has it, but without
+        # the cancellation of two energies: the attraction's part of the gradient is replaced by its own rise.
         rise = slope - float(np.sum(state.attraction * change)) + 0.5 * float(np.sum(change * force))
         rise += 0.5 * state.base * float(np.mean(change)) ** 2 * change.size
         rise += float(np.sum(land.stored(gap) - energy))
