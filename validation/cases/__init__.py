@@ -24,24 +24,6 @@ from validation.execution.attempt import one_blas_thread
 from validation.measurements.statistics import order_of_convergence
 from validation.report.papers import cited
 
-__all__ = [
-    "Case",
-    "Check",
-    "NotJudged",
-    "Verdict",
-    "all_cases",
-    "below",
-    "case",
-    "cases_of",
-    "chosen_cases",
-    "holds",
-    "near",
-    "order",
-    "relative",
-    "run_cases",
-    "within",
-]
-
 
 class NotJudged(Exception):
     """Why a claim is not judged of a solver: not answered, not tried, or not read, as another one fails."""

@@ -11,15 +11,6 @@ from numpy.typing import ArrayLike
 from fem_contact.surface import HeightField
 from validation.arrays import Array
 
-__all__ = [
-    "EGG_BOX_DEPTH",
-    "EGG_BOX_FLAT",
-    "HertzInPeriod",
-    "Westergaard",
-    "egg_box",
-    "huber_stress",
-]
-
 #: Sums over a square lattice of period 1 without its origin: of 1/R^3, and of 1/R less a uniform background.
 _LATTICE_CUBE, _LATTICE_MADELUNG = 9.03362168, -3.90026492
 

@@ -18,7 +18,6 @@ from validation.cases import Check, below, case, holds, near, relative, within
 
 _BODY = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
-
 _LAW = Exponential(work=8e-4, reach=0.02)
 
 

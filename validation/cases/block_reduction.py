@@ -16,8 +16,6 @@ from persson.spectrum import SelfAffine
 from validation.arrays import Array
 from validation.cases import Case, Check, below, case, order
 
-__all__ = ["CASES"]
-
 _LAYER = "[johnson_book], Sec. 5.8: an elastic layer bonded to a rigid base"
 _SAME = "code verification: two ways to solve one discrete system"
 

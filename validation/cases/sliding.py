@@ -18,7 +18,6 @@ from validation.cases import Check, below, case, near, relative
 #: Of the rough cases: Poisson ratio and h'_rms.
 _POISSON, _GRADIENT = 0.3, 0.1
 
-
 _SOURCE = "[hunter1961]"
 _RESPONSE = "linear viscoelasticity: K. L. Johnson, Contact Mechanics, Sec. 6.5"
 _FRICTION = "[persson2001]"

@@ -21,8 +21,6 @@ from validation.arrays import Array
 from validation.cases import Case, Check, below, case, order, relative
 from validation.cases._closed_forms import HertzInPeriod, Westergaard
 
-__all__ = ["CASES"]
-
 _NU = 0.3
 _HALF_SPACE = HalfSpace(solid=Solid(young=1.0, poisson=_NU))
 

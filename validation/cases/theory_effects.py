@@ -77,11 +77,7 @@ def _diffusion() -> Iterator[Check]:
     yield relative("P(sigma_0) before a wall is felt", peak, 1 / math.sqrt(2e-6 * math.pi), 1e-6)
 
 
-@case(
-    "theory-variants",
-    "Corrected theories solve dV = S(P) dV_full.",
-    source="[yang2008]; [wang2017]",
-)
+@case("theory-variants", "Corrected theories solve dV = S(P) dV_full.", source="[yang2008]; [wang2017]")
 def _variants() -> Iterator[Check]:
     """Invert dV = S(P) dV_full by a quadrature over V."""
     ratio = 0.45

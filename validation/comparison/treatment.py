@@ -44,9 +44,7 @@ def with_treatment(
     patch = problem.measured.patch.height_field()
     traits = height_statistics(patch.heights, patch.spacing)
     data = data.assign(
-        **asdict(traits),
-        pixel=max(patch.spacing),
-        rms_curvature=math.sqrt(problem.field.moments[2]) / 2,
+        **asdict(traits), pixel=max(patch.spacing), rms_curvature=math.sqrt(problem.field.moments[2]) / 2
     ).assign_attrs(premise=int(traits.is_gaussian))
     others = [solve for solve in results if solve.problem.variation]
     on = {(solve.method, solve.grid) for solve in others}

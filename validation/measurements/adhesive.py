@@ -43,7 +43,6 @@ STRESS_EDGES = np.linspace(-3.0, 5.0, 321)
 #: Work of adhesion over the elastic energy of full contact below which a contact is not parted from there.
 _HOLDS = 1e-3
 
-
 #: What the theory says of one surface by reading; None where it has no answer.
 Solutions = Mapping[Reading, AdhesiveContact | None]
 

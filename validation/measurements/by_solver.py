@@ -28,7 +28,6 @@ from validation.solvers.base import Job, Settings, Solver
 #: Points closer than this to the edge of either contact, in cells, are left out of the second pressure difference.
 _EDGE_CELLS = 1.5
 
-
 #: Tolerances that a solver is told in turn where its area need be no better than its grid.
 _TOLERANCES = tuple(10.0**-k for k in range(2, 12))
 

@@ -22,23 +22,15 @@ if TYPE_CHECKING:
 #: Grids coarser than this, as lambda_short/dx, are left out of every limit.
 LEAST_POINTS_PER_WAVE = 3.0
 
-
 #: What is pressed where nobody says otherwise; E scales out of everything the studies report.
 BASE_SOLID = SolidSpec(young=1e9, poisson=0.3)
-
 
 #: Shortest waves along a side of the surface of a study: with eight points each, a grid of 16384 x 16384.
 _MOST_WAVES = 2048
 
 
 def base_surface(
-    *,
-    hurst: float,
-    periods: float,
-    bandwidth: float,
-    seed: int,
-    length: float = 1e-3,
-    gradient: float = 0.1,
+    *, hurst: float, periods: float, bandwidth: float, seed: int, length: float = 1e-3, gradient: float = 0.1
 ) -> SelfAffineSurface:
     """Return the surface of a study: L = periods lambda_long = periods bandwidth lambda_short [m], h'_rms of C(q).
 

@@ -28,7 +28,6 @@ _HALF = 0.03
 #: A relative change of the area too small to be compared with another.
 _NO_LOSS = 1e-3
 
-
 #: p/sqrt(V) away from the edge of the contact, and at it (edges of bins).
 _AWAY, _EDGE = (0.735, 2.94), (0.06, 0.135)
 #: Magnification from which on waves are short.
@@ -76,9 +75,7 @@ def budgets_of(
     others = [str(dim) for dim in data.pixel.dims if dim != "grid"]
     flat = {n: data[n].transpose("grid", *others).values.reshape(len(finest), 1, -1) for n in AREAS}
     areas = xr.Dataset({name: (("grid", "shift", "load"), values) for name, values in flat.items()}).assign(
-        points=("grid", points),
-        cells=("grid", [n**2 for n in points]),
-        points_per_wave=("grid", per_wave),
+        points=("grid", points), cells=("grid", [n**2 for n in points]), points_per_wave=("grid", per_wave)
     )
     like = data.pixel.isel(grid=0, drop=True).transpose(*others)
     parts = (*area_limits(areas), area_limits(areas.isel(grid=slice(None, -1)))[0])

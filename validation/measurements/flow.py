@@ -31,7 +31,6 @@ _BRACKET, _AREA = 1e-3, 2e-4
 #: Steps of a search for a load; each halves its bracket at worst.
 _STEPS = 40
 
-
 #: Loads between which the theory's gap is differentiated, relative.
 _STEP = 0.01
 

@@ -40,8 +40,7 @@ Surfaces = Annotated[
     AfterValidator(_with_scatter),
 ]
 Pairs = Annotated[
-    int,
-    Field(ge=2, description="pairs of surfaces +h, -h; scatter between pairs is the uncertainty"),
+    int, Field(ge=2, description="pairs of surfaces +h, -h; scatter between pairs is the uncertainty")
 ]
 Shifts = Annotated[int, Field(ge=1, description="sub-grid shifts along each axis")]
 

@@ -183,13 +183,7 @@ def views(data: xr.Dataset) -> Views:
         "memory": panels_along(data, "hurst", Panel(marks=[chance], x="age", log="y")),
     }
     columns = ("hurst", "reduced_pressure", "octave", *_TERMS, "square_told", "square_growth_path")
-    areas = (
-        "area_exponent",
-        "area_exponent_pixel",
-        "area_exponent_persson",
-        "loss_ratio",
-        "area_ratio_end",
-    )
+    areas = ("area_exponent", "area_exponent_pixel", "area_exponent_persson", "loss_ratio", "area_ratio_end")
     return Views(
         table=Table(rows=("hurst", "load", "octave"), columns=(*columns, *areas)),
         budget=("square_growth_late", "edge_loss", "pressure_slope"),
@@ -205,7 +199,6 @@ _CAPTIONS = {
     "fluxes": "Area that a ring takes out of contact, what it brings back over that, and the net, against its step.",
     "memory": "Chance that a ring brings a point back into contact: without memory it would be one number.",
 }
-
 
 _WHERE = "at H = {hurst} and p* = {reduced_pressure}"
 

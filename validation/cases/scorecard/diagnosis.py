@@ -26,8 +26,6 @@ from validation.cases.scorecard.elementary import (
 from validation.cases.scorecard.subject import Subject
 from validation.report.values import Value
 
-__all__ = ["diagnose"]
-
 #: What may have been done to the pressures of a square, and in words.
 _TURNED: dict[str, Callable[[Array], Array]] = {
     "mirrored in x": lambda p: np.roll(p[::-1], 1, axis=0),
