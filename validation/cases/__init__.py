@@ -201,10 +201,7 @@ def chosen_cases(names: Sequence[str], *, quick: bool) -> tuple[Case, ...]:
 
     A name also chooses the cases that begin with it and a hyphen.
 
-    Raises
-    ------
-    UsageError
-        For a name that chooses nothing.
+    A UsageError for a name that chooses nothing.
     """
     known = all_cases()
     for name in names:

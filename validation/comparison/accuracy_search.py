@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 import scipy.fft
 
-from fem_contact.area import ContactAreas, contact_areas
+from fem_contact.area import ContactAreas
 from fem_contact.extrapolation import PlannedGrid, predicted_uncertainty, too_small
 from validation.arrays import Grid
 from validation.comparison.accuracy_bench import Metered
@@ -20,7 +20,12 @@ from validation.execution.measurement import Call
 from validation.execution.press import Press, solves_of
 from validation.execution.solve import Prediction
 from validation.measurements.ensemble import MeanArea, mean_area
-from validation.measurements.measurement import TOLERANCES_LEFT, has_square_cells, limit_over
+from validation.measurements.measurement import (
+    TOLERANCES_LEFT,
+    areas_of_solve,
+    has_square_cells,
+    limit_over,
+)
 from validation.measurements.pairs import area_pairs
 from validation.report.words import percent, significant
 from validation.scenes.problem import ContactProblem
@@ -356,11 +361,5 @@ class Search:
         missing = [solve for solve in solves if solve not in self.areas]
         results = self.bench.solve(missing)
         for solve in missing:
-            result, solver = results[solve], solve.solver
-            self.peak_bytes = max(self.peak_bytes, result.cost.peak_bytes)
-            located = (
-                solver.locates_edges and not self.scene.effects and has_square_cells(self.problem, solve.grid)
-            )
-            self.areas[solve] = contact_areas(
-                result, edge_constant=solver.edge_constant(result), subcell=located
-            )
+            self.peak_bytes = max(self.peak_bytes, results[solve].cost.peak_bytes)
+            self.areas[solve] = areas_of_solve(solve, results[solve])

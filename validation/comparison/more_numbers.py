@@ -89,9 +89,7 @@ def cost_and_orders(data: xr.Dataset) -> xr.Dataset:
 
 def finest_of(data: xr.Dataset) -> xr.Dataset:
     """Add what every method says on its finest resolved grid, or on its finest where none resolves."""
-    names = [
-        name for name in ("area_pixel", "area_perimeter", "area_plastic_pixel", "residual") if name in data
-    ]
+    names = {"area_pixel", "area_perimeter", "area_plastic_pixel", "residual"} & set(data)
     chosen = []
     for solved in data.area_pixel.notnull().values:
         resolved = np.flatnonzero(solved & (data.resolved.values > 0))
@@ -99,7 +97,7 @@ def finest_of(data: xr.Dataset) -> xr.Dataset:
         # A method that failed on every grid has NaN on the last one, too.
         chosen.append(int(candidates[-1]) if candidates.size else -1)
     at = xr.DataArray(chosen, dims="solver")
-    values = {f"{name}_finest": data[name].isel(grid=at).drop_vars("grid") for name in names}
+    values = {f"{name}_finest": data[name].isel(grid=at).drop_vars("grid") for name in sorted(names)}
     return data.assign({**values, "grid_finest": ("solver", data.grid.values[chosen])})
 
 

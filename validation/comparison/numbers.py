@@ -55,8 +55,8 @@ def scene_data(
 
     A RunFailed where no solve of its own surface succeeded, or nothing touches.
     """
-    own, bare = set(own_solves(scene, results)), not scene.effects
-    readings = {solve: Reading.of(solve, results[solve], bare=bare, shown=solve in own) for solve in results}
+    own = set(own_solves(scene, results))
+    readings = {solve: Reading.of(solve, results[solve], shown=solve in own) for solve in results}
     case = Case(scene=scene, problem=problem, results=results, readings=readings, failures=failures or {})
     if not case.own:
         raise RunFailed(case.failed)
@@ -126,18 +126,14 @@ def _on_grids(case: Case) -> xr.Dataset:
         data = data.assign(rms_height_spectrum=moments.rms_height, rms_gradient_spectrum=moments.rms_gradient)
     for name in ("area_pixel", "area_perimeter", "area_located"):
         values = data[f"{name}_shift"]
-        made = {"reduction": "shift mean", "of": f"{name}_shift"}
-        data[name] = values.mean("shift").assign_attrs(made)
+        data[name] = values.mean("shift").assign_attrs(reduction="shift mean", of=f"{name}_shift")
         if name != "area_perimeter":
             # Of a mean over the shifts there are; none of one.
             half = mean_of(values, over="shift", there=values.notnull())[1]
             data[f"{name}_error"] = error_of(data[name], grid=half, **_ABSENT)
     if not bool(data.area_located.notnull().any()):
         data = data.drop_vars(["area_located", "area_located_error", "area_located_shift"])
-    failed = {
-        (solve.method, solve.grid): why for solve, why in case.failures.items() if solve.realisation == 0
-    }
-    if failed:
+    if failed := {(s.method, s.grid): why for s, why in case.failures.items() if s.realisation == 0}:
         words = [[failed.get((method, grid), "") for grid in grids] for method in case.methods]
         data["failure"] = (("solver", "grid"), words)
     count = data.area_pixel_shift.count("shift")
@@ -248,9 +244,8 @@ def _over_surfaces(data: xr.Dataset, case: Case, accurate: Mapping[str, Any] | N
             names += ["area_persson", "area_ratio"]
         several = mean(several, *names)
         values = several.area_each
-        several["scatter"] = values.std("surface", ddof=1, skipna=False) / values.mean(
-            "surface", skipna=False
-        )
+        deviation = values.std("surface", ddof=1, skipna=False)
+        several["scatter"] = deviation / values.mean("surface", skipna=False)
         several["surfaces"] = float(values.size)
         several["area_lowest"], several["area_highest"] = values.min("surface"), values.max("surface")
         data = data.merge(several, join="exact")
@@ -261,15 +256,13 @@ def _over_surfaces(data: xr.Dataset, case: Case, accurate: Mapping[str, Any] | N
     if not has_theory:
         return data
     if several is None:
-        data["area_persson"] = data.area_persson_own
         scene = case.scene
         # Whether the theory says the same of all surfaces of the spectrum.
         exact = getattr(scene.surface, "amplitudes", "") == "exact"
         alike = exact or (scene.load.reduced_pressure is not None and not scene.effects)
+        data = data.assign(area_persson=data.area_persson_own, area_ratio=math.nan)
         if alike or float(data.surfaces) == 1:
             data = derive(data, area_ratio="area / area_persson")
-        else:
-            data["area_ratio"] = xr.DataArray(math.nan)
     return derive(data, area_excess="area_ratio - 1", kappa_persson="area_persson / reduced_pressure")
 
 
@@ -315,9 +308,9 @@ def _surfaces(case: Case) -> xr.Dataset | None:
             limit = _NO_LIMIT
         area, half = xr.DataArray(limit.value), NORMAL * limit.uncertainty
         held = here.load.held
-        pressure = (
-            here.pressure if not held else float(readings[-1].numbers.mean_pressure) if readings else math.nan
-        )
+        pressure = math.nan if held else here.pressure
+        if held and readings:
+            pressure = float(readings[-1].numbers.mean_pressure)
         part = {
             "area_each": area.assign_attrs(reduction="limit"),
             "area_each_error": error_of(area, grid=half, **_ABSENT, **_HALF_SPACE),

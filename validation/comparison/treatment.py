@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 
 from fem_contact.contact import ContactResult
-from validation.comparison.reductions import Reading
 from validation.execution.press import Press
+from validation.measurements.measurement import areas_of_solve
 from validation.report.findings import Finding, finding, note
 from validation.report.table import Table
 from validation.scenes.problem import ContactProblem
@@ -19,16 +19,10 @@ from validation.scenes.topography.statistics import height_statistics
 
 #: What is said of a measured surface beside its moments.
 STATISTICS = (
-    "pixel",
-    "rms_curvature",
-    "kurtosis",
-    "slope_kurtosis",
-    "steep_share",
-    "summit_density",
-    "summit_curvature",
-    "summit_height",
-    "treatment_spread",
+    *("pixel", "rms_curvature", "kurtosis", "slope_kurtosis", "steep_share"),
+    *("summit_density", "summit_curvature", "summit_height", "treatment_spread"),
 )
+_CHANGES = ("treated_area_change", "treated_gradient_change", "treated_height_change")
 
 
 def with_treatment(
@@ -53,18 +47,17 @@ def with_treatment(
         return data
     rows = []
     for solve in (own, *others):
-        reading = Reading.of(solve, results[solve], bare=not solve.effects, shown=False)
-        area = reading.areas.perimeter if reading.areas.subcell is None else reading.areas.subcell
+        areas = areas_of_solve(solve, results[solve])
+        area = areas.perimeter if areas.subcell is None else areas.subcell
         rows.append((area, solve.problem.field.rms_gradient, solve.problem.field.rms_height))
     changes = np.array(rows[1:]) / np.array(rows[0]) - 1
-    names = ("treated_area_change", "treated_gradient_change", "treated_height_change")
     data = data.assign_coords(variation=[solve.problem.variation for solve in others]).assign(
-        {name: ("variation", values) for name, values in zip(names, changes.T, strict=True)}
+        {name: ("variation", values) for name, values in zip(_CHANGES, changes.T, strict=True)}
     )
     return data.assign(
         solve_variation=("variation", [solve.key for solve in others]),
         treatment_spread=xr.DataArray(float(np.sqrt(np.sum(changes[:, 0] ** 2)))),
-        treatment_grid=f"{own.label}",
+        treatment_grid=own.label,
     )
 
 
@@ -73,13 +66,7 @@ def treatment_table(data: xr.Dataset, *cases: str) -> Iterator[Table]:
     if "treated_area_change" in data:
         yield Table(
             rows=(*cases, "variation"),
-            columns=(
-                *cases,
-                "variation",
-                "treated_area_change",
-                "treated_gradient_change",
-                "treated_height_change",
-            ),
+            columns=(*cases, "variation", *_CHANGES),
             title="Budget of the treatment of the map",
             note="Each row treats the map otherwise and presses it with the same p0 "
             f"({data.treatment_grid.values.flat[0]}). Changes are relative to the treatment of the scene "

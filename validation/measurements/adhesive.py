@@ -15,6 +15,7 @@ from fem_contact import adhesion, bem
 from fem_contact.adhesion import GapLaw
 from fem_contact.contact import ContactResult
 from fem_contact.response import HalfSpace
+from fem_contact.stress import elastic_energy
 from fem_contact.surface import HeightField
 from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
 from persson.elastic import contact_area, stress_variance
@@ -55,9 +56,7 @@ def readings(
     hardness: float | None = None,
 ) -> Solutions:
     """Solve the theory with adhesion for the gradient of one surface by both readings; None where it has no answer."""
-    spectrum = problem.spectrum_shape
-    scaled = spectrum.scaled(float(problem.field.rms_gradient**2 / spectrum.m2()))
-    scale = Scale(scaled, contact_modulus=problem.contact_modulus)
+    scale = Scale(problem.own_spectrum, contact_modulus=problem.contact_modulus)
 
     def solved(energy: Reading) -> AdhesiveContact | None:
         interface = Interface(work_of_adhesion=work, energy=energy, area=area)
@@ -81,7 +80,7 @@ def without_adhesion(problem: ContactProblem, hardness: float | None = None) -> 
 def interface_energy(contact: ContactResult, law: GapLaw) -> float:
     """Energy that the law yields less what the solid stores, per nominal area [J/m^2]."""
     law = law.on_grid(spacing=max(contact.spacing), contact_modulus=contact.contact_modulus)
-    return -float(np.mean(law.energy(np.maximum(contact.gap, 0.0)))) - _stored(contact)
+    return -float(np.mean(law.energy(np.maximum(contact.gap, 0.0)))) - elastic_energy(contact)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,10 +121,10 @@ class Sticking:
             "attraction_range": self.adhesion.gap_law().reach / problem.field.rms_height,
         }
         for reading, solution in solutions.items():
-            numbers[f"area_{reading}"] = math.nan if solution is None else solution.real_area
-            numbers[f"interface_energy_{reading}"] = (
-                math.nan if solution is None else solution.macroscopic_work / work
-            )
+            area, gained = math.nan, math.nan
+            if solution is not None:
+                area, gained = solution.real_area, solution.macroscopic_work / work
+            numbers |= {f"area_{reading}": area, f"interface_energy_{reading}": gained}
         data: dict[str, Any] = {f"{name}_pixel_each": ("grid", values) for name, values in counted.items()}
         data |= {f"{name}_each": value for name, value in numbers.items()}
         for name, attracted in (("solve", True), ("solve_plain", False)):
@@ -177,7 +176,7 @@ def sticky_contact(
             "stress": ("stress_bin", shares / inside.size),
             "stored": ("shell", by_shell(contact.displacement)),
             "full": ("shell", full),
-            "stored_by_pressure": _stored(contact),
+            "stored_by_pressure": elastic_energy(contact),
         }
     )
 
@@ -301,8 +300,3 @@ def with_pooled_stress(data: xr.Dataset) -> xr.Dataset:
     step = "(stress_density - stress_density_{}).cumsum('stress_bin', skipna=False)"
     apart = {f"stress_distance_{r}": f"abs({step.format(r)}).max('stress_bin') * {width}" for r in READINGS}
     return claim(derive(data, **pooled, **apart), "stress_density", *apart)
-
-
-def _stored(contact: ContactResult) -> float:
-    pressure, displacement = contact.pressure, contact.displacement
-    return 0.5 * float(np.mean((pressure - pressure.mean()) * (displacement - displacement.mean())))

@@ -107,10 +107,7 @@ class StudyOptions(Table):
     def parse(cls, arguments: Sequence[str], *, scene: Scene | None = None) -> typing.Self:
         """Read ``--option value`` and ``--option=value`` pairs.
 
-        Raises
-        ------
-        UsageError
-            For an unknown option, or a value it does not allow, naming both and what is allowed.
+        A UsageError for an unknown option, or a value it does not allow, naming both and what is allowed.
         """
         values: dict[str, Any] = {}
         flags = cls.flags()

@@ -147,8 +147,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = mean(data, *_AREAS[:2], "area_plastic", "area_gain", "area_gain_excess", "interface_energy")
     data = same_of_all(mean(data, "interface_energy_excess"), *_THEORY)
     data = claim(data, "area", "area_plain", "area_plastic", "area_gain", "interface_energy", **ABSENT)
-    attributes = {"work": options.work, "reduced_pressure": options.reduced_pressure}
-    return data.assign_attrs(methods="theory bem", **attributes)
+    return data.assign_attrs(methods="theory bem", **options.model_dump(include={"work", "reduced_pressure"}))
 
 
 #: What is drawn along every dial, the coordinate, and how it is called.

@@ -104,8 +104,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = data.assign_coords(points_per_wave=("grid", list(options.points_per_wave)))
     data = straight_limit(data, "area", "area_plain", "area_parted", x="points_per_wave")
     data = _compared(straight_limit(data, *_COMPARED[1:], of="grid", x="points_per_wave"))
-    attributes = {name: getattr(options, name) for name in ("hurst", "reduced_pressure", "work")}
-    return data.assign_attrs(methods="theory bem adhesion", **attributes)
+    asked = options.model_dump(include={"hurst", "reduced_pressure", "work"})
+    return data.assign_attrs(methods="theory bem adhesion", **asked)
 
 
 def _full_surface(options: Options, k: int) -> tuple[ContactProblem, float]:

@@ -104,8 +104,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     )
     stated = ("area_ratio", "square_growth_late", "edge_loss")
     data = claim(with_diffusion_terms(data), *stated, **ABSENT)
-    attributes = {name: getattr(options, name) for name in ("periods", "bandwidth", "surfaces")}
-    return data.assign_attrs(methods="theory bem", **attributes)
+    asked = options.model_dump(include={"periods", "bandwidth", "surfaces"})
+    return data.assign_attrs(methods="theory bem", **asked)
 
 
 def _chains(options: Options, bench: Bench) -> xr.Dataset:

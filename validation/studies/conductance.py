@@ -92,8 +92,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = mean(data, "stiffness_exponent_light").assign(stiffness_exponent_proportional=1.0)
     data = claim(data, "stiffness", "stiffness_exponent", "stiffness_exponent_light", **ABSENT)
     data = derive(data, stiffness_exponent_light_excess="stiffness_exponent_light - 1")
-    attributes = {"hurst": options.hurst, "bandwidth": options.bandwidth}
-    return data.assign_attrs(methods="theory bem", **attributes)
+    return data.assign_attrs(methods="theory bem", hurst=options.hurst, bandwidth=options.bandwidth)
 
 
 def views(data: xr.Dataset) -> Views:

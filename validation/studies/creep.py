@@ -77,8 +77,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     )
     data = mean(data, "area", "area_crept", "area_memory", "area_excess")
     data = same_of_all(data, *(f"area_{name}" for name in VARIANTS))
-    attributes = {"solid": repr(rubber), "reduced_pressure": options.reduced_pressure}
-    return data.assign_attrs(methods=RANKED, load_left=options.load_left, **attributes)
+    asked = options.model_dump(include={"load_left", "reduced_pressure"})
+    return data.assign_attrs(methods=RANKED, solid=repr(rubber), **asked)
 
 
 def views(data: xr.Dataset) -> Views:

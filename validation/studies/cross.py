@@ -103,9 +103,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = derive(data, order="-exponent", area_difference_size="abs(area_difference)")
     solver = [other.method for other in options.others((), without=("bem",))]
     cited = ["bem", *solver, *(effect.kind for effect in options.effects), "perimeter"]
-    return data.assign_attrs(
-        study="cross", reduced_pressure=options.reduced_pressure, methods=" ".join(cited)
-    )
+    return data.assign_attrs(reduced_pressure=options.reduced_pressure, methods=" ".join(cited))
 
 
 #: What is averaged over the surfaces.

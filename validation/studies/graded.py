@@ -66,7 +66,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
             "grading": (dims, [_grading(ratio, q) for ratio in ratios]),
         },
         coords={"reduced_wave": q, "modulus_ratio": ratios},
-        attrs={"study": "graded", "methods": "theory bem", "poisson": options.poisson},
+        attrs={"methods": "theory bem", "poisson": options.poisson},
     )
     mild = "felt_modulus_profile.where(grading < 1)"
     worst = {"felt_error_profile": "felt_modulus_profile", "felt_error_coating": "felt_modulus_coating"}

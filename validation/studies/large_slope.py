@@ -74,8 +74,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = with_differences(data, differences=DIFFERENCES, straight=STRAIGHT)
     data["paths_ended"] = data.path_ended_each.isel(grid=-1).sum()
     data = claim(data, *CHANGES, *(f"{name}_rate" for name in CHANGES), theory="it is simulated")
-    attributes = {"hurst": options.hurst, "bandwidth": options.bandwidth}
-    return data.assign_attrs(methods="fem", **attributes)
+    return data.assign_attrs(methods="fem", hurst=options.hurst, bandwidth=options.bandwidth)
 
 
 def views(data: xr.Dataset) -> Views:

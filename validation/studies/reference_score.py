@@ -43,11 +43,8 @@ class Options(StudyOptions):
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Put theories, told C(q), and areas of a file beside the table of exact amplitudes; nothing is solved.
 
-    Returns
-    -------
-    xarray.Dataset
-        Over (theory, hurst, bandwidth, reduced_pressure): the table's ``area``, ``area_scored``, their relative
-        distance ``theory_excess`` and ``z_score``, the distance over the standard error of the table.
+    Over (theory, hurst, bandwidth, reduced_pressure): the table's ``area``, ``area_scored``, their relative
+    distance ``theory_excess`` and ``z_score``, the distance over the standard error of the table.
     """
     data = reference.table().sel(amplitudes="exact", drop=True)[["area", "area_error"]]
     theories = [find_theory(name) for name in options.theory]

@@ -20,6 +20,7 @@ from validation.execution.measurement import measurement
 from validation.measurements.common import RisingGrids, base_case
 from validation.measurements.flow import located_area
 from validation.measurements.limits import read_off
+from validation.measurements.measurement import press_elastic
 from validation.report.estimates import derive, power_law, reduce
 from validation.report.views import Figure, Line, Panel, Table, Views, finding
 from validation.scenes.problem import ContactProblem
@@ -77,15 +78,10 @@ class Options(StudyOptions):
 )
 def cold_solve(*, problem: ContactProblem, grid: Grid) -> xr.Dataset:
     """Return seconds, pairs of transforms and bytes of one cold solve by boundary elements, and the located area."""
-    from fem_contact import bem
-    from fem_contact.response import HalfSpace
-
-    half_space = HalfSpace(solid=problem.elastic)
-    result = bem.solve(problem.heights(grid), half_space, mean_pressure=problem.pressure, threads=1).checked()
-    costs = dict(
-        zip(_COSTS, (result.cost.cpu_seconds, result.cost.fft_pairs, result.cost.peak_bytes), strict=True)
-    )
-    return xr.Dataset({name: float(value) for name, value in {**costs, "area": located_area(result)}.items()})
+    result = press_elastic(problem.heights(grid), problem.elastic, problem.pressure)
+    values = {"seconds": result.cost.cpu_seconds, "area": located_area(result)}
+    values |= {name: float(getattr(result.cost, name)) for name in ("fft_pairs", "peak_bytes")}
+    return xr.Dataset(values)
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:

@@ -137,8 +137,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = same_of_all(data, *_FRICTIONS, *_AREAS)
     data = derive(data, **{f"friction_excess_{name}": f"friction_ratio_{name} - 1" for name in SHARES})
     data = claim(data, "friction", "friction_dissipated", "area", **ABSENT)
-    attributes = {"solid": repr(rubber), "reduced_pressure": options.reduced_pressure}
-    return data.assign_attrs(methods=RANKED, **attributes)
+    return data.assign_attrs(methods=RANKED, solid=repr(rubber), reduced_pressure=options.reduced_pressure)
 
 
 def views(data: xr.Dataset) -> Views:

@@ -58,10 +58,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     excess is taken out, and the slope that follows from the contour and the edge coefficient; over (method,
     surface) their limits at dx -> 0, with means over the surfaces.
 
-    Raises
-    ------
-    UsageError
-        For methods on different numbers of grids.
+    A UsageError for methods on different numbers of grids.
     """
     solvers = options.others(options.points_per_wave, without=())
     if len({len(solver.grids) for solver in solvers}) > 1:
