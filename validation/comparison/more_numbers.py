@@ -12,7 +12,7 @@ from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from validation.arrays import Array
 from validation.comparison.reductions import Case, Reading, grid_name, is_adhesive
 from validation.effects.base import ContactModel
-from validation.measurements.statistics import order_of_convergence
+from validation.measurements.statistics import order_of_convergence, relative_distance
 from validation.report.estimates import derive, error_of, gather
 from validation.solvers import find_method
 
@@ -36,9 +36,8 @@ def beside_each_other(data: xr.Dataset, readings: Sequence[Reading]) -> xr.Datas
             continue
         assert reading.pressure is not None
         assert first.pressure is not None
-        norm = float(np.linalg.norm(first.pressure))
         values = (
-            float(np.linalg.norm(reading.pressure - first.pressure)) / norm if norm else math.nan,
+            relative_distance(reading.pressure, first.pressure),
             reading.areas.pixel / first.areas.pixel - 1,
             reading.areas.perimeter / first.areas.perimeter - 1,
         )

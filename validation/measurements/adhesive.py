@@ -30,6 +30,7 @@ from validation.execution.measurement import Call, measurement
 from validation.execution.press import Press
 from validation.execution.running import Solves
 from validation.measurements.measurement import even_points
+from validation.measurements.theory import wave_powers
 from validation.measurements.yielding import yielded_by_theory
 from validation.report.estimates import claim, derive
 from validation.scenes.problem import ContactProblem
@@ -183,11 +184,8 @@ def sticky_contact(
 
 def _by_shell(field: HeightField, displacement: Array, *, modulus: float, shells: tuple[float, ...]) -> Array:
     """Elastic energy [J/m^2] of the waves up to each of `shells` and beyond the last, sum E* q |u|^2 / 4."""
-    nx, ny = field.shape
-    qx, qy = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(field.shape, field.spacing, strict=True))
-    q = np.hypot(qx[:, None], qy[None, :])
-    power = np.abs(np.fft.fft2(displacement) / (nx * ny)) ** 2
-    edges = np.array(shells) * (1 + 1e-9)
+    qx, qy, power = wave_powers(displacement, field.spacing)
+    q, edges = np.hypot(qx, qy), np.array(shells) * (1 + 1e-9)
     energy = modulus / 4 * (q * power).ravel()
     shell = np.searchsorted(edges, q.ravel())
     return np.asarray(np.bincount(shell, weights=energy, minlength=edges.size + 1), dtype=float)

@@ -20,6 +20,7 @@ from validation.execution.measurement import measurement
 from validation.execution.press import Press
 from validation.execution.solve import Prediction
 from validation.measurements.measurement import has_square_cells
+from validation.measurements.statistics import relative_distance
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import EffectSpec
 from validation.solvers import find_solver
@@ -158,10 +159,7 @@ def difference(first: ContactResult, second: ContactResult, *, inside: bool = Fa
     keep = np.ones(first.shape, dtype=bool)
     if inside:
         keep = _away_from_edge(np.asarray(first.in_contact)) & _away_from_edge(np.asarray(second.in_contact))
-    scale = float(np.linalg.norm(second.pressure[keep]))
-    return (
-        float(np.linalg.norm((first.pressure - second.pressure)[keep]) / scale) if scale > 0 else float("nan")
-    )
+    return relative_distance(first.pressure[keep], second.pressure[keep])
 
 
 def _away_from_edge(contact: np.ndarray) -> np.ndarray:
