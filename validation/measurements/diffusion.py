@@ -148,6 +148,10 @@ def _late(data: xr.Dataset) -> dict[str, list[int]]:
     return {"octave": [int(k) for k in np.flatnonzero(data.octave_start.values >= _LATE)] or [-1]}
 
 
+def _log(values: xr.DataArray) -> xr.DataArray:
+    return values.copy(data=np.log(values.values))
+
+
 def _ends(data: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.DataArray]:
     values = data[name].rename(level="step")
     return values.isel(step=slice(0, -1)), values.isel(step=slice(1, None))
@@ -210,11 +214,11 @@ def _with_area_budget(data: xr.Dataset) -> xr.Dataset:
     data = derive(data, area_ratio_each="area_each / area_persson_each")
     (before, after), areas = _ends(data, "variance_share_each"), _ends(data, "area_each")
     theory = _ends(data, "area_persson_each")
-    steps = _by_octave(data, np.log((after / before).isel(grid=-1)))
+    steps = _by_octave(data, _log((after / before).isel(grid=-1)))
     net = two_grid_limit(data.area_entered_each - data.area_lost_each, data.grid_spacing)
     both = (areas[1] + _ends(data, "area_negative_each")[1]) / 2
     located, counted, persson = (
-        _by_octave(data, np.log(ratio)) / steps
+        _by_octave(data, _log(ratio)) / steps
         for ratio in (both / areas[0], 1 + net / areas[0], theory[1] / theory[0])
     )
     partial = persson < TOUCHED
@@ -243,8 +247,8 @@ def _with_restarts(data: xr.Dataset) -> xr.Dataset:
     row = xr.DataArray(octaves, dims="octave")
     share = two_grid_limit(diffused / diffused.isel(octave=row, level=began), data.grid_spacing)
     ratio = (share / (area / area.isel(level=began))).transpose("octave", ...)
-    true = np.log(area.isel(level=half) / area.isel(level=began))
-    faster = 1 + np.log(ratio.isel(octave=row, level=half)) / true.where(true < -_NO_LOSS)
+    true = _log(area.isel(level=half) / area.isel(level=began))
+    faster = 1 + _log(ratio.isel(octave=row, level=half)) / true.where(true < -_NO_LOSS)
     ends = data.area_ratio_each.isel(level=[*began.values[1:], -1])
     return _added(
         data,
@@ -281,7 +285,7 @@ def exponents(values: xr.DataArray, steps: xr.DataArray) -> xr.DataArray:
     pairs = np.array([*itertools.pairwise(range(steps.size)), (0, last)]).T
     start, end = (xr.DataArray(places, dims="step_pair") for places in pairs)
     rise, length = (
-        np.log(part.isel({along: end}) / part.isel({along: start}))
+        _log(part.isel({along: end}) / part.isel({along: start}))
         for part in (values.where(values > 0), steps)
     )
     powers: xr.DataArray = (rise / length).drop_vars(str(steps.name), errors="ignore")
@@ -306,7 +310,7 @@ def _with_flows(data: xr.Dataset) -> xr.Dataset:
         for name, of in _FLOWS.items()
     }
     after = (data.area_probe_each + data.area_negative_probe_each).isel(probe_level=slice(1, None)) / 2
-    net = np.log(after.rename(probe_level="variance_step") / area) / np.log(1 + steps)
+    net = _log(after.rename(probe_level="variance_step") / area) / _log(1 + steps)
     powers = {name: exponents(flow, steps) for name, flow in flows.items()}
     data = _added(
         data,

@@ -36,7 +36,7 @@ def wave_powers(values: Array, spacing: tuple[float, float]) -> tuple[Array, Arr
     """Return qx, qy [1/m] and the squared amplitude of every wave of a periodic field, each of its shape."""
     qx, qy = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(values.shape, spacing, strict=True))
     x, y = np.meshgrid(qx, qy, indexing="ij")
-    return x, y, np.abs(np.fft.fft2(values, norm="forward")) ** 2
+    return x, y, np.abs(np.fft.fft2(values) / values.size) ** 2
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -16,7 +16,7 @@ from validation.scenes.mistakes import problems
 from validation.scenes.scene import Scene
 from validation.scenes.tables import SelfAffineSurface
 from validation.solvers import chosen_solver
-from validation.units import Table, unit_of, wrong
+from validation.units import Positive, Table, unit_of, wrong
 
 Hurst = Annotated[float, Field(ge=0, le=1, description="Hurst exponent H")]
 Periods = Annotated[float, Field(ge=1, description="L / lambda_long")]
@@ -43,6 +43,14 @@ Pairs = Annotated[
     int, Field(ge=2, description="pairs of surfaces +h, -h; scatter between pairs is the uncertainty")
 ]
 Shifts = Annotated[int, Field(ge=1, description="sub-grid shifts along each axis")]
+Positives = Annotated[tuple[Positive, ...], Field(min_length=1)]
+
+
+def above_one(magnifications: tuple[float, ...], *, bandwidth: float) -> None:
+    """Refuse magnifications of a last wave at which there are none of several lengths, or none at all."""
+    if not all(1 < zeta <= bandwidth for zeta in magnifications):
+        values = ", ".join(f"{zeta:g}" for zeta in magnifications)
+        raise wrong(f"magnifications = {values}: must lie above 1, at most bandwidth = {bandwidth:g}")
 
 
 def _that_solve(names: tuple[str, ...]) -> tuple[str, ...]:

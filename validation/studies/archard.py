@@ -19,9 +19,9 @@ from validation.measurements.hierarchy import archard_of, press_bumps
 from validation.measurements.limits import ABSENT, stored_variables
 from validation.report.estimates import claim, derive, mean, power_law
 from validation.report.views import Figure, Level, Line, Panel, Table, Views, finding
-from validation.studies._options import Seed, StudyOptions, Surfaces
+from validation.studies._options import Positives, Seed, StudyOptions, Surfaces
 from validation.studies._study import gathered
-from validation.units import Positive, wrong
+from validation.units import wrong
 
 #: Points of a grid on the shortest wave, fewer than which tell nothing of its bumps.
 _LEAST = 4
@@ -34,7 +34,7 @@ class Options(StudyOptions):
 
     waves: RisingGrids = (16, 128)
     """waves of the second level on a period, of the third, ...; rising"""
-    heights: Annotated[tuple[Positive, ...], Field(min_length=1)] = (0.2, 0.08)
+    heights: Positives = (0.2, 0.08)
     """their heights over that of the first level, one for each"""
     loads: Rising = Field(default=(0.002, 0.004, 0.008, 0.016, 0.032, 0.064), min_length=2)
     """p0 / (E* height of the first level / period), rising"""

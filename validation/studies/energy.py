@@ -32,8 +32,8 @@ from validation.theories.predicted import beside, distances, ranked
 _NEAR = 1e-3
 #: Tolerances of the solver that are compared, the last with the strictest.
 _STRICT = (1e-4, 1e-6, 1e-8, 1e-12)
-#: What is compared, and how findings call it.
-_COMPARED = {"energy_ratio": "Elastic energy", "gap": "Mean gap", "compliance": "Compliance"}
+#: What is compared.
+_COMPARED = ("energy_ratio", "gap", "compliance")
 
 
 class Options(pressure.Options):
@@ -132,16 +132,16 @@ def views(data: xr.Dataset) -> Views:
     ratios = [f"{name}{end}" for name in _COMPARED for end in ("", "_over")]
     return Views(
         table=Table(rows=("theory", "load"), columns=("theory", "reduced_pressure", "area", *ratios)),
-        budget=tuple(_COMPARED),
+        budget=_COMPARED,
         figures=_figures(),
         findings=[*_findings(data)],
     )
 
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
-    for name, title in _COMPARED.items():
+    for name in _COMPARED:
         yield ranking(
-            f"{title}, mean distance of simulated over predicted values from 1 below full contact: {{order}}.",
+            f"{pressure.TITLES[name]}, mean distance of simulated over predicted values from 1 below full contact: {{order}}.",
             ranked(data, name),
         )
     partly = data.isel(load=np.flatnonzero(data.gap_first.values > 0))

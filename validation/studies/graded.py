@@ -7,7 +7,7 @@ changes little over 1/q, E'/(E q) < 1. Boundary elements take the exact complian
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Self
+from typing import Self
 
 import numpy as np
 import xarray as xr
@@ -21,8 +21,8 @@ from validation.arrays import Array
 from validation.execution.bench import Bench
 from validation.report.estimates import derive
 from validation.report.views import Figure, Line, Panel, Table, Views, finding
-from validation.studies._options import StudyOptions
-from validation.units import Positive, wrong
+from validation.studies._options import Positives, StudyOptions
+from validation.units import wrong
 
 
 class Options(StudyOptions):
@@ -30,7 +30,7 @@ class Options(StudyOptions):
 
     why_no_scene = "it asks about single waves, and presses nothing"
 
-    ratios: Annotated[tuple[Positive, ...], Field(min_length=1)] = (0.1, 0.25, 0.5, 2.0, 4.0, 10.0)
+    ratios: Positives = (0.1, 0.25, 0.5, 2.0, 4.0, 10.0)
     """modulus far below over that of the surface, and of the solid over that of the coating; not 1"""
     poisson: float = Field(default=0.3, gt=-1, le=0.5)
     """nu, the same at all depths"""

@@ -32,6 +32,13 @@ LOADS = (0.001, 0.003, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2)
 _LIGHT = 0.1
 #: Relative area from which on contact is nearly full.
 _NEARLY_FULL = 0.9
+#: How findings call what is compared with theories.
+TITLES = {
+    "area": "Contact area",
+    "gap": "Mean gap",
+    "compliance": "Compliance",
+    "energy_ratio": "Elastic energy",
+}
 #: Where simulation and theory agree.
 AGREEMENT = Level(y="agreement", look={"color": "black", "lw": 0.8})
 
