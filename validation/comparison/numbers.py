@@ -23,7 +23,7 @@ from validation.comparison.transport import passing
 from validation.comparison.treatment import doubts_of
 from validation.errors import RunFailed
 from validation.execution.press import Press
-from validation.measurements.measurement import TOLERANCES_LEFT, limit_over
+from validation.measurements.measurement import TOLERANCES_LEFT, limit_over, no_limit
 from validation.report.estimates import NORMAL, derive, error_of, gather, mean, mean_of
 from validation.report.quantities import as_length, labelled
 from validation.scenes.problem import ContactProblem
@@ -33,7 +33,6 @@ from validation.solvers import find_method
 from validation.solvers.theory import predict
 
 _TOO_FEW = "it needs two resolved grids of boundary elements with square cells, or three solves on two grids"
-_NO_LIMIT = Limit(value=math.nan, uncertainty=math.nan, grids=0, definition="none")
 _ABSENT = {"theory": "it is simulated"}
 _HALF_SPACE = {"depth": "boundary elements press a half-space"}
 
@@ -163,9 +162,9 @@ def _beside_hertz(data: xr.Dataset, scene: Scene) -> xr.Dataset:
     return derive(data, hertz_share=f"contact_area / ({math.pi} * hertz_radius ** 2)")
 
 
-def limit_of(areas: Sequence[ContactAreas]) -> Limit | None:
+def limit_of(areas: Sequence[ContactAreas]) -> Limit:
     """Limit over at least two grids: of the located area where there is one, else of the corrected."""
-    return None if len({area.spacing for area in areas}) < 2 else limit_over(areas)
+    return no_limit(_TOO_FEW) if len({area.spacing for area in areas}) < 2 else limit_over(areas)
 
 
 def _value_of(areas: Sequence[ContactAreas], tolerance: float) -> xr.Dataset:
@@ -174,7 +173,7 @@ def _value_of(areas: Sequence[ContactAreas], tolerance: float) -> xr.Dataset:
     located = all(area.subcell is not None for area in areas)
     how = "edge located inside the cells" if located else "corrected at its edge"
     value, half, left, basis, why = math.nan, math.nan, math.nan, "no solve succeeded", ""
-    if limit is not None and limit.determinable:
+    if limit.determinable:
         value, half = limit.value, NORMAL * limit.uncertainty
         left = TOLERANCES_LEFT * tolerance * limit.value if located else math.nan
         basis = f"limit over {grids} grids, {how}"
@@ -183,9 +182,9 @@ def _value_of(areas: Sequence[ContactAreas], tolerance: float) -> xr.Dataset:
     else:
         finest = min(areas, key=lambda area: area.spacing)
         there = [area for area in areas if area.spacing == finest.spacing]
-        if limit is None or finest.pixel * finest.cells >= LEAST_CONTACT_POINTS:
+        if grids == 1 or finest.pixel * finest.cells >= LEAST_CONTACT_POINTS:
             value = float(np.mean([a.perimeter if a.subcell is None else a.subcell for a in there]))
-        why = _TOO_FEW if limit is None else limit.doubt
+        why = limit.doubt
         more = "a second grid gives the limit" if grids == 1 else "the grids tell no limit"
         basis = f"one grid, {how}; {more}"
     return xr.Dataset({"area": value, "half": half, "left": left, "basis": basis, "why": why})
@@ -304,8 +303,6 @@ def _surfaces(case: Case) -> xr.Dataset | None:
         readings = [on[grid] for grid in grids if grid in on]
         here = readings[0].solve.problem if readings else case.problem.further(k)
         limit = limit_of([reading.areas for reading in readings])
-        if limit is None or not limit.determinable:
-            limit = _NO_LIMIT
         area, half = xr.DataArray(limit.value), NORMAL * limit.uncertainty
         held = here.load.held
         pressure = math.nan if held else here.pressure

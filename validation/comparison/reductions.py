@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -67,13 +67,8 @@ class Reading:
                 "unknowns": result.cost.unknowns,
             }
         )
-        return cls(
-            solve=solve,
-            areas=areas,
-            numbers=numbers,
-            contact_modulus=result.contact_modulus,
-            pressure=result.pressure if shown and solve.is_own else None,
-        )
+        read = cls(solve=solve, areas=areas, numbers=numbers, contact_modulus=result.contact_modulus)
+        return replace(read, pressure=result.pressure) if shown and solve.is_own else read
 
 
 def _density(result: ContactResult, *, adhesive: bool) -> float:

@@ -347,6 +347,11 @@ def limit_over(areas: Sequence[ContactAreas]) -> Limit:
     return located_limit(areas) if located else perimeter_limit(areas)
 
 
+def no_limit(doubt: str) -> Limit:
+    """Return what there is in place of a limit: why there is none."""
+    return Limit(value=math.nan, uncertainty=math.nan, grids=0, definition="none", doubt=doubt)
+
+
 def areas_of(dataset: xr.Dataset, load: int, *, least_points_per_wave: float = 0.0) -> list[ContactAreas]:
     """Return the areas of a measurement at one load, one for each grid and shift, as `located_limit` takes them.
 
