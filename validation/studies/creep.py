@@ -21,16 +21,13 @@ from validation.measurements.theory import RANKED, VARIANTS
 from validation.report.estimates import derive, mean, same_of_all
 from validation.report.views import Figure, Line, Panel, Table, Views, against, finding
 from validation.scenes.tables import SolidSpec
-from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
 from validation.studies._rubber import RubberOptions
 from validation.studies._study import gathered
-from validation.units import Duration, Positive
+from validation.units import Duration
 
 
 class Options(RubberOptions):
     """What is held, how long, on what, and how much of the load is left after that."""
-
-    why_no_scene = "its solid is viscoelastic, which no scene can say, and it makes its own surfaces"
 
     durations: Annotated[tuple[Duration, ...], Field(min_length=1), AfterValidator(in_rising_order)] = (
         *(1e-5, 3e-5, 1e-4, 3e-4, 1e-3),
@@ -40,15 +37,8 @@ class Options(RubberOptions):
     """share of the load that is left when the last of these times is over"""
     steps: int = Field(default=8, ge=1)
     """steps of the solver from one time to the next"""
-    reduced_pressure: Positive = 0.1
-    """p* = p0 / (E_0* h'_rms), with the relaxed modulus and the realised gradient"""
-    hurst: Hurst = 0.8
-    periods: Periods = 2.0
-    bandwidth: Bandwidth = 8.0
-    surfaces: Surfaces = 6
     points_per_wave: Rising = Field(default=(4.0, 8.0), min_length=2)
     """grids, as lambda_short/dx; the finest gives the value"""
-    seed: Seed = 2006
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:

@@ -30,10 +30,9 @@ from validation.report.estimates import claim, derive, mean, same_of_all
 from validation.report.values import Value
 from validation.report.views import Figure, Finding, Line, Panel, Table, Views, against, finding
 from validation.scenes.tables import SolidSpec
-from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
 from validation.studies._rubber import RubberOptions
 from validation.studies._study import gathered
-from validation.units import Length, Positive, Velocity, wrong
+from validation.units import Length, Velocity, wrong
 
 #: Largest file of a modulus [byte].
 _LARGEST = 10**7
@@ -43,8 +42,6 @@ _REMEMBERED = 2.0
 
 class Options(RubberOptions):
     """What slides, on what, and how fast."""
-
-    why_no_scene = "its solid is viscoelastic, which no scene can say, and it makes its own surfaces"
 
     velocities: Annotated[tuple[Velocity, ...], Field(min_length=1), AfterValidator(in_rising_order)] = (
         1e-3,
@@ -59,17 +56,10 @@ class Options(RubberOptions):
     """velocities v along x, rising, e.g. "1 mm/s,10 mm/s" """
     modulus_table: str | None = None
     """file of a measured modulus, in place of both: lines of omega [1/s], E' [Pa], E'' [Pa]"""
-    reduced_pressure: Positive = 0.1
-    """p* = p0 / (E_0* h'_rms), with the relaxed modulus and the realised gradient"""
     length: Length = 1e-3
     """period of the surface"""
-    hurst: Hurst = 0.8
-    periods: Periods = 2.0
-    bandwidth: Bandwidth = 8.0
-    surfaces: Surfaces = 6
     points_per_wave: Rising = Field(default=(4.0, 8.0, 16.0), min_length=2)
     """grids, as lambda_short/dx; the finest gives the value"""
-    seed: Seed = 2006
 
     @model_validator(mode="after")
     def _table_alone(self) -> Self:
