@@ -119,8 +119,6 @@ Ladder = Annotated[Rising, AfterValidator(_of_a_limit)]
 def persson_area(reduced_pressure: ArrayLike) -> NDArray[np.float64]:
     """A/A0 of Persson's theory at p* = p0/(E* h'_rms): erf(sqrt(2) p*).
 
-    Examples
-    --------
     >>> bool(abs(persson_area(0.001) / 0.001 - np.sqrt(8 / np.pi)) < 1e-5)
     True
     """

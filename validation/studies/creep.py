@@ -25,13 +25,13 @@ from validation.studies._rubber import RubberOptions
 from validation.studies._study import gathered
 from validation.units import Duration
 
+_Durations = Annotated[tuple[Duration, ...], Field(min_length=1), AfterValidator(in_rising_order)]
+
 
 class Options(RubberOptions):
     """What is held, how long, on what, and how much of the load is left after that."""
 
-    durations: Annotated[tuple[Duration, ...], Field(min_length=1), AfterValidator(in_rising_order)] = (
-        *(1e-5, 3e-5, 1e-4, 3e-4, 1e-3),
-    )
+    durations: _Durations = (1e-5, 3e-5, 1e-4, 3e-4, 1e-3)
     """times after the load is put on, and after a part of it is taken off, rising"""
     load_left: float = Field(default=0.5, gt=0, le=1)
     """share of the load that is left when the last of these times is over"""

@@ -178,11 +178,5 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _deviation(data: xr.Dataset, name: str, quantity: str) -> Finding:
-    return finding(
-        "comparison",
-        f"{quantity} by L/lambda_0: {{each}}.",
-        data,
-        item=f"{{{name}}} at {{periods}}, {{verdict}} zero",
-        over="sample",
-        by=name,
-    )
+    form, item = f"{quantity} by L/lambda_0: {{each}}.", f"{{{name}}} at {{periods}}, {{verdict}} zero"
+    return finding("comparison", form, data, item=item, over="sample", by=name)

@@ -79,9 +79,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         area_ratio_each="area_each / area_persson_each",
         area_change_each="area_each / area_each.isel(magnification=0) - 1",
     )
-    return mean(data, "area", "area_persson", "area_ensemble", "area_ratio", "area_change").assign_attrs(
-        **options.spectrum_words
-    )
+    data = mean(data, "area", "area_persson", "area_ensemble", "area_ratio", "area_change")
+    return data.assign_attrs(options.spectrum_words)
 
 
 def views(data: xr.Dataset) -> Views:
@@ -98,19 +97,11 @@ def views(data: xr.Dataset) -> Views:
         by="area_change",
         zeta=float(data.magnification[0]),
     )
-    lines = [Line(y=name, by="load") for name in ("area", "area_persson", "area_ensemble")]
+    areas = ("area", "area_persson", "area_ensemble")
+    lines = [Line(y=name, by="load") for name in areas]
+    columns = ("reduced_pressure", "magnification", *areas, "area_ratio")
     return Views(
-        table=Table(
-            rows=("load", "magnification"),
-            columns=(
-                "reduced_pressure",
-                "magnification",
-                "area",
-                "area_persson",
-                "area_ensemble",
-                "area_ratio",
-            ),
-        ),
+        table=Table(rows=("load", "magnification"), columns=columns),
         budget=("area",),
         figures=[
             Figure(

@@ -80,12 +80,8 @@ def views(data: xr.Dataset) -> Views:
             Figure(name=f"excess-{k}", caption=caption, panels=panels, width=3.0 * len(panels), height=2.8)
         )
     columns = ("theory", *_CELL, "area", "area_scored", "theory_excess", "z_score")
-    return Views(
-        table=Table(rows=("theory", *_CELL), columns=columns),
-        budget=("area",),
-        figures=figures,
-        findings=[_worst(data), _agreeing(data)],
-    )
+    table, findings = Table(rows=("theory", *_CELL), columns=columns), [_worst(data), _agreeing(data)]
+    return Views(table=table, budget=("area",), figures=figures, findings=findings)
 
 
 def _worst(data: xr.Dataset) -> Finding:

@@ -8,7 +8,7 @@ bandwidth: each surface has waves down to the same number of grid spacings, so t
 from __future__ import annotations
 
 import itertools
-from typing import Annotated, Self
+from typing import Self
 
 import numpy as np
 import xarray as xr
@@ -38,13 +38,8 @@ class Options(StudyOptions):
 
     why_no_scene = "its surfaces grow with the grid"
 
-    grids: Annotated[RisingGrids, Field(min_length=3, description="points along a side, rising")] = (
-        128,
-        256,
-        512,
-        1024,
-        2048,
-    )
+    grids: RisingGrids = Field(default=(128, 256, 512, 1024, 2048), min_length=3)
+    """points along a side, rising"""
     points_per_wave: float = Field(default=8.0, ge=1)
     """lambda_short/dx, the same on every grid"""
     periods: Periods = 4.0

@@ -34,6 +34,8 @@ from validation.studies._rubber import RubberOptions
 from validation.studies._study import gathered
 from validation.units import Length, Velocity, wrong
 
+_Velocities = Annotated[tuple[Velocity, ...], Field(min_length=1), AfterValidator(in_rising_order)]
+
 #: Largest file of a modulus [byte].
 _LARGEST = 10**7
 #: |E| at the frequency of the period over E_0, above which the solid counts as remembering the period before.
@@ -43,16 +45,7 @@ _REMEMBERED = 2.0
 class Options(RubberOptions):
     """What slides, on what, and how fast."""
 
-    velocities: Annotated[tuple[Velocity, ...], Field(min_length=1), AfterValidator(in_rising_order)] = (
-        1e-3,
-        3e-3,
-        0.01,
-        0.03,
-        0.1,
-        0.3,
-        1.0,
-        3.0,
-    )
+    velocities: _Velocities = (1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
     """velocities v along x, rising, e.g. "1 mm/s,10 mm/s" """
     modulus_table: str | None = None
     """file of a measured modulus, in place of both: lines of omega [1/s], E' [Pa], E'' [Pa]"""

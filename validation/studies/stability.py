@@ -145,14 +145,9 @@ def views(data: xr.Dataset) -> Views:
         if np.isfinite(data.deviation.values[data.case.values == name]).any()
     ]
     wrong = int((data.outcome == "WRONG").sum())
+    judged = ("case", "method", "varied", "value", "deviation", "bound")
     return Views(
-        table=Table(
-            rows=("row",),
-            columns=(
-                *("case", "method", "varied", "value", "deviation", "bound"),
-                *("outcome", "seconds", "message"),
-            ),
-        ),
+        table=Table(rows=("row",), columns=(*judged, "outcome", "seconds", "message")),
         figures=[
             Figure(
                 name="stability",
