@@ -15,7 +15,6 @@ from fem_contact import adhesion, bem
 from fem_contact.adhesion import GapLaw
 from fem_contact.contact import ContactResult
 from fem_contact.response import HalfSpace
-from fem_contact.stress import elastic_energy
 from fem_contact.surface import HeightField
 from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
 from persson.elastic import contact_area, stress_variance
@@ -81,7 +80,7 @@ def without_adhesion(problem: ContactProblem, hardness: float | None = None) -> 
 def interface_energy(contact: ContactResult, law: GapLaw) -> float:
     """Energy that the law yields less what the solid stores, per nominal area [J/m^2]."""
     law = law.on_grid(spacing=max(contact.spacing), contact_modulus=contact.contact_modulus)
-    return -float(np.mean(law.energy(np.maximum(contact.gap, 0.0)))) - elastic_energy(contact)
+    return -float(np.mean(law.energy(np.maximum(contact.gap, 0.0)))) - _stored(contact)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -177,7 +176,7 @@ def sticky_contact(
             "stress": ("stress_bin", shares / inside.size),
             "stored": ("shell", by_shell(contact.displacement)),
             "full": ("shell", full),
-            "stored_by_pressure": elastic_energy(contact),
+            "stored_by_pressure": _stored(contact),
         }
     )
 
@@ -298,3 +297,8 @@ def with_pooled_stress(data: xr.Dataset) -> xr.Dataset:
     step = "(stress_density - stress_density_{}).cumsum('stress_bin', skipna=False)"
     apart = {f"stress_distance_{r}": f"abs({step.format(r)}).max('stress_bin') * {width}" for r in READINGS}
     return claim(derive(data, **pooled, **apart), "stress_density", *apart)
+
+
+def _stored(contact: ContactResult) -> float:
+    pressure, displacement = contact.pressure, contact.displacement
+    return 0.5 * float(np.mean((pressure - pressure.mean()) * (displacement - displacement.mean())))

@@ -93,17 +93,23 @@ def beside_bem(
         )
     constant = solver.edge_constant(contact)
     located = (solver.locates_edges or grid_share is not None) and not effects
-    areas = contact_areas(
-        contact, edge_constant=constant, subcell=located and has_square_cells(problem, grid)
-    )
-    data = compared(contact, ours, edge_constant=constant, rms_height=problem.field.rms_height)
-    data |= {
+    located = located and has_square_cells(problem, grid)
+    areas, half = contact_areas(contact, edge_constant=constant, subcell=located), contact_areas(ours)
+    data = {
+        **{name: getattr(areas, name) for name in ("pixel", "perimeter", "edge_fraction", *TRAITS)},
         "subcell": np.nan if areas.subcell is None else areas.subcell,
-        "edge_fraction": areas.edge_fraction,
-        **{name: getattr(areas, name) for name in TRAITS},
         "edge_constant": constant,
-        "converged": float(contact.status is Status.CONVERGED),
-        "iterations": contact.cost.iterations,
+        "pixel_bem": half.pixel,
+        "perimeter_bem": half.perimeter,
+        "pressure_half_space": difference(contact, ours),
+        "pressure_inside": difference(contact, ours, inside=True),
+        # The mean gap is the offset less C(0) p0 and the mean height: it compares bodies of different depth.
+        "gap": (contact.gap.mean() - ours.gap.mean()) / problem.field.rms_height,
+        "residual": contact.residuals.worst,
+        "converged": contact.status is Status.CONVERGED,
+        "seconds": contact.cost.cpu_seconds,
+        "seconds_bem": ours.cost.cpu_seconds,
+        **{name: getattr(contact.cost, name) for name in ("peak_bytes", "unknowns", "iterations")},
     }
     if layer:
         depth = float(given.get("depth", max(problem.lengths)))
@@ -130,28 +136,6 @@ def _no_further(
         if missed <= grid_share * EDGE_CONSTANTS["bem"] * areas.edge_fraction:
             break
     return replace(contact, cost=replace(contact.cost, peak_bytes=most))
-
-
-def compared(
-    contact: ContactResult, half: ContactResult, *, edge_constant: float, rms_height: float
-) -> dict[str, float]:
-    """Return areas, differences and cost of a solve beside boundary elements on the same points; h_rms is in m."""
-    areas, ours = contact_areas(contact, edge_constant=edge_constant), contact_areas(half)
-    return {
-        "pixel": areas.pixel,
-        "perimeter": areas.perimeter,
-        "pixel_bem": ours.pixel,
-        "perimeter_bem": ours.perimeter,
-        "pressure_half_space": difference(contact, half),
-        "pressure_inside": difference(contact, half, inside=True),
-        # The mean gap is the offset less C(0) p0 and the mean height: it compares bodies of different depth.
-        "gap": float((contact.gap.mean() - half.gap.mean()) / rms_height),
-        "residual": contact.residuals.worst,
-        "seconds": contact.cost.cpu_seconds,
-        "peak_bytes": contact.cost.peak_bytes,
-        "seconds_bem": half.cost.cpu_seconds,
-        "unknowns": contact.cost.unknowns,
-    }
 
 
 def difference(first: ContactResult, second: ContactResult, *, inside: bool = False) -> float:

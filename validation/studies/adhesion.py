@@ -8,6 +8,7 @@ short as the coarser grid resolves.
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from typing import Self
@@ -89,22 +90,21 @@ def design(options: Options) -> dict[tuple[Case, int], Sticking]:
     turned = (options.works, options.reduced_pressures, options.magnifications, options.hardnesses)
     dials = zip(_DIALS.items(), turned, strict=True)
     cases = [Case(varied=dial, **{**at, name: v}) for (dial, name), values in dials for v in values]
+    surfaces = [options.self_affine(number=k, length=_LENGTH) for k in range(options.surfaces)]
+    wholes = [base_case(surface, reduced_pressure=load, solid=_SOLID) for surface in surfaces]
     pressed = {}
-    for k in range(options.surfaces):
-        whole = base_case(options.self_affine(number=k, length=_LENGTH), reduced_pressure=load, solid=_SOLID)
+    for case, (k, whole) in itertools.product(cases, enumerate(wholes)):
         unit, modulus = whole.pressure_scale, whole.contact_modulus
-        full = full_contact_energy(whole.field, modulus=modulus)
-        for case in cases:
-            work = case.work_ratio * full
-            # The shortest range whose process zone spans the cells that are needed, and a little more.
-            reach = math.sqrt(1.1 * CELLS_NEEDED * _LENGTH / options.grids[0] * work / modulus)
-            surface = options.self_affine(number=k, until=case.magnification, length=_LENGTH)
-            pressed[case, k] = Sticking(
-                problem=base_case(surface, pressure=case.reduced_pressure * unit, solid=_SOLID),
-                adhesion=Adhesion(work=work, reach=reach),
-                hardness=None if math.isnan(case.hardness_ratio) else case.hardness_ratio * unit,
-                grids=options.grids,
-            )
+        work = case.work_ratio * full_contact_energy(whole.field, modulus=modulus)
+        # The shortest range whose process zone spans the cells that are needed, and a little more.
+        reach = math.sqrt(1.1 * CELLS_NEEDED * _LENGTH / options.grids[0] * work / modulus)
+        surface = options.self_affine(number=k, until=case.magnification, length=_LENGTH)
+        pressed[case, k] = Sticking(
+            problem=base_case(surface, pressure=case.reduced_pressure * unit, solid=_SOLID),
+            adhesion=Adhesion(work=work, reach=reach),
+            hardness=None if math.isnan(case.hardness_ratio) else case.hardness_ratio * unit,
+            grids=options.grids,
+        )
     return pressed
 
 
