@@ -165,12 +165,9 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     if int(data.attrs.get("solves", 0)):
         shared = float(data.attrs["asked"] - data.attrs["solves"])
         more = "; {shared} more were asked for by several cases and done once" if shared else ""
+        form = f"Cases: {{cases}}; solves: {{solves}}{more}."
         yield finding(
-            "cost",
-            f"Cases: {{cases}}; solves: {{solves}}{more}.",
-            cases=float(data.attrs["cases"]),
-            solves=float(data.attrs["solves"]),
-            shared=shared,
+            "cost", form, cases=float(data.attrs["cases"]), solves=float(data.attrs["solves"]), shared=shared
         )
 
 
@@ -217,9 +214,8 @@ def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
     first, last = (place_words(known.isel({dim: k}), dim, known) for k in (0, -1))
     where = f"From {first} to {last}{fixed} A/A0 "
     if name == "area_ensemble":
-        yield finding(
-            "value", where + f"by the theory goes from {{{name}_start:.4}} to {{{name}_end:.4}}.", pair
-        )
+        form = where + f"by the theory goes from {{{name}_start:.4}} to {{{name}_end:.4}}."
+        yield finding("value", form, pair)
         return
     yield finding(
         "trend",

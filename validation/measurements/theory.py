@@ -166,10 +166,6 @@ def modes_finding(data: xr.Dataset) -> Finding:
         return note(
             "There is no C(q) but that of the measured period itself, which the theory is told (conditional)."
         )
-    return finding(
-        "comparison",
-        "Told C(q) alone instead of the realised gradient, the theory's area changes by {low:+%} to {high:+%}: the sum "
-        "over the waves of a finite period against the integral.",
-        low=float(change.min()),
-        high=float(change.max()),
-    )
+    form = "Told C(q) alone instead of the realised gradient, the theory's area changes by {low:+%} to {high:+%}: the sum "
+    form += "over the waves of a finite period against the integral."
+    return finding("comparison", form, low=float(change.min()), high=float(change.max()))

@@ -274,6 +274,5 @@ def _against_peer(data: xr.Dataset, code: str) -> Finding:
         return finding("cost", text + "; none of the ways here is as good.", **values)
     best = min(ours, key=lambda k: float(seconds[k]))
     values |= {"best": labels[best], "ratio": float(seconds[best] / seconds[theirs])}
-    return finding(
-        "cost", text + "; the cheapest way here to that error takes {ratio:.3} of it ({best}).", **values
-    )
+    form = text + "; the cheapest way here to that error takes {ratio:.3} of it ({best})."
+    return finding("cost", form, **values)

@@ -153,23 +153,17 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "{path_work_check:%}, by a quadrature of fourth order.",
         **worst,
     )
+    form = "The smallest gap, {gap_first} h_rms at p* = {reduced_pressure}, against a tolerance of 1e-12 of the solver: off "
+    form += "by {each}; the study takes {used}."
+    item = "{left_gap:%} at {tolerance}"
     yield finding(
-        "value",
-        "The smallest gap, {gap_first} h_rms at p* = {reduced_pressure}, against a tolerance of 1e-12 of the solver: off "
-        "by {each}; the study takes {used}.",
-        partly.isel(load=-1),
-        item="{left_gap:%} at {tolerance}",
-        over="tolerance",
-        used=data.attrs["solver_tolerance"],
+        "value", form, partly.isel(load=-1), item=item, over="tolerance", used=data.attrs["solver_tolerance"]
     )
     full = np.flatnonzero(data.gap_first.values <= 0)
     if full.size:
-        yield finding(
-            "value",
-            "From p* = {reduced_pressure} on the contact of the first surface is full: its gap is {gap_first} h_rms, its "
-            "energy over that of full contact {energy_ratio_first}.",
-            data.isel(load=int(full[0])),
-        )
+        form = "From p* = {reduced_pressure} on the contact of the first surface is full: its gap is {gap_first} h_rms, its "
+        form += "energy over that of full contact {energy_ratio_first}."
+        yield finding("value", form, data.isel(load=int(full[0])))
 
 
 def _figures() -> list[Figure]:

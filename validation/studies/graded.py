@@ -105,14 +105,10 @@ def _share(felt: Callable[[Array], Array], exact: Response, q: Array) -> Array:
 def views(data: xr.Dataset) -> Views:
     """Modulus felt over the exact one against the wavevector, and how far it is off at worst."""
     kinds = {"profile": "an exponential profile of depth d", "coating": "a layer of thickness d"}
-    worst = finding(
-        "value",
-        "The modulus that a wave feels is off by at worst (+ is too stiff) {each}.",
-        data,
-        item="{felt_error_mild:+%} where E'/(E q) < 1, {felt_error_profile:+%} over all waves and {felt_error_coating:+%} "
-        "with a coating, whose E' is infinite ({modulus_ratio} times as stiff below)",
-        over="modulus_ratio",
-    )
+    form = "The modulus that a wave feels is off by at worst (+ is too stiff) {each}."
+    item = "{felt_error_mild:+%} where E'/(E q) < 1, {felt_error_profile:+%} over all waves and {felt_error_coating:+%} "
+    item += "with a coating, whose E' is infinite ({modulus_ratio} times as stiff below)"
+    worst = finding("value", form, data, item=item, over="modulus_ratio")
     return Views(
         table=Table(
             rows=("modulus_ratio",),

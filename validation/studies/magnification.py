@@ -88,14 +88,10 @@ def views(data: xr.Dataset) -> Views:
     last = data.isel(magnification=-1).assign(
         start=data.area.isel(magnification=0), start_error=data.area_error.isel(magnification=0)
     )
+    form = "From zeta = {zeta:~} to {magnification}, at one nominal pressure, the area {each}."
+    item = "{verdict} from {start:~} to {area} at p* = {reduced_pressure}, there {area_ratio} of Persson's"
     falls = finding(
-        "trend",
-        "From zeta = {zeta:~} to {magnification}, at one nominal pressure, the area {each}.",
-        last,
-        item="{verdict} from {start:~} to {area} at p* = {reduced_pressure}, there {area_ratio} of Persson's",
-        over="load",
-        by="area_change",
-        zeta=float(data.magnification[0]),
+        "trend", form, last, item=item, over="load", by="area_change", zeta=float(data.magnification[0])
     )
     areas = ("area", "area_persson", "area_ensemble")
     lines = [Line(y=name, by="load") for name in areas]

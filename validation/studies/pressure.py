@@ -120,33 +120,20 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _findings(data: xr.Dataset, some: xr.Dataset) -> Iterator[Finding]:
+    form = "The contact area is {each} (lambda_long/lambda_short = {bandwidth})."
+    item = "{verdict} Persson's, {area_excess:+%}, at A/A0 = {area:~}"
     yield finding(
-        "comparison",
-        "The contact area is {each} (lambda_long/lambda_short = {bandwidth}).",
-        some,
-        item="{verdict} Persson's, {area_excess:+%}, at A/A0 = {area:~}",
-        over="load",
-        by="area_excess",
-        bandwidth=data.attrs["bandwidth"],
+        "comparison", form, some, item=item, over="load", by="area_excess", bandwidth=data.attrs["bandwidth"]
     )
-    yield finding(
-        "value",
-        "Over those of Persson's theory: {each}.",
-        some,
-        item="gap {gap_over}, compliance {compliance_over} and energy {energy_ratio_over} at A/A0 = {area:~}",
-        over="load",
-    )
+    form = "Over those of Persson's theory: {each}."
+    item = "gap {gap_over}, compliance {compliance_over} and energy {energy_ratio_over} at A/A0 = {area:~}"
+    yield finding("value", form, some, item=item, over="load")
     if "light" in data.attrs:
         start, end = (data.isel(load=int(k)) for k in data.attrs["light"])
-        yield finding(
-            "trend",
-            "Between A/A0 = {start:~} and {area:~} kappa {verdict}, {kappa_change:+%}, the number of patches changes by "
-            "{patches_change:+%} and their mean size by {patch_size_change:+%}; independent patches would keep kappa and "
-            "their size, and grow in number with the area, by {area_change:+%}.",
-            end,
-            by="kappa_change",
-            start=value_of(start, "area"),
-        )
+        form = "Between A/A0 = {start:~} and {area:~} kappa {verdict}, {kappa_change:+%}, the number of patches changes by "
+        form += "{patches_change:+%} and their mean size by {patch_size_change:+%}; independent patches would keep kappa and "
+        form += "their size, and grow in number with the area, by {area_change:+%}."
+        yield finding("trend", form, end, by="kappa_change", start=value_of(start, "area"))
     reference = data.attrs["reference_load"]
     heavier = data.isel(load=slice(reference + 1, reference + 4))
     at = value_of(data.isel(load=reference), "area")

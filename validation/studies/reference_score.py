@@ -87,14 +87,9 @@ def views(data: xr.Dataset) -> Views:
 def _worst(data: xr.Dataset) -> Finding:
     size = abs(data.theory_excess).fillna(-1.0)
     worst = data.isel(size.argmax(_CELL))
-    return finding(
-        "comparison",
-        "Farthest from the table: {each}.",
-        worst,
-        item="{theory} lies {verdict} it, by {theory_excess:+%}, at H = {hurst}, bandwidth {bandwidth}, p* = {reduced_pressure}",
-        over="theory",
-        by="theory_excess",
-    )
+    form = "Farthest from the table: {each}."
+    item = "{theory} lies {verdict} it, by {theory_excess:+%}, at H = {hurst}, bandwidth {bandwidth}, p* = {reduced_pressure}"
+    return finding("comparison", form, worst, item=item, over="theory", by="theory_excess")
 
 
 def _agreeing(data: xr.Dataset) -> Finding:
