@@ -8,6 +8,7 @@ bandwidth: each surface has waves down to the same number of grid spacings, so t
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 from typing import Self
 
 import numpy as np
@@ -22,7 +23,7 @@ from validation.measurements.flow import located_area
 from validation.measurements.limits import read_off
 from validation.measurements.measurement import press_elastic
 from validation.report.estimates import derive, power_law, reduce
-from validation.report.views import Figure, Line, Panel, Table, Views, finding
+from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Hurst, Periods, ReducedPressure, Seed, StudyOptions, Surfaces
 from validation.studies._study import gathered
@@ -132,26 +133,18 @@ def views(data: xr.Dataset) -> Views:
                 panels=panels,
             )
         ],
-        findings=[
-            finding(
-                "value",
-                "Costs grow as powers of the number of points N: time {exponent_seconds}, pairs of transforms "
-                "{exponent_fft_pairs}, memory {exponent_peak_bytes}.",
-                data,
-            ),
-            finding(
-                "comparison",
-                "Persson (2006), Sec. 12: at least linear in N, 100 times per decade of L/dx. The exponent of the time "
-                "measured here is {verdict} 1; a decade costs {decade_seconds} times the time and "
-                "{decade_peak_bytes} times the memory.",
-                data,
-                by="excess_exponent",
-            ),
-            finding(
-                "cost",
-                "By these laws the free memory allows {side_peak_bytes} points along a side and an hour on one thread "
-                "{side_seconds}: {decades} decades of roughness; the paper says 2, at most 3.",
-                data,
-            ),
-        ],
+        findings=[*_findings(data)],
     )
+
+
+def _findings(data: xr.Dataset) -> Iterator[Finding]:
+    form = "Costs grow as powers of the number of points N: time {exponent_seconds}, pairs of transforms "
+    form += "{exponent_fft_pairs}, memory {exponent_peak_bytes}."
+    yield finding("value", form, data)
+    form = "Persson (2006), Sec. 12: at least linear in N, 100 times per decade of L/dx. The exponent of the time "
+    form += "measured here is {verdict} 1; a decade costs {decade_seconds} times the time and "
+    form += "{decade_peak_bytes} times the memory."
+    yield finding("comparison", form, data, by="excess_exponent")
+    form = "By these laws the free memory allows {side_peak_bytes} points along a side and an hour on one thread "
+    form += "{side_seconds}: {decades} decades of roughness; the paper says 2, at most 3."
+    yield finding("cost", form, data)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Self
 
@@ -145,57 +146,40 @@ def views(data: xr.Dataset) -> Views:
                 ],
             )
         ],
-        findings=_findings(data),
+        findings=[*_findings(data)],
     )
 
 
-def _findings(data: xr.Dataset) -> list[Finding]:
+def _findings(data: xr.Dataset) -> Iterator[Finding]:
     top = int(data.friction.values.argmax())
     largest = data.isel(velocity=top)
     areas = data.isel(velocity=sorted({0, top, data.sizes["velocity"] - 1}))
-    found = [
-        finding(
-            "value",
-            "Friction is largest at v = {velocity} m/s: mu = {friction} h'_rms, {friction_dissipated:~} by losses.",
-            largest,
-        ),
-        finding(
-            "cost",
-            "By slopes and by losses it differs by {each} (root mean square over velocities and surfaces). The solver took "
-            "{least} to {most} steps, at most {pairs} pairs of transforms; plain steps would shrink the error by {shrink} each "
-            "at worst.",
-            data,
-            item="{friction_difference_pooled:%} at {points_per_wave} points per shortest wave",
-            over="grid",
-            least=float(data.steps_each.min()),
-            most=float(data.steps_each.max()),
-            pairs=float(data.fft_pairs_each.max()),
-            shrink=float(data.contraction_each.max()),
-        ),
-        *(_theory_of(data, largest, name) for name in SHARES),
-        finding(
-            "comparison",
-            "A/A0 is {each}.",
-            areas,
-            item="{area} at v = {velocity} m/s, {verdict} Persson's {area_persson:~} (Yang, Persson {area_yang_persson:~}, Wang, "
-            "Müser {area_wang_mueser:~}, Xu et al. {area_xu:~})",
-            over="velocity",
-            by="area_excess",
-        ),
-    ]
+    form = "Friction is largest at v = {velocity} m/s: mu = {friction} h'_rms, {friction_dissipated:~} by losses."
+    yield finding("value", form, largest)
+    yield finding(
+        "cost",
+        "By slopes and by losses it differs by {each} (root mean square over velocities and surfaces). The solver took "
+        "{least} to {most} steps, at most {pairs} pairs of transforms; plain steps would shrink the error by {shrink} each "
+        "at worst.",
+        data,
+        item="{friction_difference_pooled:%} at {points_per_wave} points per shortest wave",
+        over="grid",
+        least=float(data.steps_each.min()),
+        most=float(data.steps_each.max()),
+        pairs=float(data.fft_pairs_each.max()),
+        shrink=float(data.contraction_each.max()),
+    )
+    yield from (_theory_of(data, largest, name) for name in SHARES)
+    form = "A/A0 is {each}."
+    item = "{area} at v = {velocity} m/s, {verdict} Persson's {area_persson:~} (Yang, Persson {area_yang_persson:~}, Wang, "
+    item += "Müser {area_wang_mueser:~}, Xu et al. {area_xu:~})"
+    yield finding("comparison", form, areas, item=item, over="velocity", by="area_excess")
     late = data.velocity.values[data.modulus_passing.values > _REMEMBERED]
     if late.size:
-        found.append(
-            finding(
-                "threshold",
-                "From v = {late} m/s on the solid has not relaxed when the period comes round again (|E| > {remembered} E_0 "
-                "there): it keeps the mean track of the periods before, more touches than on fresh rubber, and the theory, "
-                "which knows no track, is no comparison.",
-                late=float(late[0]),
-                remembered=_REMEMBERED,
-            )
-        )
-    return found
+        form = "From v = {late} m/s on the solid has not relaxed when the period comes round again (|E| > {remembered} E_0 "
+        form += "there): it keeps the mean track of the periods before, more touches than on fresh rubber, and the theory, "
+        form += "which knows no track, is no comparison."
+        yield finding("threshold", form, late=float(late[0]), remembered=_REMEMBERED)
 
 
 def _theory_of(data: xr.Dataset, largest: xr.Dataset, name: str) -> Finding:
