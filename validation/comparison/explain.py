@@ -294,10 +294,8 @@ def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]
         assert problem.spectrum is not None
         moments = problem.spectrum.moments()
         height = as_length(moments.rms_height, 4)
-        sizes = (
-            f"L/lambda_long = {min(problem.lengths) / problem.longest:.3g}, "
-            f"lambda_long/lambda_short = {problem.longest / problem.shortest:.3g}"
-        )
+        sizes = f"L/lambda_long = {min(problem.lengths) / problem.longest:.3g}, "
+        sizes += f"lambda_long/lambda_short = {problem.longest / problem.shortest:.3g}"
         facts.append(("integrals over C(q)", f"h_rms = {height}, h'_rms = {moments.rms_gradient:.4g}"))
         facts.append(("bandwidth", sizes))
     if field.rms_gradient > 0:

@@ -29,10 +29,8 @@ _NUMBERS = (
     *("rms_height", "rms_height_spectrum", "rms_gradient", "rms_gradient_spectrum", "nayak"),
     *STATISTICS,
 )
-_NOTE = (
-    "Of the scene's own surface, on the finest grid that resolves it; the interval of what follows "
-    "from fields is the change from the grid before. A/A0 is the mean over the surfaces of an ensemble."
-)
+_NOTE = "Of the scene's own surface, on the finest grid that resolves it; the interval of what follows "
+_NOTE += "from fields is the change from the grid before. A/A0 is the mean over the surfaces of an ensemble."
 _GRID_ROWS = ("solver", "grid")
 _MOST_FINDINGS = 6
 _GRIDS = (
@@ -155,10 +153,8 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
             held += "treatment of the map: {treatment_spread:.2%}; "
     yield Card("How sure?", answer, told(held + scatter))
     if "area_excess" in data and np.isfinite(data.area_persson_own):
-        basis = (
-            "theory: A/A0 = {area_persson:.4} with the realised gradient; p* = {reduced_pressure:.4}, "
-            "lambda_long/lambda_short = {bandwidth:.3}"
-        )
+        basis = "theory: A/A0 = {area_persson:.4} with the realised gradient; p* = {reduced_pressure:.4}, "
+        basis += "lambda_long/lambda_short = {bandwidth:.3}"
         bandwidth = float(data.wave_long / data.wave_short)
         yield Card(
             "How far from Persson's theory?", told("{area_excess:+%}"), told(basis, bandwidth=bandwidth)
@@ -201,19 +197,15 @@ def _findings(data: xr.Dataset) -> list[Finding]:
         text = "Yielded, A_pl/A0 = {area_plastic_pixel:.4} by {solver} on {grid} (points counted)"
         findings.append(finding("share", f"{text}{beside}.", _finest(data)))
     if "von_mises" in data:
-        text = (
-            "The largest von Mises stress below the surface is {von_mises_reduced:.4} E* h'_rms "
-            "({von_mises:u}), at a depth of {von_mises_depth_reduced:.3} lambda_short "
-            "({von_mises_depth:u}; {solver} on {grid}): there the solid yields first. From the grid "
-            "before it changed by {von_mises_change:+.2%}."
-        )
+        text = "The largest von Mises stress below the surface is {von_mises_reduced:.4} E* h'_rms "
+        text += "({von_mises:u}), at a depth of {von_mises_depth_reduced:.3} lambda_short "
+        text += "({von_mises_depth:u}; {solver} on {grid}): there the solid yields first. From the grid "
+        text += "before it changed by {von_mises_change:+.2%}."
         findings.append(finding("value", text, _finest(data)))
     findings += [*_methods(data), *_edges(data)]
     if "cheapest" in data:
-        text = (
-            "The cheapest way to within 1 % of the limit was {cheapest}: {seconds_cheapest:u}, off by "
-            "{area_cheapest_off:+.2%}."
-        )
+        text = "The cheapest way to within 1 % of the limit was {cheapest}: {seconds_cheapest:u}, off by "
+        text += "{area_cheapest_off:+.2%}."
         findings.append(finding("cost", text, data))
     elif "accuracy_asked" not in data and bool(data.deviation_pixel.notnull().any()):
         findings.append(note("No solve of this run is within 1 % of the limit: refine the grids."))
@@ -225,10 +217,8 @@ def _area(data: xr.Dataset) -> Iterator[Finding]:
         yield note("Contact is complete: A/A0 = 1 on the resolved grids, and refinement changes nothing.")
         return
     derived = derive(data, kappa_own="area_own / reduced_pressure")
-    text = (
-        "A/A0 = {area_own} for this surface ({area_basis}), kappa = {kappa_own} at p* = "
-        "{reduced_pressure:.4}."
-    )
+    text = "A/A0 = {area_own} for this surface ({area_basis}), kappa = {kappa_own} at p* = "
+    text += "{reduced_pressure:.4}."
     no_limit = " No limit over the grids: {no_limit}." if str(data.no_limit.item()) else ""
     yield finding("value", text + no_limit, derived)
     if float(data.surfaces) > 1:
@@ -250,13 +240,9 @@ def _theory(data: xr.Dataset) -> Iterator[Finding]:
     alone = ", {area_ensemble:.4} from C(q) alone" if "area_ensemble" in data else ""
     part = " ({theory_note})" if str(data.theory_note.item()) else ""
     other = ", {area_other_energy:.4} with another elastic energy" if "area_other_energy" in data else ""
-    yield finding(
-        "comparison",
-        "The area is {verdict} Persson's theory: {area_excess:+%} of A/A0 = {area_persson_own:.4} "
-        f"with the realised gradient{alone}{other}{part}.",
-        data,
-        by="area_excess",
-    )
+    form = "The area is {verdict} Persson's theory: {area_excess:+%} of A/A0 = {area_persson_own:.4} "
+    form += f"with the realised gradient{alone}{other}{part}."
+    yield finding("comparison", form, data, by="area_excess")
 
 
 def _methods(data: xr.Dataset) -> Iterator[Finding]:
@@ -273,10 +259,8 @@ def _methods(data: xr.Dataset) -> Iterator[Finding]:
         at = here.isel(grid=int(shared[-1]))
         order = ""
         if np.isfinite(at.pressure_difference_order):
-            order = (
-                "; these shrink like dx^{pressure_difference_order:.3} and "
-                "dx^{area_pixel_difference_order:.3}"
-            )
+            order = "; these shrink like dx^{pressure_difference_order:.3} and "
+            order += "dx^{area_pixel_difference_order:.3}"
         yield finding(
             "order",
             f"{_label(data, k)} and {_label(data, 0)} on {{grid}} differ by {{pressure_difference:.2%}} in "
@@ -315,11 +299,8 @@ def _warnings(data: xr.Dataset) -> Iterator[Finding]:
         names = ", ".join(map(str, coarse))
         yield note(f"Under-resolved (lambda_short <= 2 dx) and left out of every limit: {names}.")
     if float(data.rms_gradient) > 0.3:
-        yield finding(
-            "note",
-            "The gradient h'_rms = {rms_gradient:.3} is not small; all methods here assume small slopes.",
-            data,
-        )
+        form = "The gradient h'_rms = {rms_gradient:.3} is not small; all methods here assume small slopes."
+        yield finding("note", form, data)
     if not np.isclose(data.contact_modulus, data.contact_modulus_below, rtol=1e-9):
         yield finding(
             "note",

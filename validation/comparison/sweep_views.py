@@ -191,10 +191,8 @@ def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
         )
         over = mean(each, "area")
         scatter = float(each.area_each.std(ddof=1) / each.area_each.mean())
-        text = (
-            f"Over {{count}} surfaces{fixed} the mean is A/A0 = {{area}}; single ones scatter by "
-            "{scatter:.2%}."
-        )
+        text = f"Over {{count}} surfaces{fixed} the mean is A/A0 = {{area}}; single ones scatter by "
+        text += "{scatter:.2%}."
         yield finding("value", text, over, count=float(here.sizes[dim]), scatter=scatter)
         return
     ordered = here.sortby(key) if _numeric(data, key) else here

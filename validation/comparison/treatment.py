@@ -93,13 +93,10 @@ def treatment_findings(data: xr.Dataset) -> Iterator[Finding]:
     if "treatment_spread" in data:
         case = data.isel(data.treatment_spread.argmax(...))
         worst = case.isel(variation=int(np.argmax(np.abs(case.treated_area_change.values))))
-        yield finding(
-            "value",
-            f"Other treatments of the map move the area by {'at most ' * bool(data.treatment_spread.ndim)}"
-            "{treatment_spread:.2%} together, most of it "
-            "{variation}: {treated_area_change:+.2%}.",
-            worst,
-        )
+        form = f"Other treatments of the map move the area by {'at most ' * bool(data.treatment_spread.ndim)}"
+        form += "{treatment_spread:.2%} together, most of it "
+        form += "{variation}: {treated_area_change:+.2%}."
+        yield finding("value", form, worst)
     elif "premise" in data.attrs:
         yield note(
             "How far its treatment moves the area was not asked: treatment = true in [surface] asks it."
