@@ -11,9 +11,9 @@ from gold.asked import STUDIES
 from gold.make import options_of
 from planted import located
 
-from fem_contact.area import contact_areas
 from validation.audit import from_solves
 from validation.measurements import limits
+from validation.measurements.measurement import areas_of_solve
 from validation.report.estimates import NORMAL, SOURCES, claim
 from validation.studies import find_study
 
@@ -68,10 +68,11 @@ class Planted:
         self.found += [(value, NORMAL * error) for value, error in from_solves.limits(made)]
         return made
 
-    def areas(self, result, *, subcell):
+    def areas(self, solve, result):
         """Areas on every grid alike of a contact whose fields come back."""
-        areas = contact_areas(result, subcell=subcell)
-        return replace(areas, perimeter=AREA, subcell=located(AREA, areas.edge_fraction) if subcell else None)
+        areas = areas_of_solve(solve, result)
+        subcell = None if areas.subcell is None else located(AREA, areas.edge_fraction)
+        return replace(areas, perimeter=AREA, subcell=subcell)
 
 
 def limits_of(data, law, *of):
@@ -89,7 +90,7 @@ def limits_of(data, law, *of):
 )
 def test_limits_and_their_intervals_are_what_was_planted(size, name, bench, tmp_path, monkeypatch):
     planted = Planted(bench, size)
-    monkeypatch.setattr(limits, "contact_areas", planted.areas)
+    monkeypatch.setattr(limits, "areas_of_solve", planted.areas)
     study, options, _ = options_of(name, tmp_path)
     data = study.compute(options, bench=planted)
     for limit, _ in limits_of(data, "limit", "fields"):

@@ -57,7 +57,7 @@ def grown():
         return made_areas(value, n, 2 / n, **areas)
 
     patched = pytest.MonkeyPatch()
-    patched.setattr(limits, "contact_areas", lambda result, subcell: result)
+    patched.setattr(limits, "areas_of_solve", lambda solve, result: result)
     options = area.Options(grids=(16, 32, 48), reduced_pressures=(0.05, 0.2), surfaces=3, seed=61)
     data = area.run(options, bench=PlantedBench(answer))
     patched.undo()

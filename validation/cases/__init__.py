@@ -2,8 +2,8 @@
 
 A case says in ``claim`` what holds, and its ``run`` yields the checks that decide it: numbers beside a
 reference, with a tolerance that comes from an error estimate. A module of this package has each as a function
-under `case`, or, where several share one, in a tuple ``CASES``. What is asked of any solver is a row of the
-scorecard.
+under `case`, whose docstring begins with the claim, or, where several share one, in a tuple ``CASES``. What
+is asked of any solver is a row of the scorecard.
 """
 
 from __future__ import annotations
@@ -23,24 +23,6 @@ from validation.errors import UsageError, did_you_mean
 from validation.execution.attempt import one_blas_thread
 from validation.measurements.statistics import order_of_convergence
 from validation.report.papers import cited
-
-__all__ = [
-    "Case",
-    "Check",
-    "NotJudged",
-    "Verdict",
-    "all_cases",
-    "below",
-    "case",
-    "cases_of",
-    "chosen_cases",
-    "holds",
-    "near",
-    "order",
-    "relative",
-    "run_cases",
-    "within",
-]
 
 
 class NotJudged(Exception):
@@ -138,11 +120,17 @@ class Case:
     tolerance: str = "rounding"
 
 
-def case(
-    name: str, claim: str, *, source: str = "", **fields: Any
-) -> Callable[[Callable[..., Iterable[Check]]], Case]:
-    """Make a `Case` of the function that follows, which yields the checks; `fields` are those of `Case`."""
-    return lambda run: Case(name=name, claim=claim, run=run, source=cited(source), **fields)
+def case(name: str, *, source: str = "", **fields: Any) -> Callable[[Callable[..., Iterable[Check]]], Case]:
+    """Make a `Case` of the function that follows, which yields the checks; `fields` are those of `Case`.
+
+    Its claim is the first line of the function's docstring.
+    """
+
+    def made(run: Callable[..., Iterable[Check]]) -> Case:
+        claim = (run.__doc__ or "").partition("\n")[0]
+        return Case(name=name, claim=claim, run=run, source=cited(source), **fields)
+
+    return made
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -219,10 +207,7 @@ def chosen_cases(names: Sequence[str], *, quick: bool) -> tuple[Case, ...]:
 
     A name also chooses the cases that begin with it and a hyphen.
 
-    Raises
-    ------
-    UsageError
-        For a name that chooses nothing.
+    A UsageError for a name that chooses nothing.
     """
     known = all_cases()
     for name in names:

@@ -34,15 +34,6 @@ if TYPE_CHECKING:
 
     from validation.cases.scorecard import Scorecard
 
-__all__ = [
-    "KIND",
-    "claims_dataset",
-    "claims_page",
-    "claims_views",
-    "write_claims",
-    "write_scorecards",
-]
-
 KIND = "claims"
 #: Errors of the area that a digit is priced at.
 ACCURACIES = (0.1, 0.01, 0.001)

@@ -18,18 +18,12 @@ from validation.cases import Check, below, case, holds, near, relative, within
 
 _BODY = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
-
 _LAW = Exponential(work=8e-4, reach=0.02)
 
 
-@case(
-    "adhesion-balance",
-    "In an adhesive state forces balance, the gap closes, and its energy is the sum of both parts.",
-    source="half-space, wave by wave",
-    tolerance="solver",
-)
+@case("adhesion-balance", source="half-space, wave by wave", tolerance="solver")
 def _balance() -> Iterator[Check]:
-    """Look at a state with plain sums: forces, gap and energy."""
+    """In an adhesive state forces balance, the gap closes, and its energy is the sum of both parts."""
     x = np.cos(2 * math.pi * np.arange(24) / 24)
     surface = HeightField(heights=0.02 * x[:, None] * x[None, :], lengths=(1.0, 1.0))
     state = adhesion.solve(surface, _BODY, law=_LAW, mean_pressure=0.01, tolerance=1e-9).checked()
@@ -50,13 +44,9 @@ def _balance() -> Iterator[Check]:
     yield relative("elastic and gap energy [J/m^2]", state.energy, energy, 1e-9)
 
 
-@case(
-    "adhesion-loop",
-    "The work of a loop of approach and retraction is what its jumps lose.",
-    source="conservation of energy",
-    tolerance="estimate",
-)
+@case("adhesion-loop", source="conservation of energy", tolerance="estimate")
 def _loop() -> Iterator[Check]:
+    """The work of a loop of approach and retraction is what its jumps lose."""
     # One peak in a period: two alike would leave it to rounding which of them snaps first.
     x = np.cos(2 * math.pi * np.arange(64) / 64)
     surface = HeightField(heights=0.01 * (x[:, None] + x[None, :]), lengths=(1.0, 1.0))

@@ -16,12 +16,10 @@ from validation.cases import Check, below, case, near, relative
 _RADIUS, _MODULUS, _WORK = 2e-3, 3e6, 0.05
 
 
-@case(
-    "spheres-adhesive",
-    "An adhesive sphere comes off at 3/2 pi w R if soft, at 2 pi w R if stiff.",
-    source="[johnson1971]; [maugis1992]",
-)
+@case("spheres-adhesive", source="[johnson1971]; [maugis1992]")
 def _jkr() -> Iterator[Check]:
+    """An adhesive sphere comes off at 3/2 pi w R if soft, at 2 pi w R if stiff."""
+
     def load(a: float | Array) -> Array:
         return spheres.jkr_load(a, radius=_RADIUS, contact_modulus=_MODULUS, work_of_adhesion=_WORK)
 
@@ -47,13 +45,12 @@ def _jkr() -> Iterator[Check]:
 _MOMENTS = Moments(m0=4e-12, m2=1e-2, m4=1e-2**2 * 8 / 4e-12)
 
 
-@case(
-    "asperities-summits",
-    "Summits of a random surface have Nayak's density, curvature and heights.",
-    source="[nayak1971]; [mccool1987]",
-)
+@case("asperities-summits", source="[nayak1971]; [mccool1987]")
 def _summits() -> Iterator[Check]:
-    """Statistics of summits in the moments of a profile: mu0 = m0, mu2 = m2 / 2, mu4 = 3 m4 / 8."""
+    """Summits of a random surface have Nayak's density, curvature and heights.
+
+    Statistics of summits in the moments of a profile: mu0 = m0, mu2 = m2 / 2, mu4 = 3 m4 / 8.
+    """
     mu2, mu4 = _MOMENTS.m2 / 2, 3 * _MOMENTS.m4 / 8
     alpha = _MOMENTS.m0 * mu4 / mu2**2
     asperities = nayak_asperities(_MOMENTS)

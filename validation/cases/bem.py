@@ -23,12 +23,14 @@ _JOHNSON = "[johnson1985]"
 
 @case(
     "bem-punch",
-    "Boundary elements converge to the pressure under periodic flat punches.",
     source="K. L. Johnson, Contact Mechanics, Sec. 13.2; edge half a cell outside the last point",
     tolerance="grid",
 )
 def _punch() -> Iterator[Check]:
-    """Press a periodic flat punch, half width b: p = p0 cos(pi x) / (sin^2(pi b) - sin^2(pi x))^(1/2)."""
+    """Boundary elements converge to the pressure under periodic flat punches.
+
+    Press a periodic flat punch, half width b: p = p0 cos(pi x) / (sin^2(pi b) - sin^2(pi x))^(1/2).
+    """
     # The discrete edge lies half a cell outside the outermost point: at 1/6 of the period on each of these.
     sizes, errors, half_width = (45, 135, 405), [], 1 / 6
     for n in sizes:
@@ -46,14 +48,12 @@ def _punch() -> Iterator[Check]:
     yield order("its observed order", sizes, errors, expected=1, tolerance=0.05)
 
 
-@case(
-    "bem-egg-box-light",
-    "An egg box under light load touches like isolated spheres.",
-    source=_JOHNSON,
-    tolerance="estimate",
-)
+@case("bem-egg-box-light", source=_JOHNSON, tolerance="estimate")
 def _egg_box_light() -> Iterator[Check]:
-    """Each peak is a sphere of radius 1 / (4 pi^2 D): two contacts of Hertz in a period."""
+    """An egg box under light load touches like isolated spheres.
+
+    Each peak is a sphere of radius 1 / (4 pi^2 D): two contacts of Hertz in a period.
+    """
     for share, allowed in ((2e-3, 0.03), (2e-4, 0.015)):
         result = solve(egg_box(512), _SOFT, mean_pressure=share * EGG_BOX_FLAT).checked()
         curvature = 4 * math.pi**2 * EGG_BOX_DEPTH
@@ -63,13 +63,9 @@ def _egg_box_light() -> Iterator[Check]:
         yield relative(f"A/A0 at {share:g} of the flattening load", area, 2 * math.pi * radius**2, allowed)
 
 
-@case(
-    "bem-energy",
-    "The work of loading equals the elastic energy, to second order in the steps.",
-    source="conservation of energy",
-    tolerance="estimate",
-)
+@case("bem-energy", source="conservation of energy", tolerance="estimate")
 def _energy() -> Iterator[Check]:
+    """The work of loading equals the elastic energy, to second order in the steps."""
     misses = []
     for count in (9, 17, 33):
         path = solve_path(rough(96), _SOFT, mean_pressures=np.geomspace(0.02, 0.5, count), tolerance=1e-10)

@@ -20,12 +20,9 @@ def _felt(response: Response, q: float) -> float:
     return float(response.compliance(np.array([[q]]), np.zeros((1, 1)))[0, 0])
 
 
-@case(
-    "bodies-layers",
-    "A wave is pressed flat on a bonded and on a frictionless layer by its height over their compliance.",
-    source="K. L. Johnson, Contact Mechanics, Sec. 5.8",
-)
+@case("bodies-layers", source="K. L. Johnson, Contact Mechanics, Sec. 5.8")
 def _layers() -> Iterator[Check]:
+    """A wave is pressed flat on a bonded and on a frictionless layer by its height over their compliance."""
     x = np.cos(2 * np.pi * np.arange(48) / 48)
     surface = HeightField(heights=0.01 * x[:, None] * np.ones(4), lengths=(1.0, 1.0))
     for poisson in (0.3, 0.5):
@@ -43,14 +40,12 @@ def _layers() -> Iterator[Check]:
             yield relative(name, amplitude, exact, 1e-10)
 
 
-@case(
-    "bodies-graded",
-    "A modulus that relaxes with depth is that of many thin layers, to second order.",
-    source="exact layer matrices",
-    tolerance="grid",
-)
+@case("bodies-graded", source="exact layer matrices", tolerance="grid")
 def _depth() -> Iterator[Check]:
-    """Set 400 thin layers beside an exponential profile, which sums 64 that follow the wave."""
+    """A modulus that relaxes with depth is that of many thin layers, to second order.
+
+    Set 400 thin layers beside an exponential profile, which sums 64 that follow the wave.
+    """
     surface = Solid(young=1.0, poisson=0.3)
     edges = np.linspace(0, 12, 401)
     middle = (edges[1:] + edges[:-1]) / 2

@@ -27,14 +27,12 @@ _GRIDS = (64, 128, 256)
 _EDGE = {"bem": 0.103, "fem": 0.198}
 
 
-@case(
-    "comparison-wave",
-    "Of a wave pressed as a scene, every number of the dataset is Westergaard's.",
-    source="[westergaard1939]; Persson 2006, Eq. 20",
-    tolerance="grid",
-)
+@case("comparison-wave", source="[westergaard1939]; Persson 2006, Eq. 20", tolerance="grid")
 def _wave() -> Iterator[Check]:
-    """Press a cosine of period 1 until it touches over 60 %; its file holds 32 x 4 points."""
+    """Of a wave pressed as a scene, every number of the dataset is Westergaard's.
+
+    Press a cosine of period 1 until it touches over 60 %; its file holds 32 x 4 points.
+    """
     with tempfile.TemporaryDirectory() as name:
         file, results = Path(name) / "wave.npy", Path(name) / "results"
         np.save(file, _AMPLITUDE * np.cos(2 * np.pi * np.arange(32) / 32)[:, None] * np.ones(4))

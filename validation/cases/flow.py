@@ -39,14 +39,9 @@ def _spot(n: int, radius: float) -> float:
     return 1 / conductance / (holm + neighbours)
 
 
-@case(
-    "flow-spot",
-    "The contact resistance of a circular spot is Holm's, with the field of its neighbours.",
-    source="R. Holm (1967); [barber2003]",
-    tolerance="grid",
-)
+@case("flow-spot", source="R. Holm (1967); [barber2003]", tolerance="grid")
 def _spots() -> Iterator[Check]:
-    """Resistance of a circular spot, and stiffness of a layer in full contact."""
+    """The contact resistance of a circular spot is Holm's, with the field of its neighbours."""
     coarse, fine = _spot(96, 0.1), _spot(192, 0.1)
     layer = BondedLayer(solid=_SOLID, thickness=0.3)
     flat = HeightField(heights=np.zeros((8, 6)), lengths=(1.0, 1.0))
@@ -67,12 +62,11 @@ def _grooved(n: int, phase: Array) -> Array:
 
 @case(
     "flow-channel",
-    "The conductance of a gap is that of its channels and grooves.",
     source="O. Reynolds (1886); oblique grooves: the mean of both conductances",
     tolerance="grid",
 )
 def _channels() -> Iterator[Check]:
-    """Let fluid along a channel, along grooves, across them, and along oblique ones."""
+    """The conductance of a gap is that of its channels and grooves."""
     gap = np.zeros((9, 7))
     gap[:, 2:5] = 0.2
     channel = flow_conductance(gap, (3.0, 1.4), axis="x").conductance

@@ -24,14 +24,12 @@ _SIDE = 2.5
 _SQUARE = 0.3667892
 
 
-@case(
-    "free-hertz",
-    "A ball on a patch hardly larger than its contact is Hertz's within .1 %: it has no images.",
-    source="[hertz1882]; [johnson_book], Sec. 4.2",
-    tolerance="grid",
-)
+@case("free-hertz", source="[hertz1882]; [johnson_book], Sec. 4.2", tolerance="grid")
 def _hertz() -> Iterator[Check]:
-    """Press a ball of radius 1 to a contact of radius .1; no grid point is its apex."""
+    """A ball on a patch hardly larger than its contact is Hertz's within .1 %: it has no images.
+
+    Press a ball of radius 1 to a contact of radius .1; no grid point is its apex.
+    """
     a, side = 0.1, _SIDE * 0.1
     hertz = HertzInPeriod(radius=a, contact_modulus=_FREE.contact_modulus)
     sizes, approaches, pressures, radii = (32, 64, 128, 256), [], [], []
@@ -52,14 +50,12 @@ def _hertz() -> Iterator[Check]:
     yield order("observed order of p(r)", sizes, pressures, expected=2, tolerance=0.7)
 
 
-@case(
-    "free-punch",
-    "A flat square patch has the stiffness of a punch, that is the capacitance of a square plate.",
-    source="[read1997]: C = .3667892 x 4 pi eps L",
-    tolerance="grid",
-)
+@case("free-punch", source="[read1997]: C = .3667892 x 4 pi eps L", tolerance="grid")
 def _punch() -> Iterator[Check]:
-    """Pressures at the edges of a punch are infinite: first order."""
+    """A flat square patch has the stiffness of a punch, that is the capacitance of a square plate.
+
+    Pressures at the edges of a punch are infinite: first order.
+    """
     sizes, errors, exact = (16, 32, 64), [], math.pi * _SQUARE * _FREE.contact_modulus
     for n in sizes:
         flat = Patch(heights=np.zeros((n, n)), lengths=(1.0, 1.0))

@@ -14,10 +14,10 @@ from fem_contact.surface import HeightField, random_surface
 from fem_contact.viscoelastic import PronySolid
 from persson.sliding import friction_of_waves
 from validation.cases import Check, below, case, near, relative
+from validation.measurements.theory import wave_powers
 
 #: Of the rough cases: Poisson ratio and h'_rms.
 _POISSON, _GRADIENT = 0.3, 0.1
-
 
 _SOURCE = "[hunter1961]"
 _RESPONSE = "linear viscoelasticity: K. L. Johnson, Contact Mechanics, Sec. 6.5"
@@ -68,13 +68,9 @@ def _hunter(load: float, *, ratio: float, drift: float) -> tuple[float, float, f
     return a, centre, moment / load
 
 
-@case(
-    "sliding-cylinder",
-    "A cylinder on a standard solid has Hunter's friction within 1 %, and his contact to a cell.",
-    source=_SOURCE,
-    tolerance="grid",
-)
+@case("sliding-cylinder", source=_SOURCE, tolerance="grid")
 def _cylinder() -> Iterator[Check]:
+    """A cylinder on a standard solid has Hunter's friction within 1 %, and his contact to a cell."""
     n, elastic = 2048, 0.02
     load = math.pi * elastic**2 / 4
     x = (np.arange(n) + 0.5) / n - 0.5
@@ -93,13 +89,9 @@ def _cylinder() -> Iterator[Check]:
         yield near(f"centre, {parameters}", float(touched[-1] + touched[0]) / 2, centre, 1 / n)
 
 
-@case(
-    "sliding-twice",
-    "Pressure on slopes and losses of the solid give one friction as the grid is refined.",
-    source=_RESPONSE,
-    tolerance="grid",
-)
+@case("sliding-twice", source=_RESPONSE, tolerance="grid")
 def _twice() -> Iterator[Check]:
+    """Pressure on slopes and losses of the solid give one friction as the grid is refined."""
     result = _slid(256, 10.0, 0.03)
     ratio = result.slopes / result.dissipation
     yield relative("friction by slopes over that by losses, n = 256", ratio, 1.0, 0.005)
@@ -109,23 +101,17 @@ def _twice() -> Iterator[Check]:
     yield below("E_inf/E_0 = 1000: difference, n = 128 over 64", apart[1] / apart[0], 0.5)
 
 
-@case(
-    "sliding-full",
-    "In full contact solver and theory give the friction that the waves add up to.",
-    source=_FRICTION,
-    tolerance="solver",
-)
+@case("sliding-full", source=_FRICTION, tolerance="solver")
 def _full() -> Iterator[Check]:
+    """In full contact solver and theory give the friction that the waves add up to."""
     result = _slid(32, 50.0, 0.02, reduced=60.0)
     surface = _rough(32)
-    q = 2 * np.pi * np.fft.fftfreq(32, 1 / 32)
-    power = np.abs(np.fft.fft2(surface.heights, norm="forward")) ** 2
+    x, y, power = wave_powers(surface.heights, surface.spacing)
     there = power > 1e-20 * power[1:].max()
     there[0, 0] = False
-    x, y = (part[there] for part in np.broadcast_arrays(q[:, None], q[None, :]))
     theory = friction_of_waves(
-        x,
-        y,
+        x[there],
+        y[there],
         power=power[there],
         pressure=60.0 * _GRADIENT / (1 - _POISSON**2),
         velocity=0.02,

@@ -21,20 +21,13 @@ from validation.arrays import Array
 from validation.cases import Case, Check, below, case, order, relative
 from validation.cases._closed_forms import HertzInPeriod, Westergaard
 
-__all__ = ["CASES"]
-
 _NU = 0.3
 _HALF_SPACE = HalfSpace(solid=Solid(young=1.0, poisson=_NU))
 
 
-@case(
-    "subsurface-hertz",
-    "The stress below a paraboloid is Huber's within .1 % of the peak, and yields first at .48 a.",
-    tolerance="estimate",
-    source="[huber1904]; [johnson_book], Sec. 3.4",
-)
+@case("subsurface-hertz", tolerance="estimate", source="[huber1904]; [johnson_book], Sec. 3.4")
 def _hertz() -> Iterator[Check]:
-    """Six components below a paraboloid, and the point that yields first."""
+    """The stress below a paraboloid is Huber's within .1 % of the peak, and yields first at .48 a."""
     n, a = 256, 0.1  # nodes across the period, 1, and radius of the contact
     hertz = HertzInPeriod(radius=a, contact_modulus=_HALF_SPACE.contact_modulus)
     result = bem.solve(hertz.surface(n, (0.0, 0.0)), _HALF_SPACE, mean_pressure=hertz.load).checked()
@@ -56,14 +49,9 @@ def _hertz() -> Iterator[Check]:
     yield relative("its depth over a", strongest.depth / a, exact_depth / a, 0.01)
 
 
-@case(
-    "subsurface-westergaard",
-    "The stress below a wave in partial contact converges to Westergaard's.",
-    tolerance="grid",
-    source="[westergaard1939]",
-)
+@case("subsurface-westergaard", tolerance="grid", source="[westergaard1939]")
 def _wave() -> Iterator[Check]:
-    """Plane strain below a wave in partial contact, converging."""
+    """The stress below a wave in partial contact converges to Westergaard's."""
     exact, errors, sizes = Westergaard(contact_modulus=_HALF_SPACE.contact_modulus), [], (64, 128, 256, 512)
     for n in sizes:
         # The edge of the contact lies midway between two points on every grid.
@@ -78,12 +66,14 @@ def _wave() -> Iterator[Check]:
 
 @case(
     "subsurface-fem",
-    "The stress below a contact is that of the finite elements under the same pressures.",
     tolerance="grid",
     source="fem_contact.block, which shares nothing with it but the pressures",
 )
 def _finite_elements() -> Iterator[Check]:
-    """Compare the block's own stress on its mesh with that of a bonded layer, away from the surface."""
+    """The stress below a contact is that of the finite elements under the same pressures.
+
+    Compare the block's own stress on its mesh with that of a bonded layer, away from the surface.
+    """
     solid, n, depth = Solid(young=1.0, poisson=_NU), 32, 0.5
     x = np.arange(n) / n
     wave = 0.02 * np.cos(2 * np.pi * x)[:, None] * np.cos(2 * np.pi * x)[None, :]

@@ -28,13 +28,12 @@ def _eigenfunctions(x: float, v: float) -> tuple[float, float]:
     return float(2 * np.sum(decay[::2])), float(x + np.sum(np.where(n % 2 == 1, -decay, decay)))
 
 
-@case(
-    "theory-hardness",
-    "Elastic and yielded areas are those of diffusion between two absorbing walls.",
-    source="Persson 2006, Eqs. 27-32",
-)
+@case("theory-hardness", source="Persson 2006, Eqs. 27-32")
 def _hardness() -> Iterator[Check]:
-    """Between both walls: few eigenfunctions at large V, images at small V, and the diffusion solver."""
+    """Elastic and yielded areas are those of diffusion between two absorbing walls.
+
+    Between both walls: few eigenfunctions at large V, images at small V, and the diffusion solver.
+    """
     hardness = 2.0
     for x, v in ((0.1, 0.05), (0.4, 0.3), (0.4, 0.4), (0.7, 0.8)):
         areas = constant_hardness(x * hardness, stress_variance=v * hardness**2, yield_stress=hardness)
@@ -49,13 +48,12 @@ def _hardness() -> Iterator[Check]:
         yield near(f"A_pl/A0 by diffusion, {name}", solved.area_plastic[0], plastic, 1e-6)
 
 
-@case(
-    "theory-diffusion",
-    "Diffusion before one tensile wall is the source less its image.",
-    source="Persson 2006, Eqs. 17 and 48",
-)
+@case("theory-diffusion", source="Persson 2006, Eqs. 17 and 48")
 def _diffusion() -> Iterator[Check]:
-    """One wall at -sigma_a: the image of the source in it; before any wall is felt, a Gaussian."""
+    """Diffusion before one tensile wall is the source less its image.
+
+    One wall at -sigma_a: the image of the source in it; before any wall is felt, a Gaussian.
+    """
     variance, pressure, wall = 5.0, 0.4, 1.5
     solved = solve_diffusion([variance], pressure=pressure, tensile_limit=wall, tolerance=1e-8).checked()
     width = math.sqrt(2 * variance)
@@ -77,13 +75,9 @@ def _diffusion() -> Iterator[Check]:
     yield relative("P(sigma_0) before a wall is felt", peak, 1 / math.sqrt(2e-6 * math.pi), 1e-6)
 
 
-@case(
-    "theory-variants",
-    "Corrected theories solve dV = S(P) dV_full.",
-    source="[yang2008]; [wang2017]",
-)
+@case("theory-variants", source="[yang2008]; [wang2017]")
 def _variants() -> Iterator[Check]:
-    """Invert dV = S(P) dV_full by a quadrature over V."""
+    """Corrected theories solve dV = S(P) dV_full."""
     ratio = 0.45
     factors: dict[str, Callable[[float], float]] = {
         "yang_persson": lambda p: ratio + (1 - ratio) * p**2,
@@ -112,13 +106,12 @@ def _variants() -> Iterator[Check]:
 _ROUGH = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e5, q_short=1e8)
 
 
-@case(
-    "theory-graded",
-    "A wave feels the modulus of a graded solid weighted by q exp(-q z).",
-    source="Persson 2006, Sec. 5",
-)
+@case("theory-graded", source="Persson 2006, Sec. 5")
 def _profile() -> Iterator[Check]:
-    """Weigh E(z) with q exp(-q z): both ends, closed forms, and what a quadrature makes of them."""
+    """A wave feels the modulus of a graded solid weighted by q exp(-q z).
+
+    Weigh E(z) with q exp(-q z): both ends, closed forms, and what a quadrature makes of them.
+    """
     poisson, thickness = 0.4, 2e-6
     strain = 1 - poisson**2
     exponential = ExponentialLayers(bulk=1e6, excess=[5e6], depths=[thickness], poisson=poisson)
@@ -144,13 +137,12 @@ def _profile() -> Iterator[Check]:
     yield relative("V of a graded solid [Pa^2]", scale.variance(1e8), exact, 1e-7)
 
 
-@case(
-    "theory-separation",
-    "The work of the load is the elastic energy, and at light load the separation is logarithmic.",
-    source="[persson2007]",
-)
+@case("theory-separation", source="[persson2007]")
 def _separation() -> Iterator[Check]:
-    """Sum what the load stores: u(p1) - u(p2) = int dU/dp dp / p, summed over waves and loads."""
+    """The work of the load is the elastic energy, and at light load the separation is logarithmic.
+
+    Sum what the load stores: u(p1) - u(p2) = int dU/dp dp / p, summed over waves and loads.
+    """
     modulus = 4e6
     scale = Scale(_ROUGH, contact_modulus=modulus)
     low, high = 2e3, 4e4
@@ -187,12 +179,9 @@ def _rim(interface: Interface, pressure: float = _RIM_PRESSURE) -> AdhesiveConta
     return solve_adhesion(scale, pressure=pressure, interface=interface).checked()
 
 
-@case(
-    "theory-adhesion",
-    "Adhesion brings the area of a tire rim to .44, and its limits are exact.",
-    source="Persson 2006, Secs. 8.2-8.4",
-)
+@case("theory-adhesion", source="Persson 2006, Secs. 8.2-8.4")
 def _adhesion() -> Iterator[Check]:
+    """Adhesion brings the area of a tire rim to .44, and its limits are exact."""
     variance = _RIM_MODULUS**2 / 4 * float(_RIM.m2())
     plain = math.erf(_RIM_PRESSURE / math.sqrt(2 * variance))
     printed = _rim(replace(_RIM_INTERFACE, energy="as_printed"))
@@ -213,13 +202,12 @@ def _adhesion() -> Iterator[Check]:
     yield within("A/A0 of weak bonds", bounded.real_area, plain, most * (1 + 1e-4))
 
 
-@case(
-    "theory-adhesion-energy",
-    "The adhesive energy left at each scale is what the waves beyond it have not cost.",
-    source="Persson 2006, Eqs. 37, 43, 48 and 50",
-)
+@case("theory-adhesion-energy", source="Persson 2006, Eqs. 37, 43, 48 and 50")
 def _energies() -> Iterator[Check]:
-    """Write Eq. 37 in wavevectors, with each elastic energy, and sum it from the solution's own areas."""
+    """The adhesive energy left at each scale is what the waves beyond it have not cost.
+
+    Write Eq. 37 in wavevectors, with each elastic energy, and sum it from the solution's own areas.
+    """
     q = np.geomspace(1e5, 1e10, 20001)
     spectrum = 2 * math.pi * q**3 * _RIM(q)
     for energy, load in (("old", 0.0), ("improved", _RIM_PRESSURE), ("as_printed", 0.0)):
@@ -256,14 +244,9 @@ def _energies() -> Iterator[Check]:
 _SHORT = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e5, q_short=1e7)
 
 
-@case(
-    "theory-pull-off",
-    "Nearly flat surfaces come off at the detachment stress; rougher than critical none sticks.",
-    source="Persson 2006, Secs. 8.3 and 10.2",
-    tolerance="estimate",
-)
+@case("theory-pull-off", source="Persson 2006, Secs. 8.3 and 10.2", tolerance="estimate")
 def _ends() -> Iterator[Check]:
-    """Pull off a nearly flat surface, and roughen one until it does not stick."""
+    """Nearly flat surfaces come off at the detachment stress; rougher than critical none sticks."""
     interface = Interface(work_of_adhesion=0.05)
     smooth = Scale(_SHORT.scaled(1e-8), contact_modulus=4e6)
     strongest = math.sqrt(1.125 * 0.05 * 4e6 * 1e5)

@@ -120,10 +120,8 @@ class AccuracyResult:
         for other in self.beside:
             answer = f"no limit: {other.doubt}"
             if not other.doubt:
-                answer = (
-                    f"A/A0 = {other.area:.6g} +- {percent(other.error)} (95 %: grid; limit of the area "
-                    f"{edge[other.located]}), {100 * (other.area / self.area - 1):+.2g} % from it"
-                )
+                answer = f"A/A0 = {other.area:.6g} +- {percent(other.error)} (95 %: grid; limit of the area "
+                answer += f"{edge[other.located]}), {100 * (other.area / self.area - 1):+.2g} % from it"
             yield f"Beside it {other.label} on {grid_words(other.grids)}: {answer}."
         if (mean := self.ensemble) is not None:
             area, half = mean.estimate.value, mean.estimate.half_width

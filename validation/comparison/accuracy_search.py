@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 import scipy.fft
 
-from fem_contact.area import ContactAreas, contact_areas
+from fem_contact.area import ContactAreas
 from fem_contact.extrapolation import PlannedGrid, predicted_uncertainty, too_small
 from validation.arrays import Grid
 from validation.comparison.accuracy_bench import Metered
@@ -20,7 +20,13 @@ from validation.execution.measurement import Call
 from validation.execution.press import Press, solves_of
 from validation.execution.solve import Prediction
 from validation.measurements.ensemble import MeanArea, mean_area
-from validation.measurements.measurement import TOLERANCES_LEFT, has_square_cells, limit_over
+from validation.measurements.measurement import (
+    TOLERANCES_LEFT,
+    areas_of_solve,
+    has_square_cells,
+    limit_over,
+    no_limit,
+)
 from validation.measurements.pairs import area_pairs
 from validation.report.words import percent, significant
 from validation.scenes.problem import ContactProblem
@@ -140,11 +146,8 @@ class Search:
     def shared(self) -> tuple[Grid, ...]:
         """Grids of other methods, on which boundary elements are solved, too, to compare point by point."""
         grids = {solve.grid for solves in self.others.values() for solve in solves}
-        return tuple(
-            grid
-            for grid in sorted(grids)
-            if self.problem.points_per_wave(grid) >= _LEAST_LEVEL and has_square_cells(self.problem, grid)
-        )
+        fine = (grid for grid in sorted(grids) if self.problem.points_per_wave(grid) >= _LEAST_LEVEL)
+        return tuple(grid for grid in fine if has_square_cells(self.problem, grid))
 
     def own_surface(self) -> Single:
         """Solve the scene's own surface to the accuracy."""
@@ -205,25 +208,24 @@ class Search:
     def beside(self) -> tuple[Beside, ...]:
         """Solve what other methods the scene lists."""
         self.bench.account.reserved = 0.0
-        others, nan = [], float("nan")
+        others = []
         for name, solves in self.others.items():
             resolved = [solve for solve in solves if self.problem.resolved_by(solve.grid)]
-            limit, doubt = None, "no grid resolves the surface"
+            limit = no_limit("no grid resolves the surface")
             try:
                 self._solve(solves)
+                limit = limit_over([self.areas[solve] for solve in resolved]) if resolved else limit
             except RunFailed as error:  # it does not keep the others from being heard
-                doubt = str(error)
-            else:
-                limit = limit_over([self.areas[solve] for solve in resolved]) if resolved else None
+                limit = no_limit(str(error))
             others.append(
                 Beside(
                     method=name,
                     label=solves[0].solver.label,
                     grids=tuple(dict.fromkeys(solve.grid for solve in solves)),
-                    area=nan if limit is None else limit.value,
-                    error=nan if limit is None else 2 * limit.uncertainty / limit.value,
-                    located=limit is not None and limit.definition == "subcell",
-                    doubt=doubt if limit is None else limit.doubt,
+                    area=limit.value,
+                    error=2 * limit.uncertainty / limit.value,
+                    located=limit.definition == "subcell",
+                    doubt=limit.doubt,
                 )
             )
         return tuple(others)
@@ -319,24 +321,18 @@ class Search:
 
     def _cheapest(self, ladders: Iterable[Ladder], tried: set[tuple[Grid, ...]], *, share: float) -> Ladder:
         left = [ladder for ladder in ladders if ladder.grids not in tried]
+        affordable = [ladder for ladder in left if self.bench.affordable(ladder.seconds, ladder.peak_bytes)]
         good = [ladder for ladder in left if ladder.error <= share * self.target]
-        affordable = [ladder for ladder in good if self.bench.affordable(ladder.seconds, ladder.peak_bytes)]
-        if affordable:
-            return min(affordable, key=lambda ladder: ladder.seconds)
-        reachable = [
-            ladder.error
-            for ladder in left
-            if self.bench.affordable(ladder.seconds, ladder.peak_bytes) and np.isfinite(ladder.error)
-        ]
+        good.sort(key=lambda ladder: ladder.seconds)
+        for ladder in good:
+            if ladder in affordable:
+                return ladder
+        reachable = [ladder.error for ladder in affordable if np.isfinite(ladder.error)]
         best = f"about {percent(min(reachable) / share)}" if reachable else "nothing"
+        needs = f"needs more than {_LEVELS[-1]} points per shortest wave"
         if good:
-            least = min(good, key=lambda ladder: ladder.seconds)
-            needs = (
-                f"needs about {memory_words(least.peak_bytes)} and {least.seconds:.2g} s "
-                f"({grid_words(least.grids)})"
-            )
-        else:
-            needs = f"needs more than {_LEVELS[-1]} points per shortest wave"
+            memory, seconds = memory_words(good[0].peak_bytes), good[0].seconds
+            needs = f"needs about {memory} and {seconds:.2g} s ({grid_words(good[0].grids)})"
         raise UsageError(
             f"{self.bench.wanted}: {needs}, and {self.bench.means()}; {best} is within reach; "
             "ask for less, allow more, or use a larger machine"
@@ -356,11 +352,5 @@ class Search:
         missing = [solve for solve in solves if solve not in self.areas]
         results = self.bench.solve(missing)
         for solve in missing:
-            result, solver = results[solve], solve.solver
-            self.peak_bytes = max(self.peak_bytes, result.cost.peak_bytes)
-            located = (
-                solver.locates_edges and not self.scene.effects and has_square_cells(self.problem, solve.grid)
-            )
-            self.areas[solve] = contact_areas(
-                result, edge_constant=solver.edge_constant(result), subcell=located
-            )
+            self.peak_bytes = max(self.peak_bytes, results[solve].cost.peak_bytes)
+            self.areas[solve] = areas_of_solve(solve, results[solve])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -84,16 +84,10 @@ class Explanation:
             yield f"  {name}: {value}"
         if self.grids:
             table = Table(title="What will run")
-            for column in (
-                "method",
-                "grid",
-                "lambda_short/dx",
-                "solves",
-                "unknowns each",
-                "seconds",
-                "peak MiB",
-            ):
-                table.add_column(column, justify="left" if column in ("method", "grid") else "right")
+            table.add_column("method")
+            table.add_column("grid")
+            for column in ("lambda_short/dx", "solves", "unknowns each", "seconds", "peak MiB"):
+                table.add_column(column, justify="right")
             for g in self.grids:
                 grid, sizes = grid_name(g.grid), (f"{g.seconds:.2g}", f"{g.peak_bytes / 2**20:.3g}")
                 waves = f"{g.points_per_wave:.3g}"
@@ -122,17 +116,17 @@ def explain(scene: Scene, problem: ContactProblem | None = None) -> Explanation:
     problem = problem or realise(scene, surveyed=True)
     try:
         check_scene(scene, problem)
-        return _explained(scene, problem, run_solves(scene, problem))
+        return _explained(scene, problem)
     except (fem_errors.InvalidInput, persson_errors.InvalidInput) as error:
         raise UsageError(str(error)) from None
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         raise UsageError(f"its numbers lie too far apart to compute with ({error})") from None
 
 
-def _explained(scene: Scene, problem: ContactProblem, planned: Iterable[Press]) -> Explanation:
+def _explained(scene: Scene, problem: ContactProblem) -> Explanation:
     pair = transform_seconds()
     groups: dict[tuple[str, tuple[int, int]], list[Press]] = {}
-    for solve in planned:
+    for solve in run_solves(scene, problem):
         groups.setdefault((solve.method, solve.grid), []).append(solve)
     grids = []
     for (method, grid), solves in groups.items():
@@ -300,10 +294,8 @@ def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]
         assert problem.spectrum is not None
         moments = problem.spectrum.moments()
         height = as_length(moments.rms_height, 4)
-        sizes = (
-            f"L/lambda_long = {min(problem.lengths) / problem.longest:.3g}, "
-            f"lambda_long/lambda_short = {problem.longest / problem.shortest:.3g}"
-        )
+        sizes = f"L/lambda_long = {min(problem.lengths) / problem.longest:.3g}, "
+        sizes += f"lambda_long/lambda_short = {problem.longest / problem.shortest:.3g}"
         facts.append(("integrals over C(q)", f"h_rms = {height}, h'_rms = {moments.rms_gradient:.4g}"))
         facts.append(("bandwidth", sizes))
     if field.rms_gradient > 0:
@@ -362,22 +354,15 @@ def _left_out(scene: Scene, problem: ContactProblem, rough: Roughness) -> tuple[
     rivals = (kind for kind in effect_kinds().values() if kind.slot not in slots)
     items = [judgement for kind in rivals if (judgement := kind.unlisted(rough)) is not None]
     items.append(finite_slopes(rough, poisson=problem.elastic.poisson))
+
+    def without(what: str, first: str, verdict: str) -> Judgement:
+        return Judgement(effect=what, number=f"no [methods.{first}]", verdict=verdict)
+
     if not scene.methods.solvers:
         first = next(name for name, method in methods().items() if isinstance(method, Solver))
-        items.append(
-            Judgement(
-                effect="a solver",
-                number=f"no [methods.{first}]",
-                verdict="how far the theory is from the equations of elasticity is not measured",
-            )
-        )
+        unknown = "how far the theory is from the equations of elasticity is not measured"
+        items.append(without("a solver", first, unknown))
     elif not any(method.independent for method in scene.methods.solvers.values()):
-        missing = [name for name, method in methods().items() if method.independent]
-        items.append(
-            Judgement(
-                effect="an independent solver",
-                number=f"no [methods.{missing[0]}]",
-                verdict="the contact algorithm is not cross-checked",
-            )
-        )
+        first = next(name for name, method in methods().items() if method.independent)
+        items.append(without("an independent solver", first, "the contact algorithm is not cross-checked"))
     return tuple(items)

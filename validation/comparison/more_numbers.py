@@ -12,7 +12,7 @@ from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from validation.arrays import Array
 from validation.comparison.reductions import Case, Reading, grid_name, is_adhesive
 from validation.effects.base import ContactModel
-from validation.measurements.statistics import order_of_convergence
+from validation.measurements.statistics import order_of_convergence, relative_distance
 from validation.report.estimates import derive, error_of, gather
 from validation.solvers import find_method
 
@@ -36,9 +36,8 @@ def beside_each_other(data: xr.Dataset, readings: Sequence[Reading]) -> xr.Datas
             continue
         assert reading.pressure is not None
         assert first.pressure is not None
-        norm = float(np.linalg.norm(first.pressure))
         values = (
-            float(np.linalg.norm(reading.pressure - first.pressure)) / norm if norm else math.nan,
+            relative_distance(reading.pressure, first.pressure),
             reading.areas.pixel / first.areas.pixel - 1,
             reading.areas.perimeter / first.areas.perimeter - 1,
         )
@@ -89,9 +88,7 @@ def cost_and_orders(data: xr.Dataset) -> xr.Dataset:
 
 def finest_of(data: xr.Dataset) -> xr.Dataset:
     """Add what every method says on its finest resolved grid, or on its finest where none resolves."""
-    names = [
-        name for name in ("area_pixel", "area_perimeter", "area_plastic_pixel", "residual") if name in data
-    ]
+    names = {"area_pixel", "area_perimeter", "area_plastic_pixel", "residual"} & set(data)
     chosen = []
     for solved in data.area_pixel.notnull().values:
         resolved = np.flatnonzero(solved & (data.resolved.values > 0))
@@ -99,7 +96,7 @@ def finest_of(data: xr.Dataset) -> xr.Dataset:
         # A method that failed on every grid has NaN on the last one, too.
         chosen.append(int(candidates[-1]) if candidates.size else -1)
     at = xr.DataArray(chosen, dims="solver")
-    values = {f"{name}_finest": data[name].isel(grid=at).drop_vars("grid") for name in names}
+    values = {f"{name}_finest": data[name].isel(grid=at).drop_vars("grid") for name in sorted(names)}
     return data.assign({**values, "grid_finest": ("solver", data.grid.values[chosen])})
 
 

@@ -23,7 +23,7 @@ from validation.comparison.transport import passing
 from validation.comparison.treatment import doubts_of
 from validation.errors import RunFailed
 from validation.execution.press import Press
-from validation.measurements.measurement import TOLERANCES_LEFT, limit_over
+from validation.measurements.measurement import TOLERANCES_LEFT, limit_over, no_limit
 from validation.report.estimates import NORMAL, derive, error_of, gather, mean, mean_of
 from validation.report.quantities import as_length, labelled
 from validation.scenes.problem import ContactProblem
@@ -33,7 +33,6 @@ from validation.solvers import find_method
 from validation.solvers.theory import predict
 
 _TOO_FEW = "it needs two resolved grids of boundary elements with square cells, or three solves on two grids"
-_NO_LIMIT = Limit(value=math.nan, uncertainty=math.nan, grids=0, definition="none")
 _ABSENT = {"theory": "it is simulated"}
 _HALF_SPACE = {"depth": "boundary elements press a half-space"}
 
@@ -55,8 +54,8 @@ def scene_data(
 
     A RunFailed where no solve of its own surface succeeded, or nothing touches.
     """
-    own, bare = set(own_solves(scene, results)), not scene.effects
-    readings = {solve: Reading.of(solve, results[solve], bare=bare, shown=solve in own) for solve in results}
+    own = set(own_solves(scene, results))
+    readings = {solve: Reading.of(solve, results[solve], shown=solve in own) for solve in results}
     case = Case(scene=scene, problem=problem, results=results, readings=readings, failures=failures or {})
     if not case.own:
         raise RunFailed(case.failed)
@@ -126,18 +125,14 @@ def _on_grids(case: Case) -> xr.Dataset:
         data = data.assign(rms_height_spectrum=moments.rms_height, rms_gradient_spectrum=moments.rms_gradient)
     for name in ("area_pixel", "area_perimeter", "area_located"):
         values = data[f"{name}_shift"]
-        made = {"reduction": "shift mean", "of": f"{name}_shift"}
-        data[name] = values.mean("shift").assign_attrs(made)
+        data[name] = values.mean("shift").assign_attrs(reduction="shift mean", of=f"{name}_shift")
         if name != "area_perimeter":
             # Of a mean over the shifts there are; none of one.
             half = mean_of(values, over="shift", there=values.notnull())[1]
             data[f"{name}_error"] = error_of(data[name], grid=half, **_ABSENT)
     if not bool(data.area_located.notnull().any()):
         data = data.drop_vars(["area_located", "area_located_error", "area_located_shift"])
-    failed = {
-        (solve.method, solve.grid): why for solve, why in case.failures.items() if solve.realisation == 0
-    }
-    if failed:
+    if failed := {(s.method, s.grid): why for s, why in case.failures.items() if s.realisation == 0}:
         words = [[failed.get((method, grid), "") for grid in grids] for method in case.methods]
         data["failure"] = (("solver", "grid"), words)
     count = data.area_pixel_shift.count("shift")
@@ -167,9 +162,9 @@ def _beside_hertz(data: xr.Dataset, scene: Scene) -> xr.Dataset:
     return derive(data, hertz_share=f"contact_area / ({math.pi} * hertz_radius ** 2)")
 
 
-def limit_of(areas: Sequence[ContactAreas]) -> Limit | None:
+def limit_of(areas: Sequence[ContactAreas]) -> Limit:
     """Limit over at least two grids: of the located area where there is one, else of the corrected."""
-    return None if len({area.spacing for area in areas}) < 2 else limit_over(areas)
+    return no_limit(_TOO_FEW) if len({area.spacing for area in areas}) < 2 else limit_over(areas)
 
 
 def _value_of(areas: Sequence[ContactAreas], tolerance: float) -> xr.Dataset:
@@ -178,7 +173,7 @@ def _value_of(areas: Sequence[ContactAreas], tolerance: float) -> xr.Dataset:
     located = all(area.subcell is not None for area in areas)
     how = "edge located inside the cells" if located else "corrected at its edge"
     value, half, left, basis, why = math.nan, math.nan, math.nan, "no solve succeeded", ""
-    if limit is not None and limit.determinable:
+    if limit.determinable:
         value, half = limit.value, NORMAL * limit.uncertainty
         left = TOLERANCES_LEFT * tolerance * limit.value if located else math.nan
         basis = f"limit over {grids} grids, {how}"
@@ -187,9 +182,9 @@ def _value_of(areas: Sequence[ContactAreas], tolerance: float) -> xr.Dataset:
     else:
         finest = min(areas, key=lambda area: area.spacing)
         there = [area for area in areas if area.spacing == finest.spacing]
-        if limit is None or finest.pixel * finest.cells >= LEAST_CONTACT_POINTS:
+        if grids == 1 or finest.pixel * finest.cells >= LEAST_CONTACT_POINTS:
             value = float(np.mean([a.perimeter if a.subcell is None else a.subcell for a in there]))
-        why = _TOO_FEW if limit is None else limit.doubt
+        why = limit.doubt
         more = "a second grid gives the limit" if grids == 1 else "the grids tell no limit"
         basis = f"one grid, {how}; {more}"
     return xr.Dataset({"area": value, "half": half, "left": left, "basis": basis, "why": why})
@@ -248,9 +243,8 @@ def _over_surfaces(data: xr.Dataset, case: Case, accurate: Mapping[str, Any] | N
             names += ["area_persson", "area_ratio"]
         several = mean(several, *names)
         values = several.area_each
-        several["scatter"] = values.std("surface", ddof=1, skipna=False) / values.mean(
-            "surface", skipna=False
-        )
+        deviation = values.std("surface", ddof=1, skipna=False)
+        several["scatter"] = deviation / values.mean("surface", skipna=False)
         several["surfaces"] = float(values.size)
         several["area_lowest"], several["area_highest"] = values.min("surface"), values.max("surface")
         data = data.merge(several, join="exact")
@@ -261,15 +255,13 @@ def _over_surfaces(data: xr.Dataset, case: Case, accurate: Mapping[str, Any] | N
     if not has_theory:
         return data
     if several is None:
-        data["area_persson"] = data.area_persson_own
         scene = case.scene
         # Whether the theory says the same of all surfaces of the spectrum.
         exact = getattr(scene.surface, "amplitudes", "") == "exact"
         alike = exact or (scene.load.reduced_pressure is not None and not scene.effects)
+        data = data.assign(area_persson=data.area_persson_own, area_ratio=math.nan)
         if alike or float(data.surfaces) == 1:
             data = derive(data, area_ratio="area / area_persson")
-        else:
-            data["area_ratio"] = xr.DataArray(math.nan)
     return derive(data, area_excess="area_ratio - 1", kappa_persson="area_persson / reduced_pressure")
 
 
@@ -311,13 +303,11 @@ def _surfaces(case: Case) -> xr.Dataset | None:
         readings = [on[grid] for grid in grids if grid in on]
         here = readings[0].solve.problem if readings else case.problem.further(k)
         limit = limit_of([reading.areas for reading in readings])
-        if limit is None or not limit.determinable:
-            limit = _NO_LIMIT
         area, half = xr.DataArray(limit.value), NORMAL * limit.uncertainty
         held = here.load.held
-        pressure = (
-            here.pressure if not held else float(readings[-1].numbers.mean_pressure) if readings else math.nan
-        )
+        pressure = math.nan if held else here.pressure
+        if held and readings:
+            pressure = float(readings[-1].numbers.mean_pressure)
         part = {
             "area_each": area.assign_attrs(reduction="limit"),
             "area_each_error": error_of(area, grid=half, **_ABSENT, **_HALF_SPACE),

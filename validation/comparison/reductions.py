@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import xarray as xr
 
-from fem_contact.area import ContactAreas, contact_areas
+from fem_contact.area import ContactAreas
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 from fem_contact.stress import density_at_zero
 from validation.arrays import Array, Grid
 from validation.effects.base import Effect
 from validation.execution.press import Press
+from validation.measurements.measurement import areas_of_solve
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
 
@@ -48,12 +49,10 @@ class Reading:
     pressure: Array | None = None
 
     @classmethod
-    def of(cls, solve: Press, result: ContactResult, *, bare: bool, shown: bool) -> Reading:
-        """Read a result; edges are located on the bare half-space with square cells."""
-        solver, (dx, dy) = solve.solver, result.spacing
-        located = solver.locates_edges and bare and abs(dx / dy - 1) <= 0.05
+    def of(cls, solve: Press, result: ContactResult, *, shown: bool) -> Reading:
+        """Read a result."""
+        areas = areas_of_solve(solve, result)
         at_bound = result.at_bound if result.weights is None else result.weights * result.at_bound
-        areas = contact_areas(result, edge_constant=solver.edge_constant(result), subcell=located)
         numbers = xr.Dataset(
             {
                 "solve": solve.key,
@@ -68,13 +67,8 @@ class Reading:
                 "unknowns": result.cost.unknowns,
             }
         )
-        return cls(
-            solve=solve,
-            areas=areas,
-            numbers=numbers,
-            contact_modulus=result.contact_modulus,
-            pressure=result.pressure if shown and solve.is_own else None,
-        )
+        read = cls(solve=solve, areas=areas, numbers=numbers, contact_modulus=result.contact_modulus)
+        return replace(read, pressure=result.pressure) if shown and solve.is_own else read
 
 
 def _density(result: ContactResult, *, adhesive: bool) -> float:

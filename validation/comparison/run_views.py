@@ -18,50 +18,19 @@ from validation.report.views import Card, Views
 from validation.solvers import find_method
 
 _NUMBERS = (
-    "area",
-    "area_own",
-    "area_lowest",
-    "area_highest",
-    "contact_area",
-    "nominal_area",
-    "kappa",
-    "area_persson",
-    "area_ensemble",
-    "area_other_energy",
-    "area_ratio",
-    "kappa_persson",
-    "area_plastic_persson",
-    "scatter",
-    "mean_gap",
-    "gap",
-    "approach",
-    "ball_radius",
-    "hertz_radius",
-    "hertz_approach",
-    "hertz_pressure",
-    "hertz_share",
-    "stiffness",
-    "largest_pressure",
-    "patches",
-    "density_at_zero_order",
+    *("area", "area_own", "area_lowest", "area_highest", "contact_area", "nominal_area", "kappa"),
+    *("area_persson", "area_ensemble", "area_other_energy", "area_ratio", "kappa_persson"),
+    *("area_plastic_persson", "scatter", "mean_gap", "gap", "approach"),
+    *("ball_radius", "hertz_radius", "hertz_approach", "hertz_pressure", "hertz_share"),
+    *("stiffness", "largest_pressure", "patches", "density_at_zero_order"),
     *(f"{name}{by}" for name in ("electrical_conductance", "thermal_conductance") for by in ("", "_persson")),
     *(f"leak_rate_{axis}{by}" for axis in "xy" for by in ("", "_bruggeman")),
-    "pressure",
-    "reduced_pressure",
-    "contact_modulus",
-    "contact_modulus_below",
-    "felt_modulus",
-    "rms_height",
-    "rms_height_spectrum",
-    "rms_gradient",
-    "rms_gradient_spectrum",
-    "nayak",
+    *("pressure", "reduced_pressure", "contact_modulus", "contact_modulus_below", "felt_modulus"),
+    *("rms_height", "rms_height_spectrum", "rms_gradient", "rms_gradient_spectrum", "nayak"),
     *STATISTICS,
 )
-_NOTE = (
-    "Of the scene's own surface, on the finest grid that resolves it; the interval of what follows "
-    "from fields is the change from the grid before. A/A0 is the mean over the surfaces of an ensemble."
-)
+_NOTE = "Of the scene's own surface, on the finest grid that resolves it; the interval of what follows "
+_NOTE += "from fields is the change from the grid before. A/A0 is the mean over the surfaces of an ensemble."
 _GRID_ROWS = ("solver", "grid")
 _MOST_FINDINGS = 6
 _GRIDS = (
@@ -79,18 +48,17 @@ def run_views(data: xr.Dataset) -> Views:
             rows=_GRID_ROWS,
             columns=(
                 *_GRID_ROWS,
-                "area_located",  # the best first: the last leave where there is no room for all
-                "area_perimeter",
-                "area_pixel",
-                "kappa_perimeter",
-                "area_plastic_pixel",
-                "density_at_zero",
-                "points_per_wave",
-                "residual",
-                "shifts",
-                "unknowns",
-                "seconds",
-                "failure",
+                # The best first: the last leave where there is no room for all.
+                *("area_located", "area_perimeter", "area_pixel", "kappa_perimeter", "area_plastic_pixel"),
+                *(
+                    "density_at_zero",
+                    "points_per_wave",
+                    "residual",
+                    "shifts",
+                    "unknowns",
+                    "seconds",
+                    "failure",
+                ),
             ),
             title="Every grid",
             note=_GRIDS,
@@ -106,11 +74,7 @@ def run_views(data: xr.Dataset) -> Views:
 
 def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
     # What another number says again.
-    again = {
-        "area_own": "area",
-        "contact_modulus_below": "contact_modulus",
-        "felt_modulus": "contact_modulus",
-    }
+    again = {"area_own": "area"} | dict.fromkeys(("contact_modulus_below", "felt_modulus"), "contact_modulus")
     repeated = {a for a, b in again.items() if a in data and np.isclose(data[a], data[b])}
     if "ball_radius" not in data and np.isclose(data.approach, -data.mean_gap):
         repeated.add("approach")
@@ -125,12 +89,10 @@ def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
                 f"{' and '.join(method.label for method in apart)} has a contact algorithm of its own, so "
                 "agreement tests both codes; the differences include that of the discretisations."
             )
+        differences = (f"{name}_difference" for name in ("pressure", "area_pixel", "area_perimeter"))
         yield Table(
             rows=_GRID_ROWS,
-            columns=(
-                *_GRID_ROWS,
-                *(f"{name}_difference" for name in ("pressure", "area_pixel", "area_perimeter")),
-            ),
+            columns=(*_GRID_ROWS, *differences),
             title=f"Beside {_label(data, 0)} on the same grid",
             note="Same surface, same points, same load; of the pressure the relative L2 norm of the "
             f"difference. {agreement}",
@@ -138,12 +100,10 @@ def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
             sparse=True,
         )
     if "von_mises" in data:
+        stress = ("von_mises_reduced", "von_mises", "von_mises_depth_reduced", "von_mises_depth")
         yield Table(
             rows=_GRID_ROWS,
-            columns=(
-                *_GRID_ROWS,
-                *("von_mises_reduced", "von_mises", "von_mises_depth_reduced", "von_mises_depth"),
-            ),
+            columns=(*_GRID_ROWS, *stress),
             title="Below the surface",
             note="The surface itself is left out, where the edges of the contact ring. The solid is "
             "elastic whatever its hardness.",
@@ -193,10 +153,8 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
             held += "treatment of the map: {treatment_spread:.2%}; "
     yield Card("How sure?", answer, told(held + scatter))
     if "area_excess" in data and np.isfinite(data.area_persson_own):
-        basis = (
-            "theory: A/A0 = {area_persson:.4} with the realised gradient; p* = {reduced_pressure:.4}, "
-            "lambda_long/lambda_short = {bandwidth:.3}"
-        )
+        basis = "theory: A/A0 = {area_persson:.4} with the realised gradient; p* = {reduced_pressure:.4}, "
+        basis += "lambda_long/lambda_short = {bandwidth:.3}"
         bandwidth = float(data.wave_long / data.wave_short)
         yield Card(
             "How far from Persson's theory?", told("{area_excess:+%}"), told(basis, bandwidth=bandwidth)
@@ -239,19 +197,15 @@ def _findings(data: xr.Dataset) -> list[Finding]:
         text = "Yielded, A_pl/A0 = {area_plastic_pixel:.4} by {solver} on {grid} (points counted)"
         findings.append(finding("share", f"{text}{beside}.", _finest(data)))
     if "von_mises" in data:
-        text = (
-            "The largest von Mises stress below the surface is {von_mises_reduced:.4} E* h'_rms "
-            "({von_mises:u}), at a depth of {von_mises_depth_reduced:.3} lambda_short "
-            "({von_mises_depth:u}; {solver} on {grid}): there the solid yields first. From the grid "
-            "before it changed by {von_mises_change:+.2%}."
-        )
+        text = "The largest von Mises stress below the surface is {von_mises_reduced:.4} E* h'_rms "
+        text += "({von_mises:u}), at a depth of {von_mises_depth_reduced:.3} lambda_short "
+        text += "({von_mises_depth:u}; {solver} on {grid}): there the solid yields first. From the grid "
+        text += "before it changed by {von_mises_change:+.2%}."
         findings.append(finding("value", text, _finest(data)))
     findings += [*_methods(data), *_edges(data)]
     if "cheapest" in data:
-        text = (
-            "The cheapest way to within 1 % of the limit was {cheapest}: {seconds_cheapest:u}, off by "
-            "{area_cheapest_off:+.2%}."
-        )
+        text = "The cheapest way to within 1 % of the limit was {cheapest}: {seconds_cheapest:u}, off by "
+        text += "{area_cheapest_off:+.2%}."
         findings.append(finding("cost", text, data))
     elif "accuracy_asked" not in data and bool(data.deviation_pixel.notnull().any()):
         findings.append(note("No solve of this run is within 1 % of the limit: refine the grids."))
@@ -263,10 +217,8 @@ def _area(data: xr.Dataset) -> Iterator[Finding]:
         yield note("Contact is complete: A/A0 = 1 on the resolved grids, and refinement changes nothing.")
         return
     derived = derive(data, kappa_own="area_own / reduced_pressure")
-    text = (
-        "A/A0 = {area_own} for this surface ({area_basis}), kappa = {kappa_own} at p* = "
-        "{reduced_pressure:.4}."
-    )
+    text = "A/A0 = {area_own} for this surface ({area_basis}), kappa = {kappa_own} at p* = "
+    text += "{reduced_pressure:.4}."
     no_limit = " No limit over the grids: {no_limit}." if str(data.no_limit.item()) else ""
     yield finding("value", text + no_limit, derived)
     if float(data.surfaces) > 1:
@@ -288,13 +240,9 @@ def _theory(data: xr.Dataset) -> Iterator[Finding]:
     alone = ", {area_ensemble:.4} from C(q) alone" if "area_ensemble" in data else ""
     part = " ({theory_note})" if str(data.theory_note.item()) else ""
     other = ", {area_other_energy:.4} with another elastic energy" if "area_other_energy" in data else ""
-    yield finding(
-        "comparison",
-        "The area is {verdict} Persson's theory: {area_excess:+%} of A/A0 = {area_persson_own:.4} "
-        f"with the realised gradient{alone}{other}{part}.",
-        data,
-        by="area_excess",
-    )
+    form = "The area is {verdict} Persson's theory: {area_excess:+%} of A/A0 = {area_persson_own:.4} "
+    form += f"with the realised gradient{alone}{other}{part}."
+    yield finding("comparison", form, data, by="area_excess")
 
 
 def _methods(data: xr.Dataset) -> Iterator[Finding]:
@@ -311,10 +259,8 @@ def _methods(data: xr.Dataset) -> Iterator[Finding]:
         at = here.isel(grid=int(shared[-1]))
         order = ""
         if np.isfinite(at.pressure_difference_order):
-            order = (
-                "; these shrink like dx^{pressure_difference_order:.3} and "
-                "dx^{area_pixel_difference_order:.3}"
-            )
+            order = "; these shrink like dx^{pressure_difference_order:.3} and "
+            order += "dx^{area_pixel_difference_order:.3}"
         yield finding(
             "order",
             f"{_label(data, k)} and {_label(data, 0)} on {{grid}} differ by {{pressure_difference:.2%}} in "
@@ -353,11 +299,8 @@ def _warnings(data: xr.Dataset) -> Iterator[Finding]:
         names = ", ".join(map(str, coarse))
         yield note(f"Under-resolved (lambda_short <= 2 dx) and left out of every limit: {names}.")
     if float(data.rms_gradient) > 0.3:
-        yield finding(
-            "note",
-            "The gradient h'_rms = {rms_gradient:.3} is not small; all methods here assume small slopes.",
-            data,
-        )
+        form = "The gradient h'_rms = {rms_gradient:.3} is not small; all methods here assume small slopes."
+        yield finding("note", form, data)
     if not np.isclose(data.contact_modulus, data.contact_modulus_below, rtol=1e-9):
         yield finding(
             "note",
@@ -373,10 +316,8 @@ def _warnings(data: xr.Dataset) -> Iterator[Finding]:
 def _figures(data: xr.Dataset) -> Iterator[Figure]:
     yield area_figure()
     if "heights" in data:
-        spectra = [
-            Line(y="power_spectrum", joined=False, label="this surface"),
-            Line(y="power_spectrum_told"),
-        ]
+        drawn = Line(y="power_spectrum", joined=False, label="this surface")
+        spectra = [drawn, Line(y="power_spectrum_told")]
         yield Figure(
             name="surface",
             caption="The rough surface, and its power spectrum, ring by ring.",
@@ -390,54 +331,34 @@ def _figures(data: xr.Dataset) -> Iterator[Figure]:
         yield maps_figure(data)
     if "density_near" in data:
         yield pressure_figure(data)
+    deviations = [Line(y=f"deviation_{name}", by="solver") for name in ("pixel", "perimeter")]
+    marks = [*deviations, Level(y="deviation_persson")]
     yield Figure(
         name="cost",
         caption="Distance of the area from its limit over the time of the solves.",
-        panels=[
-            Panel(
-                marks=[
-                    Line(y="deviation_pixel", by="solver"),
-                    Line(y="deviation_perimeter", by="solver"),
-                    Level(y="deviation_persson"),
-                ],
-                x="seconds",
-                y="deviation",
-                log="xy",
-            )
-        ],
+        panels=[Panel(marks=marks, x="seconds", y="deviation", log="xy")],
     )
     if "plane_depth" in data:
-        lines = [
-            Line(y=f"plane_stress_{name}", by="solver", look={"marker": ""}) for name in ("largest", "rms")
-        ]
+        names = ("plane_stress_largest", "plane_stress_rms")
+        lines = [Line(y=name, by="solver", look={"marker": ""}) for name in names]
         yield Figure(
             name="below",
-            caption="Von Mises stress over depth, on the finest grid: the largest on each plane, and the "
-            "rms.",
+            caption="Von Mises stress over depth on the finest grid: the largest on each plane, and the rms.",
             panels=[Panel(marks=lines, x="plane_depth", y="plane_stress_largest", log="xy")],
         )
 
 
 def area_figure() -> Figure:
     """Declare area against grid spacing: counted, corrected, located, their limit and the theory."""
+    marks = [
+        *(Line(y=name, by="solver") for name in ("area_pixel", "area_perimeter")),
+        Level(y="area_own", look={"color": "black"}, label="this surface"),
+        *(Level(y=name) for name in ("area_persson_own", "area_ensemble")),
+    ]
     return Figure(
         name="area",
         caption="Contact area against grid spacing; coarse grids are on the right.",
-        panels=[
-            Panel(
-                marks=[
-                    Line(y="area_pixel", by="solver"),
-                    Line(y="area_perimeter", by="solver"),
-                    Level(y="area_own", look={"color": "black"}, label="this surface"),
-                    Level(y="area_persson_own"),
-                    Level(y="area_ensemble"),
-                ],
-                x="spacing",
-                y="area",
-                log="x",
-                base=2,
-            )
-        ],
+        panels=[Panel(marks=marks, x="spacing", y="area", log="x", base=2)],
     )
 
 
@@ -479,14 +400,8 @@ def pressure_figure(data: xr.Dataset) -> Figure:
 def maps_figure(data: xr.Dataset) -> Figure:
     """Declare the pressure of every method on one grid, and their difference."""
     there = [k for k in range(data.sizes["solver"]) if bool(data.pressure_map[k].notnull().any())]
-    panels = [
-        Panel(
-            marks=[Image(y="pressure_map", rows="y", cmap="viridis_r", at={"solver": k})],
-            x="x",
-            title=_label(data, k),
-        )
-        for k in there
-    ]
+    pressure = Image(y="pressure_map", rows="y", cmap="viridis_r")
+    panels = [Panel(marks=[pressure], x="x", at={"solver": k}, title=_label(data, k)) for k in there]
     if "pressure_map_difference" in data:
         difference = Image(y="pressure_map_difference", rows="y", cmap="RdBu_r")
         title = f"{_label(data, there[1])} - {_label(data, there[0])}"

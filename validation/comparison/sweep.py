@@ -72,23 +72,17 @@ def sweep_data(sweep: Sweep, cases: Sequence[ContactProblem], results: Solves) -
         data[key.name].attrs.update(units=key.unit, long_name=key.key, key=key.key)
     for key in sweep.keys if sweep.mode == "product" else ():
         data = data.sortby(key.name) if key.numeric else data
-    first = parts[0].attrs
-    shared = {
-        name: first[name]
-        for name in ("title", "methods", "effects", "theory", "drawn", "adhesive", "doubts")
-        if name in first
-    }
-    return labelled(data, sweep.given).assign_attrs(
-        shared, mode=sweep.mode, cases=len(parts), keys=" ".join(names)
-    )
+    alike = {"title", "methods", "effects", "theory", "drawn", "adhesive", "doubts"}
+    shared = {name: value for name, value in parts[0].attrs.items() if name in alike}
+    told = {"mode": sweep.mode, "cases": len(parts), "keys": " ".join(names)}
+    return labelled(data, sweep.given).assign_attrs(shared | told)
 
 
 def _case(scene: Scene, problem: ContactProblem, results: Solves) -> xr.Dataset:
     if scene.methods.solvers:
-        solves = run_solves(scene, problem)
-        failed = {solve: results.failures[solve] for solve in solves if solve in results.failures}
-        done = {solve: results[solve] for solve in solves if solve not in failed}
-        failures = {solve: why for solve, why in failed.items() if not solve.problem.variation}
+        solves, every = run_solves(scene, problem), results.failures
+        done = {solve: results[solve] for solve in solves if solve not in every}
+        failures = {s: every[s] for s in solves if s in every and not s.problem.variation}
         try:
             return with_treatment(scene_data(scene, problem, done, failures=failures), problem, done)
         except RunFailed as error:

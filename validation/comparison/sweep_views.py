@@ -42,26 +42,17 @@ def sweep_views(data: xr.Dataset) -> Views:
                 answer,
                 *(("area_own",) if _several(data) else ()),
                 "kappa" if answer == "area" else "kappa_ensemble",
-                "area_persson",
-                "area_ratio",
-                "scatter",
+                *("area_persson", "area_ratio", "scatter"),
                 Column("area_plastic_pixel_finest", {"solver": 0}),
-                "area_plastic_persson",
-                "area_plastic_ensemble",
+                *("area_plastic_persson", "area_plastic_ensemble"),
                 *(("area_ensemble",) if answer == "area" else ()),
                 *of_methods,
-                "reduced_pressure",
-                "pressure",
-                "electrical_conductance",
-                "thermal_conductance",
-                "leak_rate_x",
-                "leak_rate_y",
-                "failures",
+                *("reduced_pressure", "pressure", "electrical_conductance", "thermal_conductance"),
+                *("leak_rate_x", "leak_rate_y", "failures"),
             ),
             title="Every case",
             note="A/A0: the mean over the surfaces of an ensemble, else that of one surface; of the "
-            "methods on the finest "
-            "grid that resolves it.",
+            "methods on the finest grid that resolves it.",
         ),
         more=tuple(treatment_table(data, *_over(data))),
         budget=(answer,),
@@ -174,12 +165,9 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     if int(data.attrs.get("solves", 0)):
         shared = float(data.attrs["asked"] - data.attrs["solves"])
         more = "; {shared} more were asked for by several cases and done once" if shared else ""
+        form = f"Cases: {{cases}}; solves: {{solves}}{more}."
         yield finding(
-            "cost",
-            f"Cases: {{cases}}; solves: {{solves}}{more}.",
-            cases=float(data.attrs["cases"]),
-            solves=float(data.attrs["solves"]),
-            shared=shared,
+            "cost", form, cases=float(data.attrs["cases"]), solves=float(data.attrs["solves"]), shared=shared
         )
 
 
@@ -203,10 +191,8 @@ def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
         )
         over = mean(each, "area")
         scatter = float(each.area_each.std(ddof=1) / each.area_each.mean())
-        text = (
-            f"Over {{count}} surfaces{fixed} the mean is A/A0 = {{area}}; single ones scatter by "
-            "{scatter:.2%}."
-        )
+        text = f"Over {{count}} surfaces{fixed} the mean is A/A0 = {{area}}; single ones scatter by "
+        text += "{scatter:.2%}."
         yield finding("value", text, over, count=float(here.sizes[dim]), scatter=scatter)
         return
     ordered = here.sortby(key) if _numeric(data, key) else here
@@ -226,9 +212,8 @@ def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
     first, last = (place_words(known.isel({dim: k}), dim, known) for k in (0, -1))
     where = f"From {first} to {last}{fixed} A/A0 "
     if name == "area_ensemble":
-        yield finding(
-            "value", where + f"by the theory goes from {{{name}_start:.4}} to {{{name}_end:.4}}.", pair
-        )
+        form = where + f"by the theory goes from {{{name}_start:.4}} to {{{name}_end:.4}}."
+        yield finding("value", form, pair)
         return
     yield finding(
         "trend",

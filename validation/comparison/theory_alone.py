@@ -132,12 +132,9 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         else "No surface was drawn: h'_rms = {rms_gradient:.4}, and p*, are those of C(q) ({what})."
     )
     yield finding("note", drawn, data, what=data.attrs["theory"])
-    yield finding(
-        "note",
-        "No solver ran, so that the distance to the equations of elasticity is not measured; a grid that "
-        "resolves these waves has at least {points} points along a side.",
-        data,
-    )
+    form = "No solver ran, so that the distance to the equations of elasticity is not measured; a grid that "
+    form += "resolves these waves has at least {points} points along a side."
+    yield finding("note", form, data)
 
 
 def _at_one_load(here: xr.Dataset, *, at: int) -> Finding:

@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 
 from fem_contact.contact import ContactResult
-from validation.comparison.reductions import Reading
 from validation.execution.press import Press
+from validation.measurements.measurement import areas_of_solve
 from validation.report.findings import Finding, finding, note
 from validation.report.table import Table
 from validation.scenes.problem import ContactProblem
@@ -19,16 +19,10 @@ from validation.scenes.topography.statistics import height_statistics
 
 #: What is said of a measured surface beside its moments.
 STATISTICS = (
-    "pixel",
-    "rms_curvature",
-    "kurtosis",
-    "slope_kurtosis",
-    "steep_share",
-    "summit_density",
-    "summit_curvature",
-    "summit_height",
-    "treatment_spread",
+    *("pixel", "rms_curvature", "kurtosis", "slope_kurtosis", "steep_share"),
+    *("summit_density", "summit_curvature", "summit_height", "treatment_spread"),
 )
+_CHANGES = ("treated_area_change", "treated_gradient_change", "treated_height_change")
 
 
 def with_treatment(
@@ -44,9 +38,7 @@ def with_treatment(
     patch = problem.measured.patch.height_field()
     traits = height_statistics(patch.heights, patch.spacing)
     data = data.assign(
-        **asdict(traits),
-        pixel=max(patch.spacing),
-        rms_curvature=math.sqrt(problem.field.moments[2]) / 2,
+        **asdict(traits), pixel=max(patch.spacing), rms_curvature=math.sqrt(problem.field.moments[2]) / 2
     ).assign_attrs(premise=int(traits.is_gaussian))
     others = [solve for solve in results if solve.problem.variation]
     on = {(solve.method, solve.grid) for solve in others}
@@ -55,18 +47,17 @@ def with_treatment(
         return data
     rows = []
     for solve in (own, *others):
-        reading = Reading.of(solve, results[solve], bare=not solve.effects, shown=False)
-        area = reading.areas.perimeter if reading.areas.subcell is None else reading.areas.subcell
+        areas = areas_of_solve(solve, results[solve])
+        area = areas.perimeter if areas.subcell is None else areas.subcell
         rows.append((area, solve.problem.field.rms_gradient, solve.problem.field.rms_height))
     changes = np.array(rows[1:]) / np.array(rows[0]) - 1
-    names = ("treated_area_change", "treated_gradient_change", "treated_height_change")
     data = data.assign_coords(variation=[solve.problem.variation for solve in others]).assign(
-        {name: ("variation", values) for name, values in zip(names, changes.T, strict=True)}
+        {name: ("variation", values) for name, values in zip(_CHANGES, changes.T, strict=True)}
     )
     return data.assign(
         solve_variation=("variation", [solve.key for solve in others]),
         treatment_spread=xr.DataArray(float(np.sqrt(np.sum(changes[:, 0] ** 2)))),
-        treatment_grid=f"{own.label}",
+        treatment_grid=own.label,
     )
 
 
@@ -75,13 +66,7 @@ def treatment_table(data: xr.Dataset, *cases: str) -> Iterator[Table]:
     if "treated_area_change" in data:
         yield Table(
             rows=(*cases, "variation"),
-            columns=(
-                *cases,
-                "variation",
-                "treated_area_change",
-                "treated_gradient_change",
-                "treated_height_change",
-            ),
+            columns=(*cases, "variation", *_CHANGES),
             title="Budget of the treatment of the map",
             note="Each row treats the map otherwise and presses it with the same p0 "
             f"({data.treatment_grid.values.flat[0]}). Changes are relative to the treatment of the scene "
@@ -108,13 +93,10 @@ def treatment_findings(data: xr.Dataset) -> Iterator[Finding]:
     if "treatment_spread" in data:
         case = data.isel(data.treatment_spread.argmax(...))
         worst = case.isel(variation=int(np.argmax(np.abs(case.treated_area_change.values))))
-        yield finding(
-            "value",
-            f"Other treatments of the map move the area by {'at most ' * bool(data.treatment_spread.ndim)}"
-            "{treatment_spread:.2%} together, most of it "
-            "{variation}: {treated_area_change:+.2%}.",
-            worst,
-        )
+        form = f"Other treatments of the map move the area by {'at most ' * bool(data.treatment_spread.ndim)}"
+        form += "{treatment_spread:.2%} together, most of it "
+        form += "{variation}: {treated_area_change:+.2%}."
+        yield finding("value", form, worst)
     elif "premise" in data.attrs:
         yield note(
             "How far its treatment moves the area was not asked: treatment = true in [surface] asks it."

@@ -29,6 +29,7 @@ from validation.execution.measurement import Call, measurement
 from validation.execution.press import Press
 from validation.execution.running import Solves
 from validation.measurements.measurement import even_points
+from validation.measurements.theory import wave_powers
 from validation.measurements.yielding import yielded_by_theory
 from validation.report.estimates import claim, derive
 from validation.scenes.problem import ContactProblem
@@ -43,7 +44,6 @@ STRESS_EDGES = np.linspace(-3.0, 5.0, 321)
 #: Work of adhesion over the elastic energy of full contact below which a contact is not parted from there.
 _HOLDS = 1e-3
 
-
 #: What the theory says of one surface by reading; None where it has no answer.
 Solutions = Mapping[Reading, AdhesiveContact | None]
 
@@ -56,9 +56,7 @@ def readings(
     hardness: float | None = None,
 ) -> Solutions:
     """Solve the theory with adhesion for the gradient of one surface by both readings; None where it has no answer."""
-    spectrum = problem.spectrum_shape
-    scaled = spectrum.scaled(float(problem.field.rms_gradient**2 / spectrum.m2()))
-    scale = Scale(scaled, contact_modulus=problem.contact_modulus)
+    scale = Scale(problem.own_spectrum, contact_modulus=problem.contact_modulus)
 
     def solved(energy: Reading) -> AdhesiveContact | None:
         interface = Interface(work_of_adhesion=work, energy=energy, area=area)
@@ -123,10 +121,10 @@ class Sticking:
             "attraction_range": self.adhesion.gap_law().reach / problem.field.rms_height,
         }
         for reading, solution in solutions.items():
-            numbers[f"area_{reading}"] = math.nan if solution is None else solution.real_area
-            numbers[f"interface_energy_{reading}"] = (
-                math.nan if solution is None else solution.macroscopic_work / work
-            )
+            area, gained = math.nan, math.nan
+            if solution is not None:
+                area, gained = solution.real_area, solution.macroscopic_work / work
+            numbers |= {f"area_{reading}": area, f"interface_energy_{reading}": gained}
         data: dict[str, Any] = {f"{name}_pixel_each": ("grid", values) for name, values in counted.items()}
         data |= {f"{name}_each": value for name, value in numbers.items()}
         for name, attracted in (("solve", True), ("solve_plain", False)):
@@ -185,11 +183,8 @@ def sticky_contact(
 
 def _by_shell(field: HeightField, displacement: Array, *, modulus: float, shells: tuple[float, ...]) -> Array:
     """Elastic energy [J/m^2] of the waves up to each of `shells` and beyond the last, sum E* q |u|^2 / 4."""
-    nx, ny = field.shape
-    qx, qy = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(field.shape, field.spacing, strict=True))
-    q = np.hypot(qx[:, None], qy[None, :])
-    power = np.abs(np.fft.fft2(displacement) / (nx * ny)) ** 2
-    edges = np.array(shells) * (1 + 1e-9)
+    qx, qy, power = wave_powers(displacement, field.spacing)
+    q, edges = np.hypot(qx, qy), np.array(shells) * (1 + 1e-9)
     energy = modulus / 4 * (q * power).ravel()
     shell = np.searchsorted(edges, q.ravel())
     return np.asarray(np.bincount(shell, weights=energy, minlength=edges.size + 1), dtype=float)

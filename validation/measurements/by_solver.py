@@ -20,6 +20,7 @@ from validation.execution.measurement import measurement
 from validation.execution.press import Press
 from validation.execution.solve import Prediction
 from validation.measurements.measurement import has_square_cells
+from validation.measurements.statistics import relative_distance
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import EffectSpec
 from validation.solvers import find_solver
@@ -27,7 +28,6 @@ from validation.solvers.base import Job, Settings, Solver
 
 #: Points closer than this to the edge of either contact, in cells, are left out of the second pressure difference.
 _EDGE_CELLS = 1.5
-
 
 #: Tolerances that a solver is told in turn where its area need be no better than its grid.
 _TOLERANCES = tuple(10.0**-k for k in range(2, 12))
@@ -93,17 +93,23 @@ def beside_bem(
         )
     constant = solver.edge_constant(contact)
     located = (solver.locates_edges or grid_share is not None) and not effects
-    areas = contact_areas(
-        contact, edge_constant=constant, subcell=located and has_square_cells(problem, grid)
-    )
-    data = compared(contact, ours, edge_constant=constant, rms_height=problem.field.rms_height)
-    data |= {
+    located = located and has_square_cells(problem, grid)
+    areas, half = contact_areas(contact, edge_constant=constant, subcell=located), contact_areas(ours)
+    data = {
+        **{name: getattr(areas, name) for name in ("pixel", "perimeter", "edge_fraction", *TRAITS)},
         "subcell": np.nan if areas.subcell is None else areas.subcell,
-        "edge_fraction": areas.edge_fraction,
-        **{name: getattr(areas, name) for name in TRAITS},
         "edge_constant": constant,
-        "converged": float(contact.status is Status.CONVERGED),
-        "iterations": contact.cost.iterations,
+        "pixel_bem": half.pixel,
+        "perimeter_bem": half.perimeter,
+        "pressure_half_space": difference(contact, ours),
+        "pressure_inside": difference(contact, ours, inside=True),
+        # The mean gap is the offset less C(0) p0 and the mean height: it compares bodies of different depth.
+        "gap": (contact.gap.mean() - ours.gap.mean()) / problem.field.rms_height,
+        "residual": contact.residuals.worst,
+        "converged": contact.status is Status.CONVERGED,
+        "seconds": contact.cost.cpu_seconds,
+        "seconds_bem": ours.cost.cpu_seconds,
+        **{name: getattr(contact.cost, name) for name in ("peak_bytes", "unknowns", "iterations")},
     }
     if layer:
         depth = float(given.get("depth", max(problem.lengths)))
@@ -132,37 +138,12 @@ def _no_further(
     return replace(contact, cost=replace(contact.cost, peak_bytes=most))
 
 
-def compared(
-    contact: ContactResult, half: ContactResult, *, edge_constant: float, rms_height: float
-) -> dict[str, float]:
-    """Return areas, differences and cost of a solve beside boundary elements on the same points; h_rms is in m."""
-    areas, ours = contact_areas(contact, edge_constant=edge_constant), contact_areas(half)
-    return {
-        "pixel": areas.pixel,
-        "perimeter": areas.perimeter,
-        "pixel_bem": ours.pixel,
-        "perimeter_bem": ours.perimeter,
-        "pressure_half_space": difference(contact, half),
-        "pressure_inside": difference(contact, half, inside=True),
-        # The mean gap is the offset less C(0) p0 and the mean height: it compares bodies of different depth.
-        "gap": float((contact.gap.mean() - half.gap.mean()) / rms_height),
-        "residual": contact.residuals.worst,
-        "seconds": contact.cost.cpu_seconds,
-        "peak_bytes": contact.cost.peak_bytes,
-        "seconds_bem": half.cost.cpu_seconds,
-        "unknowns": contact.cost.unknowns,
-    }
-
-
 def difference(first: ContactResult, second: ContactResult, *, inside: bool = False) -> float:
     """||p1 - p2|| / ||p2||, over all points or away from the edges of both contacts."""
     keep = np.ones(first.shape, dtype=bool)
     if inside:
         keep = _away_from_edge(np.asarray(first.in_contact)) & _away_from_edge(np.asarray(second.in_contact))
-    scale = float(np.linalg.norm(second.pressure[keep]))
-    return (
-        float(np.linalg.norm((first.pressure - second.pressure)[keep]) / scale) if scale > 0 else float("nan")
-    )
+    return relative_distance(first.pressure[keep], second.pressure[keep])
 
 
 def _away_from_edge(contact: np.ndarray) -> np.ndarray:

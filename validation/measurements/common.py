@@ -22,23 +22,15 @@ if TYPE_CHECKING:
 #: Grids coarser than this, as lambda_short/dx, are left out of every limit.
 LEAST_POINTS_PER_WAVE = 3.0
 
-
 #: What is pressed where nobody says otherwise; E scales out of everything the studies report.
 BASE_SOLID = SolidSpec(young=1e9, poisson=0.3)
-
 
 #: Shortest waves along a side of the surface of a study: with eight points each, a grid of 16384 x 16384.
 _MOST_WAVES = 2048
 
 
 def base_surface(
-    *,
-    hurst: float,
-    periods: float,
-    bandwidth: float,
-    seed: int,
-    length: float = 1e-3,
-    gradient: float = 0.1,
+    *, hurst: float, periods: float, bandwidth: float, seed: int, length: float = 1e-3, gradient: float = 0.1
 ) -> SelfAffineSurface:
     """Return the surface of a study: L = periods lambda_long = periods bandwidth lambda_short [m], h'_rms of C(q).
 
@@ -127,8 +119,6 @@ Ladder = Annotated[Rising, AfterValidator(_of_a_limit)]
 def persson_area(reduced_pressure: ArrayLike) -> NDArray[np.float64]:
     """A/A0 of Persson's theory at p* = p0/(E* h'_rms): erf(sqrt(2) p*).
 
-    Examples
-    --------
     >>> bool(abs(persson_area(0.001) / 0.001 - np.sqrt(8 / np.pi)) < 1e-5)
     True
     """

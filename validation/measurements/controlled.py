@@ -50,9 +50,7 @@ class Controlled:
     def known(self) -> Known:
         """The mean as a control of something finer."""
         return Known(
-            mean=np.array([self.value]),
-            covariance=np.array([[self.standard_error**2]]),
-            freedom=self.freedom,
+            mean=np.array([self.value]), covariance=np.array([[self.standard_error**2]]), freedom=self.freedom
         )
 
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.optimize
 import scipy.special
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from validation.arrays import Array
 from validation.errors import RunFailed, UsageError
 from validation.execution.measurement import Call
 from validation.measurements.common import SHIFTS, base_case, base_surface
@@ -60,18 +61,14 @@ def bandwidth_order(hurst: float) -> float:
 # ---- a line through means ------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, kw_only=True)
-class Line:
+class Line(NamedTuple):
     """A straight line through the means of several groups of samples; half widths are of 95 % intervals."""
 
-    # Value at x = 0, and slope.
-    limit: float
+    limit: float  # Value at x = 0
     slope: float
-    # Half widths that the scatter of the samples leaves, by Student's factor.
-    limit_scatter: float
+    limit_scatter: float  # Half widths that the scatter of the samples leaves, by Student's factor
     slope_scatter: float
-    # By how much they move without the first group.
-    limit_drift: float
+    limit_drift: float  # By how much they move without the first group
     slope_drift: float
     reach: float  # Distance of x = 0 from the last group, over the span of all
 
@@ -89,27 +86,17 @@ def fitted_line(samples: Sequence[ArrayLike], x: ArrayLike, *, common: bool = Fa
     groups = [np.asarray(group, dtype=float) for group in samples]
     at = np.asarray(x, dtype=float)
     if not all(np.isfinite(group).all() for group in groups):
-        return Line(**dict.fromkeys(Line.__dataclass_fields__, math.nan))
-    (limit, slope), (limit_scatter, slope_scatter) = _least_squares(groups, at, common=common)
-    drift = slope_drift = 0.0
+        return Line(*[math.nan] * len(Line._fields))
+    values, scatter = _least_squares(groups, at, common=common)
+    drift = np.zeros(2)
     if at.size > 2:
-        (shorter, steeper), _ = _least_squares(groups[1:], at[1:], common=common)
-        drift, slope_drift = abs(shorter - limit), abs(steeper - slope)
-    span = float(abs(at[0] - at[-1]))
-    return Line(
-        limit=limit,
-        slope=slope,
-        limit_scatter=limit_scatter,
-        slope_scatter=slope_scatter,
-        limit_drift=drift,
-        slope_drift=slope_drift,
-        reach=float(abs(at[-1])) / span if span > 0 else math.inf,
-    )
+        drift = abs(_least_squares(groups[1:], at[1:], common=common)[0] - values)
+    span = abs(at[0] - at[-1])
+    reach = abs(at[-1]) / span if span > 0 else math.inf
+    return Line(*map(float, (*values, *scatter, *drift, reach)))
 
 
-def _least_squares(
-    samples: Sequence[NDArray[np.float64]], x: NDArray[np.float64], *, common: bool
-) -> tuple[tuple[float, float], tuple[float, float]]:
+def _least_squares(samples: Sequence[Array], x: Array, *, common: bool) -> tuple[Array, Array]:
     """Intercept and slope of the means of groups at x, and half widths of their 95 % intervals by scatter.
 
     A group has one value a surface. With `common` ones sample k is the same surface in every group.
@@ -127,7 +114,7 @@ def _least_squares(
         spread = (to_line @ np.stack(samples)).std(axis=1, ddof=1) / np.sqrt(samples[0].size)
     else:
         spread = np.sqrt(to_line**2 @ errors**2)
-    return (float(values[0]), float(values[1])), (float(factor * spread[0]), float(factor * spread[1]))
+    return values, factor * spread
 
 
 def line(
@@ -160,8 +147,7 @@ def line(
     there = solved_places(data, values, over=over)
     dims = [str(dim) for dim in values.dims if dim not in (along, over)]
     shape = tuple(values.sizes[dim] for dim in dims)
-    fields = tuple(Line.__dataclass_fields__)
-    numbers = {field: np.empty(shape) for field in fields}
+    numbers = np.empty((len(Line._fields), *shape))
     for place in np.ndindex(shape):
         at = dict(zip(dims, place, strict=True))
         rows = values.isel(at).transpose(along, over)
@@ -169,11 +155,11 @@ def line(
         samples = [row[k] for row, k in zip(rows.values, solved.transpose(along, over).values, strict=True)]
         if pairs:
             samples = [pair_means(sample) for sample in samples]
-        fit = fitted_line(samples, data[x].isel(_dims_of(data[x], at)).values, common=common)
-        for field in fields:
-            numbers[field][place] = getattr(fit, field)
+        steps = data[x].isel(_dims_of(data[x], at)).values
+        numbers[(slice(None), *place)] = fitted_line(samples, steps, common=common)
     coords = {n: c for n, c in values.coords.items() if set(c.dims) <= set(dims)}
-    n = {field: xr.DataArray(rows, dims=dims, coords=coords) for field, rows in numbers.items()}
+    lines = zip(Line._fields, numbers, strict=True)
+    n = {field: xr.DataArray(values, dims=dims, coords=coords) for field, values in lines}
     made: dict[str, Any] = {"of": f"{name}_each", "x": x, "along": along, "over": over}
     made |= {"common": int(common), "pairs": int(pairs)}
     limit = n["limit"].where(n["reach"] <= _REACH).assign_attrs(made, reduction="line limit")

@@ -7,10 +7,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from fem_contact import bem
 from fem_contact.area import contact_areas
 from fem_contact.creeping import creep
-from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.viscoelastic import PronySolid
 from persson import elastic
@@ -18,6 +16,7 @@ from persson.variants import corrected_contact_area
 from validation.arrays import Array, Grid
 from validation.execution.measurement import Call, measurement
 from validation.measurements.limits import ABSENT
+from validation.measurements.measurement import press_elastic
 from validation.measurements.theory import VARIANTS
 from validation.report.estimates import error_of
 from validation.scenes.problem import ContactProblem
@@ -64,8 +63,8 @@ def creeps(
         results = creep(field, rubber, times=times, mean_pressure=loads, threads=1)
         for place, k in np.ndenumerate(at):
             areas[(i, *place)] = contact_areas(results[k].checked()).perimeter
-            response = HalfSpace(solid=Solid(young=float(moduli[place]), poisson=rubber.poisson))
-            contact = bem.solve(field, response, mean_pressure=float(loads[k]), threads=1).checked()
+            relaxed = Solid(young=float(moduli[place]), poisson=rubber.poisson)
+            contact = press_elastic(field, relaxed, float(loads[k]))
             crept[(i, *place)] = contact_areas(contact).perimeter
     dims = ("grid", "phase", "instant")
     return xr.Dataset({"area": (dims, areas), "area_crept": (dims, crept)})

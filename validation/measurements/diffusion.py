@@ -28,7 +28,6 @@ _HALF = 0.03
 #: A relative change of the area too small to be compared with another.
 _NO_LOSS = 1e-3
 
-
 #: p/sqrt(V) away from the edge of the contact, and at it (edges of bins).
 _AWAY, _EDGE = (0.735, 2.94), (0.06, 0.135)
 #: Magnification from which on waves are short.
@@ -76,9 +75,7 @@ def budgets_of(
     others = [str(dim) for dim in data.pixel.dims if dim != "grid"]
     flat = {n: data[n].transpose("grid", *others).values.reshape(len(finest), 1, -1) for n in AREAS}
     areas = xr.Dataset({name: (("grid", "shift", "load"), values) for name, values in flat.items()}).assign(
-        points=("grid", points),
-        cells=("grid", [n**2 for n in points]),
-        points_per_wave=("grid", per_wave),
+        points=("grid", points), cells=("grid", [n**2 for n in points]), points_per_wave=("grid", per_wave)
     )
     like = data.pixel.isel(grid=0, drop=True).transpose(*others)
     parts = (*area_limits(areas), area_limits(areas.isel(grid=slice(None, -1)))[0])
@@ -110,6 +107,8 @@ def with_diffusion_terms(data: xr.Dataset) -> xr.Dataset:
     Coordinates are ``magnification`` (level), ``octave_start`` (octave), ``relative_step`` (variance_step) and
     ``upper`` (bin), edges in units of sqrt(V).
     """
+    # As a coordinate it would follow levels that become steps, pairs or octaves.
+    data = data.reset_coords("magnification")
     coarse_areas = [name for name in map(str, data.data_vars) if name.startswith("coarser_")]
     coarser = _terms(_without_finest(data, coarse_areas))
     data = _terms(data.drop_vars(coarse_areas))
@@ -126,7 +125,8 @@ def with_diffusion_terms(data: xr.Dataset) -> xr.Dataset:
         square_gap=abs(data.square_told / data.square_growth - 1).max(),
         area_gap=closed.where(data.area_exponent_persson < TOUCHED),
     )
-    return _with_slopes(derive(data, power_excess=f"(power_limit - 0.5) / {_HALF}"))
+    data = derive(data, power_excess=f"(power_limit - 0.5) / {_HALF}")
+    return _with_slopes(data).set_coords("magnification")
 
 
 def _terms(data: xr.Dataset) -> xr.Dataset:
@@ -153,7 +153,7 @@ def _log(values: xr.DataArray) -> xr.DataArray:
 
 
 def _ends(data: xr.Dataset, name: str) -> tuple[xr.DataArray, xr.DataArray]:
-    values = data[name].drop_vars("magnification", errors="ignore").rename(level="step")
+    values = data[name].rename(level="step")
     return values.isel(step=slice(0, -1)), values.isel(step=slice(1, None))
 
 
@@ -240,33 +240,27 @@ def _with_restarts(data: xr.Dataset) -> xr.Dataset:
     ``area_ratio_diffused_each`` that over Persson's; ``loss_ratio_each`` how much faster it loses area than the truth,
     ln against ln, over half an octave.
     """
-    zeta, area = data.magnification.values, data.area_each
-    ratios, faster = [], []
-    for row, began in enumerate(data.octave_start.values):
-        start, end = (int(np.argmin(np.abs(zeta - z))) for z in (began, began * 2**0.5))
-        diffused = data.area_diffused_each.isel(octave=row, drop=True)
-        share = two_grid_limit(diffused / diffused.isel(level=start, drop=True), data.grid_spacing)
-        ratio = (share / (area / area.isel(level=start, drop=True))).drop_vars(
-            "magnification", errors="ignore"
-        )
-        true = _log(area.isel(level=end, drop=True) / area.isel(level=start, drop=True))
-        ratios.append(ratio)
-        faster.append(1 + _log(ratio.isel(level=end, drop=True)) / true.where(true < -_NO_LOSS))
-    ratio = xr.concat(ratios, dim="octave")
-    begins = [int(np.argmin(np.abs(zeta - z))) for z in data.octave_start.values]
-    ends = data.area_ratio_each.isel(level=[*begins[1:], -1]).drop_vars("magnification")
+    area, diffused, octaves = data.area_each, data.area_diffused_each, range(data.sizes["octave"])
+    began, half = (
+        abs(data.magnification - data.octave_start * factor).argmin("level") for factor in (1, 2**0.5)
+    )
+    row = xr.DataArray(octaves, dims="octave")
+    share = two_grid_limit(diffused / diffused.isel(octave=row, level=began), data.grid_spacing)
+    ratio = (share / (area / area.isel(level=began))).transpose("octave", ...)
+    true = _log(area.isel(level=half) / area.isel(level=began))
+    faster = 1 + _log(ratio.isel(octave=row, level=half)) / true.where(true < -_NO_LOSS)
+    ends = data.area_ratio_each.isel(level=[*began.values[1:], -1])
     return _added(
         data,
         area_ratio_end_each=ends.rename(level="octave"),
         area_diffused_ratio_each=ratio,
         area_ratio_diffused_each=data.area_ratio_each * ratio,
-        loss_ratio_each=xr.concat(faster, dim="octave"),
+        loss_ratio_each=faster,
     )
 
 
 def _with_memory(data: xr.Dataset) -> xr.Dataset:
-    finest, area = data.isel(grid=-1), data.area_each.drop_vars("magnification")
-    before = area.isel(level=slice(0, -2)).rename(level="pair")
+    finest, before = data.isel(grid=-1), data.area_each.isel(level=slice(0, -2)).rename(level="pair")
     true, composed = (
         (finest[name] / before).mean("pair") for name in ("inflow_each", "inflow_composed_each")
     )
@@ -287,15 +281,15 @@ def _with_memory(data: xr.Dataset) -> xr.Dataset:
 
 def exponents(values: xr.DataArray, steps: xr.DataArray) -> xr.DataArray:
     """Exponent of a step between neighbouring ones, and over all of them (last): (..., pair)."""
-    along = str(steps.dims[0])
-    logarithm, x = _log(values.where(values > 0)), np.log(steps.values)
-    pairs = [*itertools.pairwise(range(x.size)), (0, x.size - 1)]
-    parts = [
-        (logarithm.isel({along: b}, drop=True) - logarithm.isel({along: a}, drop=True)) / (x[b] - x[a])
-        for a, b in pairs
-    ]
-    powers: xr.DataArray = xr.concat(parts, dim="step_pair")
-    return powers
+    along, last = str(steps.dims[0]), steps.size - 1
+    pairs = np.array([*itertools.pairwise(range(steps.size)), (0, last)]).T
+    start, end = (xr.DataArray(places, dims="step_pair") for places in pairs)
+    rise, length = (
+        _log(part.isel({along: end}) / part.isel({along: start}))
+        for part in (values.where(values > 0), steps)
+    )
+    powers: xr.DataArray = (rise / length).drop_vars(str(steps.name), errors="ignore")
+    return powers.transpose("step_pair", ...)
 
 
 def power_at_zero_step(powers: xr.DataArray, steps: xr.DataArray) -> xr.DataArray:

@@ -48,8 +48,6 @@ def histograms_of(result: ContactResult, problem: ContactProblem) -> dict[str, A
 def weighted_percentile(shares: Array, edges: Array, part: float) -> float:
     """Value below which a part of a histogram lies, interpolated in the logarithm of the edges.
 
-    Examples
-    --------
     >>> round(weighted_percentile(np.array([1.0, 1.0]), np.array([1.0, 10.0, 100.0]), 0.5), 9)
     10.0
     """
@@ -60,8 +58,6 @@ def weighted_percentile(shares: Array, edges: Array, part: float) -> float:
 def largest_difference(first: Array, second: Array) -> Array:
     """Kolmogorov-Smirnov distance of two histograms over the last axis: largest difference of their cumulated shares.
 
-    Examples
-    --------
     >>> float(largest_difference(np.array([1.0, 1.0]), np.array([3.0, 1.0])))
     0.25
     """

@@ -98,10 +98,7 @@ def window_slope(below: float, *, excess: float, window: float) -> float:
 
 
 def slopes_of(
-    bench: Bench,
-    surfaces: Mapping[Place, ContactProblem],
-    *,
-    points_per_wave: Sequence[float],
+    bench: Bench, surfaces: Mapping[Place, ContactProblem], *, points_per_wave: Sequence[float]
 ) -> dict[Place, xr.Dataset]:
     """P'(0) of each surface at dx -> 0, and how far it moves on other grids (`edge_limits`).
 

@@ -134,6 +134,8 @@ def mean_area(
 ) -> MeanArea:
     """Mean contact area of all surfaces of a spectrum to a given accuracy, from as few solves as it takes.
 
+    A NoLimit for a surface without a limit, as a contact of too few points has none.
+
     Parameters
     ----------
     base : ContactProblem
@@ -147,11 +149,6 @@ def mean_area(
         Of those whose corrected area has a law of error (`fem_contact.extrapolation.perimeter_limit`).
     watch : callable, optional
         Called before each round but the first with the mean so far and the solves that come next; raises to stop.
-
-    Raises
-    ------
-    NoLimit
-        For a surface without a limit, as a contact of too few points has none.
     """
     grids = tuple(grids) or tuple(grid_for(base, points) for points in (3.0, 6.0, 12.0))
     drawn = _Drawn(base=base, grids=grids, tolerance=tolerance, effects=tuple(effects))

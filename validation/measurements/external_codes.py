@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from fem_contact import HalfSpace, bem
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation.arrays import Array
+from validation.measurements.measurement import press_elastic
 from validation.solvers import chosen_solver, methods
 from validation.solvers.base import Settings
 from validation.solvers.external import ExternalSolver
@@ -59,10 +59,8 @@ def bem_pressure(
     tolerance: float,
 ) -> Array:
     """Solve with the boundary elements of this project, called as another code is."""
-    half_space = HalfSpace(solid=Solid(young=contact_modulus, poisson=0.0))
-    surface = HeightField(heights=heights, lengths=lengths)
-    result = bem.solve(surface, half_space, mean_pressure=mean_pressure, tolerance=tolerance, threads=1)
-    return np.array(result.pressure)
+    surface, solid = HeightField(heights=heights, lengths=lengths), Solid(young=contact_modulus, poisson=0.0)
+    return np.array(press_elastic(surface, solid, mean_pressure, tolerance=tolerance).pressure)
 
 
 def asked_of(code: str) -> tuple[str, Settings]:

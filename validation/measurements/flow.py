@@ -8,11 +8,9 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 
-from fem_contact import bem
 from fem_contact.area import contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.leak import critical_gap, flow_conductance, open_gap, percolates
-from fem_contact.response import HalfSpace
 from fem_contact.stress import gap_distribution
 from persson.gaps import gap_distribution as theory_of_gaps
 from persson.leakage import effective_medium
@@ -20,6 +18,7 @@ from persson.scale import Scale
 from validation.arrays import Array, Grid
 from validation.execution.measurement import measurement
 from validation.measurements.limits import shift_means
+from validation.measurements.measurement import press_elastic
 from validation.measurements.theory import WITH_ENERGY, Waves
 from validation.scenes.problem import ContactProblem
 
@@ -30,7 +29,6 @@ GAP_EDGES = 0.1 * (np.arange(39) / 6) ** 2
 _BRACKET, _AREA = 1e-3, 2e-4
 #: Steps of a search for a load; each halves its bracket at worst.
 _STEPS = 40
-
 
 #: Loads between which the theory's gap is differentiated, relative.
 _STEP = 0.01
@@ -74,11 +72,10 @@ def leaks(*, problem: ContactProblem, grid: Grid, areas: tuple[float, ...]) -> x
 
     What leaks there and how wide the gaps are, over (area, axis) and (area, gap_bin); thresholds (axis).
     """
-    field, half_space = problem.heights(grid), HalfSpace(solid=problem.elastic)
+    field = problem.heights(grid)
 
     def solve(load: float, start: Array | None) -> ContactResult:
-        pressure = load * problem.pressure_scale
-        return bem.solve(field, half_space, mean_pressure=pressure, start=start, threads=1).checked()
+        return press_elastic(field, problem.elastic, load * problem.pressure_scale, start=start)
 
     def threshold_area(percolates: Callable[[ContactResult], bool]) -> float:
         """A/A0 at which a path closes: it is open at a light enough load, and closed at p* = 1."""

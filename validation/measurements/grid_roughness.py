@@ -8,14 +8,13 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 
-from fem_contact import bem
 from fem_contact.area import contact_areas
-from fem_contact.response import HalfSpace
 from fem_contact.surface import HeightField, random_surface
 from validation.arrays import Array, Grid
 from validation.execution.measurement import measurement
 from validation.execution.solve import Prediction
 from validation.measurements.common import reduced_load
+from validation.measurements.measurement import press_elastic
 from validation.scenes.problem import ContactProblem
 from validation.scenes.surfaces import spectrum_of
 from validation.scenes.tables import SelfAffineSurface
@@ -62,8 +61,7 @@ def grid_roughness(
 
         result = block.solve(field, problem.elastic, mean_pressure=pressure, method="full").contact.checked()
     else:
-        half_space = HalfSpace(solid=problem.elastic)
-        result = bem.solve(field, half_space, mean_pressure=pressure, threads=1).checked()
+        result = press_elastic(field, problem.elastic, pressure)
     pixel = contact_areas(result).pixel
     kappa = [pixel * modulus * slope / pressure for slope in slopes.values()]
     return xr.Dataset(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
@@ -109,23 +110,13 @@ _AVERAGED = (
 
 def _block_limit(blocks: Mapping[float, xr.Dataset], grids: Sequence[Grid]) -> xr.Dataset:
     """Reduce the blocks of one surface, by points per wave: areas over (fem_grid), and their limit with its interval."""
-    pixel, perimeter = (
-        np.array([float(data[name]) for data in blocks.values()]) for name in ("pixel", "perimeter")
-    )
-    limit = method_limit([*blocks.values()], grids)
-    finest = blocks[max(blocks)]
-    return xr.Dataset(
-        {
-            "area_fem_each": limit.area_other_each,
-            "area_fem_each_error": limit.area_other_each_error,
-            "area_fem_pixel_each": ("fem_grid", pixel),
-            "area_fem_perimeter_each": ("fem_grid", perimeter),
-            # On the finest grid, where one node is least.
-            "depth_share_each": abs(float(finest.pixel_layer / finest.pixel_bem) - 1),
-        },
-        coords={"points_per_wave_fem": ("fem_grid", list(blocks))},
-        attrs={"solve": " ".join(str(data.attrs.get("solve", "")) for data in blocks.values())},
-    )
+    finest, limit = blocks[max(blocks)], method_limit([*blocks.values()], grids)
+    limit = limit.rename(area_other_each="area_fem_each", area_other_each_error="area_fem_each_error")
+    for name in ("pixel", "perimeter"):
+        limit[f"area_fem_{name}_each"] = "fem_grid", [float(data[name]) for data in blocks.values()]
+    # On the finest grid, where one node is least.
+    limit["depth_share_each"] = abs(float(finest.pixel_layer / finest.pixel_bem) - 1)
+    return limit.assign_coords(points_per_wave_fem=("fem_grid", list(blocks)))
 
 
 def with_blocks(
@@ -145,22 +136,17 @@ def with_blocks(
     }
     elements_data = gather(parts, element=elements, surface=surfaces).rename(solve="solve_fem")
     data = data.merge(elements_data, combine_attrs="override")
+    kappas, ways = ("fem", "fem_pixel"), ("fem", "fem_pixel", "fem_perimeter")
     data = derive(
         data,
-        kappa_fem_each="area_fem_each / reduced_pressure",
-        kappa_fem_pixel_each="area_fem_pixel_each / reduced_pressure",
-        **{
-            f"distance_{n}_each": f"area_{n}_each / area_each - 1"
-            for n in ("fem", "fem_pixel", "fem_perimeter")
-        },
+        **{f"kappa_{way}_each": f"area_{way}_each / reduced_pressure" for way in kappas},
+        **{f"distance_{way}_each": f"area_{way}_each / area_each - 1" for way in ways},
     )
-    names = ("kappa_fem", "kappa_fem_pixel", "distance_fem", "distance_fem_pixel", "distance_fem_perimeter")
+    names = [*(f"kappa_{way}" for way in kappas), *(f"distance_{way}" for way in ways)]
     data = mean(data, *names, "area_fem")
     depth = data.depth_share_each.mean(["element", "surface"])
     data = claim(data.assign(depth_share=depth), "distance_fem", depth=depth)
-    data = derive(
-        data, **{f"distance_fem_{n}_size": f"abs(distance_fem_{n})" for n in ("pixel", "perimeter")}
-    )
+    data = derive(data, **{f"distance_{way}_size": f"abs(distance_{way})" for way in ways[1:]})
     usual = {e: float(blocks[e, surfaces[0], points[0]].pixel) for e in elements}
     exact = {e: float(strict[e].pixel) for e in elements}
     solver = [max(abs(usual[e] - exact[e]), 1 / math.prod(grids[0])) / exact[e] for e in elements]
@@ -182,20 +168,17 @@ def with_methods(
     `answers` by name of the method, number of the surface, and number of the grid.
     """
     surfaces, cases = range(data.sizes["surface"]), [(m, g) for m in grids for g in range(len(grids[m]))]
-    names = {n: f"{n}_other" for n in ("residual", "converged", "seconds")}
-    names |= {"pixel": "area_other_pixel", "perimeter": "area_other_perimeter"}
-    names |= {"subcell": "area_other_located"}
+    names = {n: f"{n}_other_each" for n in ("residual", "converged", "seconds")}
+    names |= {"pixel": "area_other_pixel_each", "perimeter": "area_other_perimeter_each"}
+    names |= {"subcell": "area_other_located_each"}
     parts = {
-        (i, k): answers[m, k, g][[*names]].rename({n: f"{to}_each" for n, to in names.items()})
-        for i, (m, g) in enumerate(cases)
-        for k in surfaces
+        (i, k): answers[m, k, g][[*names]].rename(names) for i, (m, g) in enumerate(cases) for k in surfaces
     }
     other = gather(parts, other_case=range(len(cases)), surface=surfaces).drop_vars("other_case")
     other = other.rename({name: "solve_other" for name in ("solve",) if name in other})
     limits = {
-        (m, k): method_limit([answers[m, k, g] for g in range(len(grids[m]))], grids[m])
-        for m in grids
-        for k in surfaces
+        (m, k): method_limit([answers[m, k, g] for g in range(len(on))], on).drop_attrs(deep=False)
+        for (m, on), k in itertools.product(grids.items(), surfaces)
     }
     limit = gather(limits, other=[*grids], surface=surfaces)
     data = xr.merge([data, other, limit], compat="no_conflicts", combine_attrs="override").assign_coords(
@@ -205,13 +188,12 @@ def with_methods(
     )
     ways = ("other", "other_pixel", "other_perimeter", "other_located")
     data = derive(data, **{f"distance_{way}_each": f"area_{way}_each / area_each - 1" for way in ways})
-    return mean(
-        data, *(f"distance_{way}" for way in ways), "residual_other", "converged_other", "seconds_other"
-    )
+    others = [f"{name}_other" for name in ("residual", "converged", "seconds")]
+    return mean(data, *(f"distance_{way}" for way in ways), *others)
 
 
 def method_limit(answers: Sequence[xr.Dataset], grids: Sequence[Grid]) -> xr.Dataset:
-    """Limit of one surface over the grids of a method, with its interval; NaN where they are too few."""
+    """Limit of one surface over the grids of a method, with its interval and solves; NaN where they are too few."""
     areas = [
         stored_areas(answer, grid=grid, edge_constant=float(answer.edge_constant))
         for answer, grid in zip(answers, grids, strict=True)
@@ -222,18 +204,14 @@ def method_limit(answers: Sequence[xr.Dataset], grids: Sequence[Grid]) -> xr.Dat
         limited = limit_over(areas)
         value, half = limited.value, NORMAL * limited.uncertainty
     limit = xr.DataArray(value, attrs={"reduction": "limit", "of": "subcell" if located else "perimeter"})
-    return xr.Dataset({"area_other_each": limit, "area_other_each_error": error_of(limit, grid=half)})
+    data = xr.Dataset({"area_other_each": limit, "area_other_each_error": error_of(limit, grid=half)})
+    return data.assign_attrs(solve=" ".join(str(answer.attrs.get("solve", "")) for answer in answers))
 
 
 def protocol(rough: Mapping[tuple[Any, ...], xr.Dataset], points: Sequence[int]) -> xr.Dataset:
     """Reduce the grid-scale protocol, by surface and grid: kappa by the way the slope is measured, and its spread."""
     surfaces = range(1 + max(k for k, _ in rough))
-    kappas = {
-        case: measured[["kappa"]]
-        .rename(kappa="kappa_protocol_each")
-        .assign_attrs(solve=measured.attrs.get("solve", ""))
-        for case, measured in rough.items()
-    }
+    kappas = {case: one[["kappa"]].rename(kappa="kappa_protocol_each") for case, one in rough.items()}
     data = gather(kappas, surface=surfaces, protocol_grid=points).rename(solve="solve_protocol")
     data = mean(data.drop_vars("protocol_grid"), "kappa_protocol")
     last = data[["kappa_protocol"]].isel(protocol_grid=-1)
@@ -246,6 +224,7 @@ def protocol(rough: Mapping[tuple[Any, ...], xr.Dataset], points: Sequence[int])
 
 #: Solvers of the grid-scale protocol: those of this project, and as Hyun et al. had it.
 PROTOCOL_METHODS: tuple[Literal["bem", "fem"], ...] = ("bem", "fem")
+_PROTOCOL = "kappa_protocol_by_solver"
 
 
 def protocol_of_solvers(
@@ -258,12 +237,7 @@ def protocol_of_solvers(
     """Reduce the protocol by solver, H and surface, beside the converged kappa of the same surfaces, by H and surface."""
     hursts, surfaces = (list(dict.fromkeys(places)) for places in zip(*fine, strict=True))
     there = {"hurst_protocol": hursts, "surface": surfaces}
-    counted = {
-        case: one[["kappa"]]
-        .rename(kappa="kappa_protocol_by_solver_each")
-        .assign_attrs(solve=one.attrs.get("solve", ""))
-        for case, one in rough.items()
-    }
+    counted = {case: one[["kappa"]].rename(kappa=f"{_PROTOCOL}_each") for case, one in rough.items()}
     made = gather(counted, solver=PROTOCOL_METHODS, **there).rename(solve="solve_scale")
     names = ["area_each", "area_each_error", "area_each_drift"]
     limits = {case: limits_of(one).isel(load=0, drop=True)[names] for case, one in fine.items()}
@@ -280,20 +254,14 @@ def protocol_of_solvers(
         kappa_hyun=hyun.kappa_published,
         hurst_hyun=hyun.hurst_published,
     )
-    kappa, limit = "kappa_protocol_by_solver_each", "kappa_protocol_limit_each"
+    kappa, limit = f"{_PROTOCOL}_each", "kappa_protocol_limit_each"
     made = derive(made, kappa_protocol_limit_each="area_protocol_each / reduced_pressure")
     made = derive(
         made,
         kappa_excess_protocol_each=f"{kappa} / {limit} - 1",
         grid_part_protocol_each=f"({kappa} - {limit}) / ({kappa} - kappa_persson)",
     )
-    names = [
-        "kappa_protocol_by_solver",
-        "kappa_protocol_limit",
-        "kappa_excess_protocol",
-        "grid_part_protocol",
-    ]
-    made = mean(made, *names)
+    made = mean(made, _PROTOCOL, "kappa_protocol_limit", "kappa_excess_protocol", "grid_part_protocol")
     return derive(made, kappa_hyun_difference="kappa_hyun - kappa_protocol_limit")
 
 

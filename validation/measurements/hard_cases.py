@@ -18,6 +18,7 @@ from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 from validation.arrays import Array
 from validation.effects.base import ContactModel
+from validation.measurements.statistics import relative_distance
 from validation.solvers import chosen_solver
 from validation.solvers.base import Job
 
@@ -75,10 +76,6 @@ def _measured(result: ContactResult, error: float) -> Measured:
     return Measured(error=error, residual=result.residuals.worst, status=result.status)
 
 
-def _difference(first: Array, second: Array) -> float:
-    return float(np.linalg.norm(first - second) / np.linalg.norm(second))
-
-
 # ---- the elastic half-space ----------------------------------------------------------------------
 
 
@@ -99,14 +96,14 @@ def _westergaard(press: _Press, load: float) -> Measured:
 
 def _steepness(press: _Press, gradient: float) -> Measured:
     usual, steep = (press(_rough(gradient=value), _STEEP * value) for value in (0.1, gradient))
-    return _measured(steep, _difference(steep.pressure / gradient, usual.pressure / 0.1))
+    return _measured(steep, relative_distance(steep.pressure / gradient, usual.pressure / 0.1))
 
 
 def _against_plain(press: _Press, surface: HeightField) -> Measured:
     result = press(surface, _LIGHT)
     options: dict[str, Any] = {"max_iterations": 20_000, "method": "polonsky-keer", "threads": 1}
     plain = bem.solve(surface, _HALF_SPACE, mean_pressure=_LIGHT, **options)
-    return _measured(result, _difference(result.pressure, plain.pressure))
+    return _measured(result, relative_distance(result.pressure, plain.pressure))
 
 
 def _quantised(press: _Press, levels: float) -> Measured:
@@ -142,7 +139,7 @@ def _path(factor: float) -> Measured:
     loads = 1e-4 * factor ** np.arange(max(2, round(math.log(1e3) / math.log(factor)) + 1))
     there_and_back = [*loads, *loads[-2::-1]]
     results = bem.solve_path(_rough(), _HALF_SPACE, mean_pressures=there_and_back, threads=1)
-    errors = [_difference(a.pressure, b.pressure) for a, b in zip(results, results[::-1], strict=True)]
+    errors = [relative_distance(a.pressure, b.pressure) for a, b in zip(results, results[::-1], strict=True)]
     failed = [result for result in results if result.status is not Status.CONVERGED]
     worst = failed[0] if failed else max(results, key=lambda result: result.residuals.worst)
     return _measured(worst, max(errors))
@@ -250,7 +247,7 @@ def _yielding_block(ratio: float) -> Measured:
         block.solve(_rough(16, waves=4), _SOLID, method=method, depth=0.3, growth=1.5, **options).contact
         for method in ("full", "reduced")
     )
-    difference = _difference(full.pressure, reduced.pressure)
+    difference = relative_distance(full.pressure, reduced.pressure)
     return _measured(full, max(difference, _hardness_errors(full, ratio * _LOAD)))
 
 

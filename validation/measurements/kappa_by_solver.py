@@ -71,7 +71,6 @@ class KappaBySolver:
                 places = [("solver", name, hurst, k, n) for n in self.points_per_wave]
                 answers = [measured[place] for place in places]
                 limit = method_limit(answers, [cases[place]["grid"] for place in places])
-                limit.attrs["solve"] = " ".join(str(answer.attrs.get("solve", "")) for answer in answers)
                 limit = limit.rename({name: str(name).replace("_other", "") for name in limit})
             parts[name, hurst, k] = limit.drop_attrs().assign_attrs(limit.attrs)
         surfaces = {"surface_by_solver": range(2 * self.pairs)}

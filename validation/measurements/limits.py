@@ -10,7 +10,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from fem_contact.area import contact_areas
 from fem_contact.contact import ContactResult
 from validation.arrays import Grid
 from validation.errors import UsageError
@@ -18,7 +17,7 @@ from validation.execution.bench import Bench
 from validation.execution.press import Press
 from validation.execution.solve import Solve
 from validation.measurements.common import LEAST_POINTS_PER_WAVE
-from validation.measurements.measurement import area_limits, has_square_cells, limit_over
+from validation.measurements.measurement import area_limits, areas_of_solve, has_square_cells, limit_over
 from validation.report.estimates import NORMAL, error_of, evaluated
 from validation.scenes.problem import ContactProblem
 
@@ -105,14 +104,8 @@ def solver_error(usual: xr.Dataset, strict: xr.Dataset) -> float:
 
 
 def limit_of(solved: Mapping[Press, ContactResult]) -> xr.Dataset:
-    """Reduce the fields of one surface at one load, coarse grid first, to A/A0 as `limits_of` does.
-
-    Edges are located inside the cells where their law is known: without effects, on square cells.
-    """
-    areas = [
-        contact_areas(result, subcell=not solve.effects and has_square_cells(solve.problem, solve.grid))
-        for solve, result in solved.items()
-    ]
+    """Reduce the fields of one surface at one load, coarse grid first, to A/A0 as `limits_of` does."""
+    areas = [areas_of_solve(solve, result) for solve, result in solved.items()]
     limit = limit_over(areas)
     value = xr.DataArray(limit.value, attrs={"reduction": "limit", "of": "fields"})
     made: dict[str, Any] = {

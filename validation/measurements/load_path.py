@@ -28,33 +28,28 @@ def reduced_path(measured: xr.Dataset, *, shortest: float) -> xr.Dataset:
     ``compliance_each``, p0/(K h_rms), patches, and shares of the nominal area by pressure and patch size
     (load, bin) on the finest grid.
     """
-    data = limits_of(measured)
-    over_shifts = measured.drop_vars(["points", "cells", "points_per_wave"], errors="ignore").mean("shift")
+    data, grids = limits_of(measured), ["points", "cells", "points_per_wave"]
+    plain = measured.drop_vars(grids, errors="ignore")
+    over_shifts, points = plain.mean("shift"), measured.points_per_wave.drop_vars(grids, errors="ignore")
     finest = over_shifts.isel(grid=-1)
-    points = measured.points_per_wave.drop_vars(["points", "cells", "points_per_wave"], errors="ignore")
     made: dict[str, Any] = {}
-    for name, of, scale in (
-        ("gap", "mean_gap", "rms_height"),
-        ("energy_ratio", "energy", "full_contact_energy"),
-    ):
+    scaled = (("gap", "mean_gap", "rms_height"), ("energy_ratio", "energy", "full_contact_energy"))
+    for name, of, scale in scaled:
         values = over_shifts[of].drop_attrs() / measured.attrs[scale]
         finest_value = values.isel(grid=-1, drop=True)
         step = two_grid_step(values, 1 / points, order=_ORDER)
-        limit = finest_value + step
-        how = {"of": of, "scale": scale}
+        limit, how = finest_value + step, {"of": of, "scale": scale}
         made[f"{name}_each"] = limit.assign_attrs(reduction="second-order limit", **how)
         made[f"{name}_each_error"] = error_of(limit, grid=NORMAL * abs(step), **ABSENT)
         made[f"{name}_finest_each"] = finest_value.assign_attrs(reduction="shift mean", **how)
     # Which points are in contact makes it noisy: no power of the spacing is seen, and none is taken out.
-    compliance = (1 / measured.stiffness.drop_attrs()).mean("shift")
-    compliance = compliance.drop_vars(["points", "cells", "points_per_wave"], errors="ignore")
-    inverse = {"reduction": "shift mean", "of": "stiffness", "power": -1}
+    compliance, mean = (1 / plain.stiffness.drop_attrs()).mean("shift"), {"reduction": "shift mean"}
+    inverse = {**mean, "of": "stiffness", "power": -1}
     made["compliance_each"] = compliance.isel(grid=-1).assign_attrs(inverse)
     change = abs(compliance.isel(grid=-1) - compliance.isel(grid=-2))
     made["compliance_each_error"] = error_of(made["compliance_each"], grid=NORMAL * change, **ABSENT)
-    plain = {"reduction": "shift mean", "of": "patches"}
-    made["patches_each"] = finest.patches.drop_attrs().assign_attrs(plain)
-    sizes = {"reduction": "shift mean", "of": "patch_size", "scale": shortest**2}
+    made["patches_each"] = finest.patches.drop_attrs().assign_attrs(mean, of="patches")
+    sizes = {**mean, "of": "patch_size", "scale": shortest**2}
     made["patch_size_each"] = (finest.patch_size.drop_attrs() / shortest**2).assign_attrs(sizes)
     for name, share in SHARES.items():
         shares = measured[f"{name}_profile"].isel(grid=-1, drop=True)

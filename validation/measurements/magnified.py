@@ -8,14 +8,12 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 
-from fem_contact import bem
 from fem_contact.contact import ContactResult
 from fem_contact.patches import find_patches
-from fem_contact.response import HalfSpace
 from validation.arrays import Array, Grid
 from validation.execution.measurement import measurement
 from validation.measurements.flow import States, contact_is_apart, gap_is_open, located_area
-from validation.measurements.measurement import without_waves_beyond
+from validation.measurements.measurement import press_elastic, without_waves_beyond
 from validation.report.estimates import claim, derive, mean
 from validation.scenes.problem import ContactProblem
 
@@ -50,15 +48,14 @@ def magnified(
     Over (load, magnification); thresholds over (percolating, axis, phase). zeta = q/q_long of the last wave
     there is, rising; `percolating` are the p* at which those are sought where contact and gap join up.
     """
-    heights, half_space = problem.heights(grid), HalfSpace(solid=problem.elastic)
-    q_long = 2 * np.pi / problem.longest
+    heights, q_long = problem.heights(grid), 2 * np.pi / problem.longest
 
     def states_at(load: float) -> States:
         """Contacts by magnification."""
 
         def solve(zeta: float, start: Array | None) -> ContactResult:
-            field, pressure = without_waves_beyond(heights, zeta * q_long), load * problem.pressure_scale
-            return bem.solve(field, half_space, mean_pressure=pressure, start=start, threads=1).checked()
+            field = without_waves_beyond(heights, zeta * q_long)
+            return press_elastic(field, problem.elastic, load * problem.pressure_scale, start=start)
 
         return States(solve)
 

@@ -37,6 +37,8 @@ from validation.solvers.base import Job
 if TYPE_CHECKING:
     import xarray as xr
 
+    from validation.execution.press import Press
+
 #: How far the sides of a cell may differ for edges to be located inside it.
 _SQUARE = 0.05
 
@@ -247,13 +249,25 @@ def elastic_path(
     field: HeightField, solid: Solid, pressures: Sequence[float], *, tolerance: float = TOLERANCE
 ) -> Iterator[ContactResult]:
     """Solve the half-space at pressures [Pa] in order, each from the one before, one result at a time."""
-    response, start = HalfSpace(solid=solid), None
+    start = None
     for pressure in pressures:
-        result = bem.solve(
-            field, response, mean_pressure=pressure, start=start, tolerance=tolerance, threads=1
-        ).checked()
+        result = press_elastic(field, solid, pressure, start=start, tolerance=tolerance)
         yield result
         start = result.pressure
+
+
+def press_elastic(
+    field: HeightField,
+    solid: Solid,
+    pressure: float,
+    *,
+    start: Array | None = None,
+    tolerance: float = TOLERANCE,
+) -> ContactResult:
+    """Solve the half-space at a mean pressure [Pa] on one thread, from a pressure field that is near."""
+    options: dict[str, Any] = {"start": start, "tolerance": tolerance, "threads": 1}
+    result: ContactResult = bem.solve(field, HalfSpace(solid=solid), mean_pressure=pressure, **options)
+    return result.checked()
 
 
 def truncated_heights(
@@ -321,10 +335,21 @@ def _stiffness(result: ContactResult, problem: ContactProblem, *, tolerance: flo
     return frozen.stiffness * problem.field.rms_height / result.mean_pressure
 
 
+def areas_of_solve(solve: Press, result: ContactResult) -> ContactAreas:
+    """Return areas; edges are located inside the cells where their law is known: without effects, on square cells."""
+    located = solve.solver.locates_edges and not solve.effects and has_square_cells(solve.problem, solve.grid)
+    return contact_areas(result, edge_constant=solve.solver.edge_constant(result), subcell=located)
+
+
 def limit_over(areas: Sequence[ContactAreas]) -> Limit:
     """Return the limit of the located area where there is one, else of the corrected."""
     located = all(area.subcell is not None for area in areas)
     return located_limit(areas) if located else perimeter_limit(areas)
+
+
+def no_limit(doubt: str) -> Limit:
+    """Return what there is in place of a limit: why there is none."""
+    return Limit(value=math.nan, uncertainty=math.nan, grids=0, definition="none", doubt=doubt)
 
 
 def areas_of(dataset: xr.Dataset, load: int, *, least_points_per_wave: float = 0.0) -> list[ContactAreas]:

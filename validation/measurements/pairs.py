@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from fem_contact.area import TRAITS, ContactAreas, contact_areas
+from fem_contact.area import TRAITS, ContactAreas
 from fem_contact.extrapolation import Limit
 from validation.arrays import Array, Grid
 from validation.execution.measurement import Call, measurement
 from validation.execution.press import Press
 from validation.execution.solve import Prediction
 from validation.measurements.control_variates import statistics_of_pair
-from validation.measurements.measurement import has_square_cells, limit_over, stored_areas
+from validation.measurements.measurement import areas_of_solve, limit_over, stored_areas
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import EffectSpec
 
@@ -24,9 +24,7 @@ from validation.scenes.scene import EffectSpec
 _READ = ("pixel", "perimeter", "subcell", "edge_fraction", "seconds", "peak_bytes", *TRAITS)
 
 
-def _press(
-    grid: Grid, problem: ContactProblem, *, tolerance: float, effects: tuple[EffectSpec, ...]
-) -> Press:
+def _press(grid: Grid, problem: ContactProblem, tolerance: float, effects: tuple[EffectSpec, ...]) -> Press:
     settings = (("tolerance", tolerance),)
     return Press(method="bem", grid=grid, problem=problem, settings=settings, effects=effects)
 
@@ -39,8 +37,7 @@ def _predicted(
     effects: tuple[EffectSpec, ...],
     pair_seconds: float,
 ) -> Prediction:
-    settings: dict[str, Any] = {"tolerance": tolerance, "effects": effects}
-    costs = [_press(grid, problem, **settings).predict(pair_seconds=pair_seconds) for grid in grids]
+    costs = [_press(grid, problem, tolerance, effects).predict(pair_seconds=pair_seconds) for grid in grids]
     return Prediction(
         seconds=2 * count * sum(cost.seconds for cost in costs),
         peak_bytes=max(cost.peak_bytes for cost in costs),
@@ -79,8 +76,9 @@ def area_pairs(
 
     def read_off(grid: Grid, surface: ContactProblem) -> tuple[float, ...]:
         began = time.process_time()
-        result = _press(grid, surface, tolerance=tolerance, effects=effects).do(threads=1).contact
-        areas = contact_areas(result, subcell=not effects and has_square_cells(surface, grid))
+        solve = _press(grid, surface, tolerance, effects)
+        result = solve.do(threads=1).contact
+        areas = areas_of_solve(solve, result)
         subcell = np.nan if areas.subcell is None else areas.subcell
         spent = time.process_time() - began
         numbers = areas.pixel, areas.perimeter, subcell, areas.edge_fraction, spent, result.cost.peak_bytes

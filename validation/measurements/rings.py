@@ -10,15 +10,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from fem_contact import bem
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from fem_contact.contact import ContactResult
-from fem_contact.response import HalfSpace
 from fem_contact.surface import HeightField
 from validation.arrays import Array
 from validation.execution.measurement import measurement
 from validation.measurements.budgets import Memory, Pressed, diffused_area, flows, mean_of, profile
 from validation.measurements.common import reduced_load
+from validation.measurements.measurement import press_elastic
 from validation.scenes import surfaces
 from validation.scenes.problem import ContactProblem
 from validation.scenes.tables import SelfAffineSurface
@@ -107,14 +106,8 @@ class Rings:
 
     def press(self, heights: Array, *, load: float, start: Array | None = None) -> ContactResult:
         """Press these heights [m] at a nominal pressure [Pa], from a pressure field that is near."""
-        return bem.solve(
-            HeightField(heights=heights, lengths=self.problem.lengths),
-            HalfSpace(solid=self.problem.elastic),
-            mean_pressure=load,
-            start=start,
-            tolerance=self.tolerance,
-            threads=1,
-        ).checked()
+        surface = HeightField(heights=heights, lengths=self.problem.lengths)
+        return press_elastic(surface, self.problem.elastic, load, start=start, tolerance=self.tolerance)
 
 
 def chain_states(

@@ -14,7 +14,7 @@ from persson.variants import corrected_contact_area
 from validation.arrays import Array, Grid
 from validation.execution.measurement import Call, measurement
 from validation.measurements.flow import located_area
-from validation.measurements.theory import VARIANTS
+from validation.measurements.theory import VARIANTS, wave_powers
 from validation.scenes.problem import ContactProblem
 
 Rubber = PronySolid | TabulatedSolid
@@ -79,19 +79,16 @@ def slid_of(measured: xr.Dataset, solve: Call) -> xr.Dataset:
 
 def _theory(case: ContactProblem, rubber: Rubber, velocities: tuple[float, ...]) -> tuple[Array, Array]:
     field = case.field
-    waves = np.fft.fft2(field.heights, norm="forward")
-    qx, qy = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(field.shape, field.spacing, strict=True))
-    power = np.abs(waves) ** 2
+    x, y, power = wave_powers(field.heights, field.spacing)
     power[0, 0] = 0
     there = power > 1e-20 * power.max()
-    x, y = (part[there] for part in np.broadcast_arrays(qx[:, None], qy[None, :]))
     friction = np.empty((len(velocities), len(SHARES)))
     area = np.empty((len(velocities), len(VARIANTS)))
     for k, velocity in enumerate(velocities):
         for j, share in enumerate(SHARES.values()):
             friction_of = friction_of_waves(
-                x,
-                y,
+                x[there],
+                y[there],
                 power=power[there],
                 pressure=case.pressure,
                 velocity=velocity,

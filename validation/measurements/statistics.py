@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -18,6 +20,17 @@ def pair_means(values: ArrayLike) -> NDArray[np.float64]:
     if array.shape[-1] % 2:
         raise ValueError(f"{array.shape[-1]} values: pairs need an even number")
     return np.asarray(array.reshape(*array.shape[:-1], -1, 2).mean(axis=-1))
+
+
+def relative_distance(first: ArrayLike, second: ArrayLike) -> float:
+    """Euclidean norm of the difference of two fields over that of the second; NaN where that is 0.
+
+    >>> relative_distance([1.0, 0.0], [0.8, 0.6])
+    0.6324555320336759
+    """
+    size = float(np.linalg.norm(second))
+    apart = np.asarray(first, dtype=float) - np.asarray(second, dtype=float)
+    return float(np.linalg.norm(apart)) / size if size > 0 else math.nan
 
 
 def order_of_convergence(spacing: ArrayLike, error: ArrayLike) -> float:

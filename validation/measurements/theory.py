@@ -32,6 +32,13 @@ _PRESSURES = 500
 _FULL = 8.0
 
 
+def wave_powers(values: Array, spacing: tuple[float, float]) -> tuple[Array, Array, Array]:
+    """Return qx, qy [1/m] and the squared amplitude of every wave of a periodic field, each of its shape."""
+    qx, qy = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(values.shape, spacing, strict=True))
+    x, y = np.meshgrid(qx, qy, indexing="ij")
+    return x, y, np.abs(np.fft.fft2(values) / values.size) ** 2
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Waves:
     """Roughness as the theory sees it, in units of E*: variance of the full-contact stress, and energy, wave after wave."""
@@ -42,10 +49,8 @@ class Waves:
     @classmethod
     def of_field(cls, field: HeightField) -> Waves:
         """Return the waves of one realisation: the theory is told its moments (conditional)."""
-        nx, ny = field.shape
-        power = np.abs(np.fft.fft2(field.heights) / (nx * ny)) ** 2
-        qx, qy = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(field.shape, field.spacing, strict=True))
-        q = np.hypot(qx[:, None], qy[None, :]).ravel()
+        qx, qy, power = wave_powers(field.heights, field.spacing)
+        q = np.hypot(qx, qy).ravel()
         # Waves of one length come as one ring, whatever the rounding of their wavevectors.
         key = np.round(q / q[q > 0].min(), 9)
         rings, index = np.unique(key, return_inverse=True)
@@ -161,10 +166,6 @@ def modes_finding(data: xr.Dataset) -> Finding:
         return note(
             "There is no C(q) but that of the measured period itself, which the theory is told (conditional)."
         )
-    return finding(
-        "comparison",
-        "Told C(q) alone instead of the realised gradient, the theory's area changes by {low:+%} to {high:+%}: the sum "
-        "over the waves of a finite period against the integral.",
-        low=float(change.min()),
-        high=float(change.max()),
-    )
+    form = "Told C(q) alone instead of the realised gradient, the theory's area changes by {low:+%} to {high:+%}: the sum "
+    form += "over the waves of a finite period against the integral."
+    return finding("comparison", form, low=float(change.min()), high=float(change.max()))

@@ -40,11 +40,10 @@ def remaining_waves(contact: ContactResult, problem: ContactProblem) -> tuple[Ar
 
 def remaining_by_theory(problem: ContactProblem, hardness: float, wavevectors: Array) -> Array:
     """Share of C(q) that Persson's formula leaves, 1 - A_pl(q)/A_pl (2006, Sec. 10.2)."""
-    spectrum = problem.spectrum_shape
-    scaled = spectrum.scaled(float(problem.field.rms_gradient**2 / spectrum.m2()))
+    spectrum = problem.own_spectrum
     fine = np.geomspace(spectrum.q_long, spectrum.q_short, 400)
-    variance = Scale(scaled, contact_modulus=problem.contact_modulus).variance(fine)
+    variance = Scale(spectrum, contact_modulus=problem.contact_modulus).variance(fine)
     parts = constant_hardness(problem.pressure, stress_variance=variance, yield_stress=hardness)
     share = np.minimum(parts.plastic * hardness / problem.pressure, 1.0)
-    after = smoothed(scaled, wavevectors=fine, yielded=share)
-    return np.asarray(after(wavevectors) / scaled(wavevectors))
+    after = smoothed(spectrum, wavevectors=fine, yielded=share)
+    return np.asarray(after(wavevectors) / spectrum(wavevectors))

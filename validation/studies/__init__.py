@@ -83,10 +83,7 @@ GROUPS: Mapping[str, Mapping[str, str]] = {
 def studies() -> Mapping[str, Study]:
     """Return all studies by name; a name is that of its module with hyphens.
 
-    Raises
-    ------
-    UsageError
-        For an entry point that cannot be loaded, is no study, or has a name that is taken.
+    A UsageError for an entry point that cannot be loaded, is no study, or has a name that is taken.
     """
     names = sorted(info.name for info in pkgutil.iter_modules(__path__) if not info.name.startswith("_"))
     modules = {name.replace("_", "-"): importlib.import_module(f"{__name__}.{name}") for name in names}
@@ -105,10 +102,7 @@ def studies() -> Mapping[str, Study]:
 def find_study(name: str) -> Study:
     """Return one study.
 
-    Raises
-    ------
-    UsageError
-        For an unknown name.
+    A UsageError for an unknown name.
     """
     known = studies()
     if not isinstance(name, str) or name not in known:
@@ -124,17 +118,14 @@ def run(name: str, *, bench: Bench | str | Path | None = None, **options: Any) -
     ``study.figures(data)``, ``study.table(data)``, ``study.budget(data)`` and ``study.findings(data)`` are what
     its report shows of a dataset.
 
+    A UsageError for an unknown study or option, and a line for each value that is not allowed.
+
     Parameters
     ----------
     bench : folder or Bench, optional
         Where the solves are kept, and run; in this process and in results/solves if not given.
     options
         Those of ``fem-contact study NAME --help``, with underscores for hyphens.
-
-    Raises
-    ------
-    UsageError
-        For an unknown study or option, and a line for each value that is not allowed.
 
     Examples
     --------

@@ -16,7 +16,7 @@ from validation.scenes.mistakes import problems
 from validation.scenes.scene import Scene
 from validation.scenes.tables import SelfAffineSurface
 from validation.solvers import chosen_solver
-from validation.units import Table, unit_of, wrong
+from validation.units import Positive, Table, unit_of, wrong
 
 Hurst = Annotated[float, Field(ge=0, le=1, description="Hurst exponent H")]
 Periods = Annotated[float, Field(ge=1, description="L / lambda_long")]
@@ -40,10 +40,17 @@ Surfaces = Annotated[
     AfterValidator(_with_scatter),
 ]
 Pairs = Annotated[
-    int,
-    Field(ge=2, description="pairs of surfaces +h, -h; scatter between pairs is the uncertainty"),
+    int, Field(ge=2, description="pairs of surfaces +h, -h; scatter between pairs is the uncertainty")
 ]
 Shifts = Annotated[int, Field(ge=1, description="sub-grid shifts along each axis")]
+Positives = Annotated[tuple[Positive, ...], Field(min_length=1)]
+
+
+def above_one(magnifications: tuple[float, ...], *, bandwidth: float) -> None:
+    """Refuse magnifications of a last wave at which there are none of several lengths, or none at all."""
+    if not all(1 < zeta <= bandwidth for zeta in magnifications):
+        values = ", ".join(f"{zeta:g}" for zeta in magnifications)
+        raise wrong(f"magnifications = {values}: must lie above 1, at most bandwidth = {bandwidth:g}")
 
 
 def _that_solve(names: tuple[str, ...]) -> tuple[str, ...]:
@@ -108,10 +115,7 @@ class StudyOptions(Table):
     def parse(cls, arguments: Sequence[str], *, scene: Scene | None = None) -> typing.Self:
         """Read ``--option value`` and ``--option=value`` pairs.
 
-        Raises
-        ------
-        UsageError
-            For an unknown option, or a value it does not allow, naming both and what is allowed.
+        A UsageError for an unknown option, or a value it does not allow, naming both and what is allowed.
         """
         values: dict[str, Any] = {}
         flags = cls.flags()

@@ -8,9 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from validation.measurements.grids import (
-    SMALL,
-)
+from validation.measurements.grids import SMALL
 from validation.report.estimates import total_error
 from validation.report.marks import Figure, Level, Line, Panel, against, panels_along
 from validation.report.values import value_of

@@ -1,4 +1,4 @@
-"""Options of studies on a viscoelastic solid: a standard solid, or a Prony series."""
+"""Options of studies on a viscoelastic solid, a standard solid or a Prony series, and of the surfaces on it."""
 
 from __future__ import annotations
 
@@ -7,12 +7,14 @@ from typing import Any, Self
 from pydantic import Field, model_validator
 
 from fem_contact.viscoelastic import PronySolid
-from validation.studies._options import StudyOptions
-from validation.units import Duration, Pressure, wrong
+from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions, Surfaces
+from validation.units import Duration, Positive, Pressure, wrong
 
 
 class RubberOptions(StudyOptions):
-    """Which solid."""
+    """Which solid, and what is pressed on it."""
+
+    why_no_scene = "its solid is viscoelastic, which no scene can say, and it makes its own surfaces"
 
     relaxed: Pressure = 1e6
     """E_0, Young's modulus at low frequency"""
@@ -26,6 +28,13 @@ class RubberOptions(StudyOptions):
     """relaxation times of the series, as many"""
     poisson: float = Field(default=0.5, gt=-1, le=0.5)
     """Poisson ratio"""
+    reduced_pressure: Positive = 0.1
+    """p* = p0 / (E_0* h'_rms), with the relaxed modulus and the realised gradient"""
+    hurst: Hurst = 0.8
+    periods: Periods = 2.0
+    bandwidth: Bandwidth = 8.0
+    surfaces: Surfaces = 6
+    seed: Seed = 2006
 
     @model_validator(mode="after")
     def _one_solid(self) -> Self:

@@ -54,12 +54,8 @@ class Study:
     def compute(self, options: StudyOptions, *, bench: Bench) -> xr.Dataset:
         """Run the study on a bench; of other methods that fail beside boundary elements ``failures`` says why.
 
-        Raises
-        ------
-        UsageError
-            For options that make no surface, solid or load, and for names that no registry has.
-        RunFailed
-            For a solve whose answer cannot be used.
+        A UsageError for options that make no surface, solid or load, and for names that no registry has. A
+        RunFailed for a solve whose answer cannot be used.
         """
         wrong = "; ".join(_misnamed(self.module))
         if wrong:
@@ -89,10 +85,7 @@ class Study:
     def parse(self, arguments: Sequence[str], *, scene: Scene | None = None) -> StudyOptions:
         """Read its options from the command line.
 
-        Raises
-        ------
-        UsageError
-            For what it does not allow, and for a scene that it does not take.
+        A UsageError for what it does not allow, and for a scene that it does not take.
         """
         if scene is not None and not self.options.takes_scene():
             why = f": {self.options.why_no_scene}" if self.options.why_no_scene else ""

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import xarray as xr
@@ -47,12 +47,10 @@ class Options(PressedOptions):
 
     methods: Methods = ("bem", "fem")
     reduced_pressure: ReducedPressure = 0.05
-    surfaces: Annotated[
-        Surfaces,
-        Field(
-            description="how many; their claimed intervals are checked too, for which sixty are better than twelve"
-        ),
-    ] = 12
+    surfaces: Surfaces = Field(
+        default=12,
+        description="how many; their claimed intervals are checked too, for which sixty are better than twelve",
+    )
     seed: Seed = 5006
     points_per_wave: Ladder = (3.0, 4.0, 6.0, 8.0, 12.0, 16.0)
     """grids of the boundary elements, as lambda_short/dx, rising"""
@@ -276,6 +274,5 @@ def _against_peer(data: xr.Dataset, code: str) -> Finding:
         return finding("cost", text + "; none of the ways here is as good.", **values)
     best = min(ours, key=lambda k: float(seconds[k]))
     values |= {"best": labels[best], "ratio": float(seconds[best] / seconds[theirs])}
-    return finding(
-        "cost", text + "; the cheapest way here to that error takes {ratio:.3} of it ({best}).", **values
-    )
+    form = text + "; the cheapest way here to that error takes {ratio:.3} of it ({best})."
+    return finding("cost", form, **values)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
-from typing import Annotated, Self
+from typing import Self
 
 import numpy as np
 import xarray as xr
@@ -27,10 +27,8 @@ from validation.measurements.limits import ABSENT, straight_limit
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
 from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding, of_one_surface
 from validation.scenes.tables import SolidSpec
-from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions
+from validation.studies._options import Bandwidth, Hurst, Periods, Positives, Seed, StudyOptions, above_one
 from validation.units import Positive, wrong
-
-_Positives = Annotated[tuple[Positive, ...], Field(min_length=1)]
 
 #: Tire rubber (Persson 2006, Sec. 8.3).
 _SOLID = SolidSpec(young=1e7, poisson=0.5)
@@ -42,17 +40,17 @@ class Options(StudyOptions):
 
     why_no_scene = "it turns load, waves, work and hardness by itself"
 
-    works: _Positives = (0.01, 0.03, 0.1, 0.3, 1.0)
+    works: Positives = (0.01, 0.03, 0.1, 0.3, 1.0)
     """works of adhesion w over the elastic energy U_full of full contact, per area, rising"""
     reduced_pressure: Positive = 0.05
     """p* = p0 / (E* h'_rms) on every dial but its own"""
     work: Positive = 0.1
     """w / U_full on every dial but its own"""
-    reduced_pressures: _Positives = (0.01, 0.05, 0.2)
+    reduced_pressures: Positives = (0.01, 0.05, 0.2)
     """p* on its own dial"""
-    magnifications: _Positives = (1.5, 2.0, 4.0, 8.0)
+    magnifications: Positives = (1.5, 2.0, 4.0, 8.0)
     """q/q_long of the last wave, above 1, at most the bandwidth"""
-    hardnesses: _Positives = (0.3, 0.6, 1.2)
+    hardnesses: Positives = (0.3, 0.6, 1.2)
     """H / (E* h'_rms)"""
     seed: Seed = 11
     surfaces: int = Field(default=3, ge=1, le=10_000)
@@ -65,11 +63,7 @@ class Options(StudyOptions):
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
-        if not all(1 < zeta <= self.bandwidth for zeta in self.magnifications):
-            values = ", ".join(f"{zeta:g}" for zeta in self.magnifications)
-            raise wrong(
-                f"magnifications = {values}: must lie above 1, at most bandwidth = {self.bandwidth:g}"
-            )
+        above_one(self.magnifications, bandwidth=self.bandwidth)
         if not 2 * self.periods * self.bandwidth < self.grids[0] < self.grids[1]:
             raise wrong(
                 f"grids = {self.grids[0]}, {self.grids[1]}: must rise, for a limit, from above "
@@ -91,22 +85,13 @@ class Case:
 
 def design(options: Options) -> dict[tuple[Case, int], Sticking]:
     """Return what is pressed by case and number of the surface."""
-    at = {
-        "work_ratio": options.work,
-        "reduced_pressure": options.reduced_pressure,
-        "magnification": options.bandwidth,
-    }
+    load = options.reduced_pressure
+    at = {"work_ratio": options.work, "reduced_pressure": load, "magnification": options.bandwidth}
     turned = (options.works, options.reduced_pressures, options.magnifications, options.hardnesses)
     dials = zip(_DIALS.items(), turned, strict=True)
     cases = [Case(varied=dial, **{**at, name: v}) for (dial, name), values in dials for v in values]
-    wholes = [
-        base_case(
-            options.self_affine(number=k, length=_LENGTH),
-            reduced_pressure=options.reduced_pressure,
-            solid=_SOLID,
-        )
-        for k in range(options.surfaces)
-    ]
+    surfaces = [options.self_affine(number=k, length=_LENGTH) for k in range(options.surfaces)]
+    wholes = [base_case(surface, reduced_pressure=load, solid=_SOLID) for surface in surfaces]
     pressed = {}
     for case, (k, whole) in itertools.product(cases, enumerate(wholes)):
         unit, modulus = whole.pressure_scale, whole.contact_modulus
@@ -147,8 +132,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = mean(data, *_AREAS[:2], "area_plastic", "area_gain", "area_gain_excess", "interface_energy")
     data = same_of_all(mean(data, "interface_energy_excess"), *_THEORY)
     data = claim(data, "area", "area_plain", "area_plastic", "area_gain", "interface_energy", **ABSENT)
-    attributes = {"work": options.work, "reduced_pressure": options.reduced_pressure}
-    return data.assign_attrs(methods="theory bem", **attributes)
+    return data.assign_attrs(methods="theory bem", **options.model_dump(include={"work", "reduced_pressure"}))
 
 
 #: What is drawn along every dial, the coordinate, and how it is called.

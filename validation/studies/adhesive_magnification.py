@@ -10,6 +10,7 @@ projected in both; A counts points whose gap is closed, and what F exceeds the l
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -104,8 +105,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = data.assign_coords(points_per_wave=("grid", list(options.points_per_wave)))
     data = straight_limit(data, "area", "area_plain", "area_parted", x="points_per_wave")
     data = _compared(straight_limit(data, *_COMPARED[1:], of="grid", x="points_per_wave"))
-    attributes = {name: getattr(options, name) for name in ("hurst", "reduced_pressure", "work")}
-    return data.assign_attrs(methods="theory bem adhesion", **attributes)
+    asked = options.model_dump(include={"hurst", "reduced_pressure", "work"})
+    return data.assign_attrs(methods="theory bem adhesion", **asked)
 
 
 def _full_surface(options: Options, k: int) -> tuple[ContactProblem, float]:
@@ -197,71 +198,63 @@ def views(data: xr.Dataset) -> Views:
                 panels=[*stresses, Panel(marks=waves, x="wave", log="x", base=2)],
             ),
         ],
-        findings=_findings(data, [0, last]),
+        findings=[*_findings(data, [0, last])],
     )
 
 
 _BESIDE = {"?": "beside"}
 
 
-def _findings(data: xr.Dataset, ends: list[int]) -> list[Finding]:
+def _findings(data: xr.Dataset, ends: list[int]) -> Iterator[Finding]:
     full_work, effective = (data.isel(told=k) for k in (0, 1))
     holds = np.flatnonzero(np.isfinite(effective.area.values))
-    item = (
+    gain = (
         "{area} at zeta = {magnification} ({area_gain:~} times that without adhesion), {verdict} the theory's"
     )
-    return [
-        finding(
-            "comparison",
-            "Solved with w, A/A0 is {each}.",
-            full_work.isel(magnification=ends),
-            item=item + " {area_improved:~} ({area_gain_improved:~} times; {area_old:~} by Eq. 43)",
-            by="area_excess",
-            over="magnification",
-            words=_BESIDE,
-        ),
-        finding(
-            "comparison",
-            "There F/F_load is {each}.",
-            full_work.isel(magnification=ends),
-            item="{force_inside} at zeta = {magnification}, {verdict} the theory's {force_inside_improved:~}, U_el/U_full "
-            "{energy_ratio} for {energy_ratio_improved:~}, in tension {tension} of the contact for {tension_improved:~}, "
-            "and P(sigma) A0/A up to {stress_distance_improved:~} apart",
-            by="force_inside_excess",
-            over="magnification",
-            words=_BESIDE,
-        ),
-        finding(
-            "comparison",
-            "Solved with gamma_eff(zeta), which holds nothing at {left} of {all} magnifications, A/A0 is {each}.",
-            effective.isel(magnification=sorted({int(k) for k in (*holds[:1], *holds[-1:])})),
-            item=item + " along one solution, {area_improved:~}",
-            by="area_excess",
-            left=data.sizes["magnification"] - holds.size,
-            all=data.sizes["magnification"],
-            over="magnification",
-            words=_BESIDE,
-        ),
-        finding(
-            "comparison",
-            "With all waves, P~ of those added last, energy stored over that of full contact, is {each}; {energy_beyond:%} of "
-            "the energy is in waves shorter than any of the surface, of which the theory knows nothing.",
-            data.isel(shell=ends),
-            item="{energy_share} up to zeta = {wave}, {verdict} the theory's {energy_share_improved:~}",
-            by="energy_share_excess",
-            over="shell",
-            words=_BESIDE,
-        ),
-        finding(
-            "value",
-            "The theory knows no range: with half of it (zeta = {magnification}, first surface) A/A0 is {area_half_range} for "
-            "{area_each}, and F/F_load {force_inside_half_range} for {force_inside_each}.",
-            full_work.isel(surface=0, magnification=1),
-        ),
-        finding(
-            "value",
-            "Parted from full contact instead of approached, A/A0 is larger by up to {area_parted_excess_largest}: the energy "
-            "has several minima, of which the theory has one.",
-            data,
-        ),
-    ]
+    yield finding(
+        "comparison",
+        "Solved with w, A/A0 is {each}.",
+        full_work.isel(magnification=ends),
+        item=gain + " {area_improved:~} ({area_gain_improved:~} times; {area_old:~} by Eq. 43)",
+        by="area_excess",
+        over="magnification",
+        words=_BESIDE,
+    )
+    yield finding(
+        "comparison",
+        "There F/F_load is {each}.",
+        full_work.isel(magnification=ends),
+        item="{force_inside} at zeta = {magnification}, {verdict} the theory's {force_inside_improved:~}, U_el/U_full "
+        "{energy_ratio} for {energy_ratio_improved:~}, in tension {tension} of the contact for {tension_improved:~}, "
+        "and P(sigma) A0/A up to {stress_distance_improved:~} apart",
+        by="force_inside_excess",
+        over="magnification",
+        words=_BESIDE,
+    )
+    yield finding(
+        "comparison",
+        "Solved with gamma_eff(zeta), which holds nothing at {left} of {all} magnifications, A/A0 is {each}.",
+        effective.isel(magnification=sorted({int(k) for k in (*holds[:1], *holds[-1:])})),
+        item=gain + " along one solution, {area_improved:~}",
+        by="area_excess",
+        left=data.sizes["magnification"] - holds.size,
+        all=data.sizes["magnification"],
+        over="magnification",
+        words=_BESIDE,
+    )
+    yield finding(
+        "comparison",
+        "With all waves, P~ of those added last, energy stored over that of full contact, is {each}; {energy_beyond:%} of "
+        "the energy is in waves shorter than any of the surface, of which the theory knows nothing.",
+        data.isel(shell=ends),
+        item="{energy_share} up to zeta = {wave}, {verdict} the theory's {energy_share_improved:~}",
+        by="energy_share_excess",
+        over="shell",
+        words=_BESIDE,
+    )
+    form = "The theory knows no range: with half of it (zeta = {magnification}, first surface) A/A0 is {area_half_range} for "
+    form += "{area_each}, and F/F_load {force_inside_half_range} for {force_inside_each}."
+    yield finding("value", form, full_work.isel(surface=0, magnification=1))
+    form = "Parted from full contact instead of approached, A/A0 is larger by up to {area_parted_excess_largest}: the energy "
+    form += "has several minima, of which the theory has one."
+    yield finding("value", form, data)

@@ -7,6 +7,7 @@ press it, and the power of the load that its area goes with stands beside Archar
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 from typing import Annotated
 
 import numpy as np
@@ -18,10 +19,10 @@ from validation.measurements.common import Rising, RisingGrids
 from validation.measurements.hierarchy import archard_of, press_bumps
 from validation.measurements.limits import ABSENT, stored_variables
 from validation.report.estimates import claim, derive, mean, power_law
-from validation.report.views import Figure, Level, Line, Panel, Table, Views, finding
-from validation.studies._options import Seed, StudyOptions, Surfaces
+from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, finding
+from validation.studies._options import Positives, Seed, StudyOptions, Surfaces
 from validation.studies._study import gathered
-from validation.units import Positive, wrong
+from validation.units import wrong
 
 #: Points of a grid on the shortest wave, fewer than which tell nothing of its bumps.
 _LEAST = 4
@@ -34,7 +35,7 @@ class Options(StudyOptions):
 
     waves: RisingGrids = (16, 128)
     """waves of the second level on a period, of the third, ...; rising"""
-    heights: Annotated[tuple[Positive, ...], Field(min_length=1)] = (0.2, 0.08)
+    heights: Positives = (0.2, 0.08)
     """their heights over that of the first level, one for each"""
     loads: Rising = Field(default=(0.002, 0.004, 0.008, 0.016, 0.032, 0.064), min_length=2)
     """p0 / (E* height of the first level / period), rising"""
@@ -136,36 +137,33 @@ def views(data: xr.Dataset) -> Views:
                 ],
             )
         ],
-        findings=[
-            finding(
-                "comparison",
-                "The area goes with the load to these powers, over positions of the levels and with the change from the "
-                "grid before, by levels: {each}.",
-                data,
-                item="{levels}: {load_exponent} (Archard {load_exponent_archard:~}), {verdict}",
-                over="level",
-                by="shortfall",
-                words={"+": "below 1", "-": "above 1", "0": "statistically indistinguishable from 1"},
-            ),
-            finding(
-                "trend",
-                "With each level more the power {each}.",
-                data.isel(level=slice(1, None)),
-                item="{verdict} by {level_rise} (level {levels})",
-                over="level",
-                by="level_rise",
-            ),
-            finding(
-                "value",
-                "The area over Archard's, at p0 L/(E* H_0) = {light} and {heavy}, by levels: {each}.",
-                data.isel(load=-1).assign(
-                    lightest=data.area_over_archard.isel(load=0),
-                    lightest_error=data.area_over_archard_error.isel(load=0),
-                ),
-                item="{levels}: {lightest} and {area_over_archard}",
-                over="level",
-                light=float(data.relative_load[0]),
-                heavy=float(data.relative_load[-1]),
-            ),
-        ],
+        findings=[*_findings(data)],
+    )
+
+
+def _findings(data: xr.Dataset) -> Iterator[Finding]:
+    yield finding(
+        "comparison",
+        "The area goes with the load to these powers, over positions of the levels and with the change from the "
+        "grid before, by levels: {each}.",
+        data,
+        item="{levels}: {load_exponent} (Archard {load_exponent_archard:~}), {verdict}",
+        over="level",
+        by="shortfall",
+        words={"+": "below 1", "-": "above 1", "0": "statistically indistinguishable from 1"},
+    )
+    form = "With each level more the power {each}."
+    item = "{verdict} by {level_rise} (level {levels})"
+    yield finding("trend", form, data.isel(level=slice(1, None)), item=item, over="level", by="level_rise")
+    yield finding(
+        "value",
+        "The area over Archard's, at p0 L/(E* H_0) = {light} and {heavy}, by levels: {each}.",
+        data.isel(load=-1).assign(
+            lightest=data.area_over_archard.isel(load=0),
+            lightest_error=data.area_over_archard_error.isel(load=0),
+        ),
+        item="{levels}: {lightest} and {area_over_archard}",
+        over="level",
+        light=float(data.relative_load[0]),
+        heavy=float(data.relative_load[-1]),
     )

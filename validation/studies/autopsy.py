@@ -8,7 +8,7 @@ is lost for good. Each of these is measured, and the budgets of area, load and m
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Any
 
 import numpy as np
@@ -104,8 +104,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     )
     stated = ("area_ratio", "square_growth_late", "edge_loss")
     data = claim(with_diffusion_terms(data), *stated, **ABSENT)
-    attributes = {name: getattr(options, name) for name in ("periods", "bandwidth", "surfaces")}
-    return data.assign_attrs(methods="theory bem", **attributes)
+    asked = options.model_dump(include={"periods", "bandwidth", "surfaces"})
+    return data.assign_attrs(methods="theory bem", **asked)
 
 
 def _chains(options: Options, bench: Bench) -> xr.Dataset:
@@ -183,18 +183,12 @@ def views(data: xr.Dataset) -> Views:
         "memory": panels_along(data, "hurst", Panel(marks=[chance], x="age", log="y")),
     }
     columns = ("hurst", "reduced_pressure", "octave", *_TERMS, "square_told", "square_growth_path")
-    areas = (
-        "area_exponent",
-        "area_exponent_pixel",
-        "area_exponent_persson",
-        "loss_ratio",
-        "area_ratio_end",
-    )
+    areas = ("area_exponent", "area_exponent_pixel", "area_exponent_persson", "loss_ratio", "area_ratio_end")
     return Views(
         table=Table(rows=("hurst", "load", "octave"), columns=(*columns, *areas)),
         budget=("square_growth_late", "edge_loss", "pressure_slope"),
         figures=[Figure(name=name, caption=_CAPTIONS[name], panels=some) for name, some in panels.items()],
-        findings=_findings(data),
+        findings=[*_findings(data)],
     )
 
 
@@ -206,65 +200,48 @@ _CAPTIONS = {
     "memory": "Chance that a ring brings a point back into contact: without memory it would be one number.",
 }
 
-
 _WHERE = "at H = {hurst} and p* = {reduced_pressure}"
 
 
-def _findings(data: xr.Dataset) -> list[Finding]:
+def _findings(data: xr.Dataset) -> Iterator[Finding]:
     data = data.isel(load=np.flatnonzero((data.area.isel(level=-1) < 0.999).all("hurst").values))
     rows: dict[str, Any] = {"over": ("hurst", "load")}
     probed = data.isel(probe=-1).rename(probe="place")
-    return [
-        finding(
-            "comparison",
-            "With all waves (zeta = {magnification}) the area over Persson's is {each}.",
-            derive(data.isel(level=-1), area_excess="area_ratio - 1"),
-            item=f"{{area_ratio}} {_WHERE} ({{verdict}} 1)",
-            by="area_excess",
-            **rows,
-        ),
-        finding(
-            "value",
-            "Mean square pressure over A dV from zeta = 4 on, where the theory has 1, diffusion alone: {each}. D(p), mu(p) "
-            "and re-entry make it but for {square_gap:%} at most.",
-            data,
-            item=f"{{square_growth_late}} {_WHERE} (diffusion {{square_diffusion_late:~}}, drift "
-            "{square_drift_late:~}, re-entry {square_reentry_late:~})",
-            **rows,
-        ),
-        finding(
-            "equivalence",
-            "As the step vanishes ({place}), the area that leaves contact goes with these powers of Delta V: {each}. With "
-            "less than 1 no flow over p = 0 has a value without its step.",
-            probed,
-            item=f"{{power_limit}} {_WHERE} ({{verdict}})",
-            by="power_excess",
-            words={"within": "1/2", "beyond": "not 1/2", "undecided": "1/2 or not: not decided"},
-            **rows,
-        ),
-        finding(
-            "comparison",
-            "Eq. 26 with the true slope of P(p) at zero ({place}) has for the loss of area -d ln A/d ln V: {each}.",
-            probed,
-            item=f"{{edge_loss_slope}}, {{verdict}} the true {{edge_loss}}, {_WHERE} (P'(0) is {{slope_ratio}} times Persson's)",
-            by="edge_loss_excess",
-            **rows,
-        ),
-        finding(
-            "comparison",
-            "Over half an octave, diffusion started from the true P(p) at zeta = {octave_start} loses area {each}.",
-            derive(data.isel(octave=nearest(data.octave_start, 4.0)), loss_excess="loss_ratio - 1"),
-            item=f"{{loss_ratio}} times as fast as the truth {_WHERE} ({{verdict}})",
-            by="loss_excess",
-            words={"+": "faster", "-": "slower", "0": "statistically indistinguishable"},
-            **rows,
-        ),
-        finding(
-            "comparison",
-            "The laws of single rings compose to an inflow over two rings, over the contact area, of {each}.",
-            data,
-            item=f"{{inflow_share_composed:~}}, {{verdict}} the true {{inflow_share:~}}, {_WHERE}",
-            by="inflow_excess",
-            **rows,
-        ),
-    ]
+    yield finding(
+        "comparison",
+        "With all waves (zeta = {magnification}) the area over Persson's is {each}.",
+        derive(data.isel(level=-1), area_excess="area_ratio - 1"),
+        item=f"{{area_ratio}} {_WHERE} ({{verdict}} 1)",
+        by="area_excess",
+        **rows,
+    )
+    form = "Mean square pressure over A dV from zeta = 4 on, where the theory has 1, diffusion alone: {each}. D(p), mu(p) "
+    form += "and re-entry make it but for {square_gap:%} at most."
+    item = f"{{square_growth_late}} {_WHERE} (diffusion {{square_diffusion_late:~}}, drift "
+    item += "{square_drift_late:~}, re-entry {square_reentry_late:~})"
+    yield finding("value", form, data, item=item, **rows)
+    yield finding(
+        "equivalence",
+        "As the step vanishes ({place}), the area that leaves contact goes with these powers of Delta V: {each}. With "
+        "less than 1 no flow over p = 0 has a value without its step.",
+        probed,
+        item=f"{{power_limit}} {_WHERE} ({{verdict}})",
+        by="power_excess",
+        words={"within": "1/2", "beyond": "not 1/2", "undecided": "1/2 or not: not decided"},
+        **rows,
+    )
+    form = "Eq. 26 with the true slope of P(p) at zero ({place}) has for the loss of area -d ln A/d ln V: {each}."
+    item = f"{{edge_loss_slope}}, {{verdict}} the true {{edge_loss}}, {_WHERE} (P'(0) is {{slope_ratio}} times Persson's)"
+    yield finding("comparison", form, probed, item=item, by="edge_loss_excess", **rows)
+    yield finding(
+        "comparison",
+        "Over half an octave, diffusion started from the true P(p) at zeta = {octave_start} loses area {each}.",
+        derive(data.isel(octave=nearest(data.octave_start, 4.0)), loss_excess="loss_ratio - 1"),
+        item=f"{{loss_ratio}} times as fast as the truth {_WHERE} ({{verdict}})",
+        by="loss_excess",
+        words={"+": "faster", "-": "slower", "0": "statistically indistinguishable"},
+        **rows,
+    )
+    form = "The laws of single rings compose to an inflow over two rings, over the contact area, of {each}."
+    item = f"{{inflow_share_composed:~}}, {{verdict}} the true {{inflow_share:~}}, {_WHERE}"
+    yield finding("comparison", form, data, item=item, by="inflow_excess", **rows)

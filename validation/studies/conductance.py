@@ -92,8 +92,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = mean(data, "stiffness_exponent_light").assign(stiffness_exponent_proportional=1.0)
     data = claim(data, "stiffness", "stiffness_exponent", "stiffness_exponent_light", **ABSENT)
     data = derive(data, stiffness_exponent_light_excess="stiffness_exponent_light - 1")
-    attributes = {"hurst": options.hurst, "bandwidth": options.bandwidth}
-    return data.assign_attrs(methods="theory bem", **attributes)
+    return data.assign_attrs(methods="theory bem", hurst=options.hurst, bandwidth=options.bandwidth)
 
 
 def views(data: xr.Dataset) -> Views:
@@ -142,11 +141,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     middle = data.isel(periods=-1, load=sorted({0, data.sizes["load"] // 2, data.sizes["load"] - 1}))
     authors = ("Persson's", "Yang and Persson's (2008)", "Wang and Müser's (2017)")
     for variant, whose in zip(WITH_ENERGY, authors, strict=True):
-        yield finding(
-            "comparison",
-            "L/lambda_long = {periods}: K h_rms/p0 is {each}.",
-            middle,
-            item=f"{{stiffness}} at p* = {{reduced_pressure}}, {{verdict}} {whose} {{stiffness_{variant}:~}}",
-            over="load",
-            by=f"stiffness_excess_{variant}",
-        )
+        form = "L/lambda_long = {periods}: K h_rms/p0 is {each}."
+        item = f"{{stiffness}} at p* = {{reduced_pressure}}, {{verdict}} {whose} {{stiffness_{variant}:~}}"
+        yield finding("comparison", form, middle, item=item, over="load", by=f"stiffness_excess_{variant}")

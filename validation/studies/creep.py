@@ -6,6 +6,7 @@ needs no more than that modulus. When a part of the load is taken off, the solid
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Annotated
 
@@ -19,36 +20,26 @@ from validation.measurements.creep import PHASES, creeps, crept_of, moduli_of
 from validation.measurements.measurement import grid_for
 from validation.measurements.theory import RANKED, VARIANTS
 from validation.report.estimates import derive, mean, same_of_all
-from validation.report.views import Figure, Line, Panel, Table, Views, against, finding
+from validation.report.views import Figure, Finding, Line, Panel, Table, Views, against, finding
 from validation.scenes.tables import SolidSpec
-from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
 from validation.studies._rubber import RubberOptions
 from validation.studies._study import gathered
-from validation.units import Duration, Positive
+from validation.units import Duration
+
+_Durations = Annotated[tuple[Duration, ...], Field(min_length=1), AfterValidator(in_rising_order)]
 
 
 class Options(RubberOptions):
     """What is held, how long, on what, and how much of the load is left after that."""
 
-    why_no_scene = "its solid is viscoelastic, which no scene can say, and it makes its own surfaces"
-
-    durations: Annotated[tuple[Duration, ...], Field(min_length=1), AfterValidator(in_rising_order)] = (
-        *(1e-5, 3e-5, 1e-4, 3e-4, 1e-3),
-    )
+    durations: _Durations = (1e-5, 3e-5, 1e-4, 3e-4, 1e-3)
     """times after the load is put on, and after a part of it is taken off, rising"""
     load_left: float = Field(default=0.5, gt=0, le=1)
     """share of the load that is left when the last of these times is over"""
     steps: int = Field(default=8, ge=1)
     """steps of the solver from one time to the next"""
-    reduced_pressure: Positive = 0.1
-    """p* = p0 / (E_0* h'_rms), with the relaxed modulus and the realised gradient"""
-    hurst: Hurst = 0.8
-    periods: Periods = 2.0
-    bandwidth: Bandwidth = 8.0
-    surfaces: Surfaces = 6
     points_per_wave: Rising = Field(default=(4.0, 8.0), min_length=2)
     """grids, as lambda_short/dx; the finest gives the value"""
-    seed: Seed = 2006
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -77,16 +68,14 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     )
     data = mean(data, "area", "area_crept", "area_memory", "area_excess")
     data = same_of_all(data, *(f"area_{name}" for name in VARIANTS))
-    attributes = {"solid": repr(rubber), "reduced_pressure": options.reduced_pressure}
-    return data.assign_attrs(methods=RANKED, load_left=options.load_left, **attributes)
+    asked = options.model_dump(include={"load_left", "reduced_pressure"})
+    return data.assign_attrs(methods=RANKED, solid=repr(rubber), **asked)
 
 
 def views(data: xr.Dataset) -> Views:
     """Area over the time in both phases, beside elastic contacts and the theory, and what is remembered."""
     areas = ("area", "area_crept", *(f"area_{name}" for name in VARIANTS))
     over_time = against("duration", *areas, log="x")
-    held, unloaded = (data.isel(phase=k) for k in range(2))
-    some = sorted({0, data.sizes["instant"] // 2, data.sizes["instant"] - 1})
     return Views(
         table=Table(
             rows=("phase", "instant"),
@@ -105,36 +94,28 @@ def views(data: xr.Dataset) -> Views:
                 ],
             )
         ],
-        findings=[
-            finding(
-                "value",
-                "Held, A/A0 is {each}.",
-                held.isel(instant=some),
-                item="{area} after {duration:u}",
-                over="instant",
-            ),
-            finding(
-                "comparison",
-                "Held, it is {each}.",
-                held.isel(instant=some),
-                item="{verdict} Persson's {area_persson:~} with E = 1/J = {creep_modulus:~} E_0, by {area_excess:%}",
-                over="instant",
-                by="area_excess",
-            ),
-            finding(
-                "comparison",
-                "With {load_left} of the load left, A/A0 beside a solid that never carried more is {each}.",
-                unloaded.isel(instant=some),
-                item="{area} after {duration:u} ({verdict} it, by {area_memory:%})",
-                over="instant",
-                by="area_memory",
-                load_left=float(data.attrs["load_left"]),
-            ),
-            finding(
-                "cost",
-                "Held, the area must be that of the elastic contact with E = 1/J(t); the steps in time miss it by at most "
-                "{worst:%}.",
-                worst=float(abs(held.area_memory).max()),
-            ),
-        ],
+        findings=[*_findings(data)],
     )
+
+
+def _findings(data: xr.Dataset) -> Iterator[Finding]:
+    held, unloaded = (data.isel(phase=k) for k in range(2))
+    some = sorted({0, data.sizes["instant"] // 2, data.sizes["instant"] - 1})
+    form = "Held, A/A0 is {each}."
+    item = "{area} after {duration:u}"
+    yield finding("value", form, held.isel(instant=some), item=item, over="instant")
+    form = "Held, it is {each}."
+    item = "{verdict} Persson's {area_persson:~} with E = 1/J = {creep_modulus:~} E_0, by {area_excess:%}"
+    yield finding("comparison", form, held.isel(instant=some), item=item, over="instant", by="area_excess")
+    yield finding(
+        "comparison",
+        "With {load_left} of the load left, A/A0 beside a solid that never carried more is {each}.",
+        unloaded.isel(instant=some),
+        item="{area} after {duration:u} ({verdict} it, by {area_memory:%})",
+        over="instant",
+        by="area_memory",
+        load_left=float(data.attrs["load_left"]),
+    )
+    form = "Held, the area must be that of the elastic contact with E = 1/J(t); the steps in time miss it by at most "
+    form += "{worst:%}."
+    yield finding("cost", form, worst=float(abs(held.area_memory).max()))

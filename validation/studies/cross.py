@@ -76,13 +76,10 @@ def _blocks(options: Options) -> Iterator[tuple[str, float, Any]]:
 
 def _others(options: Options) -> Iterator[tuple[str, float, Any]]:
     for solver in options.others(options.method_points_per_wave):
-        how: dict[str, Any] = {
-            "method": solver.method,
-            "settings": solver.settings,
-            "effects": options.effects,
-        }
+        how: dict[str, Any] = {"method": solver.method, "settings": solver.settings}
         for grid in solver.grids:
-            yield solver.name, options.first.points_per_wave(grid), partial(beside_bem, grid=grid, **how)
+            solve = partial(beside_bem, grid=grid, effects=options.effects, **how)
+            yield solver.name, options.first.points_per_wave(grid), solve
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -103,18 +100,13 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = derive(data, order="-exponent", area_difference_size="abs(area_difference)")
     solver = [other.method for other in options.others((), without=("bem",))]
     cited = ["bem", *solver, *(effect.kind for effect in options.effects), "perimeter"]
-    return data.assign_attrs(
-        study="cross", reduced_pressure=options.reduced_pressure, methods=" ".join(cited)
-    )
+    return data.assign_attrs(reduced_pressure=options.reduced_pressure, methods=" ".join(cited))
 
 
 #: What is averaged over the surfaces.
 _COMPARED = (
-    "pressure_difference",
-    "pressure_difference_inside",
-    "area_difference",
-    "area_difference_perimeter",
-    "gap_difference",
+    *("pressure_difference", "pressure_difference_inside"),
+    *("area_difference", "area_difference_perimeter", "gap_difference"),
 )
 
 

@@ -32,8 +32,8 @@ from validation.theories.predicted import beside, distances, ranked
 _NEAR = 1e-3
 #: Tolerances of the solver that are compared, the last with the strictest.
 _STRICT = (1e-4, 1e-6, 1e-8, 1e-12)
-#: What is compared, and how findings call it.
-_COMPARED = {"energy_ratio": "Elastic energy", "gap": "Mean gap", "compliance": "Compliance"}
+#: What is compared.
+_COMPARED = ("energy_ratio", "gap", "compliance")
 
 
 class Options(pressure.Options):
@@ -131,20 +131,17 @@ def views(data: xr.Dataset) -> Views:
     """Ratios to every theory, what is missing towards full contact, and the checks."""
     ratios = [f"{name}{end}" for name in _COMPARED for end in ("", "_over")]
     return Views(
-        table=Table(
-            rows=("theory", "load"),
-            columns=("theory", "reduced_pressure", "area", *ratios),
-        ),
-        budget=tuple(_COMPARED),
+        table=Table(rows=("theory", "load"), columns=("theory", "reduced_pressure", "area", *ratios)),
+        budget=_COMPARED,
         figures=_figures(),
         findings=[*_findings(data)],
     )
 
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
-    for name, title in _COMPARED.items():
+    for name in _COMPARED:
         yield ranking(
-            f"{title}, mean distance of simulated over predicted values from 1 below full contact: {{order}}.",
+            f"{pressure.TITLES[name]}, mean distance of simulated over predicted values from 1 below full contact: {{order}}.",
             ranked(data, name),
         )
     partly = data.isel(load=np.flatnonzero(data.gap_first.values > 0))
@@ -156,23 +153,17 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "{path_work_check:%}, by a quadrature of fourth order.",
         **worst,
     )
+    form = "The smallest gap, {gap_first} h_rms at p* = {reduced_pressure}, against a tolerance of 1e-12 of the solver: off "
+    form += "by {each}; the study takes {used}."
+    item = "{left_gap:%} at {tolerance}"
     yield finding(
-        "value",
-        "The smallest gap, {gap_first} h_rms at p* = {reduced_pressure}, against a tolerance of 1e-12 of the solver: off "
-        "by {each}; the study takes {used}.",
-        partly.isel(load=-1),
-        item="{left_gap:%} at {tolerance}",
-        over="tolerance",
-        used=data.attrs["solver_tolerance"],
+        "value", form, partly.isel(load=-1), item=item, over="tolerance", used=data.attrs["solver_tolerance"]
     )
     full = np.flatnonzero(data.gap_first.values <= 0)
     if full.size:
-        yield finding(
-            "value",
-            "From p* = {reduced_pressure} on the contact of the first surface is full: its gap is {gap_first} h_rms, its "
-            "energy over that of full contact {energy_ratio_first}.",
-            data.isel(load=int(full[0])),
-        )
+        form = "From p* = {reduced_pressure} on the contact of the first surface is full: its gap is {gap_first} h_rms, its "
+        form += "energy over that of full contact {energy_ratio_first}."
+        yield finding("value", form, data.isel(load=int(full[0])))
 
 
 def _figures() -> list[Figure]:

@@ -7,7 +7,7 @@ changes little over 1/q, E'/(E q) < 1. Boundary elements take the exact complian
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Self
+from typing import Self
 
 import numpy as np
 import xarray as xr
@@ -21,8 +21,8 @@ from validation.arrays import Array
 from validation.execution.bench import Bench
 from validation.report.estimates import derive
 from validation.report.views import Figure, Line, Panel, Table, Views, finding
-from validation.studies._options import StudyOptions
-from validation.units import Positive, wrong
+from validation.studies._options import Positives, StudyOptions
+from validation.units import wrong
 
 
 class Options(StudyOptions):
@@ -30,7 +30,7 @@ class Options(StudyOptions):
 
     why_no_scene = "it asks about single waves, and presses nothing"
 
-    ratios: Annotated[tuple[Positive, ...], Field(min_length=1)] = (0.1, 0.25, 0.5, 2.0, 4.0, 10.0)
+    ratios: Positives = (0.1, 0.25, 0.5, 2.0, 4.0, 10.0)
     """modulus far below over that of the surface, and of the solid over that of the coating; not 1"""
     poisson: float = Field(default=0.3, gt=-1, le=0.5)
     """nu, the same at all depths"""
@@ -66,7 +66,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
             "grading": (dims, [_grading(ratio, q) for ratio in ratios]),
         },
         coords={"reduced_wave": q, "modulus_ratio": ratios},
-        attrs={"study": "graded", "methods": "theory bem", "poisson": options.poisson},
+        attrs={"methods": "theory bem", "poisson": options.poisson},
     )
     mild = "felt_modulus_profile.where(grading < 1)"
     worst = {"felt_error_profile": "felt_modulus_profile", "felt_error_coating": "felt_modulus_coating"}
@@ -105,14 +105,10 @@ def _share(felt: Callable[[Array], Array], exact: Response, q: Array) -> Array:
 def views(data: xr.Dataset) -> Views:
     """Modulus felt over the exact one against the wavevector, and how far it is off at worst."""
     kinds = {"profile": "an exponential profile of depth d", "coating": "a layer of thickness d"}
-    worst = finding(
-        "value",
-        "The modulus that a wave feels is off by at worst (+ is too stiff) {each}.",
-        data,
-        item="{felt_error_mild:+%} where E'/(E q) < 1, {felt_error_profile:+%} over all waves and {felt_error_coating:+%} "
-        "with a coating, whose E' is infinite ({modulus_ratio} times as stiff below)",
-        over="modulus_ratio",
-    )
+    form = "The modulus that a wave feels is off by at worst (+ is too stiff) {each}."
+    item = "{felt_error_mild:+%} where E'/(E q) < 1, {felt_error_profile:+%} over all waves and {felt_error_coating:+%} "
+    item += "with a coating, whose E' is infinite ({modulus_ratio} times as stiff below)"
+    worst = finding("value", form, data, item=item, over="modulus_ratio")
     return Views(
         table=Table(
             rows=("modulus_ratio",),

@@ -24,10 +24,8 @@ from validation.measurements.yielding import remaining_by_theory, remaining_wave
 from validation.report.estimates import claim, derive, gather, mean
 from validation.report.marks import Figure, Line, Panel
 from validation.report.views import Column, Finding, Table, Views, finding, of_one_surface
-from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions
+from validation.studies._options import Bandwidth, Hurst, Periods, Positives, Seed, StudyOptions, above_one
 from validation.units import Positive, wrong
-
-_Positives = Annotated[tuple[Positive, ...], Field(min_length=1)]
 
 _MODULUS = BASE_SOLID.young / (1 - BASE_SOLID.poisson**2)
 _GRADIENT, _LENGTH = 0.1, 1e-4
@@ -38,9 +36,9 @@ class Options(StudyOptions):
 
     why_no_scene = "it turns load and waves by itself; `area` takes a scene that yields"
 
-    reduced_pressures: _Positives = (0.01, 0.02, 0.05, 0.1, 0.2)
+    reduced_pressures: Positives = (0.01, 0.02, 0.05, 0.1, 0.2)
     """p* = p0 / (E* h'_rms) with the realised gradient of all waves"""
-    magnifications: _Positives = (1.25, 1.5, 2.0, 3.0, 4.0)
+    magnifications: Positives = (1.25, 1.5, 2.0, 3.0, 4.0)
     """zeta = q/q_long of the last wave there is, above 1, at most the bandwidth"""
     hardness: Positive = 0.6
     """H / (E* h'_rms) with the gradient asked for"""
@@ -59,11 +57,7 @@ class Options(StudyOptions):
     def _possible(self) -> Self:
         if len(set(self.grids)) < 2:
             raise wrong(f"grids = {', '.join(map(str, self.grids))}: at least two, for a limit")
-        if not all(1 < zeta <= self.bandwidth for zeta in self.magnifications):
-            values = ", ".join(f"{zeta:g}" for zeta in self.magnifications)
-            raise wrong(
-                f"magnifications = {values}: must lie above 1, at most bandwidth = {self.bandwidth:g}"
-            )
+        above_one(self.magnifications, bandwidth=self.bandwidth)
         return self
 
     @property

@@ -7,6 +7,7 @@ samples of rising size; and two spectra that differ in their long waves alone, p
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import xarray as xr
@@ -146,43 +147,35 @@ def views(data: xr.Dataset) -> Views:
                 ],
             )
         ],
-        findings=[
-            _deviation(data, "skewness", "Skewness of the heights"),
-            _deviation(data, "excess_kurtosis", "Excess kurtosis of the heights"),
-            finding(
-                "value",
-                "Largest distance of the cumulated heights of one surface from the Gaussian, and its highest point over "
-                "h_rms: {each}.",
-                data,
-                item="{height_distance} and {highest} at L/lambda_0 = {periods}",
-                over="sample",
-            ),
-            finding(
-                "equivalence",
-                "With a roll-off {longer} times as long and the same C(q) at short waves, h_rms changes by "
-                "{rms_height_change:+%} and the gradient by {rms_gradient_change:+%}. Under the same load the area changes "
-                "by {each}.",
-                data,
-                item="{area_change:+%} at p* = {reduced_pressure} (theory {area_change_persson:+%}), {verdict}",
-                over="load",
-                by="area_change_share",
-                words={
-                    "within": "less than half as much as the heights",
-                    "beyond": "more than half as much as the heights",
-                    "undecided": "less than half as much as the heights or not: not decided",
-                },
-                longer=float(data.attrs["longer"]),
-            ),
-        ],
+        findings=[*_findings(data)],
+    )
+
+
+def _findings(data: xr.Dataset) -> Iterator[Finding]:
+    yield _deviation(data, "skewness", "Skewness of the heights")
+    yield _deviation(data, "excess_kurtosis", "Excess kurtosis of the heights")
+    form = "Largest distance of the cumulated heights of one surface from the Gaussian, and its highest point over "
+    form += "h_rms: {each}."
+    item = "{height_distance} and {highest} at L/lambda_0 = {periods}"
+    yield finding("value", form, data, item=item, over="sample")
+    yield finding(
+        "equivalence",
+        "With a roll-off {longer} times as long and the same C(q) at short waves, h_rms changes by "
+        "{rms_height_change:+%} and the gradient by {rms_gradient_change:+%}. Under the same load the area changes "
+        "by {each}.",
+        data,
+        item="{area_change:+%} at p* = {reduced_pressure} (theory {area_change_persson:+%}), {verdict}",
+        over="load",
+        by="area_change_share",
+        words={
+            "within": "less than half as much as the heights",
+            "beyond": "more than half as much as the heights",
+            "undecided": "less than half as much as the heights or not: not decided",
+        },
+        longer=float(data.attrs["longer"]),
     )
 
 
 def _deviation(data: xr.Dataset, name: str, quantity: str) -> Finding:
-    return finding(
-        "comparison",
-        f"{quantity} by L/lambda_0: {{each}}.",
-        data,
-        item=f"{{{name}}} at {{periods}}, {{verdict}} zero",
-        over="sample",
-        by=name,
-    )
+    form, item = f"{quantity} by L/lambda_0: {{each}}.", f"{{{name}}} at {{periods}}, {{verdict}} zero"
+    return finding("comparison", form, data, item=item, over="sample", by=name)

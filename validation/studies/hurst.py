@@ -105,7 +105,7 @@ class Options(StudyOptions):
     @property
     def beside(self) -> KappaBySolver | None:
         """What other solvers press; None without them."""
-        options = {name: getattr(self, name) for name in ("periods", "shifts", "seed")}
+        options = self.model_dump(include={"periods", "shifts", "seed"})
         options |= {name: getattr(self, f"method_{name}") for name in _OF_METHODS}
         hursts, per_wave = tuple(sorted(set(self.hursts))), self.points_per_wave
         each = KappaBySolver(solvers=self.others, hursts=hursts, bem_points_per_wave=per_wave, **options)
@@ -115,12 +115,12 @@ class Options(StudyOptions):
     def climbed(self) -> Ladders | None:
         """The ladders; None without them."""
         hursts = self.hursts if self.ladder_hursts is None else self.ladder_hursts
-        options = {name: getattr(self, name) for name in ("periods", "shifts", "seed")}
+        if not (self.ladders and hursts):
+            return None
+        options = self.model_dump(include={"periods", "shifts", "seed"})
         of_ladders = ("bandwidths", "pairs", "points_per_wave", "reduced_pressure")
         options |= {name: getattr(self, f"ladder_{name}") for name in of_ladders}
-        return (
-            Ladders(hursts=hursts, sizes=self.ladder_periods, **options) if self.ladders and hursts else None
-        )
+        return Ladders(hursts=hursts, sizes=self.ladder_periods, **options)
 
 
 #: What is solved: a family of spectra, or which ladder, then H and what else tells it apart.
@@ -168,7 +168,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     cited = dict.fromkeys(chosen_solver(name)[0].name for name in options.others)
     papers = papers_of(*(["kappa"] if options.literature else []), "kappa_ratio")
     methods = " ".join([RANKED, *cited, papers])
-    return data.assign_attrs(study="hurst", methods=methods, periods=options.periods, seconds=seconds)
+    return data.assign_attrs(methods=methods, periods=options.periods, seconds=seconds)
 
 
 def _of_spectra(

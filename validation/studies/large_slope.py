@@ -74,8 +74,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = with_differences(data, differences=DIFFERENCES, straight=STRAIGHT)
     data["paths_ended"] = data.path_ended_each.isel(grid=-1).sum()
     data = claim(data, *CHANGES, *(f"{name}_rate" for name in CHANGES), theory="it is simulated")
-    attributes = {"hurst": options.hurst, "bandwidth": options.bandwidth}
-    return data.assign_attrs(methods="fem", **attributes)
+    return data.assign_attrs(methods="fem", hurst=options.hurst, bandwidth=options.bandwidth)
 
 
 def views(data: xr.Dataset) -> Views:
@@ -118,23 +117,15 @@ _WHERE = "nu = {poisson}, p* = {reduced_pressure}"
 
 
 def _leaves(data: xr.Dataset, name: str, quantity: str) -> Finding:
-    return finding(
-        "threshold",
-        f"h'_rms from which on the {quantity} differs from the linear one (95 %, surfaces and grid), "
-        "not determinable where that is beyond the slopes there are: {each}.",
-        data,
-        item=f"by {{difference:%}} {{{name}_crossing}} ({{{name}_crossing_lower}} to {{{name}_crossing_upper}}; {_WHERE})",
-        over=("nu", "load", "difference"),
-    )
+    form = f"h'_rms from which on the {quantity} differs from the linear one (95 %, surfaces and grid), "
+    form += "not determinable where that is beyond the slopes there are: {each}."
+    item = f"by {{difference:%}} {{{name}_crossing}} ({{{name}_crossing_lower}} to {{{name}_crossing_upper}}; {_WHERE})"
+    return finding("threshold", form, data, item=item, over=("nu", "load", "difference"))
 
 
 def _rate(data: xr.Dataset, name: str, quantity: str) -> Finding:
+    form = f"Up to h'_rms = {STRAIGHT:g} the {quantity} over the linear one {{each}}."
+    item = f"{{verdict}} with the slope ({{{name}_rate:+}} times h'_rms; {_WHERE})"
     return finding(
-        "trend",
-        f"Up to h'_rms = {STRAIGHT:g} the {quantity} over the linear one {{each}}.",
-        data,
-        item=f"{{verdict}} with the slope ({{{name}_rate:+}} times h'_rms; {_WHERE})",
-        over=("nu", "load"),
-        by=f"{name}_rate",
-        words={"0": "shows no trend"},
+        "trend", form, data, item=item, over=("nu", "load"), by=f"{name}_rate", words={"0": "shows no trend"}
     )

@@ -7,6 +7,7 @@ of the widest path; the distribution of gaps stands beside the theory's.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated
 
 import xarray as xr
@@ -118,62 +119,52 @@ def views(data: xr.Dataset) -> Views:
                 panels=panels[:: -(-len(panels) // _DRAWN)],
             ),
         ],
-        findings=_findings(data),
+        findings=[*_findings(data)],
     )
 
 
-def _findings(data: xr.Dataset) -> list[Finding]:
+def _findings(data: xr.Dataset) -> Iterator[Finding]:
     last = data.isel(bandwidth=-1)
-    return [
+    yield finding(
+        "comparison",
+        "Along an axis the threshold {each} (located area, all spectra, common phases). Persson (2006, Sec. 3.6) has {paper}, "
+        "Dapp et al. (2012) .42.",
+        data,
+        item="of the {phase} is A/A0 = {percolation_area_pooled}, {verdict} the paper's",
+        over="phase",
+        by="percolation_area_excess",
+        paper=SITE_THRESHOLD,
+    )
+    form = "By spectrum it is {each}."
+    item = "{percolation_area} of the {phase} for lambda_long/lambda_short = {bandwidth}"
+    yield finding("value", form, data, item=item, over=("bandwidth", "phase"))
+    yield finding(
+        "comparison",
+        "Tire rim, A/A0 = {area_rim} with adhesion (Persson 2006, Sec. 8.3, where no leak is concluded from {area_rim} > "
+        "{percolation_area_paper}): the gap closes at {percolation_area_pooled}, so {verdict}, if adhesion does not move the "
+        "threshold.",
+        data.sel(phase="gap"),
+        by="rim_excess",
+        words={
+            "+": "it seals",
+            "-": "it leaks",
+            "0": "whether it seals is not decided",
+            "?": "nothing is decided",
+        },
+    )
+    form = "Conductance over the cube of the mean gap (lambda_long/lambda_short = {bandwidth}): {each}."
+    item = "{gap_conductance} at A/A0 = {area_asked}, {gap_conductance_ratio:~} of Bruggeman's, where {closed:~%} of the "
+    item += "directions are closed"
+    yield finding("value", form, last, item=item, over="asked")
+    yield from (
         finding(
             "comparison",
-            "Along an axis the threshold {each} (located area, all spectra, common phases). Persson (2006, Sec. 3.6) has {paper}, "
-            "Dapp et al. (2012) .42.",
-            data,
-            item="of the {phase} is A/A0 = {percolation_area_pooled}, {verdict} the paper's",
-            over="phase",
-            by="percolation_area_excess",
-            paper=SITE_THRESHOLD,
-        ),
-        finding(
-            "value",
-            "By spectrum it is {each}.",
-            data,
-            item="{percolation_area} of the {phase} for lambda_long/lambda_short = {bandwidth}",
-            over=("bandwidth", "phase"),
-        ),
-        finding(
-            "comparison",
-            "Tire rim, A/A0 = {area_rim} with adhesion (Persson 2006, Sec. 8.3, where no leak is concluded from {area_rim} > "
-            "{percolation_area_paper}): the gap closes at {percolation_area_pooled}, so {verdict}, if adhesion does not move the "
-            "threshold.",
-            data.sel(phase="gap"),
-            by="rim_excess",
-            words={
-                "+": "it seals",
-                "-": "it leaks",
-                "0": "whether it seals is not decided",
-                "?": "nothing is decided",
-            },
-        ),
-        finding(
-            "value",
-            "Conductance over the cube of the mean gap (lambda_long/lambda_short = {bandwidth}): {each}.",
-            last,
-            item="{gap_conductance} at A/A0 = {area_asked}, {gap_conductance_ratio:~} of Bruggeman's, where {closed:~%} of the "
-            "directions are closed",
+            f"Gaps below {NARROW:g} h_rms, contact left out, cover {{each}} by theory told the load.",
+            last.isel(asked=sorted({0, last.sizes["asked"] - 1})),
+            item=f"{{gap_narrow}} of the nominal area at A/A0 = {{area_asked}}, {{verdict}} {whose} {{gap_narrow_{name}:~}} "
+            f"(cumulated shares at most {{gap_distance_{name}:~}} apart)",
             over="asked",
-        ),
-        *(
-            finding(
-                "comparison",
-                f"Gaps below {NARROW:g} h_rms, contact left out, cover {{each}} by theory told the load.",
-                last.isel(asked=sorted({0, last.sizes["asked"] - 1})),
-                item=f"{{gap_narrow}} of the nominal area at A/A0 = {{area_asked}}, {{verdict}} {whose} {{gap_narrow_{name}:~}} "
-                f"(cumulated shares at most {{gap_distance_{name}:~}} apart)",
-                over="asked",
-                by=f"gap_narrow_excess_{name}",
-            )
-            for name, whose in zip(GAP_THEORIES, ("Persson's", "Yang and Persson's (2008)"), strict=True)
-        ),
-    ]
+            by=f"gap_narrow_excess_{name}",
+        )
+        for name, whose in zip(GAP_THEORIES, ("Persson's", "Yang and Persson's (2008)"), strict=True)
+    )

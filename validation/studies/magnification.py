@@ -79,9 +79,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         area_ratio_each="area_each / area_persson_each",
         area_change_each="area_each / area_each.isel(magnification=0) - 1",
     )
-    return mean(data, "area", "area_persson", "area_ensemble", "area_ratio", "area_change").assign_attrs(
-        **options.spectrum_words
-    )
+    data = mean(data, "area", "area_persson", "area_ensemble", "area_ratio", "area_change")
+    return data.assign_attrs(options.spectrum_words)
 
 
 def views(data: xr.Dataset) -> Views:
@@ -89,28 +88,16 @@ def views(data: xr.Dataset) -> Views:
     last = data.isel(magnification=-1).assign(
         start=data.area.isel(magnification=0), start_error=data.area_error.isel(magnification=0)
     )
+    form = "From zeta = {zeta:~} to {magnification}, at one nominal pressure, the area {each}."
+    item = "{verdict} from {start:~} to {area} at p* = {reduced_pressure}, there {area_ratio} of Persson's"
     falls = finding(
-        "trend",
-        "From zeta = {zeta:~} to {magnification}, at one nominal pressure, the area {each}.",
-        last,
-        item="{verdict} from {start:~} to {area} at p* = {reduced_pressure}, there {area_ratio} of Persson's",
-        over="load",
-        by="area_change",
-        zeta=float(data.magnification[0]),
+        "trend", form, last, item=item, over="load", by="area_change", zeta=float(data.magnification[0])
     )
-    lines = [Line(y=name, by="load") for name in ("area", "area_persson", "area_ensemble")]
+    areas = ("area", "area_persson", "area_ensemble")
+    lines = [Line(y=name, by="load") for name in areas]
+    columns = ("reduced_pressure", "magnification", *areas, "area_ratio")
     return Views(
-        table=Table(
-            rows=("load", "magnification"),
-            columns=(
-                "reduced_pressure",
-                "magnification",
-                "area",
-                "area_persson",
-                "area_ensemble",
-                "area_ratio",
-            ),
-        ),
+        table=Table(rows=("load", "magnification"), columns=columns),
         budget=("area",),
         figures=[
             Figure(

@@ -32,6 +32,13 @@ LOADS = (0.001, 0.003, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2)
 _LIGHT = 0.1
 #: Relative area from which on contact is nearly full.
 _NEARLY_FULL = 0.9
+#: How findings call what is compared with theories.
+TITLES = {
+    "area": "Contact area",
+    "gap": "Mean gap",
+    "compliance": "Compliance",
+    "energy_ratio": "Elastic energy",
+}
 #: Where simulation and theory agree.
 AGREEMENT = Level(y="agreement", look={"color": "black", "lw": 0.8})
 
@@ -113,33 +120,20 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _findings(data: xr.Dataset, some: xr.Dataset) -> Iterator[Finding]:
+    form = "The contact area is {each} (lambda_long/lambda_short = {bandwidth})."
+    item = "{verdict} Persson's, {area_excess:+%}, at A/A0 = {area:~}"
     yield finding(
-        "comparison",
-        "The contact area is {each} (lambda_long/lambda_short = {bandwidth}).",
-        some,
-        item="{verdict} Persson's, {area_excess:+%}, at A/A0 = {area:~}",
-        over="load",
-        by="area_excess",
-        bandwidth=data.attrs["bandwidth"],
+        "comparison", form, some, item=item, over="load", by="area_excess", bandwidth=data.attrs["bandwidth"]
     )
-    yield finding(
-        "value",
-        "Over those of Persson's theory: {each}.",
-        some,
-        item="gap {gap_over}, compliance {compliance_over} and energy {energy_ratio_over} at A/A0 = {area:~}",
-        over="load",
-    )
+    form = "Over those of Persson's theory: {each}."
+    item = "gap {gap_over}, compliance {compliance_over} and energy {energy_ratio_over} at A/A0 = {area:~}"
+    yield finding("value", form, some, item=item, over="load")
     if "light" in data.attrs:
         start, end = (data.isel(load=int(k)) for k in data.attrs["light"])
-        yield finding(
-            "trend",
-            "Between A/A0 = {start:~} and {area:~} kappa {verdict}, {kappa_change:+%}, the number of patches changes by "
-            "{patches_change:+%} and their mean size by {patch_size_change:+%}; independent patches would keep kappa and "
-            "their size, and grow in number with the area, by {area_change:+%}.",
-            end,
-            by="kappa_change",
-            start=value_of(start, "area"),
-        )
+        form = "Between A/A0 = {start:~} and {area:~} kappa {verdict}, {kappa_change:+%}, the number of patches changes by "
+        form += "{patches_change:+%} and their mean size by {patch_size_change:+%}; independent patches would keep kappa and "
+        form += "their size, and grow in number with the area, by {area_change:+%}."
+        yield finding("trend", form, end, by="kappa_change", start=value_of(start, "area"))
     reference = data.attrs["reference_load"]
     heavier = data.isel(load=slice(reference + 1, reference + 4))
     at = value_of(data.isel(load=reference), "area")

@@ -199,13 +199,7 @@ def _with_theories(data: xr.Dataset) -> xr.Dataset:
 
 def views(data: xr.Dataset) -> Views:
     """Kappa over the load and at equal Nayak parameter, the theories over the table; of exact amplitudes."""
-    names = (
-        "kappa",
-        *(name for name in QUANTITIES if name != "area"),
-        "area_by_spectrum",
-        "area_excess",
-        "saving",
-    )
+    names = ("kappa", *QUANTITIES[1:], "area_by_spectrum", "area_excess", "saving")
     made = data.area.sel(amplitudes="exact").notnull().all(["hurst", "reduced_pressure"])
     widest = {"amplitudes": 0, "bandwidth": int(np.flatnonzero(made)[-1]) if made.any() else 0}
     load: dict[str, Any] = {"x": "reduced_pressure", "log": "x", "at": widest}
@@ -215,12 +209,9 @@ def views(data: xr.Dataset) -> Views:
         for name, title in VARIANTS.items()
     ]
     alpha = Panel(marks=[Line(y="kappa_equal", **plain)], x="nayak_equal", log="x")
-    few = _some_loads(data)
+    few, cell = _some_loads(data), ("amplitudes", "hurst", "bandwidth", "reduced_pressure")
     return Views(
-        table=Table(
-            rows=("amplitudes", "hurst", "bandwidth", "reduced_pressure"),
-            columns=("amplitudes", "hurst", "bandwidth", "reduced_pressure", "area", *names),
-        ),
+        table=Table(rows=cell, columns=(*cell, "area", *names)),
         figures=[
             Figure(
                 name="reference",

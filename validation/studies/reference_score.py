@@ -43,11 +43,8 @@ class Options(StudyOptions):
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Put theories, told C(q), and areas of a file beside the table of exact amplitudes; nothing is solved.
 
-    Returns
-    -------
-    xarray.Dataset
-        Over (theory, hurst, bandwidth, reduced_pressure): the table's ``area``, ``area_scored``, their relative
-        distance ``theory_excess`` and ``z_score``, the distance over the standard error of the table.
+    Over (theory, hurst, bandwidth, reduced_pressure): the table's ``area``, ``area_scored``, their relative
+    distance ``theory_excess`` and ``z_score``, the distance over the standard error of the table.
     """
     data = reference.table().sel(amplitudes="exact", drop=True)[["area", "area_error"]]
     theories = [find_theory(name) for name in options.theory]
@@ -83,25 +80,16 @@ def views(data: xr.Dataset) -> Views:
             Figure(name=f"excess-{k}", caption=caption, panels=panels, width=3.0 * len(panels), height=2.8)
         )
     columns = ("theory", *_CELL, "area", "area_scored", "theory_excess", "z_score")
-    return Views(
-        table=Table(rows=("theory", *_CELL), columns=columns),
-        budget=("area",),
-        figures=figures,
-        findings=[_worst(data), _agreeing(data)],
-    )
+    table, findings = Table(rows=("theory", *_CELL), columns=columns), [_worst(data), _agreeing(data)]
+    return Views(table=table, budget=("area",), figures=figures, findings=findings)
 
 
 def _worst(data: xr.Dataset) -> Finding:
     size = abs(data.theory_excess).fillna(-1.0)
     worst = data.isel(size.argmax(_CELL))
-    return finding(
-        "comparison",
-        "Farthest from the table: {each}.",
-        worst,
-        item="{theory} lies {verdict} it, by {theory_excess:+%}, at H = {hurst}, bandwidth {bandwidth}, p* = {reduced_pressure}",
-        over="theory",
-        by="theory_excess",
-    )
+    form = "Farthest from the table: {each}."
+    item = "{theory} lies {verdict} it, by {theory_excess:+%}, at H = {hurst}, bandwidth {bandwidth}, p* = {reduced_pressure}"
+    return finding("comparison", form, worst, item=item, over="theory", by="theory_excess")
 
 
 def _agreeing(data: xr.Dataset) -> Finding:

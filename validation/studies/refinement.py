@@ -32,7 +32,7 @@ from validation.measurements.measurement import TOLERANCE, grid_for, press_on_gr
 from validation.measurements.references import beside_published, papers_of
 from validation.measurements.theory import ensemble_area
 from validation.report.estimates import claim, gather
-from validation.solvers.theory import Prediction, predict
+from validation.solvers.theory import predict
 from validation.studies._options import Element, Hurst, Methods, ReducedPressure, Surfaces
 from validation.studies._refinement_views import views
 from validation.studies._scene import PressedOptions, SolverRequest
@@ -55,12 +55,9 @@ _Case = tuple[str | float | int, ...]
 class Options(PressedOptions):
     """Surfaces, grids, and what is measured beside them."""
 
-    off: ClassVar[Mapping[str, Any]] = {
-        "grid_scale_grids": (),
-        "grid_scale_hursts": (),
-        "elements": (),
-        "ladders": False,
-    }
+    off: ClassVar[Mapping[str, Any]] = {"ladders": False} | dict.fromkeys(
+        ("grid_scale_grids", "grid_scale_hursts", "elements"), ()
+    )
     slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound"})
     plain = "an adhesive contact jumps from grid to grid, and has no law of refinement"
 
@@ -89,9 +86,8 @@ class Options(PressedOptions):
     def _limit_of_elements(self) -> Self:
         if self.blocks and len(self.fem_points_per_wave) < 3:
             listed = ", ".join(f"{n:g}" for n in self.fem_points_per_wave)
-            raise wrong(
-                f"fem_points_per_wave = {listed}: the limit of the finite elements needs at least three grids"
-            )
+            three = "the limit of the finite elements needs at least three grids"
+            raise wrong(f"fem_points_per_wave = {listed}: {three}")
         return self
 
     @property
@@ -102,11 +98,8 @@ class Options(PressedOptions):
     @property
     def protocol_hursts(self) -> tuple[float, ...]:
         """Hurst exponents at which full finite elements press roughness down to the grid."""
-        return (
-            tuple(sorted(set(self.grid_scale_hursts)))
-            if "fem" in self.methods and self.grid_scale_grids
-            else ()
-        )
+        pressed = "fem" in self.methods and self.grid_scale_grids
+        return tuple(sorted(set(self.grid_scale_hursts))) if pressed else ()
 
     @property
     def protocol_points(self) -> int:
@@ -122,8 +115,9 @@ class Options(PressedOptions):
     @property
     def climbed(self) -> Ladders:
         """The ladders of this H as `hurst` has them."""
-        shared = {name: getattr(self, name) for name in ("periods", "reduced_pressure", "seed")}
-        return Ladders(hursts=(self.hurst,), **shared)
+        return Ladders(
+            hursts=(self.hurst,), **self.model_dump(include={"periods", "reduced_pressure", "seed"})
+        )
 
 
 def design(options: Options) -> dict[_Case, Call]:
@@ -149,25 +143,22 @@ def design(options: Options) -> dict[_Case, Call]:
         problem = replace(options.first, surface=surface).further(k)
         points, wide = options.protocol_points, down_to_grid(problem, options.protocol_points)
         for method in PROTOCOL_METHODS:
-            cases["scale", method, hurst, k] = grid_roughness(
-                problem=problem, grid=(points, points), method=method
-            )
+            rough = grid_roughness(problem=problem, grid=(points, points), method=method)
+            cases["scale", method, hurst, k] = rough
         fine = tuple(grid_for(wide, n) for n in _CONVERGED)
         cases["converged", hurst, k] = press_on_grids(problem=wide, grids=fine, shifts=options.shifts)
     for element in options.blocks:
         mesh = (("method", "reduced"), ("element", element))
         for (k, problem), (n, grid) in itertools.product(enumerate(pressed), blocks.items()):
-            cases["fem", element, k, n] = beside_bem(
-                problem=problem, grid=grid, method="fem", settings=mesh, layer=True
-            )
+            solve = beside_bem(problem=problem, grid=grid, method="fem", settings=mesh, layer=True)
+            cases["fem", element, k, n] = solve
         strict = (*mesh, ("tolerance", _STRICT))
         cases["strict", element] = cases["fem", element, 0, min(blocks)].but(settings=strict)
     for solver, (k, problem) in itertools.product(options.beside, enumerate(pressed)):
-        request: dict[str, Any] = {"settings": solver.settings, "effects": options.effects}
+        how: dict[str, Any] = {"method": solver.method, "settings": solver.settings}
         for g, grid in enumerate(solver.grids):
-            cases["other", solver.name, k, g] = beside_bem(
-                problem=problem, grid=grid, method=solver.method, **request
-            )
+            solve = beside_bem(problem=problem, grid=grid, effects=options.effects, **how)
+            cases["other", solver.name, k, g] = solve
     return cases | (dict(options.climbed.cases) if options.ladders else {})
 
 
@@ -195,34 +186,32 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         rough = protocol(part("protocol"), options.grid_scale_grids)
         data = beside_published(data.merge(rough, combine_attrs="override"))
     if options.protocol_hursts:
-        data = data.merge(
-            protocol_of_solvers(part("scale"), part("converged"), data, points=options.protocol_points),
-            combine_attrs="override",
-        )
+        points = options.protocol_points
+        rough = protocol_of_solvers(part("scale"), part("converged"), data, points=points)
+        data = data.merge(rough, combine_attrs="override")
     if options.blocks:
         strict = {str(element): measured["strict", element] for element in options.blocks}
         meshes = [grid_for(options.first, n) for n in options.fem_points_per_wave]
         data = with_blocks(data, part("fem"), strict, meshes)
-        data = claim(
-            data, "kappa_fem", **{source: share * data.kappa_fem for source, share in shares.items()}
-        )
+        further = {source: share * data.kappa_fem for source, share in shares.items()}
+        data = claim(data, "kappa_fem", **further)
     if options.beside:
         grids = {solver.name: solver.grids for solver in options.beside}
         data = with_methods(data, part("other"), grids, options.first)
     used = ["fem"] if options.blocks else []
     used += [*(solver.method for solver in options.beside), *(effect.kind for effect in options.effects)]
     methods = " ".join(["theory", "bem", *used, papers_of("kappa")])
-    attributes = {"study": "refinement", "shifts": options.shifts, "methods": methods}
-    return data.assign_attrs({**attributes, **options.spectrum_words})
+    return data.assign_attrs(shifts=options.shifts, methods=methods, **options.spectrum_words)
 
 
 def _of_boundary_elements(options: Options, measured: Mapping[_Case, xr.Dataset]) -> xr.Dataset:
     surfaces, load = range(options.surfaces), options.reduced_pressure
     data = gather({k: on_grids(measured["grids", k]) for k in surfaces}, surface=surfaces)
-    theory = _theory(options)
-    ensemble = ensemble_area(options.first.spectrum, [load], rms_gradients=data.rms_gradient_each.values)[
-        :, 0
-    ]
+    # Persson's theory knows some of the effects of a scene.
+    known = all(type(effect).has_theory() for effect in options.effects)
+    theory = predict(options.first, options.effects) if known else None
+    gradients = data.rms_gradient_each.values
+    ensemble = ensemble_area(options.first.spectrum, [load], rms_gradients=gradients)[:, 0]
     if options.effects:
         alone = None if theory is None else theory.ensemble_area
         ensemble = np.full(options.surfaces, np.nan if alone is None else alone)
@@ -231,9 +220,3 @@ def _of_boundary_elements(options: Options, measured: Mapping[_Case, xr.Dataset]
     data = with_distances(data, theory=not options.effects)
     usual = measured["grids", 0].isel(grid=slice(0, measured["strict",].sizes["grid"]))
     return claim(data, "kappa", solver=solver_error(usual, measured["strict",]) * data.kappa)
-
-
-def _theory(options: Options) -> Prediction | None:
-    """Return Persson's theory with the effects of a scene; None where it does not know them."""
-    known = all(type(effect).has_theory() for effect in options.effects)
-    return predict(options.first, options.effects) if known else None

@@ -8,7 +8,8 @@ bandwidth: each surface has waves down to the same number of grid spacings, so t
 from __future__ import annotations
 
 import itertools
-from typing import Annotated, Self
+from collections.abc import Iterator
+from typing import Self
 
 import numpy as np
 import xarray as xr
@@ -20,8 +21,9 @@ from validation.execution.measurement import measurement
 from validation.measurements.common import RisingGrids, base_case
 from validation.measurements.flow import located_area
 from validation.measurements.limits import read_off
+from validation.measurements.measurement import press_elastic
 from validation.report.estimates import derive, power_law, reduce
-from validation.report.views import Figure, Line, Panel, Table, Views, finding
+from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Hurst, Periods, ReducedPressure, Seed, StudyOptions, Surfaces
 from validation.studies._study import gathered
@@ -37,13 +39,8 @@ class Options(StudyOptions):
 
     why_no_scene = "its surfaces grow with the grid"
 
-    grids: Annotated[RisingGrids, Field(min_length=3, description="points along a side, rising")] = (
-        128,
-        256,
-        512,
-        1024,
-        2048,
-    )
+    grids: RisingGrids = Field(default=(128, 256, 512, 1024, 2048), min_length=3)
+    """points along a side, rising"""
     points_per_wave: float = Field(default=8.0, ge=1)
     """lambda_short/dx, the same on every grid"""
     periods: Periods = 4.0
@@ -77,15 +74,10 @@ class Options(StudyOptions):
 )
 def cold_solve(*, problem: ContactProblem, grid: Grid) -> xr.Dataset:
     """Return seconds, pairs of transforms and bytes of one cold solve by boundary elements, and the located area."""
-    from fem_contact import bem
-    from fem_contact.response import HalfSpace
-
-    half_space = HalfSpace(solid=problem.elastic)
-    result = bem.solve(problem.heights(grid), half_space, mean_pressure=problem.pressure, threads=1).checked()
-    costs = dict(
-        zip(_COSTS, (result.cost.cpu_seconds, result.cost.fft_pairs, result.cost.peak_bytes), strict=True)
-    )
-    return xr.Dataset({name: float(value) for name, value in {**costs, "area": located_area(result)}.items()})
+    result = press_elastic(problem.heights(grid), problem.elastic, problem.pressure)
+    values = {"seconds": result.cost.cpu_seconds, "area": located_area(result)}
+    values |= {name: float(getattr(result.cost, name)) for name in ("fft_pairs", "peak_bytes")}
+    return xr.Dataset(values)
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -141,26 +133,18 @@ def views(data: xr.Dataset) -> Views:
                 panels=panels,
             )
         ],
-        findings=[
-            finding(
-                "value",
-                "Costs grow as powers of the number of points N: time {exponent_seconds}, pairs of transforms "
-                "{exponent_fft_pairs}, memory {exponent_peak_bytes}.",
-                data,
-            ),
-            finding(
-                "comparison",
-                "Persson (2006), Sec. 12: at least linear in N, 100 times per decade of L/dx. The exponent of the time "
-                "measured here is {verdict} 1; a decade costs {decade_seconds} times the time and "
-                "{decade_peak_bytes} times the memory.",
-                data,
-                by="excess_exponent",
-            ),
-            finding(
-                "cost",
-                "By these laws the free memory allows {side_peak_bytes} points along a side and an hour on one thread "
-                "{side_seconds}: {decades} decades of roughness; the paper says 2, at most 3.",
-                data,
-            ),
-        ],
+        findings=[*_findings(data)],
     )
+
+
+def _findings(data: xr.Dataset) -> Iterator[Finding]:
+    form = "Costs grow as powers of the number of points N: time {exponent_seconds}, pairs of transforms "
+    form += "{exponent_fft_pairs}, memory {exponent_peak_bytes}."
+    yield finding("value", form, data)
+    form = "Persson (2006), Sec. 12: at least linear in N, 100 times per decade of L/dx. The exponent of the time "
+    form += "measured here is {verdict} 1; a decade costs {decade_seconds} times the time and "
+    form += "{decade_peak_bytes} times the memory."
+    yield finding("comparison", form, data, by="excess_exponent")
+    form = "By these laws the free memory allows {side_peak_bytes} points along a side and an hour on one thread "
+    form += "{side_seconds}: {decades} decades of roughness; the paper says 2, at most 3."
+    yield finding("cost", form, data)

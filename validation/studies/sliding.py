@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Self
 
@@ -30,10 +31,11 @@ from validation.report.estimates import claim, derive, mean, same_of_all
 from validation.report.values import Value
 from validation.report.views import Figure, Finding, Line, Panel, Table, Views, against, finding
 from validation.scenes.tables import SolidSpec
-from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
 from validation.studies._rubber import RubberOptions
 from validation.studies._study import gathered
-from validation.units import Length, Positive, Velocity, wrong
+from validation.units import Length, Velocity, wrong
+
+_Velocities = Annotated[tuple[Velocity, ...], Field(min_length=1), AfterValidator(in_rising_order)]
 
 #: Largest file of a modulus [byte].
 _LARGEST = 10**7
@@ -44,32 +46,14 @@ _REMEMBERED = 2.0
 class Options(RubberOptions):
     """What slides, on what, and how fast."""
 
-    why_no_scene = "its solid is viscoelastic, which no scene can say, and it makes its own surfaces"
-
-    velocities: Annotated[tuple[Velocity, ...], Field(min_length=1), AfterValidator(in_rising_order)] = (
-        1e-3,
-        3e-3,
-        0.01,
-        0.03,
-        0.1,
-        0.3,
-        1.0,
-        3.0,
-    )
+    velocities: _Velocities = (1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
     """velocities v along x, rising, e.g. "1 mm/s,10 mm/s" """
     modulus_table: str | None = None
     """file of a measured modulus, in place of both: lines of omega [1/s], E' [Pa], E'' [Pa]"""
-    reduced_pressure: Positive = 0.1
-    """p* = p0 / (E_0* h'_rms), with the relaxed modulus and the realised gradient"""
     length: Length = 1e-3
     """period of the surface"""
-    hurst: Hurst = 0.8
-    periods: Periods = 2.0
-    bandwidth: Bandwidth = 8.0
-    surfaces: Surfaces = 6
     points_per_wave: Rising = Field(default=(4.0, 8.0, 16.0), min_length=2)
     """grids, as lambda_short/dx; the finest gives the value"""
-    seed: Seed = 2006
 
     @model_validator(mode="after")
     def _table_alone(self) -> Self:
@@ -137,8 +121,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = same_of_all(data, *_FRICTIONS, *_AREAS)
     data = derive(data, **{f"friction_excess_{name}": f"friction_ratio_{name} - 1" for name in SHARES})
     data = claim(data, "friction", "friction_dissipated", "area", **ABSENT)
-    attributes = {"solid": repr(rubber), "reduced_pressure": options.reduced_pressure}
-    return data.assign_attrs(methods=RANKED, **attributes)
+    return data.assign_attrs(methods=RANKED, solid=repr(rubber), reduced_pressure=options.reduced_pressure)
 
 
 def views(data: xr.Dataset) -> Views:
@@ -163,57 +146,40 @@ def views(data: xr.Dataset) -> Views:
                 ],
             )
         ],
-        findings=_findings(data),
+        findings=[*_findings(data)],
     )
 
 
-def _findings(data: xr.Dataset) -> list[Finding]:
+def _findings(data: xr.Dataset) -> Iterator[Finding]:
     top = int(data.friction.values.argmax())
     largest = data.isel(velocity=top)
     areas = data.isel(velocity=sorted({0, top, data.sizes["velocity"] - 1}))
-    found = [
-        finding(
-            "value",
-            "Friction is largest at v = {velocity} m/s: mu = {friction} h'_rms, {friction_dissipated:~} by losses.",
-            largest,
-        ),
-        finding(
-            "cost",
-            "By slopes and by losses it differs by {each} (root mean square over velocities and surfaces). The solver took "
-            "{least} to {most} steps, at most {pairs} pairs of transforms; plain steps would shrink the error by {shrink} each "
-            "at worst.",
-            data,
-            item="{friction_difference_pooled:%} at {points_per_wave} points per shortest wave",
-            over="grid",
-            least=float(data.steps_each.min()),
-            most=float(data.steps_each.max()),
-            pairs=float(data.fft_pairs_each.max()),
-            shrink=float(data.contraction_each.max()),
-        ),
-        *(_theory_of(data, largest, name) for name in SHARES),
-        finding(
-            "comparison",
-            "A/A0 is {each}.",
-            areas,
-            item="{area} at v = {velocity} m/s, {verdict} Persson's {area_persson:~} (Yang, Persson {area_yang_persson:~}, Wang, "
-            "Müser {area_wang_mueser:~}, Xu et al. {area_xu:~})",
-            over="velocity",
-            by="area_excess",
-        ),
-    ]
+    form = "Friction is largest at v = {velocity} m/s: mu = {friction} h'_rms, {friction_dissipated:~} by losses."
+    yield finding("value", form, largest)
+    yield finding(
+        "cost",
+        "By slopes and by losses it differs by {each} (root mean square over velocities and surfaces). The solver took "
+        "{least} to {most} steps, at most {pairs} pairs of transforms; plain steps would shrink the error by {shrink} each "
+        "at worst.",
+        data,
+        item="{friction_difference_pooled:%} at {points_per_wave} points per shortest wave",
+        over="grid",
+        least=float(data.steps_each.min()),
+        most=float(data.steps_each.max()),
+        pairs=float(data.fft_pairs_each.max()),
+        shrink=float(data.contraction_each.max()),
+    )
+    yield from (_theory_of(data, largest, name) for name in SHARES)
+    form = "A/A0 is {each}."
+    item = "{area} at v = {velocity} m/s, {verdict} Persson's {area_persson:~} (Yang, Persson {area_yang_persson:~}, Wang, "
+    item += "Müser {area_wang_mueser:~}, Xu et al. {area_xu:~})"
+    yield finding("comparison", form, areas, item=item, over="velocity", by="area_excess")
     late = data.velocity.values[data.modulus_passing.values > _REMEMBERED]
     if late.size:
-        found.append(
-            finding(
-                "threshold",
-                "From v = {late} m/s on the solid has not relaxed when the period comes round again (|E| > {remembered} E_0 "
-                "there): it keeps the mean track of the periods before, more touches than on fresh rubber, and the theory, "
-                "which knows no track, is no comparison.",
-                late=float(late[0]),
-                remembered=_REMEMBERED,
-            )
-        )
-    return found
+        form = "From v = {late} m/s on the solid has not relaxed when the period comes round again (|E| > {remembered} E_0 "
+        form += "there): it keeps the mean track of the periods before, more touches than on fresh rubber, and the theory, "
+        form += "which knows no track, is no comparison."
+        yield finding("threshold", form, late=float(late[0]), remembered=_REMEMBERED)
 
 
 def _theory_of(data: xr.Dataset, largest: xr.Dataset, name: str) -> Finding:

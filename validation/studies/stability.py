@@ -145,14 +145,9 @@ def views(data: xr.Dataset) -> Views:
         if np.isfinite(data.deviation.values[data.case.values == name]).any()
     ]
     wrong = int((data.outcome == "WRONG").sum())
+    judged = ("case", "method", "varied", "value", "deviation", "bound")
     return Views(
-        table=Table(
-            rows=("row",),
-            columns=(
-                *("case", "method", "varied", "value", "deviation", "bound"),
-                *("outcome", "seconds", "message"),
-            ),
-        ),
+        table=Table(rows=("row",), columns=(*judged, "outcome", "seconds", "message")),
         figures=[
             Figure(
                 name="stability",
@@ -185,13 +180,8 @@ def _counted(data: xr.Dataset, method: str) -> Finding:
     }
     right = data.isel(row=(data.outcome == "right").values)
     worst = float((right.deviation / right.bound).max()) if right.sizes["row"] else math.nan
+    form = "{name}, {cases} parameters: right at {right} of {all} values (largest deviation {worst:%} of what is "
+    form += "allowed), refused by name at {refused}, not converged at {not_converged}, wrong at {WRONG}."
     return finding(
-        "share",
-        "{name}, {cases} parameters: right at {right} of {all} values (largest deviation {worst:%} of what is "
-        "allowed), refused by name at {refused}, not converged at {not_converged}, wrong at {WRONG}.",
-        name=method,
-        cases=len(_of(data, method)),
-        all=data.sizes["row"],
-        worst=worst,
-        **counts,
+        "share", form, name=method, cases=len(_of(data, method)), all=data.sizes["row"], worst=worst, **counts
     )

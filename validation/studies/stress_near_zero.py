@@ -58,10 +58,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     excess is taken out, and the slope that follows from the contour and the edge coefficient; over (method,
     surface) their limits at dx -> 0, with means over the surfaces.
 
-    Raises
-    ------
-    UsageError
-        For methods on different numbers of grids.
+    A UsageError for methods on different numbers of grids.
     """
     solvers = options.others(options.points_per_wave, without=())
     if len({len(solver.grids) for solver in solvers}) > 1:
@@ -135,24 +132,15 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         by="initial_density",
         words={"+": "above", "-": "below"},
     )
-    yield finding(
-        "comparison",
-        "The slope of P at zero, in units of (E* h'_rms)^-2: {each}; Persson's closed form has "
-        "{initial_slope_persson}.",
-        data,
-        item=named
-        + "{initial_slope_window} from a closing window, {verdict} Persson's, {initial_slope_excess:+%}",
-        over="method",
-        by="initial_slope_excess",
+    form = "The slope of P at zero, in units of (E* h'_rms)^-2: {each}; Persson's closed form has "
+    form += "{initial_slope_persson}."
+    item = (
+        named + "{initial_slope_window} from a closing window, {verdict} Persson's, {initial_slope_excess:+%}"
     )
-    yield finding(
-        "agreement",
-        "The slope from contour length and edge coefficient, 2 S <B^-2>: {each}.",
-        data,
-        item=named + "{initial_slope_contour}; the two ways {verdict}",
-        over="method",
-        by="initial_slope_gap",
-    )
+    yield finding("comparison", form, data, item=item, over="method", by="initial_slope_excess")
+    form = "The slope from contour length and edge coefficient, 2 S <B^-2>: {each}."
+    item = named + "{initial_slope_contour}; the two ways {verdict}"
+    yield finding("agreement", form, data, item=item, over="method", by="initial_slope_gap")
     yield finding(
         "value",
         "From the last grid but one to the last {each} patches a surface.",

@@ -27,13 +27,6 @@ from validation.theories.persson_variants import Persson, persson_variants
 from validation.theories.predicted import COMPARED, beside, distances, ranked, stress_shares
 from validation.units import Positive
 
-_TITLES = {
-    "area": "Contact area",
-    "gap": "Mean gap",
-    "compliance": "Compliance",
-    "energy_ratio": "Elastic energy",
-}
-
 
 class Options(pressure.Options):
     """Those of the study `pressure`, and what else is scored."""
@@ -151,7 +144,7 @@ def views(data: xr.Dataset) -> Views:
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
     for name in COMPARED:
         yield ranking(
-            f"{_TITLES[name]}, mean distance of simulated over predicted values from 1 below full contact, at "
+            f"{pressure.TITLES[name]}, mean distance of simulated over predicted values from 1 below full contact, at "
             f"lambda_long/lambda_short = {data.attrs['bandwidth']:.4g}: {{order}}.",
             ranked(data, name),
         )

@@ -6,6 +6,7 @@ that they were not shown. The areas are shipped (`validation.reference.wide`); n
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from validation.measurements.table_samples import joined
 from validation.reference.fit import nayak
 from validation.reference.laws import LAWS, fit
 from validation.report.estimates import LIMIT, claim, derive, total_error
-from validation.report.views import Figure, Line, Panel, Table, Views, finding, panels_along
+from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding, panels_along
 from validation.studies._options import StudyOptions
 from validation.units import Positive
 
@@ -124,9 +125,6 @@ def views(data: xr.Dataset) -> Views:
     laws = Line(y="area_excess_law", by="law", look={"marker": ""})
     solved_alone = Line(y="area_excess", joined=False, look={"color": "black"}, label="solved")
     beside = Panel(marks=[solved_alone, laws], at=middle, **alpha)
-    at = data.isel(middle)
-    load: dict[str, Any] = {"reduced_pressure": float(at.reduced_pressure)}
-    widest = at.isel(bandwidth=np.flatnonzero(at.area.notnull().all("hurst"))[-1])
     return Views(
         table=Table(
             rows=("hurst", "bandwidth", "reduced_pressure"),
@@ -145,41 +143,33 @@ def views(data: xr.Dataset) -> Views:
                 panels=panels_along(data, "hurst", beside),
             ),
         ],
-        findings=[
-            finding(
-                "comparison",
-                "At infinite bandwidth, p* = {reduced_pressure}, the saturating law through all bands ends {each}.",
-                at,
-                item="{verdict} the theory at H = {hurst}, by {area_excess_limit:%}",
-                over="hurst",
-                by="area_excess_limit",
-                **load,
-            ),
-            finding(
-                "share",
-                "Fitted to bandwidths up to {bandwidth_fitted}, the laws hold the wider ones within the joint 95 % interval in "
-                "{each}.",
-                data[["cells_within", "cells_scored", "law_miss_rms", "bandwidth_fitted"]],
-                item="{cells_within} of {cells_scored} cells for the {law} (off by {law_miss_rms:%}, rms)",
-                over="law",
-            ),
-            finding(
-                "comparison",
-                "At lambda_long/lambda_short = {bandwidth}, p* = {reduced_pressure}, the area lies {each}.",
-                widest,
-                item="{verdict} Persson's by {area_excess:+%} at H = {hurst}",
-                over="hurst",
-                by="area_excess",
-                **load,
-            ),
-            finding(
-                "value",
-                "Were the area to follow the power law, the theory would be within 5 % of it from a Nayak parameter of {each} on, at p* = "
-                "{reduced_pressure}.",
-                at.isel(law=LAWS.index("power")),
-                item="{nayak_close:.2} at H = {hurst}",
-                over="hurst",
-                **load,
-            ),
-        ],
+        findings=[*_findings(data, data.isel(middle))],
+    )
+
+
+def _findings(data: xr.Dataset, at: xr.Dataset) -> Iterator[Finding]:
+    load: dict[str, Any] = {"reduced_pressure": float(at.reduced_pressure)}
+    widest = at.isel(bandwidth=np.flatnonzero(at.area.notnull().all("hurst"))[-1])
+    form = "At infinite bandwidth, p* = {reduced_pressure}, the saturating law through all bands ends {each}."
+    item = "{verdict} the theory at H = {hurst}, by {area_excess_limit:%}"
+    yield finding("comparison", form, at, item=item, over="hurst", by="area_excess_limit", **load)
+    yield finding(
+        "share",
+        "Fitted to bandwidths up to {bandwidth_fitted}, the laws hold the wider ones within the joint 95 % interval in "
+        "{each}.",
+        data[["cells_within", "cells_scored", "law_miss_rms", "bandwidth_fitted"]],
+        item="{cells_within} of {cells_scored} cells for the {law} (off by {law_miss_rms:%}, rms)",
+        over="law",
+    )
+    form = "At lambda_long/lambda_short = {bandwidth}, p* = {reduced_pressure}, the area lies {each}."
+    item = "{verdict} Persson's by {area_excess:+%} at H = {hurst}"
+    yield finding("comparison", form, widest, item=item, over="hurst", by="area_excess", **load)
+    yield finding(
+        "value",
+        "Were the area to follow the power law, the theory would be within 5 % of it from a Nayak parameter of {each} on, at p* = "
+        "{reduced_pressure}.",
+        at.isel(law=LAWS.index("power")),
+        item="{nayak_close:.2} at H = {hurst}",
+        over="hurst",
+        **load,
     )

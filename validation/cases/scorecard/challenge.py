@@ -18,8 +18,6 @@ from validation.files import atomic_path, read_record, write_json, write_record
 from validation.solvers.base import Claim, Job
 from validation.solvers.bem import Bem
 
-__all__ = ["export", "score_folder"]
-
 _FORMAT = "fem-contact challenge 2"
 _INDEX = "challenge.json"
 #: The order of the problems says nothing of what they ask for.

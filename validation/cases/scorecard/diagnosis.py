@@ -26,8 +26,6 @@ from validation.cases.scorecard.elementary import (
 from validation.cases.scorecard.subject import Subject
 from validation.report.values import Value
 
-__all__ = ["diagnose"]
-
 #: What may have been done to the pressures of a square, and in words.
 _TURNED: dict[str, Callable[[Array], Array]] = {
     "mirrored in x": lambda p: np.roll(p[::-1], 1, axis=0),
@@ -111,11 +109,8 @@ def _scaled(factor: float, share: float, *, off: float) -> str | None:
         return "compression is negative" if abs(share + 1) < off else upright
     if loaded:
         return f"the stiffness is {Value(value=factor)} times that of E*" if factor > 0 else ""
-    return (
-        f"pressures are {Value(value=share)} times what they should be"
-        if abs(factor / share - 1) < off
-        else ""
-    )
+    alike = abs(factor / share - 1) < off
+    return f"pressures are {Value(value=share)} times what they should be" if alike else ""
 
 
 def _of_response(subject: Subject, transfer: Transfer) -> str:

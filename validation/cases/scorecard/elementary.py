@@ -15,20 +15,6 @@ from validation.cases import Check, NotJudged, below, case, near, relative
 from validation.cases.scorecard.subject import SOFT, Pressed, Subject, rough
 from validation.effects.base import ContactModel
 
-__all__ = [
-    "LOADS",
-    "WAVES",
-    "Transfer",
-    "contact_set",
-    "full_contact_transfer",
-    "honesty",
-    "judge_residuals",
-    "repeatable",
-    "residuals_fall",
-    "solves",
-    "wave_errors",
-]
-
 Wave = tuple[int, int, float, float]
 #: Waves of the full contact, and their amplitudes and phases: no symmetry is left.
 WAVES: tuple[Wave, ...] = ((1, 0, 1.0, 0.3), (0, 1, 0.8, 1.1), (1, 1, 0.5, 2.0), (2, 1, 0.3, 0.7))
@@ -95,15 +81,16 @@ def solves(subject: Subject) -> list[tuple[HeightField, float, Pressed]]:
     return [(surface, load, subject.press(surface, load)) for load in LOADS]
 
 
-@case("tension", "No pressure is below zero.", source="definition", tolerance="solver")
+@case("tension", source="definition", tolerance="solver")
 def tension(subject: Subject) -> Iterator[Check]:
+    """No pressure is below zero."""
     lowest = min(float(pressed.claim.pressure.min()) for _, _, pressed in solves(subject))
     yield below("lowest pressure over E* h'_rms", min(lowest, 0.0), 10 * subject.tolerance)
 
 
-@case("repeatable", "The same question has the same answer.", source="definition", tolerance="solver")
+@case("repeatable", source="definition", tolerance="solver")
 def repeatable(subject: Subject) -> Iterator[Check]:
-    """Ask a question a second time, after others."""
+    """The same question has the same answer."""
     surface = rough(2 * subject.points)
     first = subject.press(surface, LOADS[0]).claim.pressure
     subject.press(surface, LOADS[-1])
@@ -112,8 +99,9 @@ def repeatable(subject: Subject) -> Iterator[Check]:
     yield below("change of the pressure when it is asked again", apart, subject.tolerance)
 
 
-@case("full-contact", "Each wave is pressed flat by E* q h / 2.", source="exact", tolerance="grid")
+@case("full-contact", source="exact", tolerance="grid")
 def full_contact(subject: Subject) -> Iterator[Check]:
+    """Each wave is pressed flat by E* q h / 2."""
     transfer = full_contact_transfer(subject)
     result = transfer.pressed.result
     surface = HeightField(heights=result.heights, lengths=result.lengths)
@@ -133,21 +121,20 @@ def wave_errors(transfer: Transfer, *, exact: bool = False) -> Iterator[Check]:
         yield below(name, abs(ratio - 1), 1e-9 if exact else allowed)
 
 
-@case("load", "The mean pressure is the one asked for.", source="definition", tolerance="solver")
+@case("load", source="definition", tolerance="solver")
 def load(subject: Subject) -> Iterator[Check]:
+    """The mean pressure is the one asked for."""
     for _, p, pressed in solves(subject):
         share = pressed.claim.pressure.mean() / p
         yield relative(f"mean pressure over p0 at p* = {p:g}", share, 1.0, 10 * subject.tolerance)
 
 
-@case(
-    "contact-set",
-    "What is called contact carries load on a closed gap.",
-    source="definition",
-    tolerance="solver",
-)
+@case("contact-set", source="definition", tolerance="solver")
 def contact_set(subject: Subject) -> Sequence[Check]:
-    """Compare what is called contact with what carries load; who names none is read by p > 0."""
+    """What is called contact carries load on a closed gap.
+
+    Compare what is called contact with what carries load; who names none is read by p > 0.
+    """
     checks: list[Check] = []
     for _, p, pressed in solves(subject):
         named = pressed.claim.in_contact
@@ -162,14 +149,9 @@ def contact_set(subject: Subject) -> Sequence[Check]:
     return judge_residuals(subject, checks)
 
 
-@case(
-    "honesty",
-    "Recomputed residuals are within the tolerance asked for.",
-    source="definition",
-    tolerance="solver",
-)
+@case("honesty", source="definition", tolerance="solver")
 def honesty(subject: Subject) -> Sequence[Check]:
-    """Recompute the residuals of the returned pressure."""
+    """Recomputed residuals are within the tolerance asked for."""
     checks: list[Check] = []
     for _, p, pressed in solves(subject):
         residuals = pressed.result.residuals

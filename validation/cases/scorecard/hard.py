@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from functools import partial
 
 import numpy as np
 
@@ -16,8 +15,6 @@ from validation.cases.scorecard.elementary import judge_residuals
 from validation.cases.scorecard.known import mean_inside, strip
 from validation.cases.scorecard.subject import Subject, rough
 
-__all__ = []
-
 _JOHNSON = "[johnson1985]"
 _WESTERGAARD = "[westergaard1939]"
 
@@ -25,10 +22,9 @@ _LIGHT, _NEAR_FULL = 0.05, 1.6
 _FEW = 2
 
 
-@case(
-    "near-full", "Full contact just above and below the flattening load.", source=_JOHNSON, tolerance="grid"
-)
+@case("near-full", source=_JOHNSON, tolerance="grid")
 def near_full(subject: Subject) -> Iterator[Check]:
+    """Full contact just above and below the flattening load."""
     n = subject.ladder[-1]
     flat = subject.press(egg_box(n), 1.0001 * EGG_BOX_FLAT)
     exact = 1.0001 * EGG_BOX_FLAT + EGG_BOX_FLAT * egg_box(n).heights / EGG_BOX_DEPTH
@@ -48,10 +44,9 @@ def near_full(subject: Subject) -> Iterator[Check]:
         yield near(f"1 - A/A0 at {1 - miss:g} of it", 1 - area, open_share, tolerance)
 
 
-@case(
-    "one-cell", "A load that one point carries is carried by one point.", source="exact", tolerance="solver"
-)
+@case("one-cell", source="exact", tolerance="solver")
 def one_cell(subject: Subject) -> Iterator[Check]:
+    """A load that one point carries is carried by one point."""
     n = 2 * subject.points
     load = 0.02 / n
     pressed = subject.press(HertzInPeriod(radius=1e-3).surface(n, (0.0, 0.0)), load / n**2)
@@ -60,8 +55,9 @@ def one_cell(subject: Subject) -> Iterator[Check]:
     yield near("points that touch", np.count_nonzero(pressed.result.in_contact), 1.0, 0.0)
 
 
-@case("elongated", "Long periods and long cells change nothing.", source=_WESTERGAARD, tolerance="grid")
+@case("elongated", source=_WESTERGAARD, tolerance="grid")
 def elongated(subject: Subject) -> Iterator[Check]:
+    """Long periods and long cells change nothing."""
     n = 2 * subject.points
     # Cells are four times as long as wide: of second order where they are coarse.
     allowed = 0.02 * max(1.0, (32 / n) ** 2)
@@ -70,8 +66,9 @@ def elongated(subject: Subject) -> Iterator[Check]:
         yield below(f"mean error of p over the peak, period {words}", error, allowed)
 
 
-@case("odd-axes", "Odd numbers of points are solved as well.", source="definition", tolerance="solver")
+@case("odd-axes", source="definition", tolerance="solver")
 def odd_axes(subject: Subject) -> Sequence[Check]:
+    """Odd numbers of points are solved as well."""
     n = 2 * subject.points
     checks = []
     odd = n - n // 4 - 3
@@ -102,15 +99,23 @@ def _asked_back(subject: Subject, *, load: float) -> Sequence[Check]:
 
 
 _UNIQUE = {"source": "uniqueness of the elastic solution", "tolerance": "solver"}
-_WORDS = "An offset leads to the pressures of the load that it belongs to."
-offset = case("offset", _WORDS, **_UNIQUE)(partial(_asked_back, load=_LIGHT))
-near_full_offset = case("offset-near-full", "So it does near full contact.", **_UNIQUE)(
-    partial(_asked_back, load=_NEAR_FULL)
-)
 
 
-@case("cut-short", "A solve that ends early says so.", source="definition", tolerance="rounding")
+@case("offset", **_UNIQUE)
+def offset(subject: Subject) -> Sequence[Check]:
+    """An offset leads to the pressures of the load that it belongs to."""
+    return _asked_back(subject, load=_LIGHT)
+
+
+@case("offset-near-full", **_UNIQUE)
+def near_full_offset(subject: Subject) -> Sequence[Check]:
+    """So it does near full contact."""
+    return _asked_back(subject, load=_NEAR_FULL)
+
+
+@case("cut-short", source="definition", tolerance="rounding")
 def cut_short(subject: Subject) -> Iterator[Check]:
+    """A solve that ends early says so."""
     subject.needs(control="max_iterations")
     words = f"solves that end after {_FEW} iterations and do not say so, of 1"
     surface = rough(2 * subject.points)

@@ -20,9 +20,8 @@ from validation.cases.scorecard.subject import SOFT, Pressed, Subject, rough
 from validation.effects.base import ContactModel
 from validation.effects.hardness import Hardness
 from validation.effects.thickness import Thickness
+from validation.measurements.statistics import relative_distance
 from validation.solvers.bem import Bem
-
-__all__ = ["mean_inside", "strip"]
 
 _HERTZ = "[hertz1882]; [johnson_book], Sec. 4.2"
 _LAYER = "[johnson_book], Sec. 5.8"
@@ -59,8 +58,9 @@ def _hertz(subject: Subject) -> HertzInPeriod:
     return HertzInPeriod(radius=max(0.15, 2.4 / subject.points))
 
 
-@case("hertz", "A paraboloid carries Hertz's pressure.", source=_HERTZ, tolerance="grid")
+@case("hertz", source=_HERTZ, tolerance="grid")
 def hertz(subject: Subject) -> Iterator[Check]:
+    """A paraboloid carries Hertz's pressure."""
     errors, worst, exact = [], 0.0, _hertz(subject)
     for n in subject.ladder:
         pressed = subject.press(exact.surface(n, (0.0, 0.0)), exact.load)
@@ -82,10 +82,9 @@ def hertz(subject: Subject) -> Iterator[Check]:
     yield from _observed(subject, "p(r)", errors, expected=2, tolerance=1)
 
 
-@case(
-    "hertz-radius", "The counted radius converges to Hertz's in first order.", source=_HERTZ, tolerance="grid"
-)
+@case("hertz-radius", source=_HERTZ, tolerance="grid")
 def hertz_radius(subject: Subject) -> Iterator[Check]:
+    """The counted radius converges to Hertz's in first order."""
     excess, exact, corrected = [], _hertz(subject), 0.0
     for n in subject.ladder:
         results = [pressed.result for pressed in _shifted(subject, n)]
@@ -106,13 +105,13 @@ def _shifted(subject: Subject, n: int) -> list[Pressed]:
     return [subject.press(exact.surface(n, shift), exact.load) for shift in _SHIFTS]
 
 
-@case("stress-near-zero", "P(sigma) starts from zero, but for the grid.", source=_HERTZ, tolerance="grid")
+@case("stress-near-zero", source=_HERTZ, tolerance="grid")
 def stress_near_zero(subject: Subject) -> Iterator[Check]:
-    r"""Check that P(sigma) starts from zero: what a grid puts there vanishes as dx^(1/2).
+    r"""P(sigma) starts from zero, but for the grid.
 
-    With a share F of the area below a pressure eps ~ dx^(1/2), F/eps is of order dx^(1/2) if F = s eps^2 / 2
-    + O(dx), and grows if points off the contact carry pressures of rounding size. For a paraboloid s = pi^3
-    R^2 / (2 E*^2).
+    What a grid puts there vanishes as dx^(1/2). With a share F of the area below a pressure eps ~ dx^(1/2),
+    F/eps is of order dx^(1/2) if F = s eps^2 / 2 + O(dx), and grows if points off the contact carry pressures
+    of rounding size. For a paraboloid s = pi^3 R^2 / (2 E*^2).
     """
     _needs_order(subject)
     exact, starts, slope = _hertz(subject), [], 0.0
@@ -154,8 +153,9 @@ def _second_order(n: int) -> float:
     return 1 / (_WAVE.half_width * n) ** 2
 
 
-@case("westergaard", "A wave carries Westergaard's pressure.", source=_WESTERGAARD, tolerance="grid")
+@case("westergaard", source=_WESTERGAARD, tolerance="grid")
 def westergaard(subject: Subject) -> Iterator[Check]:
+    """A wave carries Westergaard's pressure."""
     strips = [strip(subject, n) for n in subject.ladder]
     errors = [mean_inside(off) for _, off, _ in strips]
     (pressure, off, pressed), n = strips[-1], subject.ladder[-1]
@@ -167,20 +167,17 @@ def westergaard(subject: Subject) -> Iterator[Check]:
     yield from _observed(subject, "p(x)", errors, expected=2, tolerance=1)
 
 
-@case("layer", "On a bonded layer each wave is pressed flat by h / C(q).", source=_LAYER, tolerance="grid")
+@case("layer", source=_LAYER, tolerance="grid")
 def layer(subject: Subject) -> Iterable[Check]:
+    """On a bonded layer each wave is pressed flat by h / C(q)."""
     subject.needs(effect=Thickness)
     model = ContactModel.filled(SOFT, [Thickness(thickness=_THICKNESS)])
     return wave_errors(full_contact_transfer(subject, model=model))
 
 
-@case(
-    "yielding-wave",
-    "Crests yield over the width that Westergaard's solution says.",
-    source=f"{_WESTERGAARD}, mirrored",
-    tolerance="grid",
-)
+@case("yielding-wave", source=f"{_WESTERGAARD}, mirrored", tolerance="grid")
 def yielding(subject: Subject) -> Iterator[Check]:
+    """Crests yield over the width that Westergaard's solution says."""
     subject.needs(effect=Hardness)
     n = 2 * subject.ladder[-1]
     wave = _WAVE.surface(n)
@@ -201,8 +198,9 @@ def yielding(subject: Subject) -> Iterator[Check]:
     yield below("largest pressure above H, over H", above, 10 * subject.tolerance)
 
 
-@case("symmetry", "A mirrored surface has the mirrored pressure.", source="symmetry", tolerance="solver")
+@case("symmetry", source="symmetry", tolerance="solver")
 def symmetry(subject: Subject) -> Iterator[Check]:
+    """A mirrored surface has the mirrored pressure."""
     surface = rough(2 * subject.points)
     # Our own are solved far enough that nothing but rounding is left between the two.
     more, allowed = ({"tolerance": 1e-11}, 1e-8) if subject.built_in else (None, _twice(subject))
@@ -219,11 +217,12 @@ def symmetry(subject: Subject) -> Iterator[Check]:
     ):
         other = HeightField(heights=np.ascontiguousarray(turn(surface.heights)), lengths=surface.lengths)
         turned = back(subject.press(other, 0.05, more=more).claim.pressure)
-        yield below(f"change of the pressure, {words}", _apart(turned, plain), allowed)
+        yield below(f"change of the pressure, {words}", relative_distance(turned, plain), allowed)
 
 
-@case("units", "Units of length and pressure change nothing.", source="symmetry", tolerance="solver")
+@case("units", source="symmetry", tolerance="solver")
 def units(subject: Subject) -> Iterator[Check]:
+    """Units of length and pressure change nothing."""
     surface = rough(2 * subject.points)
     plain = subject.press(surface, 0.05)
     for length, stress in ((1e-9, 2e11), (1e6, 1e-9), (2.0**20, 2.0**-30)):
@@ -232,7 +231,7 @@ def units(subject: Subject) -> Iterator[Check]:
         pressed = subject.press(scaled, 0.05 * stress, model=model)
         words = f"change of the pressure, L = {length:g} m, E* = {stress:g} Pa"
         exact = subject.built_in and length == 2.0**20
-        apart = _apart(pressed.claim.pressure / stress, plain.claim.pressure)
+        apart = relative_distance(pressed.claim.pressure / stress, plain.claim.pressure)
         yield below(words, apart, 0.0 if exact else _twice(subject))
         if exact:
             gap = np.count_nonzero(pressed.result.gap / length != plain.result.gap)
@@ -241,14 +240,13 @@ def units(subject: Subject) -> Iterator[Check]:
             yield below("residuals that differ", other, 0)
 
 
-@case(
-    "nested-grids", "Finer and finer grids approach one answer.", source="self-consistency", tolerance="grid"
-)
+@case("nested-grids", source="self-consistency", tolerance="grid")
 def nested(subject: Subject) -> Iterator[Check]:
+    """Finer and finer grids approach one answer."""
     _needs_order(subject)
     coarse, middle, fine = (subject.press(rough(n, bandwidth=2), 0.05) for n in subject.ladder)
     p = [pressed.claim.pressure for pressed in (coarse, middle, fine)]
-    steps = _apart(p[0], p[1][::2, ::2]), _apart(p[1], p[2][::2, ::2])
+    steps = relative_distance(p[0], p[1][::2, ::2]), relative_distance(p[1], p[2][::2, ::2])
     gaps = fine.result.gap.mean() / middle.result.gap.mean() - 1
     # At an edge p grows like the square root of the distance: the cells there leave an error of order 1.
     yield from _observed(subject, "the pressure from grid to grid", steps, expected=1, tolerance=0.7)
@@ -257,13 +255,9 @@ def nested(subject: Subject) -> Iterator[Check]:
     yield below("change of the mean gap to the finest grid", gaps, allowed)
 
 
-@case(
-    "against-bem",
-    "Pressures approach those of boundary elements as the grid is refined.",
-    source="code verification: no shared contact algorithm",
-    tolerance="grid",
-)
+@case("against-bem", source="code verification: no shared contact algorithm", tolerance="grid")
 def against_bem(subject: Subject) -> Iterator[Check]:
+    """Pressures approach those of boundary elements as the grid is refined."""
     if type(subject.solver) is Bem:
         raise NotJudged("they are boundary elements")
     differences, areas = [], []
@@ -271,7 +265,7 @@ def against_bem(subject: Subject) -> Iterator[Check]:
         surface = rough(n, bandwidth=2)
         pressed = subject.press(surface, 0.05)
         other = bem.solve(surface, HalfSpace(solid=SOFT), mean_pressure=0.05).checked()
-        differences.append(_apart(pressed.claim.pressure, other.pressure))
+        differences.append(relative_distance(pressed.claim.pressure, other.pressure))
         areas.append(float(pressed.result.in_contact.mean() / other.in_contact.mean() - 1))
     # Both err in first order at the edges of contact, with constants that partly cancel on coarse grids.
     edge, same = 4 / subject.ladder[-1], differences[0] < _twice(subject)
@@ -280,10 +274,6 @@ def against_bem(subject: Subject) -> Iterator[Check]:
     if not same:
         words = "the difference to boundary elements"
         yield from _observed(subject, words, differences, expected=1, tolerance=0.6)
-
-
-def _apart(pressure: Array, reference: Array) -> float:
-    return float(np.linalg.norm(pressure - reference) / np.linalg.norm(reference))
 
 
 def _twice(subject: Subject) -> float:

@@ -19,8 +19,6 @@ from validation.cases import Check, NotJudged, near, relative, within
 from validation.cases.scorecard.subject import Subject, rough
 from validation.solvers.bem import Bem
 
-__all__ = ["PRICED", "CostRow", "bandwidths", "cost", "rough_surface"]
-
 _PRESSURE = 0.05
 _WAVES = 2
 #: Points per shortest wave of the two grids that a subject is asked for.

@@ -22,11 +22,8 @@ from validation.solvers import Solver
 from validation.solvers.base import Claim, Job, Size
 from validation.solvers.external import verified
 
-__all__ = ["SOFT", "Pressed", "Subject", "rough"]
-
 #: E* = 1.
 SOFT = Solid(young=1.0, poisson=0.0)
-
 
 #: A call is given as much, however little of the time is left [s].
 _LEAST_SECONDS = 1.0
