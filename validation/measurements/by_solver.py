@@ -41,6 +41,7 @@ def _predicted(
     effects: tuple[EffectSpec, ...],
     pair_seconds: float,
 ) -> Prediction:
+    """Predict what the method costs, told by name what `beside_bem` is; boundary elements beside it are cheap."""
     press = Press(method=method, grid=grid, problem=problem, settings=settings, effects=effects)
     return press.predict(pair_seconds=pair_seconds)
 

@@ -109,7 +109,8 @@ def quantities_of(keep: tuple[str, ...]) -> tuple[str, ...]:
     """Name what is read off every solve.
 
     ``stiffness`` is K h_rms / p0 with the contact set held, ``slope`` that of P(sigma), times (E* h'_rms)^2, fitted
-    between .1 and .4 E* h'_rms.
+    between .1 and .4 E* h'_rms. `press_on_grids` fills each. They belong to the recipe: with another name, stored
+    results are of another kind and are made anew.
     """
     return (*QUANTITIES, *(name for name in ("stiffness", "slope") if name in keep))
 
@@ -177,7 +178,7 @@ def press_on_grids(
     loads = reduced_pressures or (reduced_load(problem),)
     offsets = subgrid_shifts(shifts)
     shape = (len(grids), len(offsets), len(loads))
-    values = {name: np.empty(shape) for name in quantities_of(keep)}
+    values = {name: np.full(shape, np.nan) for name in quantities_of(keep)}
     histograms: dict[str, Array] = {}
     for (i, grid), (j, shift) in itertools.product(enumerate(grids), enumerate(offsets)):
         field = truncated_heights(problem, grid, shift, truncation=truncation)

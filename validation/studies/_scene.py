@@ -58,6 +58,11 @@ class PressedOptions(StudyOptions):
     @model_validator(mode="before")
     @classmethod
     def _as_the_scene_says(cls, data: Any) -> Any:
+        """Take from a scene what it says, and refuse options that say it again.
+
+        Grids that are given replace those of the scene, before it is checked. A number of surfaces counts where
+        they are drawn; loads are put on the path to that of the scene.
+        """
         scene = data.get("scene") if isinstance(data, dict) else None
         if scene is None:
             return data
@@ -70,8 +75,8 @@ class PressedOptions(StudyOptions):
         taken = cls.taken(scene, first)
         if not isinstance(scene.surface, FileSurface) and "surfaces" in data:
             taken.pop("surfaces", None)
-        clashes = [n for n in data if (n in taken and n not in (*cls.grids_of, "grids")) or n in _SPECTRUM]
-        if clashes:
+        twice = (set(taken) - {*cls.grids_of, "grids"}) | set(_SPECTRUM)
+        if clashes := [name for name in data if name in twice]:
             raise wrong("; ".join(_clash(name, off=name in cls.off, scene=scene.name) for name in clashes))
         if "reduced_pressures" in cls.model_fields:
             path = data.get("reduced_pressures", cls.model_fields["reduced_pressures"].default)
