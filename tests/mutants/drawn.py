@@ -213,7 +213,7 @@ class Covering:
         data.read()
         self.lines: dict[str, dict[int, list[str]]] = {}
         self.functions: list[tuple[str, str, range, set[str]]] = []
-        for measured in data.measured_files():
+        for measured in (name for name in data.measured_files() if name.endswith(".py")):  # no templates
             contexts = data.contexts_by_lineno(measured).items()
             file = next(f"{p}/{measured.partition(f'/{p}/')[2]}" for p in PACKAGES if f"/{p}/" in measured)
             self.lines[file] = {n: [c.partition("|")[0] for c in found if c] for n, found in contexts}
