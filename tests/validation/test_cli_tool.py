@@ -154,6 +154,7 @@ def test_names_and_options_are_completed(typed, incomplete, completed):
         ((*_ACCURATELY, "--dry-run"), "--dry-run: not together with --accuracy"),
         ((*_ACCURATELY, "--scheduler", "tcp://x:1"), "--scheduler: not together with --accuracy"),
         (("study", "nothing"), "no such study; one of: "),
+        (("study", "--lst"), "study --lst: no such option; did you mean '--list'?"),
         (("study", "presure"), "no such study; did you mean 'pressure'?; one of: "),
         (("study", "area", "--surfaces"), "--surfaces: needs a value"),
         (("study", "adhesion", "--grids", "64"), "--grids = 64: must have at least 2 values"),

@@ -692,16 +692,19 @@ def test_what_makes_a_map_doubtful_is_among_the_findings_and_in_what_python_show
 
 
 @pytest.mark.parametrize(
-    ("lengths", "words"),
+    ("lengths", "unit", "words"),
     [
-        ((160.0, 160.0), "no instrument measures 160 m x 160 m"),
-        ((1e-9, 1e-9), "slopes of .* are no surface's"),
+        ((160.0, 160.0), 1e-6, "no instrument measures 160 m x 160 m"),
+        ((1e-9, 1e-9), 1e-6, "slopes of .* are no surface's"),
+        ((1e-5, 1e-5), 1e-12, "no instrument measures heights of"),
     ],
 )
-def test_sizes_and_slopes_that_cannot_be_are_told_of_a_file_and_of_an_array(tmp_path, lengths, words):
+def test_sizes_slopes_and_heights_that_cannot_be_are_told_of_a_file_and_of_an_array(
+    tmp_path, lengths, unit, words
+):
     np.save(tmp_path / "scan.npy", patch(96) * 1e6)
     for heights in (patch(96) * 1e6, tmp_path / "scan.npy"):
-        surface = fc.measured(heights, length=lengths, unit=1e-6, tilt="plane", edges="tukey")
+        surface = fc.measured(heights, length=lengths, unit=unit, tilt="plane", edges="tukey")
         assert re.search(f"doubts=.*{words}", repr(surface))
         assert re.search(words, "; ".join(surface.given.patch.history))
         assert "doubts" not in repr(fc.measured(heights, length=1e-5, unit=1e-6))

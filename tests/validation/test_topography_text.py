@@ -88,6 +88,13 @@ def test_a_header_that_only_surfacetopography_understands_says_size_and_unit(tmp
     np.testing.assert_array_equal(file_says(tmp_path / "scan.txt").heights, NUMBERS)
 
 
+def test_a_file_of_arrays_takes_the_size_that_is_given(tmp_path):
+    pytest.importorskip("SurfaceTopography", reason="LOUD: SurfaceTopography is not installed")
+    np.savez(tmp_path / "map.npz", NUMBERS)
+    found = read_topography(tmp_path / "map.npz", lengths=(5e-6, 4e-6), unit=1e-9)
+    np.testing.assert_allclose(found.heights, NUMBERS * 1e-9, rtol=1e-15)
+
+
 def test_hdf5_of_several_data_sets_takes_the_size_that_is_given_and_damage_has_words_of_ours(tmp_path):
     pytest.importorskip("SurfaceTopography", reason="LOUD: SurfaceTopography is not installed")
     h5py = pytest.importorskip("h5py")

@@ -38,6 +38,9 @@ from validation.scenes.topography.raw import check_shape, real
 from validation.scenes.topography.statistics import height_statistics
 from validation.units import metres, sides_of, unit_of
 
+#: Share of the largest power below which there is rounding, and no wave.
+_ROUNDING = 1e-24
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -109,11 +112,12 @@ class Surface:
 
     @property
     def spectrum(self) -> xr.DataArray:
-        """C(q) [m^4] of the heights, averaged over directions, over |q| [1/m]."""
+        """C(q) [m^4] of the heights, averaged over directions, over |q| [1/m]; 0 where there is no wave."""
         radial = radial_spectrum(self.field)
+        power = np.where(radial.power > _ROUNDING * radial.power.max(), radial.power, 0.0)
         q = ("wavevector", radial.q, {"units": "1/m", "long_name": "wave number |q|"})
         about = {"units": "m^4", "long_name": "power spectrum C(q)"}
-        return xr.DataArray(radial.power, dims="wavevector", coords={"wavevector": q}, name="C", attrs=about)
+        return xr.DataArray(power, dims="wavevector", coords={"wavevector": q}, name="C", attrs=about)
 
     def plot(self, *, ax: Axes | None = None) -> Drawing:
         """Draw the map of the heights; with `ax` into axes of matplotlib."""

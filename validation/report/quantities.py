@@ -154,7 +154,12 @@ def in_shown_unit(number: xr.DataArray) -> str:
     """Return one number of a dataset with four digits, in the unit in which it is shown."""
     value, plain = float(number), quantity(str(number.name)).unit
     factor, unit = shown_unit(number, plain, abs(value))
-    return f"{float(f'{value * factor:.4g}'):g}" + ("" if unit == "1" else f" {unit}")
+    return _four(value * factor) + ("" if unit == "1" else f" {unit}")
+
+
+def _four(value: float) -> str:
+    """Return four digits, and no exponent below a million."""
+    return f"{float(f'{value:.4g}'):g}"
 
 
 def prefixed_unit(unit: str, largest: float) -> tuple[float, str]:
@@ -220,7 +225,7 @@ def place_words(here: xr.Dataset, dim: str, data: xr.Dataset) -> str:
         return str(named_at(here, names[0]).get("words", item))
     what = quantity_of(data, names[0])
     factor, unit = shown_unit(data[names[0]], what.unit, abs(float(item)))
-    return f"{what.symbol} = {float(item) * factor:.4g}" + ("" if what.unit == "1" else f" {unit}")
+    return f"{what.symbol} = {_four(float(item) * factor)}" + ("" if what.unit == "1" else f" {unit}")
 
 
 def glossary() -> str:

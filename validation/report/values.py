@@ -26,8 +26,8 @@ class Value:
     dimension. `shown_in` are factor and unit of one that its scene wrote with a unit.
 
     >>> kappa = Value(value=2.1563, error=0.019)
-    >>> f"{kappa}, {kappa:%}, {kappa:~}, {Value(value=0.05)}"
-    '2.156 +- 0.019, (215.6 +- 1.9) %, 2.156, 0.05'
+    >>> f"{kappa}, {kappa:%}, {kappa:~}, {kappa:.2f}, {Value(value=0.05)}"
+    '2.156 +- 0.019, (215.6 +- 1.9) %, 2.156, 2.16, 0.05'
     >>> Value(value=3.583e-7, error=1.2e-9, name="mean_gap")
     mean gap = (358.3 +- 1.2) nm
     >>> f"{Value(value=2.1563, error=0.019, sources='grid')}"
@@ -87,7 +87,7 @@ class Value:
             return self._prefixed(spec.replace("p", ""))
         if "." in spec and math.isfinite(self.value):
             if "%" not in spec:
-                return f"{self.value:{spec}g}"
+                return f"{self.value:{spec if spec[-1] in 'efg' else spec + 'g'}}"
             text = f"{100 * self.value:{spec.rstrip('%')}g}"
             return (f"{float(text):{'+' * ('+' in spec)}.0f}" if "e+" in text else text) + " %"
         factor, unit = (100.0, " %") if "%" in spec else (1.0, "")

@@ -184,7 +184,9 @@ class Scene(Title):
         pressure = load.pressure[0] if isinstance(load.pressure, tuple) else load.pressure
         work = next((effect.work for effect in self.effects if hasattr(effect, "work")), None)
         return {
-            **dict.fromkeys(("pressure", "largest_pressure"), pressure),
+            **dict.fromkeys(
+                ("pressure", "largest_pressure", "pressure_map", "pressure_map_difference"), pressure
+            ),
             **dict.fromkeys(("contact_modulus", "contact_modulus_below", "felt_modulus"), self.solid.young),
             **dict.fromkeys(("rms_height", "rms_height_spectrum"), height),
             **dict.fromkeys(("work", "work_left"), work),

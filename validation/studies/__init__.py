@@ -106,6 +106,8 @@ def find_study(name: str) -> Study:
     """
     known = studies()
     if not isinstance(name, str) or name not in known:
+        if str(name).startswith("-"):
+            raise UsageError(f"study {name}: no such option{did_you_mean(name, ['--list', '--help'])}")
         raise UsageError(
             f"study {name!r}: no such study{did_you_mean(str(name), known)}; one of: {', '.join(known)}"
         )

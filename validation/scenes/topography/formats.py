@@ -176,7 +176,7 @@ def _read_npy(data: bytes) -> Raw:
 
 
 #: Formats of SurfaceTopography that may leave the size to be given, and know their own bytes.
-_WITHOUT_SIZE = ("h5", "mat")
+_WITHOUT_SIZE = ("h5", "mat", "npz")
 
 
 def _read_other(path: str, suffix: str) -> Raw:

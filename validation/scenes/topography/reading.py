@@ -25,8 +25,8 @@ Lengths = tuple[float, float]
 _SECONDS, _BYTES_PER_SECOND = 60.0, 2e6
 #: Memory to read a file: that of the largest map in a few copies, and more for the text of it.
 _MEMORY, _COPIES = 2**31 + 2**30, 4
-#: Sides of a patch and of its cells [m], and root mean square slopes, that no instrument goes beyond.
-_LARGEST_PATCH, _SMALLEST_CELL, _STEEPEST = 1.0, 1e-12, 10.0
+#: Sides of a patch and of its cells [m], rms slopes and heights [m], that no instrument goes beyond.
+_LARGEST_PATCH, _SMALLEST_CELL, _STEEPEST, _LEAST_HEIGHT = 1.0, 1e-12, 10.0, 1e-12
 #: A file that was changed less than this before it was read is read again: a later change may have the same
 #: time [s].
 _SETTLED = 1.0
@@ -120,3 +120,5 @@ def impossible(heights: Array, size: Lengths) -> Iterator[str]:
         slope = max(rms(np.diff(heights, axis=axis)) / cells[axis] for axis in (0, 1))
     if slope > _STEEPEST:
         yield f"root mean square slopes of {slope:.3g} are no surface's: check unit and length"
+    if (height := rms(heights - np.mean(heights))) < _LEAST_HEIGHT:
+        yield f"no instrument measures heights of {as_length(height, 3)}, root mean square: check their unit"
