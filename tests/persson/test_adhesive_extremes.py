@@ -133,6 +133,9 @@ def test_squeezing_lifts_the_roughness_barrier_of_pyrex():
     assert squeezed.after.macroscopic_work / 0.43 == pytest.approx(0.452, abs=2e-3)
     assert squeezed.after.real_area == pytest.approx(0.936, abs=2e-3)
     assert squeezed.flattened == pytest.approx(20e6 / 6e9, rel=2e-3)
+    # The longest waves have yielded nowhere.
+    assert (squeezed.spectrum.q_min, squeezed.spectrum.q_short) == (waves.q_min, waves.q_short)
+    assert squeezed.spectrum(waves.q_min) == pytest.approx(waves(waves.q_min), rel=1e-6)
     assert squeezed.work == pytest.approx(squeezed.flattened * squeezed.after.macroscopic_work, rel=1e-12)
 
 
