@@ -155,6 +155,7 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
     if "area_excess" in data and np.isfinite(data.area_persson_own):
         basis = "theory: A/A0 = {area_persson:.4} with the realised gradient; p* = {reduced_pressure:.4}, "
         basis += "lambda_long/lambda_short = {bandwidth:.3}"
+        basis += "; the +- leaves out the treatment of the map" * ("treatment_spread" in data)
         bandwidth = float(data.wave_long / data.wave_short)
         yield Card(
             "How far from Persson's theory?", told("{area_excess:+%}"), told(basis, bandwidth=bandwidth)
