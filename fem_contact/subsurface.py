@@ -202,8 +202,6 @@ def strongest_point(
     from scipy.optimize import minimize_scalar
 
     if depths is None:
-        check_result("contact", contact)
-        check_response(response)
         depths = default_depths(contact, response)[1:]
     body, planes = _checked(contact, response, depths)
     fields = _Fields(contact, body, threads)

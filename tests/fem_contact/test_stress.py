@@ -75,6 +75,8 @@ def test_initial_slope_of_one_hertzian_contact_is_the_closed_form() -> None:
         slope = window_slope(result, window=(0.015 / stress, 0.055 / stress), bins=4)
         assert slope.slope == pytest.approx(np.pi**3 / 2, rel=0.04)
         assert slope.reduced == pytest.approx(slope.slope * stress**2)
+        inside = np.abs(result.pressure / result.contact_modulus - 0.035) < 0.02
+        assert slope.uncertainty == pytest.approx(slope.reduced / np.sqrt(np.count_nonzero(inside)), rel=1e-6)
         assert slope.patches == 1
 
 
