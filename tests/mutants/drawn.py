@@ -26,7 +26,6 @@ from pathlib import Path
 from typing import Any
 
 import driver
-from coverage import CoverageData
 from driver import PACKAGES, ROOT
 
 _SIGNS = {"Add": "-", "Sub": "+", "Mult": "/", "Div": "*", "Pow": "*", "FloorDiv": "/",
@@ -209,6 +208,8 @@ class Covering:
     """Which tests ran each line of the packages, by the contexts of a coverage file."""
 
     def __init__(self, path: Path) -> None:
+        from coverage import CoverageData  # which the tests alone do without
+
         data = CoverageData(str(path))
         data.read()
         self.lines: dict[str, dict[int, list[str]]] = {}

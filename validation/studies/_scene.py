@@ -60,8 +60,7 @@ class PressedOptions(StudyOptions):
     def _as_the_scene_says(cls, data: Any) -> Any:
         """Take from a scene what it says, and refuse options that say it again.
 
-        Grids that are given replace those of the scene, before it is checked. A number of surfaces counts where
-        they are drawn; loads are put on the path to that of the scene.
+        Grids that are given replace its own, a number of surfaces counts where they are drawn, loads lead to its.
         """
         scene = data.get("scene") if isinstance(data, dict) else None
         if scene is None:
