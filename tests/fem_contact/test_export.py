@@ -1,6 +1,7 @@
 import subprocess
 import sys
 from pathlib import Path
+from unittest.mock import MagicMock
 
 import meshio
 import numpy as np
@@ -105,6 +106,18 @@ def test_pictures_show_pressure_where_the_contact_is(solution: BlockSolution, tm
         pixels = np.asarray(pyvista.read(tmp_path / name).active_scalars).reshape(-1, 3)
         assert len(np.unique(pixels, axis=0)) > 20
     assert sorted(entry.name for entry in tmp_path.iterdir()) == ["section.png", "surface.png"]
+
+
+@pytest.mark.parametrize(("axis", "other"), [("x", 1), ("y", 0)])
+def test_a_cut_spans_the_other_side_of_the_period(solution, tmp_path, monkeypatch, axis, other):
+    drawn = MagicMock()
+    monkeypatch.setattr("fem_contact.export._drawn", drawn)
+    render_section(tmp_path / "cut.png", solution, axis=axis)
+    _, (s, _, z), _, stress = drawn.call_args.args
+    assert (s.min(), s.max()) == (0.0, pytest.approx(LENGTHS[other] / max(LENGTHS)))
+    assert z.max() == 0.0
+    assert stress.shape == (solution.mesh.cells[other], solution.mesh.nz)
+    assert s.shape == z.shape == tuple(n + 1 for n in stress.shape)
 
 
 @pytest.mark.parametrize("position", [1.0, "middle", np.nan])
