@@ -149,6 +149,20 @@ def test_displacements_are_those_of_the_forces_wherever_a_solve_ends(single: boo
     np.testing.assert_allclose(solution.displacement, found, atol=1e-12 * np.abs(found).max())
 
 
+def test_where_all_that_bear_yield_the_body_sinks_no_deeper_than_the_last_of_them_asks() -> None:
+    for seed in range(40):
+        generator = np.random.default_rng(seed)
+        heights = 1e-3 * generator.normal(size=(24, 24))
+        count = int(generator.integers(1, 9))
+        high = generator.choice(heights.size, count, replace=False)
+        heights.flat[high] += 5.0 + 0.1 * generator.normal(size=count)
+        load = 1.7 * count / heights.size
+        found = run(heights, load=load, bound=np.full(heights.shape, 1.7))
+        assert np.array_equal(np.flatnonzero(found.at_bound), np.sort(high))
+        gap = found.displacement - heights + found.offset
+        assert abs(gap.flat[high].max()) < 1e-9, seed
+
+
 def test_coarsening_keeps_low_waves_and_refinement_keeps_values() -> None:
     x = np.arange(24) / 24
     wave = np.cos(2 * np.pi * 3 * x)[:, None] * np.ones(20)
