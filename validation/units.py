@@ -119,6 +119,15 @@ class Written(float):
         return unit, float(self) / float(number)
 
 
+def four_digits(value: float) -> str:
+    """Return four digits, and no exponent below a million.
+
+    >>> four_digits(13333.3), four_digits(0.0290754)
+    ('13330', '0.02908')
+    """
+    return f"{float(f'{value:.4g}'):g}"
+
+
 def alike(value: float, given: object) -> float:
     """Return a quantity that is printed in the unit in which another was written, if that was.
 
@@ -128,7 +137,7 @@ def alike(value: float, given: object) -> float:
     if not isinstance(given, Written) or not given:
         return value
     unit, size = given.unit
-    return Written.of(value, f"{float(f'{value / size:.4g}'):g} {unit}")
+    return Written.of(value, f"{four_digits(value / size)} {unit}")
 
 
 def as_written(value: Any, plain: Any) -> Any:

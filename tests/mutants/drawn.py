@@ -1,4 +1,4 @@
-"""Faults drawn at random places of all files, put in one at a time: do the nearest tests notice?
+"""Faults drawn at random places of all files, put in one at a time: do the tests that run them notice?
 
 ``python tests/mutants/drawn.py --seed 61 --count 100 persson fem_contact validation`` draws kinds and places
 of mistakes: an operator, a comparison, a constant, an index, a default, a name or a word of like type, a line

@@ -95,6 +95,17 @@ def test_a_file_of_arrays_takes_the_size_that_is_given(tmp_path):
     np.testing.assert_allclose(found.heights, NUMBERS * 1e-9, rtol=1e-15)
 
 
+def test_elevations_that_any_bytes_could_be_are_believed_by_their_name(tmp_path):
+    pytest.importorskip("SurfaceTopography", reason="LOUD: SurfaceTopography is not installed")
+    metres = np.arange(500, 1701)[:, None] + np.zeros(1201)
+    for name in ("N01E001.hgt", "N01E001.dat"):
+        metres.astype(">i2").tofile(tmp_path / name)
+    found = read_topography(tmp_path / "N01E001.hgt", lengths=(0.1, 0.1), unit=1e-9)
+    np.testing.assert_allclose(np.sort(found.heights, axis=None), np.sort(metres, axis=None) * 1e-9)
+    with pytest.raises(UsageError, match="of no format that SurfaceTopography reads"):
+        read_topography(tmp_path / "N01E001.dat", lengths=(0.1, 0.1), unit=1e-9)
+
+
 def test_hdf5_of_several_data_sets_takes_the_size_that_is_given_and_damage_has_words_of_ours(tmp_path):
     pytest.importorskip("SurfaceTopography", reason="LOUD: SurfaceTopography is not installed")
     h5py = pytest.importorskip("h5py")

@@ -150,7 +150,8 @@ def judge_tables(result: Result, ledger: Ledger) -> None:
     """Judge the CSV files of tables by the variables that their columns or rows are of."""
     tables = result.summary.get("tables", {"table": result.summary.get("table")})
     for name, lines in result.tables.items():
-        file, known = name.removesuffix(".csv"), tables.get(name.removesuffix(".csv"))
+        file = name.removesuffix(".csv")
+        known = tables.get(file)
         if known and "names" in known:
             _judge_listing(result, name, known["names"], lines, ledger)
         elif known:
@@ -167,7 +168,7 @@ def _judge_listing(
     value, unit = header.index("value"), header.index("unit")
     there = [name for name in names if name in result.data and result.data[name].ndim == 0]
     numbers = {name: result.data[name].values.item() for name in there}
-    known = {name: n for name, n in numbers.items() if n != "" and n == n}
+    known = {name: n for name, n in numbers.items() if n != "" and n == n}  # neither empty nor NaN
     rows = []
     for (name, number), line in zip(known.items(), lines, strict=False):
         plain = str(result.data[name].attrs.get("units", "1"))
@@ -176,7 +177,7 @@ def _judge_listing(
         if header[value + 1].endswith(_INTERVAL):
             row[value + 1] = factor * as_number(_total(result.data, name, {}))
         rows.append(row)
-    _judge_lines(file, header, lines, rows, ledger, rtol=1e-11)
+    _judge_lines(file, header, lines, rows, ledger)
 
 
 def _judge_table(
@@ -208,12 +209,7 @@ def _judge_table(
 
 
 def _judge_lines(
-    file: str,
-    header: list[str],
-    lines: list[list[str]],
-    rows: list[dict[int, Any]],
-    ledger: Ledger,
-    rtol: float = 1e-12,
+    file: str, header: list[str], lines: list[list[str]], rows: list[dict[int, Any]], ledger: Ledger
 ) -> None:
     """Judge the lines of a CSV file by words and numbers at their columns."""
     ledger.same(file, "number of rows", len(lines), len(rows))
@@ -224,7 +220,7 @@ def _judge_lines(
             if isinstance(value, str):
                 ledger.same(file, where, line[k], value)
             else:
-                ledger.number(file, where, line[k], value, rtol=rtol, atol=0.0)
+                ledger.number(file, where, line[k], value, rtol=1e-12, atol=0.0)
 
 
 def judge_budget(result: Result, ledger: Ledger) -> None:

@@ -16,6 +16,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from validation.errors import UsageError
+from validation.units import four_digits
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -125,8 +126,8 @@ def _qualifiers(text: str, known: Mapping[str, Any]) -> list[str] | None:
 def labelled(data: xr.Dataset, written: Mapping[str, Any] = MappingProxyType({})) -> xr.Dataset:
     """Return a dataset whose variables have ``long_name`` and ``units`` of the registry.
 
-    What `written` has with a unit is shown in that unit. A UsageError for a variable whose
-    name does not stand in the registry.
+    What `written` has with a unit is shown in that unit. A UsageError for a variable whose name does not
+    stand in the registry.
     """
     data = data.copy()
     for name in data.variables:
@@ -154,12 +155,7 @@ def in_shown_unit(number: xr.DataArray) -> str:
     """Return one number of a dataset with four digits, in the unit in which it is shown."""
     value, plain = float(number), quantity(str(number.name)).unit
     factor, unit = shown_unit(number, plain, abs(value))
-    return _four(value * factor) + ("" if unit == "1" else f" {unit}")
-
-
-def _four(value: float) -> str:
-    """Return four digits, and no exponent below a million."""
-    return f"{float(f'{value:.4g}'):g}"
+    return four_digits(value * factor) + ("" if unit == "1" else f" {unit}")
 
 
 def prefixed_unit(unit: str, largest: float) -> tuple[float, str]:
@@ -225,7 +221,7 @@ def place_words(here: xr.Dataset, dim: str, data: xr.Dataset) -> str:
         return str(named_at(here, names[0]).get("words", item))
     what = quantity_of(data, names[0])
     factor, unit = shown_unit(data[names[0]], what.unit, abs(float(item)))
-    return f"{what.symbol} = {_four(float(item) * factor)}" + ("" if what.unit == "1" else f" {unit}")
+    return f"{what.symbol} = {four_digits(float(item) * factor)}" + ("" if what.unit == "1" else f" {unit}")
 
 
 def glossary() -> str:

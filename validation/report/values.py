@@ -15,6 +15,7 @@ from validation.errors import UsageError
 from validation.report.estimates import sources_of, total_error
 from validation.report.quantities import in_prefixed_unit, prefixed_unit, quantity, written_unit
 from validation.report.words import significant, with_error
+from validation.units import four_digits
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -82,7 +83,7 @@ class Value:
         if "u" in spec:
             if self.shown_in is None:
                 return in_prefixed_unit(self.value, quantity(self.name).unit, 3)
-            return f"{float(f'{self.value * self.shown_in[0]:.4g}'):g} {self.shown_in[1]}"
+            return f"{four_digits(self.value * self.shown_in[0])} {self.shown_in[1]}"
         if "p" in spec:
             return self._prefixed(spec.replace("p", ""))
         if "." in spec and math.isfinite(self.value):

@@ -175,7 +175,8 @@ def _read_npy(data: bytes) -> Raw:
     return Raw(heights=real(np.load(file, allow_pickle=False)))
 
 
-#: Formats of SurfaceTopography that may leave the size to be given, and know their own bytes.
+#: Formats of SurfaceTopography that may leave the size to be given, and know their own bytes; others that
+#: leave it take any bytes for heights, and are believed where a file has their name.
 _WITHOUT_SIZE = ("h5", "mat", "npz")
 
 
@@ -192,7 +193,7 @@ def _read_other(path: str, suffix: str) -> Raw:
             channel: Any = reader.default_channel
             shape, sizes = tuple(channel.nb_grid_pts), channel.physical_sizes
             unsized = sizes is None or None in sizes
-            if unsized and reader.format() not in _WITHOUT_SIZE:
+            if unsized and reader.format() not in (*_WITHOUT_SIZE, suffix.removeprefix(".")):
                 raise ValueError("a reader that takes any bytes for heights")
             if len(shape) == 2 and math.prod(shape) <= MOST_POINTS:
                 surface: Any = reader.topography(**({"physical_sizes": shape} if unsized else {}))
