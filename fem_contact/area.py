@@ -237,7 +237,7 @@ def _known(result: ContactResult, known: Mapping[str, _T], name: str) -> _T:
     return known[method]
 
 
-def subgrid_shifts(per_axis: int = 2) -> list[tuple[float, float]]:
+def subgrid_shifts(per_axis: int) -> list[tuple[float, float]]:
     """Shifts of a grid, in parts of a cell, that fill the cell evenly.
 
     The same surface seen by shifted grids, ``surface.shifted(fraction)``, has the same contact; the places of
@@ -245,7 +245,7 @@ def subgrid_shifts(per_axis: int = 2) -> list[tuple[float, float]]:
 
     Examples
     --------
-    >>> subgrid_shifts()
+    >>> subgrid_shifts(2)
     [(0.0, 0.0), (0.0, 0.5), (0.5, 0.0), (0.5, 0.5)]
     """
     whole("per_axis", per_axis, least=1, most=100)

@@ -22,7 +22,7 @@ class HeightTraits:
     wavenumber: float = 0.0
 
 
-def height_traits(heights: Array, spacing: Lengths, *, patch: bool = False) -> HeightTraits:
+def height_traits(heights: Array, spacing: Lengths, *, patch: bool) -> HeightTraits:
     """Find what periodic heights are like, or those of a patch whose sides do not continue each other."""
     nx, ny = heights.shape
     deviation = heights - np.mean(heights)

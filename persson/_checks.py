@@ -54,12 +54,12 @@ def _sized(name: str, value: ArrayLike, *, unit: str, power: float, signed: bool
     raise InvalidInput(f"{name} = {float(array[~fine].flat[0])!r}: must be {what}{in_unit(unit)}")
 
 
-def scalar(name: str, value: object, *, unit: str = "", power: float = 1) -> float:
+def scalar(name: str, value: object, *, unit: str, power: float = 1) -> float:
     """Return one number that is zero or of a size that can be computed with."""
     return float(real(name, _CHECKS.number(name, value, unit=unit), unit=unit, power=power))
 
 
-def returned(name: str, value: object, shape: tuple[int, ...], *, unit: str = "") -> Array:
+def returned(name: str, value: object, shape: tuple[int, ...], *, unit: str) -> Array:
     """Return what a caller's function gave as doubles of a shape: not NaN, but infinite where it says so."""
     array = _CHECKS.doubles(name, value, unit=unit)
     try:

@@ -23,9 +23,9 @@ from persson._quadrature import panels
 from persson.errors import InvalidInput
 
 
-def checked_wavevectors(value: ArrayLike) -> Array:
+def checked_wavevectors(wavevector: ArrayLike) -> Array:
     """Return positive wavevectors [1/m]."""
-    q = non_negative("wavevector", value, unit="1/m")
+    q = non_negative("wavevector", wavevector, unit="1/m")
     if np.any(q == 0):
         raise InvalidInput("wavevector = 0.0: must be positive [1/m]")
     return q

@@ -82,16 +82,16 @@ class SlabSurface:
     rms_gradient: float
 
     @classmethod
-    def of(cls, field: HeightField, comm: Any) -> Self:
+    def of(cls, surface: HeightField, comm: Any) -> Self:
         """Take the slabs of a surface that every process has."""
-        instance("surface", field, HeightField, what="a `HeightField` or a `SlabSurface`")
-        slabs = Slabs(comm, field.shape)
+        instance("surface", surface, HeightField, what="a `HeightField` or a `SlabSurface`")
+        slabs = Slabs(comm, surface.shape)
         return cls(
-            heights=field.heights[slabs.first : slabs.last],
-            lengths=field.lengths,
+            heights=surface.heights[slabs.first : slabs.last],
+            lengths=surface.lengths,
             slabs=slabs,
-            rms_height=field.rms_height,
-            rms_gradient=field.rms_gradient,
+            rms_height=surface.rms_height,
+            rms_gradient=surface.rms_gradient,
         )
 
     @classmethod

@@ -64,7 +64,7 @@ ELEMENTS = {
 }
 
 
-def element_for(name: str | None, *, poisson: float) -> Element:
+def element_for(element: str | None, *, poisson: float) -> Element:
     """Return the named element, or the cheapest that suits the Poisson ratio.
 
     Raises
@@ -79,12 +79,12 @@ def element_for(name: str | None, *, poisson: float) -> Element:
     >>> [element_for(None, poisson=nu).name for nu in (0.3, 0.49, 0.5)]
     ['Hex1', 'Hex1/P0', 'Hex2/P1disc']
     """
-    if name is None:
-        name = "Hex1" if poisson <= _LOCKING else "Hex1/P0" if poisson < 0.5 else "Hex2/P1disc"
-    choice("element", name, ELEMENTS)
-    if poisson == 0.5 and name != "Hex2/P1disc":
-        raise InvalidInput(f"element = {name!r}: cannot represent poisson = 0.5; take 'Hex2/P1disc'")
-    return ELEMENTS[name]
+    if element is None:
+        element = "Hex1" if poisson <= _LOCKING else "Hex1/P0" if poisson < 0.5 else "Hex2/P1disc"
+    choice("element", element, ELEMENTS)
+    if poisson == 0.5 and element != "Hex2/P1disc":
+        raise InvalidInput(f"element = {element!r}: cannot represent poisson = 0.5; take 'Hex2/P1disc'")
+    return ELEMENTS[element]
 
 
 def lame(poisson: float) -> tuple[float, float]:

@@ -46,7 +46,7 @@ class FreeOperator:
         shape: Shape,
         lengths: Lengths,
         *,
-        threads: int | None = None,
+        threads: int | None,
     ) -> None:
         self.shape = shape
         self.threads = available_processors() if threads is None else threads

@@ -45,6 +45,20 @@ def tool(monkeypatch, capsys, tmp_path):
     return call
 
 
+def flags(command, path=()):
+    """Yield every flag of every command."""
+    for name, further in getattr(command, "commands", {}).items():
+        yield from flags(further, (*path, name))
+    yield from ((path, one) for one in command.params if getattr(one, "is_flag", False))
+
+
+def test_a_flag_is_off_unless_there_is_another_to_turn_it_off():
+    found = list(flags(typer.main.get_command(cli.app)))
+    assert len(found) > 30
+    for path, flag in found:
+        assert flag.default in ((True, None) if flag.secondary_opts else (False, None)), (path, flag.name)
+
+
 def test_help_names_every_command_with_examples_and_the_exit_codes(tool):
     code, out, _ = tool("--help")
     assert code == 0

@@ -201,6 +201,20 @@ def test_the_mean_over_surfaces_claims_their_interval_the_grids_whole_error_and_
     assert found.scatter == pytest.approx(np.std(read[2, :, 0], ddof=1) / np.mean(read[2, :, 0]), rel=1e-12)
 
 
+def test_surfaces_that_are_only_looked_at_are_seen_on_the_grid_that_all_share():
+    grids = ((24, 12), (36, 18), (48, 24))
+    drawn = ensemble._Drawn(base=realise(scene()), grids=grids, tolerance=1e-6)
+    drawn.grow((0, 0, 0, 100))
+    calls = [(last, call) for (last, _), call in drawn.cases().items()]
+    looks = [call for last, call in calls if last == len(grids)]
+    assert len(looks) > 1
+    assert {call.key for call in looks} == {call.but(grid=grids[0]).key for call in looks}
+    ending = [call for last, call in calls if last < len(grids)]
+    assert {call.key for call in ending} == {
+        call.but(grids=grids[: last + 1]).key for last, call in calls if last < len(grids)
+    }
+
+
 def test_a_recipe_tells_tolerances_shifts_and_grids_apart():
     problem = realise(scene())
     usual = Press(method="bem", grid=(24, 12), problem=problem, settings=(("tolerance", 1e-8),))

@@ -143,6 +143,11 @@ def test_pressure_compares_area_with_the_theory_at_the_same_load(pressed):
     assert found.outcomes == tuple("+" if abs(x) > 0.05 else "0" for x in exact)
 
 
+def test_pressure_speaks_of_four_loads_where_there_is_a_limit():
+    area = [0.1, 0.2, np.nan, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0]
+    assert pressure.picked_loads(xr.Dataset({"area": ("load", area)})) == [0, 3, 5, 7]
+
+
 def test_pressure_says_that_planted_patches_and_kappa_keep_still(pressed):
     found = next(one for one in pressure.views(pressed).findings if one.by == "kappa_change")
     assert found.outcomes == ("0",)

@@ -177,7 +177,7 @@ def test_everything_is_recomputed_written_and_shown(tmp_path):
 
 
 def test_the_page_lists_what_fails_and_what_has_no_verdict(tmp_path):
-    page = paper_page(result_of(judge(TOY), tmp_path))
+    page = paper_page(result_of(judge(TOY), tmp_path), figures=True)
     assert page.findings[0].startswith("1 of 5 numbers follow from the text as it stands, 2 under the set")
     assert page.findings[1].startswith("Not reproduced: toy: c (1: ")
     assert page.findings[1].endswith(" and toy: e (1: it is 8).")
@@ -191,7 +191,9 @@ QUICK = [figure for figure in FIGURES if not re.search("rim|pmma|pyrex_rough", f
 
 def test_figures_show_the_curves_that_their_labels_name(tmp_path):
     result = result_of(judge(TOY), tmp_path, [figure.compute() for figure in QUICK])
-    drawings = {drawing.name.replace("-", "_"): drawing for drawing in paper_page(result).figures}
+    drawings = {
+        drawing.name.replace("-", "_"): drawing for drawing in paper_page(result, figures=True).figures
+    }
     assert set(drawings) == {figure.name for figure in QUICK}
     assert [problem for one in drawings.values() for problem in misdrawn(one, result.data)] == []
     for figure in QUICK:

@@ -83,7 +83,7 @@ def test_boundary_elements_are_scored_in_less_than_two_minutes_of_processor_time
     (card,) = json.loads(outcome.output)["scorecards"]
     assert card["passed"]
     result = read_results(tmp_path / "results" / "scorecard-bem")
-    page = claims_page(result)
+    page = claims_page(result, figures=True)
     assert page.findings[0].startswith("Every claim holds: ")
     assert [problem for one in page.figures for problem in misdrawn(one, result.data)] == []
     assert page.figures

@@ -40,7 +40,7 @@ ACCURACIES = (0.1, 0.01, 0.001)
 _FINDINGS = 5
 
 
-def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard] = ()) -> xr.Dataset:
+def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard]) -> xr.Dataset:
     """Return verdicts over (claim, solver), numbers over `check`, orders over `ladder`, costs over `solver`.
 
     Claims stand in the order of the verdicts; `cards` have what is wrong with a solver, and its costs.
@@ -283,7 +283,7 @@ def _findings(data: xr.Dataset) -> list[Finding]:
     return findings
 
 
-def claims_page(result: Result, *, figures: bool = True) -> Page:
+def claims_page(result: Result, *, figures: bool) -> Page:
     """Return the page of judged claims: all of it from the dataset and from what was asked."""
     sources = dict.fromkeys(map(str, result.data.claim_source.values))
     papers = [*result.settings.get("papers", ()), *filter(_is_paper, sources)]
@@ -317,7 +317,7 @@ def write_claims(
     name: str,
     settings: Mapping[str, Any],
     cards: Sequence[Scorecard] = (),
-    report: bool = True,
+    report: bool,
 ) -> Outputs:
     """Write dataset, record and page of verdicts into a folder; without `report` numbers alone."""
     data, asked = claims_dataset(verdicts, cards), json_ready(dict(settings))

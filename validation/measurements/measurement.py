@@ -276,7 +276,7 @@ def truncated_heights(
     grid: Grid,
     shift: tuple[float, float] = (0.0, 0.0),
     *,
-    truncation: float | None = None,
+    truncation: float | None,
 ) -> HeightField:
     """Return the heights of a surface on a grid, without its waves beyond a wavevector [1/m]."""
     if truncation is None:

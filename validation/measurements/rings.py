@@ -111,7 +111,7 @@ class Rings:
 
 
 def chain_states(
-    problem: ContactProblem, *, points: int, ends: Sequence[float], tolerance: float = 1e-7
+    problem: ContactProblem, *, points: int, ends: Sequence[float], tolerance: float
 ) -> Iterator[tuple[float, ContactResult, ContactResult]]:
     """Yield V [Pa^2], the result with the ring just added, and that with its negative, from coarse to fine."""
     rings, load = Rings(problem, points, tolerance), problem.pressure

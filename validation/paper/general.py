@@ -22,7 +22,8 @@ from persson.viscoelastic import StandardSolid, crack_dissipation
 from validation.paper.claims import application, percent
 
 
-def _kappa(asymptote: float, reduced: float = 1e-6) -> float:
+def _kappa(asymptote: float) -> float:
+    reduced = 1e-6
     variance = elastic.stress_variance(0.01, contact_modulus=1e9)
     area = elastic.contact_area(reduced * 1e9 * 0.1, stress_variance=variance)
     return float(elastic.kappa(area, reduced_pressure=reduced)) / asymptote
@@ -88,9 +89,9 @@ def _killing(q_long: float) -> float:
     return critical_roughness(rough, contact_modulus=1e6 / 0.75, interface=interface, tolerance=0.02)
 
 
-def cut_gaussian_ratio(diffusion: float = 1.0) -> float:
+def cut_gaussian_ratio() -> float:
     """Area of a Gaussian cut at zero stress and rescaled to the same load, over the exact area."""
-    variance = 2 * diffusion
+    variance = 2.0
     exact = float(elastic.contact_area(1.0, stress_variance=variance))
     t = 1 / math.sqrt(2 * variance)
     share = 0.5 * math.erfc(-t)

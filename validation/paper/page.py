@@ -26,7 +26,7 @@ _COUNTED = {
 _WORDS = ("section", "convention", "verdict", "reason", "note")
 
 
-def paper_dataset(rows: Sequence[ClaimRow], figures: Iterable[xr.Dataset] = ()) -> xr.Dataset:
+def paper_dataset(rows: Sequence[ClaimRow], figures: Iterable[xr.Dataset]) -> xr.Dataset:
     """Return claims along `claim`, and the curves of figures."""
     verdicts = [row.verdict for row in rows]
     data = xr.Dataset(
@@ -88,7 +88,7 @@ def _views(data: xr.Dataset) -> Views:
     )
 
 
-def paper_page(result: Result, *, figures: bool = True) -> Page:
+def paper_page(result: Result, *, figures: bool) -> Page:
     """Return the page of claims and figures, from their dataset alone."""
     unjudged = tuple(
         f"Sec. {section}: {one['statement']} ({one['reason']})."

@@ -371,14 +371,18 @@ def _scale(what: Quantity, values: Iterable[xr.DataArray]) -> tuple[float, str]:
     return next(written, None) or prefixed_unit(what.unit, max(finite, default=0.0))
 
 
-def _axis_label(what: Quantity, unit: str, *, width: int = 36) -> str:
+#: Letters in a line of the name of an axis.
+_LINE = 36
+
+
+def _axis_label(what: Quantity, unit: str) -> str:
     unit = "" if unit == "1" else f" [{unit}]"
-    lines = textwrap.wrap(what.words, width, break_on_hyphens=False) or [""]
+    lines = textwrap.wrap(what.words, _LINE, break_on_hyphens=False) or [""]
     if what.symbol in what.words:
         return "\n".join(map(mathtext, lines)) + unit
     whole = f"{lines[-1]}, {what.symbol}{unit}"
     # A symbol is not broken.
-    lines[-1:] = [whole] if len(whole) <= width + 4 else [f"{lines[-1]},", what.symbol + unit]
+    lines[-1:] = [whole] if len(whole) <= _LINE + 4 else [f"{lines[-1]},", what.symbol + unit]
     return "\n".join(map(mathtext, lines))
 
 

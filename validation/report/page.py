@@ -90,7 +90,7 @@ class Page:
     summary: Mapping[str, Any] | None = None
 
 
-def page_of(data: xr.Dataset, views: Views, /, *, figures: bool = True, **rest: Any) -> Page:
+def page_of(data: xr.Dataset, views: Views, /, *, figures: bool, **rest: Any) -> Page:
     """Return the page of a dataset: what its views declare, drawn or not, and what else `Page` is told.
 
     Of the `rest`, fields of `Page`, notes and the summary are added to those of the findings.
@@ -124,7 +124,7 @@ def page_of(data: xr.Dataset, views: Views, /, *, figures: bool = True, **rest: 
     return Page(**context)
 
 
-def write_page(page: Page, folder: Path, *, numbers_only: bool = False) -> tuple[Path, ...]:
+def write_page(page: Page, folder: Path, *, numbers_only: bool) -> tuple[Path, ...]:
     """Write tables, JSON, figures and the report into a folder; return the files, the report first.
 
     With `numbers_only` figures and report are left out, as they can be made later from what is stored.

@@ -95,7 +95,7 @@ def _facts(info: FieldInfo) -> tuple[str, str]:
     return meaning, str(info.default).lower() if isinstance(info.default, bool) else str(info.default)
 
 
-def key_lines(word: str = "") -> Iterator[str]:
+def key_lines(word: str) -> Iterator[str]:
     """Yield two lines for each key whose name or meaning has a word: its example, then what it means."""
     every = [(f"{key} = {example_of(info)}", *_facts(info)) for key, info in scene_keys({}).items()]
     every += [("sweep.load.reduced_pressure = [0.01, 0.03, 0.1]", _SWEPT, "")]

@@ -75,7 +75,7 @@ def spectrum_of(surface: RandomSurface) -> SelfAffine | Stretched | CapillaryWav
     )
 
 
-def waves_of(surface: RandomSurface, realisation: int = 0) -> RandomWaves:
+def waves_of(surface: RandomSurface, realisation: int) -> RandomWaves:
     """Draw the waves of one realisation; realisation k is the surface of seed + k."""
     return random_waves(**waves_drawn(surface, realisation))
 
@@ -98,7 +98,7 @@ def sampled(
     waves: RandomWaves,
     surface: RandomSurface,
     grid: tuple[int, int],
-    shift: tuple[float, float] = (0.0, 0.0),
+    shift: tuple[float, float],
 ) -> HeightField:
     """Sample a surface on a grid, moved by parts of a cell.
 

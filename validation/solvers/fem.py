@@ -212,7 +212,7 @@ def unknowns_of(size: Size, method: str) -> int:
     return estimate(size.grid, size.lengths, method=method, **mesh).unknowns  # type: ignore[arg-type]
 
 
-def _mesh(settings: Mapping[str, Any], model: ContactModel | None = None) -> dict[str, Any]:
+def _mesh(settings: Mapping[str, Any], model: ContactModel | None) -> dict[str, Any]:
     """Return depth and growth of the layers, where they are said; an effect may say the depth."""
     mesh = {name: settings[name] for name in ("depth", "growth") if name in settings}
     if model is not None and model.body is not None and model.body.depth is not None:

@@ -98,10 +98,14 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     return data.assign(moved_stress_persson=("load", moved))
 
 
-def picked_loads(data: xr.Dataset, count: int = 4) -> list[int]:
-    """Return some loads from the lightest towards full contact, where there is a limit of the area."""
+#: Loads in a sentence.
+_PICKED = 4
+
+
+def picked_loads(data: xr.Dataset) -> list[int]:
+    """Return at most four loads from the lightest towards full contact, where there is a limit of the area."""
     known = np.flatnonzero((data.area.values < _NEARLY_FULL) & np.isfinite(data.area.values))
-    return [int(k) for k in known[:: max(1, -(-known.size // count))]]
+    return [int(k) for k in known[:: max(1, -(-known.size // _PICKED))]]
 
 
 def views(data: xr.Dataset) -> Views:

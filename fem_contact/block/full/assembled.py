@@ -17,7 +17,7 @@ _STEPS = 1000
 _BYTES_PER_UNKNOWN = {1: 5100, 2: 11_500}
 
 
-def assembled_field(solution: BlockSolution, *, tolerance: float = 1e-9) -> Array:
+def assembled_field(solution: BlockSolution, *, tolerance: float) -> Array:
     r"""Displacement of a block under the contact forces of a solution, found in another way.
 
     .. math:: K u = f, \qquad f_z = -p A

@@ -78,7 +78,7 @@ class QuadraticBlock(Block):
         return forces.ravel()
 
 
-def refined_hierarchy(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> Hierarchy:
+def refined_hierarchy(mesh: BlockMesh, *, poisson: float, modulus: Array | None) -> Hierarchy:
     """Build the grids of trilinear cells whose nodes are those of triquadratic ones, in the latter's units.
 
     Both stiffnesses are spectrally equivalent: their ratio has bounds that do not depend on the grid. Near

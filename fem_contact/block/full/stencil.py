@@ -33,7 +33,7 @@ TERMS = (
 _OWN = ((0, 1, 2, 3), (7, 8, 9, 10), (14, 15, 16, 17))
 
 
-def stencil(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> Array:
+def stencil(mesh: BlockMesh, *, poisson: float, modulus: Array | None) -> Array:
     """Sum the cells around the nodes of one column.
 
     Parameters

@@ -1,0 +1,42 @@
+"""The message of a check names the argument that it is about."""
+
+import ast
+from pathlib import Path
+
+import fem_contact
+import persson
+from fem_contact import _checks
+from persson import _checks as _checks_of_theory
+
+CHECKS = {*vars(_checks), *vars(_checks_of_theory)}
+
+
+def checked(function):
+    """Return the word and the argument of what each check of an argument or attribute is told of."""
+    own = {argument.arg for argument in (*function.args.args, *function.args.kwonlyargs)}
+    found = []
+    for call in ast.walk(function):
+        match call:
+            case ast.Call(func=ast.Name(id=check), args=[ast.Constant(value=word), value, *_]) if (
+                check in CHECKS
+            ):
+                match value:
+                    case ast.Attribute(value=ast.Name(id="self"), attr=name):
+                        found.append((word, name))
+                    case ast.Name(id=name) if name in own:
+                        found.append((word, name))
+    return found
+
+
+def test_the_message_of_a_check_names_its_argument():
+    found = []
+    for package in (fem_contact, persson):
+        for path in Path(package.__file__).parent.rglob("*.py"):
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                # A private function may be told the name that its caller knows it by.
+                if isinstance(node, ast.FunctionDef) and (
+                    not node.name.startswith("_") or node.name == "__post_init__"
+                ):
+                    found += [(path.name, node.name, *pair) for pair in checked(node)]
+    assert len(found) > 200
+    assert [one for one in found if one[2] != one[3]] == []
