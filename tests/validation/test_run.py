@@ -131,7 +131,7 @@ def test_one_grid_gives_an_answer_that_says_what_it_rests_on(write_scene, tmp_pa
     assert float(data.area) == float(data.area_located.item()) > 0
     assert np.isnan(data.area_error.sel(source="grid"))
     (card, *_) = outputs.page.answers
-    assert "a second grid gives the limit" in card.basis
+    assert "a second grid of 3 points per shortest wave gives the limit" in card.basis
     assert "not determinable" not in card.answer
     assert "cost" not in {drawing.name for drawing in outputs.page.figures}
 

@@ -23,6 +23,7 @@ from validation.comparison.transport import passing
 from validation.comparison.treatment import doubts_of
 from validation.errors import RunFailed
 from validation.execution.press import Press
+from validation.measurements.common import LEAST_POINTS_PER_WAVE
 from validation.measurements.measurement import TOLERANCES_LEFT, limit_over, no_limit
 from validation.report.estimates import NORMAL, derive, error_of, gather, mean, mean_of
 from validation.report.quantities import as_length, labelled
@@ -185,7 +186,9 @@ def _value_of(areas: Sequence[ContactAreas], tolerance: float) -> xr.Dataset:
         if grids == 1 or finest.pixel * finest.cells >= LEAST_CONTACT_POINTS:
             value = float(np.mean([a.perimeter if a.subcell is None else a.subcell for a in there]))
         why = limit.doubt
-        more = "a second grid gives the limit" if grids == 1 else "the grids tell no limit"
+        more = "the grids tell no limit"
+        if grids == 1:
+            more = f"a second grid of {LEAST_POINTS_PER_WAVE:g} points per shortest wave gives the limit"
         basis = f"one grid, {how}; {more}"
     return xr.Dataset({"area": value, "half": half, "left": left, "basis": basis, "why": why})
 
