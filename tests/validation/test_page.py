@@ -119,7 +119,7 @@ def test_a_page_writes_every_digit_and_shows_five(tmp_path):
     table = ResultTable.of(("name", "value"), [("a", 1 / 3), ("b", float("nan"))])
     data = xr.Dataset({"area": ("load", np.array([0.1, 0.2]))})
     page = _page(records={"table": table}, tables=(shown(table),), data=data, summary={"x": 1})
-    files = write_page(page, tmp_path)
+    files = write_page(page, tmp_path, numbers_only=False)
     assert [path.name for path in files] == ["report.html", "data.csv", "table.csv", "summary.json"]
     assert (tmp_path / "table.csv").read_text().splitlines()[1] == f"a,{1 / 3!r}"
     assert "0.33333</td>" in (tmp_path / "report.html").read_text()

@@ -125,7 +125,7 @@ def solve_and_write(
     )
 
 
-def report_scene(folder: Path, *, pictures: bool | None) -> Outputs:
+def report_scene(folder: Path, *, pictures: bool | None = None) -> Outputs:
     """Write tables, figures and report of a run or a sweep again, from its stored dataset alone.
 
     3-D `pictures` are rendered, if not given, where the scene asks or the folder has some.

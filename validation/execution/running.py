@@ -94,7 +94,7 @@ def solve_all(
     solves: Iterable[Solve],
     store: Store,
     *,
-    progress: Progress | None,
+    progress: Progress | None = None,
     execution: Execution | None = None,
     despite_failures: bool = False,
 ) -> Solves:

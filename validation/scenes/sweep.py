@@ -102,7 +102,7 @@ class Sweep:
         return ", ".join(f"{key.name} = {value_words(key.values[k], key.unit)}" for key, k in pairs)
 
 
-def value_words(value: Value, unit: str) -> str:
+def value_words(value: Value, unit: str = "1") -> str:
     """Write a value and its unit.
 
     >>> value_words(2e6, "Pa"), value_words(0.05), value_words("smooth")

@@ -137,7 +137,7 @@ def _realised_variance(problem: ContactProblem, inputs: TheoryInputs) -> float:
 _ENERGIES = {"improved": "Eqs. 44-49", "old": "Eq. 43", "as_printed": "Eq. 50 as printed"}
 
 
-def theory_words(inputs: TheoryInputs, options: TheoryOptions | None) -> str:
+def theory_words(inputs: TheoryInputs, options: TheoryOptions | None = None) -> str:
     """Name the part of the theory that effects call for.
 
     >>> from fem_contact.solid import Solid

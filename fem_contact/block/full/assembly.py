@@ -28,7 +28,7 @@ class Stiffness:
         return self.matrix.tocsr()[above][:, above].tobsr((3, 3))
 
 
-def assemble(mesh: BlockMesh, *, poisson: float, modulus: Array | None) -> Stiffness:
+def assemble(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> Stiffness:
     r"""Assemble the stiffness of the block with scikit-fem.
 
     .. math:: K = \int \lambda\, (\nabla\!\cdot u)(\nabla\!\cdot v) + 2\mu\, \varepsilon(u):\varepsilon(v)

@@ -126,7 +126,7 @@ class SurfaceOperator:
 
     pairs = 1.0
 
-    def __init__(self, response: BlockResponse, *, threads: int) -> None:
+    def __init__(self, response: BlockResponse, *, threads: int = 1) -> None:
         mesh = response.mesh
         self.shape, self.cells, self.threads = mesh.shape, mesh.cells, threads
         x, y = 2 * np.pi * scipy.fft.fftfreq(self.cells[0]), 2 * np.pi * scipy.fft.rfftfreq(self.cells[1])
@@ -174,7 +174,7 @@ class SurfaceOperator:
             out[lattice] = scipy.fft.irfft2(wave, s=self.cells, workers=self.threads)
 
 
-def surface_operator(response: BlockResponse, *, threads: int) -> FourierOperator | SurfaceOperator:
+def surface_operator(response: BlockResponse, *, threads: int = 1) -> FourierOperator | SurfaceOperator:
     """Return the operator of the block's surface nodes: forces in units of the mean node area."""
     mesh = response.mesh
     if mesh.element.order == 2:
