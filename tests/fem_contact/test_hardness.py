@@ -150,7 +150,10 @@ def test_patches_that_do_not_settle_and_solves_that_fail_are_said():
         in_contact.flat[: len(rounds) + 1] = True
         return replace(contact, in_contact=in_contact)
 
-    assert press_by_patches(rough(), SIZED, endless).status is Status.ITERATION_LIMIT
+    last, once = press_by_patches(rough(), SIZED, endless), contact.cost
+    assert last.status is Status.ITERATION_LIMIT
+    assert last.cost.fft_pairs == pytest.approx(len(rounds) * once.fft_pairs)
+    assert (last.cost.unknowns, last.cost.peak_bytes) == (once.unknowns, once.peak_bytes)
     failed = replace(contact, status=Status.STAGNATED)
     assert press_by_patches(rough(), SIZED, lambda limits: failed).status is Status.STAGNATED
     for given in (({"surface": 1.0}), ({"hardness": 1.0})):
