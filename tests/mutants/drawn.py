@@ -231,23 +231,28 @@ class Covering:
     def tests(self, fault: Fault, count: int) -> list[str]:
         """Return tests that run a line, the most particular first, and some of all others.
 
-        Of a default, a constant of a module or compiled code they are those of what uses it.
+        Of a default, a constant of a module or compiled code they are those of what uses it, and so they are
+        where few run the line: it may run in a process of its own.
         """
-        first, names = fault.line, set(fault.scope[-1:])
+        first, names = fault.line, {(name, fault.file) for name in fault.scope[-1:]}
         found = self._of(fault.file, range(first, first + fault.old.count("\n") + 1))
         if not names:
             tree = ast.parse((ROOT / fault.file).read_bytes())
-            names = {n for part in tree.body if part.lineno <= first for n in _named(part, ast.Store)
-                     if first <= (part.end_lineno or 0)}  # fmt: skip
+            names = {(n, fault.file) for part in tree.body if part.lineno <= first
+                     for n in _named(part, ast.Store) if first <= (part.end_lineno or 0)}  # fmt: skip
         if fault.kind == "default" or not fault.scope:
             found = set()
+        ran = found
         for _ in range(5):
-            if found:
+            if len(found) >= count // 2:
                 break
-            users = [user for user in self.functions if user[0] in names or user[3] & names]
-            found = {test for _, file, lines, _ in users for test in self._of(file, lines)}
-            names = names | {name for name, *_ in users}
-        ordered = sorted(found, key=lambda test: (self.lengths[test], test))
+            # A private name is one of its file.
+            users = [user for user in self.functions if any(
+                (name == user[0] or name in user[3]) and (file == user[1] or not name.startswith("_"))
+                for name, file in names)]  # fmt: skip
+            found = found | {test for _, file, lines, _ in users for test in self._of(file, lines)}
+            names = names | {(name, file) for name, file, *_ in users}
+        ordered = sorted(found, key=lambda test: (test not in ran, self.lengths[test], test))
         rest = ordered[count // 2 :]
         return ordered[: count // 2] + rest[:: max(1, -(-2 * len(rest) // count))]
 
