@@ -39,7 +39,7 @@ class Problem:
         *,
         bound: float | Array | None,
         settings: Settings,
-        method: Method = "preconditioned",
+        method: Method,
         device: object = None,
     ) -> None:
         self.clock = Clock()

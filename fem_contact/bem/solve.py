@@ -209,4 +209,5 @@ def _checked(
     pressure_bound: float | Array | None = None,
     **limits: Unpack[Limits],
 ) -> Problem:
-    return Problem(surface, response, bound=pressure_bound, settings=Settings(**limits))
+    settings = Settings(**limits)
+    return Problem(surface, response, bound=pressure_bound, settings=settings, method="preconditioned")

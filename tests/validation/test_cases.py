@@ -108,7 +108,7 @@ def test_validate_exits_with_1_and_names_what_failed(monkeypatch, capsys):
 
 def test_hertz_and_westergaard_carry_their_load():
     hertz = HertzInPeriod(radius=0.13, contact_modulus=7.0)
-    r = hertz.distance(1500)
+    r = hertz.distance(1500, (0.5, 0.5))
     assert np.mean(hertz.pressure(r)) == pytest.approx(hertz.load, rel=1e-4)
     assert hertz.pressure(r).max() == pytest.approx(hertz.peak, rel=1e-4)
     wave = Westergaard(amplitude=0.02, half_width=0.21, contact_modulus=3.0)

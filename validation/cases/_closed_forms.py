@@ -45,12 +45,12 @@ class HertzInPeriod:
         """Approach of the apex over the period, without the mean displacement."""
         return self.radius**2 + self.load / self.contact_modulus * _LATTICE_MADELUNG / math.pi
 
-    def distance(self, n: int, shift: tuple[float, float] = (0.5, 0.5)) -> Array:
+    def distance(self, n: int, shift: tuple[float, float]) -> Array:
         """Distance of n x n points from the apex, which lies `shift` cells beside a point."""
         x, y = ((np.arange(n) + part) / n - 0.5 for part in shift)
         return np.hypot(x[:, None], y[None, :])
 
-    def surface(self, n: int, shift: tuple[float, float] = (0.5, 0.5)) -> HeightField:
+    def surface(self, n: int, shift: tuple[float, float]) -> HeightField:
         """Return the paraboloid on n x n points."""
         curvature = 1 - self.load / self.contact_modulus * _LATTICE_CUBE / (2 * math.pi)
         return HeightField(heights=-(self.distance(n, shift) ** 2) * curvature / 2, lengths=(1.0, 1.0))
