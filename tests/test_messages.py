@@ -1,7 +1,10 @@
-"""The message of a check names the argument that it is about."""
+"""A check takes what it allows to the last number, and its message names the argument that it is about."""
 
 import ast
 from pathlib import Path
+
+import numpy as np
+import pytest
 
 import fem_contact
 import persson
@@ -40,3 +43,14 @@ def test_the_message_of_a_check_names_its_argument():
                     found += [(path.name, node.name, *pair) for pair in checked(node)]
     assert len(found) > 200
     assert [one for one in found if one[2] != one[3]] == []
+
+
+@pytest.mark.parametrize("value", [_checks.LEAST, _checks.GREATEST])
+@pytest.mark.parametrize("check", [_checks.finite, _checks.non_negative, _checks.positive])
+def test_a_check_takes_the_least_and_the_greatest_that_it_names(check, value):
+    assert check("depth", value) == value
+    assert _checks.bound("bound", value) == value
+    assert (_checks.array("heights", np.full(3, value)) == value).all()
+    outside = np.nextafter(value, 0.0 if value < 1 else np.inf)
+    with pytest.raises(fem_contact.InvalidInput, match="depth"):
+        check("depth", outside)

@@ -350,6 +350,16 @@ def test_an_axis_of_powers_of_two_has_two_labels_at_least(low, high):
     assert sum(low <= tick <= high for tick in axes.xaxis.get_majorticklocs()) > 1
 
 
+@pytest.mark.parametrize(("low", "high"), [(1e5, 1.5e6), (0.7e6, 1e7)])
+def test_labels_at_the_ends_of_an_axis_count(low, high):
+    _, (axes,) = new_figure()
+    axes.set_xscale("log")
+    axes.set_xlim(low, high)
+    readable_ticks(axes.xaxis)
+    ticks = axes.xaxis.get_majorticklocs()
+    assert list(ticks[(low <= ticks) & (ticks <= high)]) == sorted(10 ** np.round(np.log10([low, high])))
+
+
 def test_panels_of_different_decades_leave_the_highest_point_a_margin():
     data = xr.Dataset({"area": (("hurst", "reduced_pressure"), [[1e-4, 1e-5], [0.4, 0.2]])})
     data = data.assign_coords(hurst=[0.3, 0.8], reduced_pressure=[0.01, 0.02])
