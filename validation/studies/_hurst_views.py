@@ -154,9 +154,7 @@ def _beside(data: xr.Dataset) -> Iterator[Finding]:
     outcomes = {"agree": "not distinguishable", "differ": "beyond the intervals"}
     for k in range(1, data.sizes["solver"]):
         here = data.isel(solver=k)
-        yield finding(
-            "agreement", form, here, item=item, over="hurst", by="kappa_by_solver_difference", words=outcomes
-        )
+        yield finding("agreement", form, here, item=item, by="kappa_by_solver_difference", words=outcomes)
 
 
 def _of_families(data: xr.Dataset) -> Iterator[Finding]:
@@ -166,18 +164,17 @@ def _of_families(data: xr.Dataset) -> Iterator[Finding]:
         form = "From H = {first} to {last} kappa {each}."
         item = "{verdict}, {kappa_change:%}, at p* = {reduced_pressure} with {family}"
         none = {"0": "shows no trend beyond its interval"}
-        over = ("family", "load")
-        yield finding("trend", form, data, item=item, over=over, by="kappa_change", words=none, **ends)
+        yield finding("trend", form, data, item=item, by="kappa_change", words=none, **ends)
     form = "Counted kappa is {each}; over H and load the limit spreads by {kappa_spread:%}, what counting spreads more is a "
     form += "discretisation artefact."
     item = "{verdict} the limit, by {kappa_excess:%}, at lambda_short/dx = {points_per_wave} (spread {kappa_pixel_spread:%})"
     plain = data.isel(family=0, hurst=0)
-    yield finding("comparison", form, plain, item=item, over="grid", by="kappa_excess")
+    yield finding("comparison", form, plain, item=item, by="kappa_excess")
     wide = "{low}" if ends["low"] == ends["high"] else "{low} to {high}"
     form = (
         f"The limit over Persson's theory is {{each}} (mean over spectra of lambda_long/lambda_short {wide})."
     )
-    yield finding("value", form, data, item="{kappa_ratio} at p* = {reduced_pressure}", over="load", **ends)
+    yield finding("value", form, data, item="{kappa_ratio} at p* = {reduced_pressure}", **ends)
 
 
 def _of_ladders(data: xr.Dataset) -> Iterator[Finding]:
@@ -186,18 +183,16 @@ def _of_ladders(data: xr.Dataset) -> Iterator[Finding]:
         form = "At the Nayak parameter {nayak_by_bandwidth_equal} kappa at H = {last} is {verdict} that at H = {first}, "
         form += "{kappa_by_bandwidth_equal_change:%}; as the bandwidth grows at equal H it changes by {each}."
         item, by = "{kappa_by_bandwidth_change:%} (H = {hurst_ladder})", "kappa_by_bandwidth_equal_change"
-        yield finding("comparison", form, data, item=item, over="ladder", by=by, **ends)
+        yield finding("comparison", form, data, item=item, by=by, **ends)
     form = "As waves are added at p* = {reduced_pressure_ladder}, for which the budget has bandwidth and size, kappa {each}."
     item = "{verdict} at H = {hurst_ladder}, limit {kappa_by_bandwidth_limit}, for an endless sample {kappa_by_size_limit}"
     outcomes = {"+": "falls", "-": "rises", "0": "shows no trend beyond its interval"}
-    yield finding(
-        "trend", form, data, item=item, over="ladder", by="kappa_by_bandwidth_slope", words=outcomes
-    )
+    yield finding("trend", form, data, item=item, by="kappa_by_bandwidth_slope", words=outcomes)
     close = np.flatnonzero(np.isclose(data.hurst_ladder, _PUBLISHED))
     if close.size:
-        last, over = data.isel(ladder=int(close[0]), bandwidth_rung=-1), "paper_kappa_ratio"
+        last = data.isel(ladder=int(close[0]), bandwidth_rung=-1)
         form = "At D_f = 2.2, zeta = {bandwidth_rung} and p* = {reduced_pressure_ladder} alpha is {kappa_ratio_by_bandwidth} of "
         form += "Persson's; published, mostly for more waves: {each}."
         item, by = "{kappa_ratio_published} ({paper_kappa_ratio}) {verdict}", "kappa_ratio_difference"
         outcomes = {"agree": "agrees within the interval", "differ": "lies outside the interval"}
-        yield finding("agreement", form, last, item=item, over=over, by=by, words=outcomes)
+        yield finding("agreement", form, last, item=item, by=by, words=outcomes)

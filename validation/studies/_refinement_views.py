@@ -95,7 +95,7 @@ def _of_areas(data: xr.Dataset, first: int) -> Iterator[Finding]:
         form = ": {verdict} Persson's {kappa_persson:~} ({kappa_ensemble:~} from C(q) alone), by {area_excess:+%}. "
         form = limit + form + "Of the counted excess over the theory the grid makes {each}."
         item = "{grid_part:%} at lambda_short/dx = {points_per_wave}"
-        yield finding("comparison", form, resolved, item=item, over="grid", by="area_excess", **values)
+        yield finding("comparison", form, resolved, item=item, by="area_excess", **values)
     else:
         yield finding("value", limit + "; Persson's theory knows nothing of these effects.", data, **values)
     form = "Counting differs from the limit by {each}; observed order {order_pixel} (corrected {order_perimeter}, located "
@@ -103,7 +103,7 @@ def _of_areas(data: xr.Dataset, first: int) -> Iterator[Finding]:
     if np.isfinite(data.points_per_wave_close):
         form += " It is within 5 % from lambda_short/dx = {points_per_wave_close} on, where half of the area lies in patches "
         form += "of at least {cells_per_patch_close:~} cells (Persson asks for 100 to 10000)."
-    yield finding("order", form, resolved, item="{distance_pixel:+%} at {points_per_wave}", over="grid")
+    yield finding("order", form, resolved, item="{distance_pixel:+%} at {points_per_wave}")
     values = {"coarse": float(resolved.points_per_wave[0]), "fine": float(resolved.points_per_wave[-1])}
     form = "The first moment of P(sigma) is p0 on every grid; the zeroth, the area, is {area_pixel_change:+%} on {coarse} "
     form += "against {fine} points per wave. Pressures below {small} E* h'_rms make {small_stress_part:%} of that excess; of "
@@ -126,14 +126,14 @@ def _of_others(data: xr.Dataset) -> Iterator[Finding]:
         form += "converged {kappa} there was published: {each}."
         item = "{kappa_published_range} ({paper_kappa}), which {verdict}"
         values |= {"by": "kappa_difference", "words": _AGREES}
-        yield finding("agreement", form, last, item=item, over="paper_kappa", **values)
+        yield finding("agreement", form, last, item=item, **values)
     if "solver" in data.dims:
         yield from _of_protocol(data.sel(solver="fem"))
     form = "Beside the limit of the boundary elements, those of other methods lie {each}."
     for dim, by in (("element", "distance_fem"), ("other", "distance_other")):
         if dim in data.dims:
             item = f"{{{by}:+%}} ({{{dim}}}): {{verdict}}"
-            yield finding("agreement", form, data, item=item, over=dim, by=by, words=_APART)
+            yield finding("agreement", form, data, item=item, by=by, words=_APART)
 
 
 def _of_protocol(data: xr.Dataset) -> Iterator[Finding]:
@@ -141,14 +141,14 @@ def _of_protocol(data: xr.Dataset) -> Iterator[Finding]:
     form += "{each} ({slope})."
     item = "{kappa_protocol_by_solver} at H = {hurst_protocol}, {kappa_excess_protocol:+%} from the converged one of the same "
     item += "surfaces, so that the grid makes {grid_part_protocol:%} of its distance to the theory"
-    yield finding("share", form, data.isel(slope=0), item=item, over="hurst_protocol")
+    yield finding("share", form, data.isel(slope=0), item=item)
     same = np.flatnonzero(np.isclose(data.hurst_protocol, float(data.hurst_hyun)))
     if same.size:
         form = "Beside the converged {kappa_protocol_limit} Hyun's {kappa_hyun} at H = {hurst_hyun} lies {verdict}; the protocol has {each}."
-        over: dict[str, Any] = {"item": "{kappa_protocol_by_solver} ({slope})", "over": "slope"}
+        item = "{kappa_protocol_by_solver} ({slope})"
         at = data.isel(hurst_protocol=int(same[0]))
         half = total_error(at, "kappa_excess_protocol")
         raised = half is not None and bool((at.kappa_excess_protocol > half).any())
         side = " (the grid, which raises kappa, explains none of that)" if raised else ""
         outcomes = {"-": f"below{side}", "+": "above", "0": "within the interval"}
-        yield finding("comparison", form, at, by="kappa_hyun_difference", words=outcomes, **over)
+        yield finding("comparison", form, at, item=item, by="kappa_hyun_difference", words=outcomes)

@@ -189,7 +189,6 @@ def views(data: xr.Dataset) -> Views:
                 _ends(data, "work"),
                 item="{interface_energy} w at w/U_full = {work_ratio}, {verdict} the theory's {interface_energy_improved:~} w "
                 "({interface_energy_old:~} w by Eq. 43)",
-                over="case",
                 by="interface_energy_excess",
                 words={"?": "beside"},
             ),
@@ -223,7 +222,6 @@ def _gain(data: xr.Dataset, dial: str) -> Finding:
         _ends(data, dial),
         item=f"{{area_gain}} at {symbol} = {{{_DIALS[dial]}}} (A/A0 = {{area}}), {{verdict}} the theory's "
         f"{{area_gain_improved:~}} ({{area_gain_old:~}} by Eq. 43){yields}",
-        over="case",
         by="area_gain_excess",
         words={"?": "beside"},
     )

@@ -217,7 +217,6 @@ def _findings(data: xr.Dataset, ends: list[int]) -> Iterator[Finding]:
         full_work.isel(magnification=ends),
         item=gain + " {area_improved:~} ({area_gain_improved:~} times; {area_old:~} by Eq. 43)",
         by="area_excess",
-        over="magnification",
         words=_BESIDE,
     )
     yield finding(
@@ -228,7 +227,6 @@ def _findings(data: xr.Dataset, ends: list[int]) -> Iterator[Finding]:
         "{energy_ratio} for {energy_ratio_improved:~}, in tension {tension} of the contact for {tension_improved:~}, "
         "and P(sigma) A0/A up to {stress_distance_improved:~} apart",
         by="force_inside_excess",
-        over="magnification",
         words=_BESIDE,
     )
     yield finding(
@@ -239,7 +237,6 @@ def _findings(data: xr.Dataset, ends: list[int]) -> Iterator[Finding]:
         by="area_excess",
         left=data.sizes["magnification"] - holds.size,
         all=data.sizes["magnification"],
-        over="magnification",
         words=_BESIDE,
     )
     yield finding(
@@ -249,7 +246,6 @@ def _findings(data: xr.Dataset, ends: list[int]) -> Iterator[Finding]:
         data.isel(shell=ends),
         item="{energy_share} up to zeta = {wave}, {verdict} the theory's {energy_share_improved:~}",
         by="energy_share_excess",
-        over="shell",
         words=_BESIDE,
     )
     form = "The theory knows no range: with half of it (zeta = {magnification}, first surface) A/A0 is {area_half_range} for "

@@ -148,13 +148,12 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "grid before, by levels: {each}.",
         data,
         item="{levels}: {load_exponent} (Archard {load_exponent_archard:~}), {verdict}",
-        over="level",
         by="shortfall",
         words={"+": "below 1", "-": "above 1", "0": "statistically indistinguishable from 1"},
     )
     form = "With each level more the power {each}."
     item = "{verdict} by {level_rise} (level {levels})"
-    yield finding("trend", form, data.isel(level=slice(1, None)), item=item, over="level", by="level_rise")
+    yield finding("trend", form, data.isel(level=slice(1, None)), item=item, by="level_rise")
     yield finding(
         "value",
         "The area over Archard's, at p0 L/(E* H_0) = {light} and {heavy}, by levels: {each}.",
@@ -163,7 +162,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
             lightest_error=data.area_over_archard_error.isel(load=0),
         ),
         item="{levels}: {lightest} and {area_over_archard}",
-        over="level",
         light=float(data.relative_load[0]),
         heavy=float(data.relative_load[-1]),
     )

@@ -83,7 +83,6 @@ def views(data: xr.Dataset) -> Views:
         "The area is {each} (lambda_long/lambda_short = {bandwidth}).",
         data.isel(reduced_pressure=sorted({0, last // 2, last})),
         item="{verdict} Persson's, {area_excess:+%}, at p* = {reduced_pressure}, where kappa = {kappa}",
-        over="reduced_pressure",
         by="area_excess",
         bandwidth=data.attrs["bandwidth"],
     )

@@ -205,7 +205,6 @@ _WHERE = "at H = {hurst} and p* = {reduced_pressure}"
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
     data = data.isel(load=np.flatnonzero((data.area.isel(level=-1) < 0.999).all("hurst").values))
-    rows: dict[str, Any] = {"over": ("hurst", "load")}
     probed = data.isel(probe=-1).rename(probe="place")
     yield finding(
         "comparison",
@@ -213,13 +212,12 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         derive(data.isel(level=-1), area_excess="area_ratio - 1"),
         item=f"{{area_ratio}} {_WHERE} ({{verdict}} 1)",
         by="area_excess",
-        **rows,
     )
     form = "Mean square pressure over A dV from zeta = 4 on, where the theory has 1, diffusion alone: {each}. D(p), mu(p) "
     form += "and re-entry make it but for {square_gap:%} at most."
     item = f"{{square_growth_late}} {_WHERE} (diffusion {{square_diffusion_late:~}}, drift "
     item += "{square_drift_late:~}, re-entry {square_reentry_late:~})"
-    yield finding("value", form, data, item=item, **rows)
+    yield finding("value", form, data, item=item)
     yield finding(
         "equivalence",
         "As the step vanishes ({place}), the area that leaves contact goes with these powers of Delta V: {each}. With "
@@ -228,11 +226,10 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         item=f"{{power_limit}} {_WHERE} ({{verdict}})",
         by="power_excess",
         words={"within": "1/2", "beyond": "not 1/2", "undecided": "1/2 or not: not decided"},
-        **rows,
     )
     form = "Eq. 26 with the true slope of P(p) at zero ({place}) has for the loss of area -d ln A/d ln V: {each}."
     item = f"{{edge_loss_slope}}, {{verdict}} the true {{edge_loss}}, {_WHERE} (P'(0) is {{slope_ratio}} times Persson's)"
-    yield finding("comparison", form, probed, item=item, by="edge_loss_excess", **rows)
+    yield finding("comparison", form, probed, item=item, by="edge_loss_excess")
     yield finding(
         "comparison",
         "Over half an octave, diffusion started from the true P(p) at zeta = {octave_start} loses area {each}.",
@@ -240,8 +237,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         item=f"{{loss_ratio}} times as fast as the truth {_WHERE} ({{verdict}})",
         by="loss_excess",
         words={"+": "faster", "-": "slower", "0": "statistically indistinguishable"},
-        **rows,
     )
     form = "The laws of single rings compose to an inflow over two rings, over the contact area, of {each}."
     item = f"{{inflow_share_composed:~}}, {{verdict}} the true {{inflow_share:~}}, {_WHERE}"
-    yield finding("comparison", form, data, item=item, by="inflow_excess", **rows)
+    yield finding("comparison", form, data, item=item, by="inflow_excess")

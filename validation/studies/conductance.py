@@ -134,7 +134,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
             "At p* up to {light} the stiffness goes with the load to the power {each}; proportional would be 1.",
             data,
             item="{stiffness_exponent_light} for L/lambda_long = {periods}, {verdict} 1",
-            over="periods",
             by="stiffness_exponent_light_excess",
             light=_LIGHT,
         )
@@ -143,4 +142,4 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     for variant, whose in zip(WITH_ENERGY, authors, strict=True):
         form = "L/lambda_long = {periods}: K h_rms/p0 is {each}."
         item = f"{{stiffness}} at p* = {{reduced_pressure}}, {{verdict}} {whose} {{stiffness_{variant}:~}}"
-        yield finding("comparison", form, middle, item=item, over="load", by=f"stiffness_excess_{variant}")
+        yield finding("comparison", form, middle, item=item, by=f"stiffness_excess_{variant}")

@@ -103,16 +103,15 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     some = sorted({0, data.sizes["instant"] // 2, data.sizes["instant"] - 1})
     form = "Held, A/A0 is {each}."
     item = "{area} after {duration:u}"
-    yield finding("value", form, held.isel(instant=some), item=item, over="instant")
+    yield finding("value", form, held.isel(instant=some), item=item)
     form = "Held, it is {each}."
     item = "{verdict} Persson's {area_persson:~} with E = 1/J = {creep_modulus:~} E_0, by {area_excess:%}"
-    yield finding("comparison", form, held.isel(instant=some), item=item, over="instant", by="area_excess")
+    yield finding("comparison", form, held.isel(instant=some), item=item, by="area_excess")
     yield finding(
         "comparison",
         "With {load_left} of the load left, A/A0 beside a solid that never carried more is {each}.",
         unloaded.isel(instant=some),
         item="{area} after {duration:u} ({verdict} it, by {area_memory:%})",
-        over="instant",
         by="area_memory",
         load_left=float(data.attrs["load_left"]),
     )

@@ -108,7 +108,7 @@ def views(data: xr.Dataset) -> Views:
     form = "The modulus that a wave feels is off by at worst (+ is too stiff) {each}."
     item = "{felt_error_mild:+%} where E'/(E q) < 1, {felt_error_profile:+%} over all waves and {felt_error_coating:+%} "
     item += "with a coating, whose E' is infinite ({modulus_ratio} times as stiff below)"
-    worst = finding("value", form, data, item=item, over="modulus_ratio")
+    worst = finding("value", form, data, item=item)
     return Views(
         table=Table(
             rows=("modulus_ratio",),

@@ -223,7 +223,6 @@ def _finding(data: xr.Dataset, part: str, varied: str) -> Finding:
         f"H = {{hardness}} E* h'_rms: A_{part[:2]}/A0 is {{each}}.",
         here.isel(case=sorted({0, here.sizes["case"] - 1})),
         item=f"{{{name}}} at {at}, {{verdict}} Persson's {{{name}_persson}}, {{{name}_excess:+%}} away",
-        over="case",
         by=f"{name}_excess",
         hardness=data.attrs["hardness"],
     )

@@ -157,7 +157,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     form = "Largest distance of the cumulated heights of one surface from the Gaussian, and its highest point over "
     form += "h_rms: {each}."
     item = "{height_distance} and {highest} at L/lambda_0 = {periods}"
-    yield finding("value", form, data, item=item, over="sample")
+    yield finding("value", form, data, item=item)
     yield finding(
         "equivalence",
         "With a roll-off {longer} times as long and the same C(q) at short waves, h_rms changes by "
@@ -165,7 +165,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "by {each}.",
         data,
         item="{area_change:+%} at p* = {reduced_pressure} (theory {area_change_persson:+%}), {verdict}",
-        over="load",
         by="area_change_share",
         words={
             "within": "less than half as much as the heights",
@@ -178,4 +177,4 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
 
 def _deviation(data: xr.Dataset, name: str, quantity: str) -> Finding:
     form, item = f"{quantity} by L/lambda_0: {{each}}.", f"{{{name}}} at {{periods}}, {{verdict}} zero"
-    return finding("comparison", form, data, item=item, over="sample", by=name)
+    return finding("comparison", form, data, item=item, by=name)

@@ -120,12 +120,10 @@ def _leaves(data: xr.Dataset, name: str, quantity: str) -> Finding:
     form = f"h'_rms from which on the {quantity} differs from the linear one (95 %, surfaces and grid), "
     form += "not determinable where that is beyond the slopes there are: {each}."
     item = f"by {{difference:%}} {{{name}_crossing}} ({{{name}_crossing_lower}} to {{{name}_crossing_upper}}; {_WHERE})"
-    return finding("threshold", form, data, item=item, over=("nu", "load", "difference"))
+    return finding("threshold", form, data, item=item)
 
 
 def _rate(data: xr.Dataset, name: str, quantity: str) -> Finding:
     form = f"Up to h'_rms = {STRAIGHT:g} the {quantity} over the linear one {{each}}."
     item = f"{{verdict}} with the slope ({{{name}_rate:+}} times h'_rms; {_WHERE})"
-    return finding(
-        "trend", form, data, item=item, over=("nu", "load"), by=f"{name}_rate", words={"0": "shows no trend"}
-    )
+    return finding("trend", form, data, item=item, by=f"{name}_rate", words={"0": "shows no trend"})

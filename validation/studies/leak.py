@@ -131,13 +131,12 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "Dapp et al. (2012) .42.",
         data,
         item="of the {phase} is A/A0 = {percolation_area_pooled}, {verdict} the paper's",
-        over="phase",
         by="percolation_area_excess",
         paper=SITE_THRESHOLD,
     )
     form = "By spectrum it is {each}."
     item = "{percolation_area} of the {phase} for lambda_long/lambda_short = {bandwidth}"
-    yield finding("value", form, data, item=item, over=("bandwidth", "phase"))
+    yield finding("value", form, data, item=item)
     yield finding(
         "comparison",
         "Tire rim, A/A0 = {area_rim} with adhesion (Persson 2006, Sec. 8.3, where no leak is concluded from {area_rim} > "
@@ -155,7 +154,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     form = "Conductance over the cube of the mean gap (lambda_long/lambda_short = {bandwidth}): {each}."
     item = "{gap_conductance} at A/A0 = {area_asked}, {gap_conductance_ratio:~} of Bruggeman's, where {closed:~%} of the "
     item += "directions are closed"
-    yield finding("value", form, last, item=item, over="asked")
+    yield finding("value", form, last, item=item)
     yield from (
         finding(
             "comparison",
@@ -163,7 +162,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
             last.isel(asked=sorted({0, last.sizes["asked"] - 1})),
             item=f"{{gap_narrow}} of the nominal area at A/A0 = {{area_asked}}, {{verdict}} {whose} {{gap_narrow_{name}:~}} "
             f"(cumulated shares at most {{gap_distance_{name}:~}} apart)",
-            over="asked",
             by=f"gap_narrow_excess_{name}",
         )
         for name, whose in zip(GAP_THEORIES, ("Persson's", "Yang and Persson's (2008)"), strict=True)

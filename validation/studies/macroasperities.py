@@ -210,7 +210,6 @@ def _macroasperities(data: xr.Dataset, which: str, of: str) -> Finding:
         data.isel(load=np.flatnonzero(data[f"macro_pressure{which}"].notnull().values)),
         item=f"{{macro_pressure{which}}} at p* = {{reduced_pressure}} ({{verdict}}; "
         f"zeta_m = {{macro_magnification{which}:~}}, A/A0 = {{macro_area{which}:~}})",
-        over="load",
         by=f"macro_pressure_shift{which}",
         words=_STAYS,
         of=of,
@@ -222,7 +221,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     if "percolation_area" in data:
         form = "As waves are added the contact comes apart and the gap opens along an axis at these areas A/A0: {each}."
         item = "{phase} {percolation_area_pooled} ({verdict} the {percolation_area_paper} of the paper)"
-        yield finding("comparison", form, data, item=item, over="phase", by="percolation_area_excess")
+        yield finding("comparison", form, data, item=item, by="percolation_area_excess")
     yield _macroasperities(data, "", "the simulation")
     yield _macroasperities(data, "_persson", "the theory")
     yield finding(
@@ -230,7 +229,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "In the contact seen at zeta = {magnification} the mean pressure, over that at the lightest load, is {each}.",
         roll_off.isel(load=slice(1, None)),
         item="{contact_pressure_ratio} at p* = {reduced_pressure} ({verdict}; A/A0 = {area:~})",
-        over="load",
         by="contact_pressure_shift",
         words=_STAYS,
     )
@@ -240,7 +238,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "broke up it would be 1.",
         roll_off,
         item="{load_inside} at p* = {reduced_pressure} ({verdict})",
-        over="load",
         by="load_inside_excess",
         words={"+": "most", "-": "less than half", "0": "half or not: not decided"},
     )
@@ -249,5 +246,4 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "At p* = {reduced_pressure}, with patches on and over the square of the roll-off wavelength: {each}.",
         data.isel(load=data.sizes["load"] // 2, magnification=[0, -1]),
         item="at zeta = {magnification} A/A0 = {area}, {patch_density} patches of the mean size {relative_patch_size}",
-        over="magnification",
     )

@@ -122,12 +122,10 @@ def views(data: xr.Dataset) -> Views:
 def _findings(data: xr.Dataset, some: xr.Dataset) -> Iterator[Finding]:
     form = "The contact area is {each} (lambda_long/lambda_short = {bandwidth})."
     item = "{verdict} Persson's, {area_excess:+%}, at A/A0 = {area:~}"
-    yield finding(
-        "comparison", form, some, item=item, over="load", by="area_excess", bandwidth=data.attrs["bandwidth"]
-    )
+    yield finding("comparison", form, some, item=item, by="area_excess", bandwidth=data.attrs["bandwidth"])
     form = "Over those of Persson's theory: {each}."
     item = "gap {gap_over}, compliance {compliance_over} and energy {energy_ratio_over} at A/A0 = {area:~}"
-    yield finding("value", form, some, item=item, over="load")
+    yield finding("value", form, some, item=item)
     if "light" in data.attrs:
         start, end = (data.isel(load=int(k)) for k in data.attrs["light"])
         form = "Between A/A0 = {start:~} and {area:~} kappa {verdict}, {kappa_change:+%}, the number of patches changes by "
@@ -144,7 +142,6 @@ def _findings(data: xr.Dataset, some: xr.Dataset) -> Iterator[Finding]:
                 claimed + " from A/A0 = {at:~} on: {each}.",
                 heavier,
                 item=f"{{moved_{name}}}, {{verdict}}, at {{area:~}}",
-                over="load",
                 by=f"moved_{name}_beyond",
                 words=_MOVED,
                 at=at,

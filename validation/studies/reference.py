@@ -243,22 +243,22 @@ def _some_loads(data: xr.Dataset) -> list[int]:
 
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
-    over, at = "reduced_pressure", "at p* = {reduced_pressure}"
+    at = "at p* = {reduced_pressure}"
     sample: dict[str, Any] = {"periods": float(data.attrs["periods"])}
     form = "Half of the 95 % interval of A/A0 is {each} (surfaces, grid, solver, size; L/lambda_long = {periods})."
     item = "{interval_median:%} in the median and {interval_worst:%} at worst " + at
-    yield finding("value", form, data, item=item, over=over, **sample)
+    yield finding("value", form, data, item=item, **sample)
     form = "The area lies above Persson's, by spectrum, by {each}."
     item = "{area_excess_low:%} to {area_excess_high:%} " + at
-    yield finding("value", form, data, item=item, over=over)
+    yield finding("value", form, data, item=item)
     form = (
         "At equal Nayak parameter the areas of the Hurst exponents that have it lie apart by at most {each}."
     )
-    yield finding("value", form, data, item="{area_equal_spread:%} " + at, over=over)
+    yield finding("value", form, data, item="{area_equal_spread:%} " + at)
 
 
 def _costs(data: xr.Dataset) -> Finding:
     form = "Plain means over single surfaces on the same grids would cost, for the same intervals, in the median so many times "
     form += "what was spent on a load: {each}."
     item = "{saving_median} at lambda_long/lambda_short = {bandwidth}"
-    return finding("cost", form, data, item=item, over="bandwidth")
+    return finding("cost", form, data, item=item)

@@ -89,7 +89,7 @@ def _worst(data: xr.Dataset) -> Finding:
     worst = data.isel(size.argmax(_CELL))
     form = "Farthest from the table: {each}."
     item = "{theory} lies {verdict} it, by {theory_excess:+%}, at H = {hurst}, bandwidth {bandwidth}, p* = {reduced_pressure}"
-    return finding("comparison", form, worst, item=item, over="theory", by="theory_excess")
+    return finding("comparison", form, worst, item=item, by="theory_excess")
 
 
 def _agreeing(data: xr.Dataset) -> Finding:
@@ -103,7 +103,6 @@ def _agreeing(data: xr.Dataset) -> Finding:
         "Within the 95 % interval of the table lie {each}.",
         counted[["cells_within", "cells_scored", "theory_excess_median"]],
         item="{cells_within} of {cells_scored} cells of {theory}, {theory_excess_median:%} away in the median",
-        over="theory",
     )
 
 

@@ -163,7 +163,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "at worst.",
         data,
         item="{friction_difference_pooled:%} at {points_per_wave} points per shortest wave",
-        over="grid",
         least=float(data.steps_each.min()),
         most=float(data.steps_each.max()),
         pairs=float(data.fft_pairs_each.max()),
@@ -173,7 +172,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     form = "A/A0 is {each}."
     item = "{area} at v = {velocity} m/s, {verdict} Persson's {area_persson:~} (Yang, Persson {area_yang_persson:~}, Wang, "
     item += "Müser {area_wang_mueser:~}, Xu et al. {area_xu:~})"
-    yield finding("comparison", form, areas, item=item, over="velocity", by="area_excess")
+    yield finding("comparison", form, areas, item=item, by="area_excess")
     late = data.velocity.values[data.modulus_passing.values > _REMEMBERED]
     if late.size:
         form = "From v = {late} m/s on the solid has not relaxed when the period comes round again (|E| > {remembered} E_0 "

@@ -128,7 +128,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "In units of 1/(E* h'_rms) the density at vanishing pressure is at dx to 0 {each}.",
         data,
         item=named + "{initial_density}, {verdict} zero, and falls like dx^{decay} on the grids",
-        over="method",
         by="initial_density",
         words={"+": "above", "-": "below"},
     )
@@ -137,10 +136,10 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     item = (
         named + "{initial_slope_window} from a closing window, {verdict} Persson's, {initial_slope_excess:+%}"
     )
-    yield finding("comparison", form, data, item=item, over="method", by="initial_slope_excess")
+    yield finding("comparison", form, data, item=item, by="initial_slope_excess")
     form = "The slope from contour length and edge coefficient, 2 S <B^-2>: {each}."
     item = named + "{initial_slope_contour}; the two ways {verdict}"
-    yield finding("agreement", form, data, item=item, over="method", by="initial_slope_gap")
+    yield finding("agreement", form, data, item=item, by="initial_slope_gap")
     yield finding(
         "value",
         "From the last grid but one to the last {each} patches a surface.",
@@ -148,7 +147,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         item=named
         + "the mean slope in the window changes by {window_slope_change:+%}, that from the contour by "
         "{contour_slope_change:+%}, with {patches}",
-        over="method",
     )
 
 

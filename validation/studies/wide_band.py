@@ -152,24 +152,22 @@ def _findings(data: xr.Dataset, at: xr.Dataset) -> Iterator[Finding]:
     widest = at.isel(bandwidth=np.flatnonzero(at.area.notnull().all("hurst"))[-1])
     form = "At infinite bandwidth, p* = {reduced_pressure}, the saturating law through all bands ends {each}."
     item = "{verdict} the theory at H = {hurst}, by {area_excess_limit:%}"
-    yield finding("comparison", form, at, item=item, over="hurst", by="area_excess_limit", **load)
+    yield finding("comparison", form, at, item=item, by="area_excess_limit", **load)
     yield finding(
         "share",
         "Fitted to bandwidths up to {bandwidth_fitted}, the laws hold the wider ones within the joint 95 % interval in "
         "{each}.",
         data[["cells_within", "cells_scored", "law_miss_rms", "bandwidth_fitted"]],
         item="{cells_within} of {cells_scored} cells for the {law} (off by {law_miss_rms:%}, rms)",
-        over="law",
     )
     form = "At lambda_long/lambda_short = {bandwidth}, p* = {reduced_pressure}, the area lies {each}."
     item = "{verdict} Persson's by {area_excess:+%} at H = {hurst}"
-    yield finding("comparison", form, widest, item=item, over="hurst", by="area_excess", **load)
+    yield finding("comparison", form, widest, item=item, by="area_excess", **load)
     yield finding(
         "value",
         "Were the area to follow the power law, the theory would be within 5 % of it from a Nayak parameter of {each} on, at p* = "
         "{reduced_pressure}.",
         at.isel(law=LAWS.index("power")),
         item="{nayak_close:.2} at H = {hurst}",
-        over="hurst",
         **load,
     )
