@@ -10,7 +10,7 @@ import xarray as xr
 
 from validation.measurements.grids import SMALL
 from validation.report.estimates import total_error
-from validation.report.marks import Figure, Level, Line, Panel, against, panels_along
+from validation.report.marks import Figure, Level, Line, against, panels_along
 from validation.report.values import value_of
 from validation.report.views import Column, Finding, Table, Views, finding
 
@@ -42,49 +42,48 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
-    waves: dict[str, Any] = {"x": "points_per_wave", "log": "xy", "base": 2}
-    definitions = [Line(y=f"distance_{name}_size") for name in ("pixel", "perimeter", "located")]
-    panels = [Panel(marks=definitions, **waves)]
+    waves = "points_per_wave"
+    sizes = [f"distance_{name}_size" for name in ("pixel", "perimeter", "located")]
+    panels = [against(waves, *sizes, log="xy", base=2)]
     if "element" in data.dims:
-        both = [Line(y=f"distance_fem_{name}_size", by="element") for name in ("pixel", "perimeter")]
-        panels.append(Panel(marks=both, **{**waves, "x": "points_per_wave_fem"}))
+        both = ("distance_fem_pixel_size", "distance_fem_perimeter_size")
+        panels.append(against("points_per_wave_fem", *both, by="element", log="xy", base=2))
     caption = "Distance of each definition of the area from the limit of its own surface, mean over surfaces"
     caption += "; right, finite elements." if len(panels) > 1 else "."
-    yield Figure(name="error-against-resolution", caption=caption, panels=panels, width=5.0 * len(panels))
+    yield Figure("error-against-resolution", caption, panels, width=5.0 * len(panels))
     yield Figure(
-        name="error-against-cells",
-        caption="What counting adds against the size of the contact patches in cells, surface by surface; Persson (2006, "
+        "error-against-cells",
+        "What counting adds against the size of the contact patches in cells, surface by surface; Persson (2006, "
         "Sec. 12) asks for 100 to 10000 cells.",
-        panels=[against("cells_per_patch_each", "distance_pixel_each", by="surface", log="xy")],
+        [against("cells_per_patch_each", "distance_pixel_each", by="surface", log="xy")],
     )
     grids = sorted({first, (first + data.sizes["grid"] - 1) // 2, data.sizes["grid"] - 1})
     label = "lambda_short/dx = {points_per_wave}"
     thin = {"marker": "", "lw": 1}
-    lines = [Line(y="stress_density", at={"grid": g}, look=thin, label=label) for g in grids]
+    lines = [Line("stress_density", at={"grid": g}, look=thin, label=label) for g in grids]
     yield Figure(
-        name="stress-on-grids",
-        caption="P(sigma) on a coarse, a middling and the finest grid: the load is kept, the area is not.",
-        panels=[Panel(marks=[*lines, Line(y="stress_density_persson")], x="stress", bottom=0.0, right=2.0)],
+        "stress-on-grids",
+        "P(sigma) on a coarse, a middling and the finest grid: the load is kept, the area is not.",
+        [against("stress", *lines, "stress_density_persson", bottom=0.0, right=2.0)],
     )
     caption = "Number of contact patches (left), and cells of the patches that hold parts of the area (right), against the grid."
-    parts = Panel(marks=[Line(y="cells_at_part", by="part")], **waves)
-    panels = [Panel(marks=[Line(y="patches")], **{**waves, "log": "x"}), parts]
-    yield Figure(name="patches-on-grids", caption=caption, panels=panels, width=9.0)
+    parts = against(waves, "cells_at_part", by="part", log="xy", base=2)
+    panels = [against(waves, "patches", log="x", base=2), parts]
+    yield Figure("patches-on-grids", caption, panels, width=9.0)
     if "slope" in data.dims:
         caption = "kappa when the roughness goes down to the grid scale and nodes are counted, by how the slope is measured."
-        marks = (Line(y="kappa_protocol", by="slope"), Level(y="kappa"), Level(y="kappa_persson"))
-        panel = Panel(marks=marks, x="points_protocol", y="kappa", log="x", base=2)
-        yield Figure(name="grid-scale-protocol", caption=caption, panels=[panel])
+        marks = ("kappa_protocol", Level("kappa"), Level("kappa_persson"))
+        panel = against("points_protocol", *marks, by="slope", y="kappa", log="x", base=2)
+        yield Figure("grid-scale-protocol", caption, [panel])
     if "solver" in data.dims:
         caption = "kappa with roughness down to the grid, nodes counted, by how the slope is measured: boundary elements, and "
         caption += "full finite elements as Hyun et al. had them; the converged kappa of the same surfaces."
-        rough = Line(y="kappa_protocol_by_solver", by="slope", joined=False)
-        smooth = Line(y="kappa_protocol_limit", look={"color": "0.4"})
-        hyun = Line(y="kappa_hyun", x="hurst_hyun", look={"color": "black", "marker": "x"})
-        marked = (rough, smooth, Level(y="kappa_persson"), hyun)
-        panel = Panel(marks=marked, x="hurst_protocol", y="kappa")
-        panels = [*panels_along(data, "solver", panel)]
-        yield Figure(name="grid-scale-by-solver", caption=caption, panels=panels, width=9.0)
+        rough = Line("kappa_protocol_by_solver", by="slope", joined=False)
+        smooth = Line("kappa_protocol_limit", look={"color": "0.4"})
+        hyun = Line("kappa_hyun", x="hurst_hyun", look={"color": "black", "marker": "x"})
+        marked = (rough, smooth, Level("kappa_persson"), hyun)
+        panels_of = panels_along(data, "solver", against("hurst_protocol", *marked, y="kappa"))
+        yield Figure("grid-scale-by-solver", caption, panels_of, width=9.0)
 
 
 def _of_areas(data: xr.Dataset, first: int) -> Iterator[Finding]:

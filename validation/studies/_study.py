@@ -147,12 +147,9 @@ def _misnamed(module: ModuleType) -> Iterator[str]:
             yield f"line {call.lineno}: {what} is told {wrong[0].removesuffix('_each')!r}, not {wrong[0]!r}"
         if what == "derive":
             names = [keyword.arg for keyword in call.keywords if keyword.arg]
-        if what in ("Line", "Level", "Band", "Image"):
-            names = [
-                str(k.value.value)
-                for k in call.keywords
-                if k.arg in ("y", "high") and isinstance(k.value, ast.Constant)
-            ]
+        if what in ("Line", "Level", "Band", "Image", "against"):
+            high = [k.value for k in call.keywords if k.arg in ("y", "high")]
+            names = texts + [str(v.value) for v in high if isinstance(v, ast.Constant)]
         if what == "Table":
             columns = [
                 k.value for k in call.keywords if k.arg == "columns" and isinstance(k.value, ast.Tuple)

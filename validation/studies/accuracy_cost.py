@@ -27,7 +27,7 @@ from validation.measurements.limits import solved
 from validation.measurements.measurement import area_limits, grid_for, press_on_grids
 from validation.measurements.ways import AREAS, chosen_ways, covered, way, ways_of_bem
 from validation.report.estimates import NORMAL, error_of, gather
-from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, finding, note
+from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, against, finding, note
 from validation.studies._options import Methods, ReducedPressure, Seed, Surfaces
 from validation.studies._scene import PressedOptions
 
@@ -223,10 +223,10 @@ def views(data: xr.Dataset) -> Views:
         table=Table(rows=("target",), columns=("accuracy", *names)),
         figures=[
             Figure(
-                name="accuracy-cost",
-                caption="Error of the contact area of every way to it against processor time on one thread (left) and "
+                "accuracy-cost",
+                "Error of the contact area of every way to it against processor time on one thread (left) and "
                 "memory (right) for one surface; lines, ways that no other beats; black, the reference.",
-                panels=[_panel(data, cost) for cost in ("seconds", "peak_bytes")],
+                [_panel(data, cost) for cost in ("seconds", "peak_bytes")],
                 height=5.6,
             )
         ],
@@ -244,13 +244,11 @@ _NOTES = {
 
 def _panel(data: xr.Dataset, cost: str) -> Panel:
     kinds = list(dict.fromkeys(data.kind.values.tolist()))
-    dots = [Line(y="area_deviation_rms", where={"kind": kind}, joined=False, label=kind) for kind in kinds]
+    dots = [Line("area_deviation_rms", where={"kind": kind}, joined=False, label=kind) for kind in kinds]
     look = {"color": "black", "marker": "", "lw": 0.8}
-    front = Line(
-        y=f"area_deviation_rms_front_{cost}", x=f"{cost}_front", label="no other is better", look=look
-    )
-    floor = Level(y="reference_rms", look={"color": "black", "ls": ":"}, label="reference")
-    return Panel(marks=[*dots, front, floor], x=cost, y="area_deviation_rms", log="xy")
+    front = Line(f"area_deviation_rms_front_{cost}", x=f"{cost}_front", label="no other is better", look=look)
+    floor = Level("reference_rms", look={"color": "black", "ls": ":"}, label="reference")
+    return against(cost, *dots, front, floor, y="area_deviation_rms", log="xy")
 
 
 def _against_peer(data: xr.Dataset, code: str) -> Finding:

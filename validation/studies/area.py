@@ -96,8 +96,8 @@ def views(data: xr.Dataset) -> Views:
         table=Table(rows=("reduced_pressure",), columns=columns),
         budget=("area",),
         figures=[
-            Figure(name="area", caption="Contact area against load, beside Persson's theory.", panels=[area]),
-            Figure(name="kappa", caption=constant, panels=[kappa]),
+            Figure("area", "Contact area against load, beside Persson's theory.", [area]),
+            Figure("kappa", constant, [kappa]),
         ],
         findings=[area_finding, *left_out],
     )

@@ -24,7 +24,7 @@ from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import even_points
 from validation.measurements.rings import RING, chain, probe, ring_ends
 from validation.report.estimates import claim, derive, gather, nearest
-from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding, panels_along
+from validation.report.views import Figure, Finding, Line, Panel, Table, Views, against, finding, panels_along
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Hurst, Seed, StudyOptions, Surfaces
 from validation.units import wrong
@@ -152,14 +152,14 @@ def views(data: xr.Dataset) -> Views:
     """Terms of the diffusion equation, flows, restarts and memory."""
     at = {"hurst": -1, "load": nearest(data.reduced_pressure, 0.05)}
     step = nearest(data.relative_step, 0.01)
-    terms = [Line(y=name, at={"hurst": -1}, label="sum" if name == _TERMS[0] else None) for name in _TERMS]
+    terms = [Line(name, at={"hurst": -1}, label="sum" if name == _TERMS[0] else None) for name in _TERMS]
     plain = {"color": "black", "ls": "--", "lw": 0.8, "marker": ""}
     ratios = [
-        Line(y="area_ratio", by="hurst"),
-        Line(y="area_ratio_diffused", by="octave", at={"hurst": -1}, label="", look=plain),
+        Line("area_ratio", by="hurst"),
+        Line("area_ratio_diffused", by="octave", at={"hurst": -1}, label="", look=plain),
     ]
     profiles = [
-        Panel(marks=[Line(y=y, by=by, at=where)], x="bin_mean_pressure", bottom=bottom, top=top)
+        against("bin_mean_pressure", Line(y, by=by, at=where), bottom=bottom, top=top)
         for y, by, where, bottom, top in (
             ("diffusivity", "variance_step", {**at, "probe": -1}, 0.0, 4.0),
             ("diffusivity", "probe", {**at, "variance_step": step}, 0.0, 4.0),
@@ -167,27 +167,27 @@ def views(data: xr.Dataset) -> Views:
         )
     ]
     flows = [
-        Panel(
-            marks=[Line(y=y, by="load", at={"hurst": -1, "probe": -1}, label="p* = {reduced_pressure}")],
-            x="relative_step",
+        against(
+            "relative_step",
+            Line(y, by="load", at={"hurst": -1, "probe": -1}, label="p* = {reduced_pressure}"),
             log=log,
         )
         for y, log in (("share_lost", "xy"), ("entered_ratio", "x"), ("area_exponent_probe", "x"))
     ]
-    chance = Line(y="return_chance", by="load", at={"age": list(range(1, data.sizes["age"]))})
+    chance = Line("return_chance", by="load", at={"age": list(range(1, data.sizes["age"]))})
     panels: dict[str, Sequence[Panel]] = {
-        "budget": panels_along(data, "load", Panel(marks=terms, x="octave_start", log="x", base=2)),
-        "restarts": panels_along(data, "load", Panel(marks=ratios, x="magnification", log="x", base=2)),
+        "budget": panels_along(data, "load", against("octave_start", *terms, log="x", base=2)),
+        "restarts": panels_along(data, "load", against("magnification", *ratios, log="x", base=2)),
         "drift-and-diffusivity": profiles,
         "fluxes": flows,
-        "memory": panels_along(data, "hurst", Panel(marks=[chance], x="age", log="y")),
+        "memory": panels_along(data, "hurst", against("age", chance, log="y")),
     }
     columns = ("hurst", "reduced_pressure", "octave", *_TERMS, "square_told", "square_growth_path")
     areas = ("area_exponent", "area_exponent_pixel", "area_exponent_persson", "loss_ratio", "area_ratio_end")
     return Views(
         table=Table(rows=("hurst", "load", "octave"), columns=(*columns, *areas)),
         budget=("square_growth_late", "edge_loss", "pressure_slope"),
-        figures=[Figure(name=name, caption=_CAPTIONS[name], panels=some) for name, some in panels.items()],
+        figures=[Figure(name, _CAPTIONS[name], some) for name, some in panels.items()],
         findings=[*_findings(data)],
     )
 

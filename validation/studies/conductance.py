@@ -7,7 +7,6 @@ in other units (Barber 2003). A light contact of few long waves stands on few sp
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -21,7 +20,7 @@ from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import grid_for, press_on_grids
 from validation.measurements.theory import WITH_ENERGY
 from validation.report.estimates import claim, derive, mean, same_of_all
-from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, against, finding
+from validation.report.views import Figure, Finding, Level, Table, Views, against, finding
 from validation.studies._options import Bandwidth, Hurst, Seed, Shifts, StudyOptions, Surfaces
 from validation.studies._study import gathered
 
@@ -97,14 +96,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 def views(data: xr.Dataset) -> Views:
     """Stiffness over the load for every size, beside the theory, and its power of the load."""
-    last = {"periods": data.sizes["periods"] - 1}
     theory = [f"stiffness_{variant}" for variant in WITH_ENERGY]
-    largest = against("reduced_pressure", "stiffness", *theory, log="xy")
-    thin = {"color": "black", "lw": 0.8, "ls": "-"}
-    power = [
-        Line(y="stiffness_exponent", by="periods"),
-        Level(y="stiffness_exponent_proportional", look=thin),
-    ]
+    proportional = Level("stiffness_exponent_proportional", look={"color": "black", "lw": 0.8, "ls": "-"})
+    power, last = ("stiffness_exponent", proportional), {"periods": data.sizes["periods"] - 1}
     ratios = [f"stiffness_ratio_{variant}" for variant in WITH_ENERGY]
     columns = ("periods", "reduced_pressure", "area_perimeter", "gap", "stiffness", *theory, *ratios)
     return Views(
@@ -112,14 +106,14 @@ def views(data: xr.Dataset) -> Views:
         budget=("stiffness",),
         figures=[
             Figure(
-                name="conductance",
-                caption="Contact stiffness, which is the conductance in other units, over the load: by size of the sample (left), "
+                "conductance",
+                "Contact stiffness, which is the conductance in other units, over the load: by size of the sample (left), "
                 "the largest beside the theory (middle), and its local power of the load (right). It is level where the "
                 "stiffness goes with the load. Few long waves make a light contact softer than many.",
-                panels=[
+                [
                     against("reduced_pressure", "stiffness", by="periods", log="xy"),
-                    replace(largest, at=last),
-                    Panel(marks=power, x="reduced_pressure_between", log="x"),
+                    against("reduced_pressure", "stiffness", *theory, log="xy", at=last),
+                    against("reduced_pressure_between", *power, by="periods", log="x"),
                 ],
             )
         ],

@@ -7,7 +7,6 @@ needs no more than that modulus. When a part of the load is taken off, the solid
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
@@ -20,7 +19,7 @@ from validation.measurements.creep import PHASES, creeps, crept_of, moduli_of
 from validation.measurements.measurement import grid_for
 from validation.measurements.theory import RANKED, VARIANTS
 from validation.report.estimates import derive, mean, same_of_all
-from validation.report.views import Figure, Finding, Line, Panel, Table, Views, against, finding
+from validation.report.views import Figure, Finding, Table, Views, against, finding
 from validation.scenes.tables import SolidSpec
 from validation.studies._rubber import RubberOptions
 from validation.studies._study import gathered
@@ -75,7 +74,6 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 def views(data: xr.Dataset) -> Views:
     """Area over the time in both phases, beside elastic contacts and the theory, and what is remembered."""
     areas = ("area", "area_crept", *(f"area_{name}" for name in VARIANTS))
-    over_time = against("duration", *areas, log="x")
     return Views(
         table=Table(
             rows=("phase", "instant"),
@@ -84,13 +82,13 @@ def views(data: xr.Dataset) -> Views:
         budget=("area",),
         figures=[
             Figure(
-                name="creep",
-                caption="Area of real contact on a viscoelastic half-space over the time since the load was put on (left) "
+                "creep",
+                "Area of real contact on a viscoelastic half-space over the time since the load was put on (left) "
                 f"and since all but {data.attrs['load_left']:g} of it was taken off (middle); what is remembered: the "
                 "area over that of an elastic contact with E = 1/J(t) under the load of that time (right).",
-                panels=[
-                    *(replace(over_time, at={"phase": k}) for k in range(len(PHASES))),
-                    Panel(marks=[Line(y="area_memory", by="phase")], x="duration", log="x"),
+                [
+                    *(against("duration", *areas, log="x", at={"phase": k}) for k in range(len(PHASES))),
+                    against("duration", "area_memory", by="phase", log="x"),
                 ],
             )
         ],

@@ -17,7 +17,7 @@ from validation.measurements.common import Rising, RisingOrNone
 from validation.measurements.limits import read_off
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import derive, each, mean, power_law, reduce
-from validation.report.views import Figure, Line, Panel, Table, Views, finding
+from validation.report.views import Figure, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
 from validation.studies._options import Bandwidth, Element, Methods, Periods, ReducedPressure
@@ -163,7 +163,7 @@ def views(data: xr.Dataset) -> Views:
             )
         )
     panels = [
-        Panel(marks=[Line(y=name, by="leg")], x="points_per_wave", log="xy", base=2)
+        against("points_per_wave", name, by="leg", log="xy", base=2)
         for name in ("pressure_difference", "area_difference_size")
     ]
     return Views(
@@ -173,10 +173,10 @@ def views(data: xr.Dataset) -> Views:
         ),
         figures=[
             Figure(
-                name="fem-against-bem",
-                caption="Pressure (left) and counted area (right) of other methods beside boundary elements on the "
+                "fem-against-bem",
+                "Pressure (left) and counted area (right) of other methods beside boundary elements on the "
                 "same surfaces and points.",
-                panels=panels,
+                panels,
                 width=9.0,
             )
         ],

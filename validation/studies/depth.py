@@ -15,7 +15,7 @@ from validation.measurements.common import BASE_SOLID, Rising, base_case, base_s
 from validation.measurements.limits import read_off
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim
-from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding
+from validation.report.views import Figure, Finding, Line, Table, Views, against, finding
 from validation.scenes.tables import SolidSpec
 from validation.studies._options import Element, ReducedPressure, Seed, StudyOptions
 from validation.studies._study import gathered
@@ -90,7 +90,7 @@ def views(data: xr.Dataset) -> Views:
 
     def lines(varied: str) -> list[Line]:
         return [
-            Line(y=name, where={"varied": varied, "element": element}, label=f"{element}, {what}", look=look)
+            Line(name, where={"varied": varied, "element": element}, label=f"{element}, {what}", look=look)
             for (name, what), (element, look) in itertools.product(
                 zip(names, ("half-space", "layer"), strict=True), zip(elements, _LOOKS, strict=False)
             )
@@ -103,10 +103,10 @@ def views(data: xr.Dataset) -> Views:
         ),
         figures=[
             Figure(
-                name="block-depth",
-                caption="Pressure of the block against depth (left) and growth of the layers (right), to the "
+                "block-depth",
+                "Pressure of the block against depth (left) and growth of the layers (right), to the "
                 "half-space and to the bonded layer of the same depth, which is the error of the mesh alone.",
-                panels=[Panel(marks=lines(result), x=result, log="y") for result in ("depth", "growth")],
+                [against(result, *lines(result), log="y") for result in ("depth", "growth")],
             )
         ],
         findings=[_finding(data.isel(case=(data.element == e).values), str(e)) for e in elements],

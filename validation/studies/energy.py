@@ -21,7 +21,17 @@ from validation.measurements.common import Rising
 from validation.measurements.limits import solved
 from validation.measurements.measurement import TOLERANCE
 from validation.report.estimates import claim, derive
-from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding, note, ranking
+from validation.report.views import (
+    Figure,
+    Finding,
+    Line,
+    Table,
+    Views,
+    against,
+    finding,
+    note,
+    ranking,
+)
 from validation.studies import pressure
 from validation.studies._options import Shifts, Surfaces
 from validation.studies.pressure import AGREEMENT, design, measured_path
@@ -165,28 +175,27 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
 
 
 def _figures() -> list[Figure]:
-    ratios = [
-        Panel(marks=[Line(y=f"{name}_over", by="theory"), AGREEMENT], x="area", log="y") for name in _COMPARED
-    ]
+    ratios = [against("area", f"{name}_over", AGREEMENT, by="theory", log="y") for name in _COMPARED]
     towards = [
-        Panel(
-            marks=[Line(y=name, joined=False), Line(y=f"{name}_predicted", by="theory", label="{theory}")],
-            x="open_area",
+        against(
+            "open_area",
+            Line(name, joined=False),
+            Line(f"{name}_predicted", by="theory", label="{theory}"),
             log="xy",
         )
         for name in ("energy_missing", "gap", "compliance")
     ]
     return [
         Figure(
-            name="energy-gap-stiffness",
-            caption="Simulated over predicted elastic energy, mean gap and compliance over the contact area, for every "
+            "energy-gap-stiffness",
+            "Simulated over predicted elastic energy, mean gap and compliance over the contact area, for every "
             "reading of the elastic energy, told the realised surfaces; 1 is agreement.",
-            panels=ratios,
+            ratios,
         ),
         Figure(
-            name="towards-full-contact",
-            caption="What is missing of the energy of full contact, mean gap and compliance over the area that is not in "
+            "towards-full-contact",
+            "What is missing of the energy of full contact, mean gap and compliance over the area that is not in "
             "contact; full contact is at the left end. Lines: theories, each at its own load.",
-            panels=towards,
+            towards,
         ),
     ]

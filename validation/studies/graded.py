@@ -20,7 +20,7 @@ from persson.graded import ExponentialLayers, SurfaceLayer
 from validation.arrays import Array
 from validation.execution.bench import Bench
 from validation.report.estimates import derive
-from validation.report.views import Figure, Line, Panel, Table, Views, finding
+from validation.report.views import Figure, Table, Views, against, finding
 from validation.studies._options import Positives, StudyOptions
 from validation.units import wrong
 
@@ -116,14 +116,10 @@ def views(data: xr.Dataset) -> Views:
         ),
         figures=[
             Figure(
-                name=f"felt-modulus-{kind}",
-                caption=f"Modulus that a wave feels by Persson's weighting over the exact one: {profile}, for several ratios "
+                f"felt-modulus-{kind}",
+                f"Modulus that a wave feels by Persson's weighting over the exact one: {profile}, for several ratios "
                 "of the modulus below to that on top.",
-                panels=[
-                    Panel(
-                        marks=[Line(y=f"felt_modulus_{kind}", by="modulus_ratio")], x="reduced_wave", log="x"
-                    )
-                ],
+                [against("reduced_wave", f"felt_modulus_{kind}", by="modulus_ratio", log="x")],
             )
             for kind, profile in kinds.items()
         ],

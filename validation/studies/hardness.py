@@ -22,8 +22,8 @@ from validation.measurements.common import BASE_SOLID, base_case
 from validation.measurements.limits import ABSENT, straight_limit
 from validation.measurements.yielding import remaining_by_theory, remaining_waves, yielded_by_theory
 from validation.report.estimates import claim, derive, gather, mean
-from validation.report.marks import Figure, Line, Panel
-from validation.report.views import Column, Finding, Table, Views, finding, of_one_surface
+from validation.report.marks import Figure, Line
+from validation.report.views import Column, Finding, Table, Views, against, finding, of_one_surface
 from validation.studies._options import Bandwidth, Hurst, Periods, Positives, Seed, StudyOptions, above_one
 from validation.units import Positive, wrong
 
@@ -158,7 +158,6 @@ def _smoothed(solve: Press, options: Options, solved: Solves) -> xr.Dataset:
 def views(data: xr.Dataset) -> Views:
     """Plastic and elastic area against load and magnification, and the spectrum that is left."""
     parts = ("plastic", "elastic")
-    spectrum = [Line(y=name) for name in ("spectrum_kept", "spectrum_kept_persson")]
     finest = {"grid": data.sizes["grid"] - 1}
     shown = [
         column
@@ -171,10 +170,10 @@ def views(data: xr.Dataset) -> Views:
         figures=[
             *(_figure(part, finest) for part in parts),
             Figure(
-                name="smoothed-spectrum",
-                caption="Spectrum of the surface left after yielding and unloading, over that before, and Persson's formula, "
+                "smoothed-spectrum",
+                "Spectrum of the surface left after yielding and unloading, over that before, and Persson's formula, "
                 "which smooths the whole surface (2006, Sec. 10.2).",
-                panels=[Panel(marks=spectrum, x="wave", log="x")],
+                [against("wave", "spectrum_kept", "spectrum_kept_persson", log="x")],
             ),
         ],
         findings=[
@@ -197,13 +196,11 @@ def views(data: xr.Dataset) -> Views:
 def _figure(part: str, finest: dict[str, int]) -> Figure:
     name = f"area_{part}"
     panels = [
-        Panel(
-            marks=[
-                Line(y=name, where={"varied": varied}, label="limit over grids"),
-                Line(y=f"{name}_pixel", where={"varied": varied}, at=finest, label="finest grid"),
-                Line(y=f"{name}_persson", where={"varied": varied}),
-            ],
-            x=x,
+        against(
+            x,
+            Line(name, where={"varied": varied}, label="limit over grids"),
+            Line(f"{name}_pixel", where={"varied": varied}, at=finest, label="finest grid"),
+            Line(f"{name}_persson", where={"varied": varied}),
             log="x",
             bottom=0.0,
         )
@@ -211,7 +208,7 @@ def _figure(part: str, finest: dict[str, int]) -> Figure:
     ]
     state = "yielded" if part == "plastic" else "elastic contact"
     caption = f"Share of the nominal area that is {state} against load (left) and as waves are added (right)."
-    return Figure(name=f"{part}-area", caption=caption, panels=panels)
+    return Figure(f"{part}-area", caption, panels)
 
 
 def _finding(data: xr.Dataset, part: str, varied: str) -> Finding:

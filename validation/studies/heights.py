@@ -21,7 +21,7 @@ from validation.measurements.heights import HEIGHT_EDGES, height_statistics
 from validation.measurements.limits import ABSENT, solved, stored_variables
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, gather, mean
-from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, finding
+from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.surfaces import spectrum_of
 from validation.studies._options import Bandwidth, Hurst, Seed, StudyOptions, Surfaces
@@ -127,23 +127,23 @@ def _cases(options: Options) -> dict[tuple[str, float | str, int], Call]:
 def views(data: xr.Dataset) -> Views:
     """P_h beside the Gaussian, and what longer waves change."""
     ends = {"sample": sorted({0, data.sizes["sample"] - 1})}
-    densities = [Line(y="height_density", by="sample", at=ends), Line(y="height_density_gaussian")]
+    densities = [Line("height_density", by="sample", at=ends), Line("height_density_gaussian")]
     changes = [
-        Line(y="area_change", label="contact area"),
-        Line(y="area_change_persson", label="contact area, Persson"),
-        Level(y="rms_height_change", label="h_rms", look={"color": "black", "ls": ":"}),
+        Line("area_change", label="contact area"),
+        Line("area_change_persson", label="contact area, Persson"),
+        Level("rms_height_change", label="h_rms", look={"color": "black", "ls": ":"}),
     ]
     return Views(
         table=Table(rows=("sample",), columns=("periods", *_DEVIATIONS)),
         budget=(*_DEVIATIONS, "area_change"),
         figures=[
             Figure(
-                name="heights",
-                caption="Distribution of heights of the smallest and the largest sample, and what a longer roll-off "
+                "heights",
+                "Distribution of heights of the smallest and the largest sample, and what a longer roll-off "
                 "changes of the contact area under the same load, beside what it changes of the rms height.",
-                panels=[
-                    Panel(marks=densities, x="height", log="y", bottom=1e-4, top=1.0),
-                    Panel(marks=changes, x="reduced_pressure", log="x"),
+                [
+                    against("height", *densities, log="y", bottom=1e-4, top=1.0),
+                    against("reduced_pressure", *changes, log="x"),
                 ],
             )
         ],

@@ -17,7 +17,7 @@ from validation.measurements.common import BASE_SOLID, Rising, base_case
 from validation.measurements.measurement import grid_for
 from validation.measurements.slopes import CHANGES, changes_of, steepened, with_differences
 from validation.report.estimates import claim
-from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding
+from validation.report.views import Figure, Finding, Table, Views, against, finding
 from validation.scenes.tables import SolidSpec
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions, Surfaces
 from validation.studies._study import gathered
@@ -94,11 +94,11 @@ def views(data: xr.Dataset) -> Views:
         budget=("area_finite_rate", "square_finite_rate"),
         figures=[
             Figure(
-                name="large-slope",
-                caption="What finite strain changes of contact area and mean square pressure at one reduced load, over the "
+                "large-slope",
+                "What finite strain changes of contact area and mean square pressure at one reduced load, over the "
                 "slope of the surface. Straight lines through 0 are effects of first order.",
-                panels=[
-                    Panel(marks=[Line(y=name, by=("nu", "load"))], x="rms_gradient")
+                [
+                    against("rms_gradient", name, by=("nu", "load"))
                     for name in ("area_finite", "square_finite")
                 ],
             )

@@ -20,7 +20,7 @@ from validation.measurements.flow import GAP_THEORIES, NARROW, flow_of, leaks
 from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, mean, same_of_all
-from validation.report.marks import Figure, Level, Line, Panel, against, panels_along
+from validation.report.marks import Figure, Level, Line, against, panels_along
 from validation.report.views import Finding, Table, Views, finding
 from validation.studies._options import Hurst, Periods, Seed, StudyOptions, Surfaces
 from validation.studies._study import gathered
@@ -89,12 +89,11 @@ def views(data: xr.Dataset) -> Views:
     """Conductance over the area, the thresholds, and the distribution of gaps."""
     widest = {"bandwidth": data.sizes["bandwidth"] - 1}
     gaps = [
-        Line(y="gap_density", at=widest, steps=True),
-        *(Line(y=f"gap_density_{n}", at=widest) for n in GAP_THEORIES),
+        Line("gap_density", at=widest, steps=True),
+        *(Line(f"gap_density_{n}", at=widest) for n in GAP_THEORIES),
     ]
-    panel = Panel(marks=gaps, x="local_gap", log="y", bottom=3e-3, top=3.0)
-    panels = panels_along(data, "asked", panel)
-    thresholds = [Line(y="percolation_area", by="phase"), Level(y="percolation_area_paper")]
+    panels = panels_along(data, "asked", against("local_gap", *gaps, log="y", bottom=3e-3, top=3.0))
+    thresholds = ("percolation_area", Level("percolation_area_paper"))
     conductances = ("gap_conductance", "gap_conductance_bruggeman", "gap_conductance_ratio")
     columns = ("bandwidth", "area_asked", *conductances, "gap_conductance_constriction", "closed")
     narrow = ("gap_narrow", *(f"gap_{of}_{name}" for of in ("narrow", "distance") for name in GAP_THEORIES))
@@ -103,20 +102,20 @@ def views(data: xr.Dataset) -> Views:
         budget=("percolation_area_pooled", "gap_conductance"),
         figures=[
             Figure(
-                name="leak",
-                caption="Conductance of the gap over the cube of the mean gap (left), over Bruggeman's effective medium of the "
+                "leak",
+                "Conductance of the gap over the cube of the mean gap (left), over Bruggeman's effective medium of the "
                 "same gaps (middle), and the areas at which the contact begins and the gap ceases to percolate (right).",
-                panels=[
+                [
                     against("area_asked", "gap_conductance", by="bandwidth", log="y"),
                     against("area_asked", "gap_conductance_ratio", by="bandwidth"),
-                    Panel(marks=thresholds, x="bandwidth", log="x", base=2),
+                    against("bandwidth", *thresholds, by="phase", log="x", base=2),
                 ],
             ),
             Figure(
-                name="gap-distribution",
-                caption="Distribution of the gap per nominal area at given contact areas, the contact left out, widest spectrum; "
+                "gap-distribution",
+                "Distribution of the gap per nominal area at given contact areas, the contact left out, widest spectrum; "
                 "the theory is told the same loads.",
-                panels=panels[:: -(-len(panels) // _DRAWN)],
+                panels[:: -(-len(panels) // _DRAWN)],
             ),
         ],
         findings=[*_findings(data)],

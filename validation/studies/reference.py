@@ -23,7 +23,7 @@ from validation.measurements.theory import VARIANTS, with_variants
 from validation.reference.alpha import at_equal_alpha
 from validation.reference.citable import citable
 from validation.report.estimates import claim, derive, gather, total_error
-from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding, panels_along
+from validation.report.views import Figure, Finding, Line, Table, Views, against, finding, panels_along
 from validation.studies._options import Periods, Seed, StudyOptions
 from validation.units import wrong
 
@@ -202,34 +202,35 @@ def views(data: xr.Dataset) -> Views:
     names = ("kappa", *QUANTITIES[1:], "area_by_spectrum", "area_excess", "saving")
     made = data.area.sel(amplitudes="exact").notnull().all(["hurst", "reduced_pressure"])
     widest = {"amplitudes": 0, "bandwidth": int(np.flatnonzero(made)[-1]) if made.any() else 0}
-    load: dict[str, Any] = {"x": "reduced_pressure", "log": "x", "at": widest}
+    load: dict[str, Any] = {"log": "x", "at": widest}
     plain: dict[str, Any] = {"by": "hurst", "label": "H = {hurst}", "look": {"ls": "-"}}
+    lines = {name: Line(f"theory_excess_{name}", **plain) for name in VARIANTS}
     variants = [
-        Panel(marks=[Line(y=f"theory_excess_{name}", **plain)], y="theory_excess", title=title, **load)
+        against("reduced_pressure", lines[name], y="theory_excess", title=title, **load)
         for name, title in VARIANTS.items()
     ]
-    alpha = Panel(marks=[Line(y="kappa_equal", **plain)], x="nayak_equal", log="x")
+    alpha = against("nayak_equal", Line("kappa_equal", **plain), log="x")
     few, cell = _some_loads(data), ("amplitudes", "hurst", "bandwidth", "reduced_pressure")
     return Views(
         table=Table(rows=cell, columns=(*cell, "area", *names)),
         figures=[
             Figure(
-                name="reference",
-                caption="kappa over the load for every Hurst exponent, at the largest bandwidth that all have.",
-                panels=[Panel(marks=[Line(y="kappa", by="hurst")], **load)],
+                "reference",
+                "kappa over the load for every Hurst exponent, at the largest bandwidth that all have.",
+                [against("reduced_pressure", "kappa", by="hurst", **load)],
             ),
             Figure(
-                name="reference-verdict",
-                caption="Area of Persson's theory and of its variants over that of the table less one, for every Hurst "
+                "reference-verdict",
+                "Area of Persson's theory and of its variants over that of the table less one, for every Hurst "
                 "exponent at that bandwidth.",
-                panels=variants,
+                variants,
                 width=12.0,
             ),
             Figure(
-                name="reference-alpha",
-                caption="kappa over the Nayak parameter of C(q) for each Hurst exponent at light to middling loads, "
+                "reference-alpha",
+                "kappa over the Nayak parameter of C(q) for each Hurst exponent at light to middling loads, "
                 "interpolated along the bandwidth. Were alpha all that matters, the lines would be one.",
-                panels=[panels_along(data, "reduced_pressure", alpha)[k] for k in few],
+                [panels_along(data, "reduced_pressure", alpha)[k] for k in few],
                 width=4.0 * len(few),
             ),
         ],

@@ -14,7 +14,16 @@ from validation.arrays import Array
 from validation.errors import UsageError
 from validation.measurements.theory import Waves
 from validation.report.estimates import derive, total_error
-from validation.report.views import Figure, Finding, Image, Panel, Table, Views, finding, panels_along
+from validation.report.views import (
+    Figure,
+    Finding,
+    Image,
+    Table,
+    Views,
+    against,
+    finding,
+    panels_along,
+)
 from validation.studies._options import StudyOptions
 from validation.theories import Rough, Theory, find_theory
 
@@ -71,14 +80,12 @@ def views(data: xr.Dataset) -> Views:
     """Show where each theory is above and below the table, and its worst cell."""
     figures = []
     for k, label in enumerate(map(str, data.theory.values)):
-        image = Image(y="theory_excess", rows="bandwidth", cmap="RdBu_r", symmetric=True)
-        panel = Panel(marks=[image], x="reduced_pressure", log="xy", at={"theory": k})
+        image = Image("theory_excess", rows="bandwidth", cmap="RdBu_r", symmetric=True)
+        panel = against("reduced_pressure", image, log="xy", at={"theory": k})
         known = data.theory_excess.isel(theory=k).notnull().any(("bandwidth", "reduced_pressure")).values
         panels = [row for row in panels_along(data, "hurst", panel) if known[row.at["hurst"]]]
         caption = f"Area of {label} over that of the table, less one. The colours end at the worst cell."
-        figures.append(
-            Figure(name=f"excess-{k}", caption=caption, panels=panels, width=3.0 * len(panels), height=2.8)
-        )
+        figures.append(Figure(f"excess-{k}", caption, panels, width=3.0 * len(panels), height=2.8))
     columns = ("theory", *_CELL, "area", "area_scored", "theory_excess", "z_score")
     table, findings = Table(rows=("theory", *_CELL), columns=columns), [_worst(data), _agreeing(data)]
     return Views(table=table, budget=("area",), figures=figures, findings=findings)

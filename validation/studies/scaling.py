@@ -23,7 +23,7 @@ from validation.measurements.flow import located_area
 from validation.measurements.limits import read_off
 from validation.measurements.measurement import press_elastic
 from validation.report.estimates import derive, power_law, reduce
-from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding
+from validation.report.views import Figure, Finding, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Hurst, Periods, ReducedPressure, Seed, StudyOptions, Surfaces
 from validation.studies._study import gathered
@@ -119,18 +119,16 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 def views(data: xr.Dataset) -> Views:
     """Exponents, what one more decade costs, and how many decades memory and an hour allow."""
-    dots = {name: Line(y=f"{name}_each", by="surface", joined=False, label="") for name in _COSTS}
-    panels = [
-        Panel(marks=[dots[name], Line(y=f"{name}_fit")], x="number", y=name, log="xy") for name in _COSTS
-    ]
+    dots = {name: Line(f"{name}_each", by="surface", joined=False, label="") for name in _COSTS}
+    panels = [against("number", dots[name], f"{name}_fit", y=name, log="xy") for name in _COSTS]
     return Views(
         table=Table(rows=("points",), columns=("points", "bandwidth", *_COSTS, "area_located")),
         figures=[
             Figure(
-                name="cost-against-points",
-                caption="Processor time on one thread, pairs of transforms and memory of a cold solve, for surfaces "
+                "cost-against-points",
+                "Processor time on one thread, pairs of transforms and memory of a cold solve, for surfaces "
                 "whose bandwidth grows with the grid; lines, fitted powers of the number of points.",
-                panels=panels,
+                panels,
             )
         ],
         findings=[*_findings(data)],

@@ -29,7 +29,7 @@ from validation.measurements.sliding import SHARES, Rubber, slid_of, slides
 from validation.measurements.theory import RANKED, VARIANTS
 from validation.report.estimates import claim, derive, mean, same_of_all
 from validation.report.values import Value
-from validation.report.views import Figure, Finding, Line, Panel, Table, Views, against, finding
+from validation.report.views import Figure, Finding, Table, Views, against, finding
 from validation.scenes.tables import SolidSpec
 from validation.studies._rubber import RubberOptions
 from validation.studies._study import gathered
@@ -129,20 +129,21 @@ def views(data: xr.Dataset) -> Views:
     count = data.sizes["velocity"]
     some = {"velocity": sorted({0, count // 3, 2 * count // 3, count - 1})}
     friction, area = ("friction", "friction_dissipated", *_FRICTIONS), ("area", *_AREAS)
-    meeting = [Line(y="friction_difference", by="velocity", at=some)]
     return Views(
         table=Table(rows=("velocity",), columns=("velocity", "modulus_passing", *friction, *area, *_RATIOS)),
         budget=("friction", "area"),
         figures=[
             Figure(
-                name="sliding",
-                caption="A rigid surface sliding on a viscoelastic half-space: friction coefficient over h'_rms by the pressure on "
+                "sliding",
+                "A rigid surface sliding on a viscoelastic half-space: friction coefficient over h'_rms by the pressure on "
                 "the slopes and by what the solid loses (left), area of real contact (middle), and difference of both "
                 "frictions over the resolution, root mean square over the surfaces (right).",
-                panels=[
-                    Panel(marks=[Line(y=name) for name in friction], x="velocity", log="x", bottom=0.0),
+                [
+                    against("velocity", *friction, log="x", bottom=0.0),
                     against("velocity", *area, log="xy"),
-                    Panel(marks=meeting, x="points_per_wave", log="xy", base=2),
+                    against(
+                        "points_per_wave", "friction_difference", by="velocity", at=some, log="xy", base=2
+                    ),
                 ],
             )
         ],

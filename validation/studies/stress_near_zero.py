@@ -17,7 +17,7 @@ from validation.measurements.common import Rising
 from validation.measurements.edge import edge_limits, edge_of_contact, start_of_pressure
 from validation.measurements.limits import solved
 from validation.report.estimates import change, derive, gather, mean, power_law
-from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, finding
+from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding
 from validation.studies._options import Bandwidth, Methods, ReducedPressure, Surfaces
 from validation.studies._scene import PressedOptions, SolverRequest
 
@@ -157,34 +157,32 @@ def _figures(data: xr.Dataset, m: int) -> Iterator[Figure]:
     at = {"method": m}
     grids = sorted({0, data.sizes["grid"] // 2, data.sizes["grid"] - 1})
     densities = [
-        Line(y="small_density", at={"grid": g}, look={"marker": ""}, label="dx/lambda_short = {spacing:.3}")
+        Line("small_density", at={"grid": g}, look={"marker": ""}, label="dx/lambda_short = {spacing:.3}")
         for g in grids
     ]
-    slopes = [Line(y=f"small_density_{way}", look={"marker": "", "ls": ls}) for way, ls in _WAYS.items()]
+    slopes = [Line(f"small_density_{way}", look={"marker": "", "ls": ls}) for way, ls in _WAYS.items()]
     top = 1.1 * float(data.small_density[m].max())
     yield Figure(
-        name=f"pressure-near-zero{ending}",
-        caption="Distribution of contact pressure near zero on some grids, mean over surfaces, with its initial slopes "
+        f"pressure-near-zero{ending}",
+        "Distribution of contact pressure near zero on some grids, mean over surfaces, with its initial slopes "
         f"at dx to 0 and that of the theory.{method}",
-        panels=[Panel(marks=[*densities, *slopes], x="stress", at=at, bottom=0.0, top=top)],
+        [against("stress", *densities, *slopes, at=at, bottom=0.0, top=top)],
     )
     limit = "root_spacing_limit"
-    marks = [
-        *(Line(y=f"{way}_slope") for way in ("window", "contour")),
-        *(Line(y=f"initial_slope_{way}", x=limit) for way in ("window", "contour")),
-        Level(y="initial_slope_persson"),
-    ]
+    ways = [Line(f"{way}_slope") for way in ("window", "contour")]
+    ways += [Line(f"initial_slope_{way}", x=limit) for way in ("window", "contour")]
+    theory = Level("initial_slope_persson")
     yield Figure(
-        name=f"slope-at-zero{ending}",
-        caption="Slope of P(sigma) at zero on each grid, from the density in a closing window and from the contour; at "
+        f"slope-at-zero{ending}",
+        "Slope of P(sigma) at zero on each grid, from the density in a closing window and from the contour; at "
         f"the left end their limits; line, the theory.{method}",
-        panels=[Panel(marks=marks, x="root_spacing", y="initial_slope", at=at, bottom=0.0)],
+        [against("root_spacing", *ways, theory, y="initial_slope", at=at, bottom=0.0)],
     )
-    density = [Line(y="density_at_zero"), Line(y="initial_density", x=limit)]
+    density = ("density_at_zero", Line("initial_density", x=limit))
     yield Figure(
-        name=f"density-at-zero{ending}",
-        caption=f"Density at vanishing pressure against the root of the spacing; at the left end its limit.{method}",
-        panels=[Panel(marks=density, x="root_spacing", at=at)],
+        f"density-at-zero{ending}",
+        f"Density at vanishing pressure against the root of the spacing; at the left end its limit.{method}",
+        [against("root_spacing", *density, at=at)],
     )
 
 

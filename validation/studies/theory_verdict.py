@@ -19,7 +19,7 @@ from validation.measurements.measurement import grid_for, press_on_grids
 from validation.measurements.theory import RANKED, modes_finding
 from validation.report.estimates import claim, derive
 from validation.report.values import value_of
-from validation.report.views import Figure, Finding, Panel, Table, Views, finding, ranking
+from validation.report.views import Figure, Finding, Table, Views, against, finding, ranking
 from validation.scenes.tables import Load
 from validation.studies import pressure, stress_near_zero
 from validation.theories import Rough, Theory, find_theory
@@ -123,7 +123,7 @@ def views(data: xr.Dataset) -> Views:
     if "edge_pressure" in data:
         columns = (*columns, "initial_slope_over")
     panels = [
-        Panel(marks=[*pressure.by_theory("_over", data, name), pressure.AGREEMENT], x="area", log="x")
+        against("area", *pressure.by_theory("_over", data, name), pressure.AGREEMENT, log="x")
         for name in COMPARED
     ]
     return Views(
@@ -131,10 +131,10 @@ def views(data: xr.Dataset) -> Views:
         budget=("area",),
         figures=[
             Figure(
-                name="theory-verdict",
-                caption="Simulated over predicted contact area, mean gap, compliance and elastic energy for the theory "
+                "theory-verdict",
+                "Simulated over predicted contact area, mean gap, compliance and elastic energy for the theory "
                 "and its variants, told the realised surface; 1 is agreement.",
-                panels=panels,
+                panels,
             )
         ],
         findings=[*_findings(data)],

@@ -21,7 +21,7 @@ from validation.measurements.table_samples import joined
 from validation.reference.fit import nayak
 from validation.reference.laws import LAWS, fit
 from validation.report.estimates import LIMIT, claim, derive, total_error
-from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding, panels_along
+from validation.report.views import Figure, Finding, Line, Table, Views, against, finding, panels_along
 from validation.studies._options import StudyOptions
 from validation.units import Positive
 
@@ -119,12 +119,11 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 def views(data: xr.Dataset) -> Views:
     """Show the distance from the theory over the Nayak parameter, and what the laws said of it."""
-    alpha: dict[str, Any] = {"x": "nayak_by_spectrum", "log": "x"}
-    solved = Panel(marks=[Line(y="area_excess", by="hurst", joined=False)], **alpha)
+    solved = against("nayak_by_spectrum", Line("area_excess", by="hurst", joined=False), log="x")
     middle = {"reduced_pressure": data.sizes["reduced_pressure"] // 2}
-    laws = Line(y="area_excess_law", by="law", look={"marker": ""})
-    solved_alone = Line(y="area_excess", joined=False, look={"color": "black"}, label="solved")
-    beside = Panel(marks=[solved_alone, laws], at=middle, **alpha)
+    laws = Line("area_excess_law", by="law", look={"marker": ""})
+    solved_alone = Line("area_excess", joined=False, look={"color": "black"}, label="solved")
+    beside = against("nayak_by_spectrum", solved_alone, laws, log="x", at=middle)
     return Views(
         table=Table(
             rows=("hurst", "bandwidth", "reduced_pressure"),
@@ -133,14 +132,14 @@ def views(data: xr.Dataset) -> Views:
         budget=("area_excess",),
         figures=[
             Figure(
-                name="wide-band",
-                caption="Contact area over that of Persson's theory, less one, over the Nayak parameter of C(q), by load.",
-                panels=panels_along(data, "reduced_pressure", solved),
+                "wide-band",
+                "Contact area over that of Persson's theory, less one, over the Nayak parameter of C(q), by load.",
+                panels_along(data, "reduced_pressure", solved),
             ),
             Figure(
-                name="wide-band-laws",
-                caption="The same at one load, and the laws as fitted to the narrow bands alone.",
-                panels=panels_along(data, "hurst", beside),
+                "wide-band-laws",
+                "The same at one load, and the laws as fitted to the narrow bands alone.",
+                panels_along(data, "hurst", beside),
             ),
         ],
         findings=[*_findings(data, data.isel(middle))],
