@@ -282,7 +282,7 @@ def _stored_shares(contact: AdhesiveContact | None, edges: Array, problem: Conta
         return np.full(edges.size - 1, np.nan)
     q = np.geomspace(edges[0] * (1 + 1e-9), edges[-1], 4001)
     share = np.interp(np.log(q), np.log(contact.wavevectors), contact.energy_share)
-    weight = q**3 * np.asarray(problem.spectrum_shape(q))  # dU_full = pi E* q^2 C / 2 dq
+    weight = q**3 * problem.spectrum_shape(q)  # dU_full = pi E* q^2 C / 2 dq
     index = np.clip(np.searchsorted(edges[1:], q), 0, edges.size - 2)
     return np.bincount(index, weights=share * weight) / np.bincount(index, weights=weight)
 

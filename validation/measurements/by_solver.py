@@ -143,7 +143,7 @@ def difference(first: ContactResult, second: ContactResult, *, inside: bool = Fa
     """||p1 - p2|| / ||p2||, over all points or away from the edges of both contacts."""
     keep = np.ones(first.shape, dtype=bool)
     if inside:
-        keep = _away_from_edge(np.asarray(first.in_contact)) & _away_from_edge(np.asarray(second.in_contact))
+        keep = _away_from_edge(first.in_contact) & _away_from_edge(second.in_contact)
     return relative_distance(first.pressure[keep], second.pressure[keep])
 
 
@@ -153,4 +153,4 @@ def _away_from_edge(contact: np.ndarray) -> np.ndarray:
     to_edge = np.where(
         padded, scipy.ndimage.distance_transform_edt(padded), scipy.ndimage.distance_transform_edt(~padded)
     )
-    return np.asarray(to_edge[margin:-margin, margin:-margin] > _EDGE_CELLS)
+    return to_edge[margin:-margin, margin:-margin] > _EDGE_CELLS

@@ -132,7 +132,7 @@ def inverse_square_coefficient(result: ContactResult) -> float:
     Each contact point between 1.5 and 4 cells from the edge gives s / p^2; points at the same distance stand for equal
     lengths of contour. The distance to the edge is that to the nearest point out of contact, less half a cell.
     """
-    contact = np.asarray(result.in_contact)
+    contact = result.in_contact
     if contact.all() or not contact.any():
         return float("nan")
     dx = float(np.sqrt(result.spacing[0] * result.spacing[1]))

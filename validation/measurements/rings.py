@@ -56,7 +56,7 @@ def _step(before: Pressed, after: Sequence[Pressed], *, unit: float) -> dict[str
 
 def pressed(result: ContactResult) -> Pressed:
     """Return pressures and contact of a result."""
-    return Pressed(pressure=np.asarray(result.pressure), in_contact=np.asarray(result.in_contact))
+    return Pressed(pressure=result.pressure, in_contact=result.in_contact)
 
 
 def ring_ends(*, periods: float, bandwidth: float, steps_per_octave: int) -> Array:
@@ -71,7 +71,7 @@ def ring_ends(*, periods: float, bandwidth: float, steps_per_octave: int) -> Arr
     m, n = np.meshgrid(np.arange(top + 1), np.arange(top + 1))
     waves = np.unique(np.hypot(m, n))[1:] / periods
     counts = np.searchsorted(waves[waves >= 1 - _EDGE], ends * (1 + _EDGE), side="right")
-    return np.asarray(ends[np.diff(np.concatenate([[0], counts])) > 0])
+    return ends[np.diff(np.concatenate([[0], counts])) > 0]
 
 
 class Rings:
@@ -97,7 +97,7 @@ class Rings:
             amplitudes=waves.amplitudes[keep],
             q_short=waves.q_short * min(until / float(self.zeta.max()), 1.0),
         )
-        return np.asarray(ring.on((self.points, self.points)).heights)
+        return ring.on((self.points, self.points)).heights
 
     def variance(self, heights: Array) -> float:
         """V [Pa^2] of these heights: the variance of the pressure at full contact, E*^2 m2 / 4."""

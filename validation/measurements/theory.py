@@ -91,7 +91,7 @@ class Waves:
         """
         load = np.asarray(pressure, dtype=float)[..., None]
         reading: EnergyReading = "old" if variant == "persson" else variant
-        return np.asarray(energy_share(load, stress_variance=self.variance, energy=reading) @ self.energy)
+        return energy_share(load, stress_variance=self.variance, energy=reading) @ self.energy
 
     def mean_gap(self, pressure: ArrayLike, variant: Variant | EnergyReading) -> Array:
         """Mean gap [m]: the work of the load is stored, p du = -dU, from full contact downwards.

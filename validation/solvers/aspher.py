@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,10 +28,6 @@ class Aspher(ExternalSolver):
     install = "pip install aspher (it builds with cmake, ninja and Eigen)"
     locates_edges = True
     papers = ("ASPHER: V. A. Yastrebov, https://github.com/cofebem/aspher.",)
-
-    def call(self, settings: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:
-        """Return the function below."""
-        return f"{__name__}:solve", {}
 
     def check(self, options: Any, problem: ContactProblem, effects: Sequence[Effect]) -> None:
         """Refuse what is not square."""

@@ -16,7 +16,7 @@ import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import Field
@@ -26,12 +26,12 @@ from fem_contact.contact import ContactResult
 from fem_contact.errors import NotConverged
 from fem_contact.response import Response
 from validation.arrays import Array
-from validation.effects.base import Effect, SlotName
+from validation.effects.base import Effect
 from validation.solvers.base import Blocks, Claim, Cost, Job, Size, Solved, Solver, check_bodies
 from validation.solvers.bem import FIXED_BYTES, FIXED_PAIRS
 from validation.solvers.external import verified
 from validation.solvers.fem import block_response, planned, unknowns_of
-from validation.units import Duration, Table
+from validation.units import Duration
 
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
@@ -64,10 +64,10 @@ class Calculix(Solver):
 
     name = "calculix"
     label = "CalculiX"
-    options: ClassVar[type[Table]] = CalculixOptions
+    options = CalculixOptions
     independent = True
     foreign = True
-    slots: ClassVar[frozenset[SlotName]] = frozenset({"response"})
+    slots = frozenset({"response"})
     score_element = "Hex1"
     score_points = 8
     setting_keys = ("tolerance", "growth", "depth", "seconds")
@@ -123,7 +123,7 @@ class Calculix(Solver):
         )
         forces, rises = _run(deck, field.shape, seconds=float(job.settings.get("seconds", _SECONDS)))
         claim = Claim(
-            pressure=np.asarray(-forces / (sides[0] * sides[1] / field.heights.size) * stress),
+            pressure=-forces / (sides[0] * sides[1] / field.heights.size) * stress,
             in_contact=None,
             iterations=0,
             wall_seconds=time.perf_counter() - began,
@@ -131,7 +131,7 @@ class Calculix(Solver):
             peak_bytes=0,
         )
         accepted_job = replace(job, settings={"tolerance": _ACCEPTED, **job.settings})
-        rise = np.asarray(-rises * length)
+        rise = -rises * length
         contact = verified(claim, accepted_job, method=self.label, element="Hex1", displacement=rise)
         unknowns = 3 * field.heights.size * (planes.size - 1)
         return Solved(contact=replace(contact, cost=replace(contact.cost, unknowns=unknowns)))

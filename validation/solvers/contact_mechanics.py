@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
 from validation.arrays import Array
-from validation.effects.base import SlotName
 from validation.solvers.external import ExternalSolver
 
 #: Its tolerance is the largest penetration, a length, and says nothing of the points that are pulled.
@@ -22,13 +20,9 @@ class ContactMechanics(ExternalSolver):
     name = "contact_mechanics"
     label = "ContactMechanics"
     package = "ContactMechanics"
-    slots: ClassVar[frozenset[SlotName]] = frozenset({"pressure bound", "response"})
+    slots = frozenset({"pressure bound", "response"})
     locates_edges = True
     papers = ("ContactMechanics: https://github.com/ContactEngineering/ContactMechanics.",)
-
-    def call(self, settings: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:
-        """Return the function below."""
-        return f"{__name__}:solve", {}
 
 
 def solve(

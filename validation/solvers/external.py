@@ -13,7 +13,6 @@ import inspect
 import operator
 import sys
 import time
-from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib import metadata
@@ -88,9 +87,9 @@ class ExternalSolver(Solver):
             return None
         return f"{self.package} is not installed; install it with: {self.install}"
 
-    @abstractmethod
-    def call(self, settings: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:
-        """Return the function as ``module:name``, and what it is told beyond surface, modulus and load."""
+    def function(self, settings: Mapping[str, Any]) -> str:
+        """Return the function as ``module:name``; ``solve`` beside the class, unless one says else."""
+        return f"{type(self).__module__}:solve"
 
     def source(self, settings: Mapping[str, Any]) -> Settings:
         """Return what tells one version of the solver from another."""
@@ -110,7 +109,7 @@ class ExternalSolver(Solver):
     def controlled(self, settings: Mapping[str, Any]) -> frozenset[str]:
         """Return which controls its function takes; none where it cannot be imported."""
         try:
-            taken = sandbox.call(keywords, self.call(settings)[0], str(Path.cwd()), seconds=_SECONDS)
+            taken = sandbox.call(keywords, self.function(settings), str(Path.cwd()), seconds=_SECONDS)
         except Exception:  # what is wrong with it, a solve says
             return frozenset()
         return self.controls & frozenset(taken)
@@ -125,7 +124,7 @@ class ExternalSolver(Solver):
 
         A NotConverged when it raised, crashed, took too much time or memory, or returned no pressures.
         """
-        function, more = self.call(job.settings)
+        function = self.function(job.settings)
         field, model, settings, load = job.field, job.model, job.settings, dict(job.load)
         given = {
             "contact_modulus": model.solid.contact_modulus,
@@ -137,7 +136,7 @@ class ExternalSolver(Solver):
             parameters["hardness"] = model.pressure_bound
         if isinstance(model.response, BondedLayer):
             parameters |= {"thickness": model.response.thickness, "poisson": model.solid.poisson}
-        parameters |= {**more, **load}
+        parameters |= load
         try:
             answer = sandbox.call(
                 serve,
@@ -222,7 +221,7 @@ def verified(
         qx: Array = np.asarray(2 * np.pi * np.fft.fftfreq(nx, lx / nx), dtype=np.float64)
         qy: Array = np.asarray(2 * np.pi * np.fft.rfftfreq(ny, ly / ny), dtype=np.float64)
         compliance = response.compliance(qx[:, None], qy[None, :])
-        displacement = np.asarray(np.fft.irfft2(compliance * np.fft.rfft2(pressure), s=field.shape))
+        displacement = np.fft.irfft2(compliance * np.fft.rfft2(pressure), s=field.shape)
     at_bound = np.zeros(pressure.shape, dtype=bool) if bound is None else pressure >= bound * (1 - tolerance)
     # The gap vanishes in the mean over what bears.
     below, bearing = field.heights - displacement, np.where(at_bound, 0.0, np.maximum(pressure, 0))

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import Field
 
 from fem_contact.contact import ContactResult
 from fem_contact.response import Response
 from validation.arrays import Array
-from validation.effects.base import ContactModel, Effect, SlotName, effect_key
+from validation.effects.base import ContactModel, Effect, effect_key
 from validation.errors import UsageError
 from validation.report.quantities import as_length
 from validation.solvers.base import (
@@ -26,7 +26,6 @@ from validation.solvers.base import (
     example_job,
 )
 from validation.solvers.bem import BYTES_PER_POINT, FIXED_BYTES, FIXED_PAIRS
-from validation.units import Table
 
 if TYPE_CHECKING:
     from fem_contact.block.mesh import BlockMesh
@@ -61,8 +60,8 @@ class Fem(Solver):
 
     name = "fem"
     label = "FEM"
-    options: ClassVar[type[Table]] = FemOptions
-    slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound"})
+    options = FemOptions
+    slots = frozenset({"response", "pressure bound"})
     independent = True
     holds = frozenset({"offset"})
     sinks = True

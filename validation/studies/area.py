@@ -13,7 +13,6 @@ import numpy as np
 import xarray as xr
 
 from validation.arrays import Grid
-from validation.effects.base import SlotName
 from validation.execution.bench import Bench
 from validation.measurements.common import Rising
 from validation.measurements.limits import limit_of, resolved_grids
@@ -28,7 +27,7 @@ class Options(PressedOptions):
     """What is pressed, and how often."""
 
     grids_of: ClassVar[dict[str, str]] = {}
-    slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound", "gap law"})
+    slots = frozenset({"response", "pressure bound", "gap law"})
 
     reduced_pressures: Rising = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
     """p* = p0 / (E* h'_rms) with the realised gradient"""

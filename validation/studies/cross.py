@@ -10,7 +10,6 @@ import numpy as np
 import xarray as xr
 from pydantic import Field, model_validator
 
-from validation.effects.base import SlotName
 from validation.execution.bench import Bench
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import Rising, RisingOrNone
@@ -31,7 +30,7 @@ class Options(PressedOptions):
 
     grids_of: ClassVar[Mapping[str, str]] = {}
     off: ClassVar[Mapping[str, Any]] = {"full_points_per_wave": (), "elements": ()}
-    slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound", "gap law"})
+    slots = frozenset({"response", "pressure bound", "gap law"})
 
     methods: Methods = ("bem", "fem")
     reduced_pressure: ReducedPressure = 0.05

@@ -95,11 +95,11 @@ def _grading(ratio: float, q: Array) -> Array:
     # E'/E is monotonic in z where it is not largest at the surface.
     z = np.linspace(0.0, 30.0, 3001)
     young = ratio + (1 - ratio) * np.exp(-z)
-    return np.asarray(float(np.max(abs(1 - ratio) * np.exp(-z) / young)) / q)
+    return float(np.max(abs(1 - ratio) * np.exp(-z) / young)) / q
 
 
 def _share(felt: Callable[[Array], Array], exact: Response, q: Array) -> Array:
-    return np.asarray(felt(q) * q * exact.compliance(q, np.zeros_like(q)) / 2)
+    return felt(q) * q * exact.compliance(q, np.zeros_like(q)) / 2
 
 
 def views(data: xr.Dataset) -> Views:

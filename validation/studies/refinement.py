@@ -11,7 +11,6 @@ import numpy as np
 import xarray as xr
 from pydantic import Field, model_validator
 
-from validation.effects.base import SlotName
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
 from validation.measurements.by_solver import beside_bem
@@ -58,7 +57,7 @@ class Options(PressedOptions):
     off: ClassVar[Mapping[str, Any]] = {"ladders": False} | dict.fromkeys(
         ("grid_scale_grids", "grid_scale_hursts", "elements"), ()
     )
-    slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound"})
+    slots = frozenset({"response", "pressure bound"})
     plain = "an adhesive contact jumps from grid to grid, and has no law of refinement"
 
     methods: Methods = ("bem", "fem")
