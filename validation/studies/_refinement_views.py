@@ -89,25 +89,24 @@ def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
 def _of_areas(data: xr.Dataset, first: int) -> Iterator[Finding]:
     resolved = data.isel(grid=slice(first, None))
     limit = "In the limit kappa is {kappa} at p* = {reduced_pressure}, lambda_long/lambda_short = {bandwidth}"
-    values: dict[str, Any] = {"bandwidth": float(data.attrs["bandwidth"])}
     if np.isfinite(data.area_persson):
         form = ": {verdict} Persson's {kappa_persson:~} ({kappa_ensemble:~} from C(q) alone), by {area_excess:+%}. "
         form = limit + form + "Of the counted excess over the theory the grid makes {each}."
         item = "{grid_part:%} at lambda_short/dx = {points_per_wave}"
-        yield finding("comparison", form, resolved, item=item, by="area_excess", **values)
+        yield finding("comparison", form, resolved, item=item, by="area_excess")
     else:
-        yield finding("value", limit + "; Persson's theory knows nothing of these effects.", data, **values)
+        yield finding("value", limit + "; Persson's theory knows nothing of these effects.", data)
     form = "Counting differs from the limit by {each}; observed order {order_pixel} (corrected {order_perimeter}, located "
     form += "{order_located})."
     if np.isfinite(data.points_per_wave_close):
         form += " It is within 5 % from lambda_short/dx = {points_per_wave_close} on, where half of the area lies in patches "
         form += "of at least {cells_per_patch_close:~} cells (Persson asks for 100 to 10000)."
     yield finding("order", form, resolved, item="{distance_pixel:+%} at {points_per_wave}")
-    values = {"coarse": float(resolved.points_per_wave[0]), "fine": float(resolved.points_per_wave[-1])}
+    coarse, fine = resolved.points_per_wave[[0, -1]]
     form = "The first moment of P(sigma) is p0 on every grid; the zeroth, the area, is {area_pixel_change:+%} on {coarse} "
     form += "against {fine} points per wave. Pressures below {small} E* h'_rms make {small_stress_part:%} of that excess; of "
     form += "larger ones the coarse grid has {large_stress_change:+%}."
-    yield finding("share", form, data, small=SMALL, **values)
+    yield finding("share", form, data, small=SMALL, coarse=coarse, fine=fine)
 
 
 _AGREES = {"agree": "agrees", "differ": "does not agree", "?": "can neither be confirmed nor ruled out"}

@@ -162,6 +162,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
             lightest_error=data.area_over_archard_error.isel(load=0),
         ),
         item="{levels}: {lightest} and {area_over_archard}",
-        light=float(data.relative_load[0]),
-        heavy=float(data.relative_load[-1]),
+        light=data.relative_load[0],
+        heavy=data.relative_load[-1],
     )

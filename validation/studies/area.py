@@ -83,7 +83,6 @@ def views(data: xr.Dataset) -> Views:
         data.isel(reduced_pressure=sorted({0, last // 2, last})),
         item="{verdict} Persson's, {area_excess:+%}, at p* = {reduced_pressure}, where kappa = {kappa}",
         by="area_excess",
-        bandwidth=data.attrs["bandwidth"],
     )
     coarse = "Under-resolved, with fewer than 3 points per shortest wave, and left out: {grids}."
     left_out = [note(coarse, grids=data.attrs["left_out"])] if data.attrs["left_out"] else []

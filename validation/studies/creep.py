@@ -111,8 +111,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         unloaded.isel(instant=some),
         item="{area} after {duration:u} ({verdict} it, by {area_memory:%})",
         by="area_memory",
-        load_left=float(data.attrs["load_left"]),
     )
     form = "Held, the area must be that of the elastic contact with E = 1/J(t); the steps in time miss it by at most "
     form += "{worst:%}."
-    yield finding("cost", form, worst=float(abs(held.area_memory).max()))
+    yield finding("cost", form, worst=abs(held.area_memory).max())

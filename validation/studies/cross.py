@@ -138,8 +138,8 @@ def views(data: xr.Dataset) -> Views:
                 "the counted areas differ by {area_difference:%} on the finest grid.",
                 fine,
                 by="exponent",
-                coarse=float(coarse.points_per_wave),
-                first=float(coarse.pressure_difference),
+                coarse=coarse.points_per_wave,
+                first=coarse.pressure_difference,
             )
         )
     missed = int((data.converged_each < 1).sum())
@@ -149,8 +149,8 @@ def views(data: xr.Dataset) -> Views:
                 "refusal",
                 "{missed} of {all} answers do not have the residuals asked for, the worst {worst}.",
                 missed=missed,
-                all=int(data.converged_each.notnull().sum()),
-                worst=float(data.residual_each.max()),
+                all=data.converged_each.notnull().sum(),
+                worst=data.residual_each.max(),
             )
         )
     elif any(str(leg).startswith("full") for leg in data.leg.values):

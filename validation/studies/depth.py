@@ -127,7 +127,7 @@ def _finding(data: xr.Dataset, element: str) -> Finding:
         "pressure is {shallow_difference:%} off the half-space. The mesh alone costs "
         "{pressure_difference_layer:%} at {depth} L.",
         last,
-        deep=float(deep.min()) if deep.size else "nowhere tried",
-        shallow=float(first.depth),
-        shallow_difference=float(first.pressure_difference),
+        deep=deep.min() if deep.size else "nowhere tried",
+        shallow=first.depth,
+        shallow_difference=first.pressure_difference,
     )

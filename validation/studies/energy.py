@@ -164,9 +164,9 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         **worst,
     )
     form = "The smallest gap, {gap_first} h_rms at p* = {reduced_pressure}, against a tolerance of 1e-12 of the solver: off "
-    form += "by {each}; the study takes {used}."
+    form += "by {each}; the study takes {solver_tolerance}."
     item = "{left_gap:%} at {tolerance}"
-    yield finding("value", form, partly.isel(load=-1), item=item, used=data.attrs["solver_tolerance"])
+    yield finding("value", form, partly.isel(load=-1), item=item)
     full = np.flatnonzero(data.gap_first.values <= 0)
     if full.size:
         form = "From p* = {reduced_pressure} on the contact of the first surface is full: its gap is {gap_first} h_rms, its "

@@ -180,13 +180,12 @@ def views(data: xr.Dataset) -> Views:
             *(_finding(data, part, varied) for varied in ("load", "waves") for part in parts),
             finding(
                 "comparison",
-                "Smoothed at p* = {load}, the surface keeps {spectrum_kept} of C(q) at q = {wave} q_long, {verdict} the "
+                "Smoothed at p* = {smoothing_reduced_pressure}, the surface keeps {spectrum_kept} of C(q) at q = {wave} q_long, {verdict} the "
                 "{spectrum_kept_persson:~} of Persson's formula (largest difference {spectrum_kept_excess_largest:~}): it "
                 "smooths the whole surface, boundary elements only what has yielded, where {gradient_kept} of the squared "
                 "gradient is left.",
                 data.isel(wave=-1),
                 by="spectrum_kept_excess",
-                load=data.attrs["smoothing_reduced_pressure"],
             ),
             *of_one_surface(data),
         ],
@@ -221,5 +220,4 @@ def _finding(data: xr.Dataset, part: str, varied: str) -> Finding:
         here.isel(case=sorted({0, here.sizes["case"] - 1})),
         item=f"{{{name}}} at {at}, {{verdict}} Persson's {{{name}_persson}}, {{{name}_excess:+%}} away",
         by=f"{name}_excess",
-        hardness=data.attrs["hardness"],
     )

@@ -171,7 +171,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
             "beyond": "more than half as much as the heights",
             "undecided": "less than half as much as the heights or not: not decided",
         },
-        longer=float(data.attrs["longer"]),
     )
 
 

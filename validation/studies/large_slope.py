@@ -84,8 +84,8 @@ def views(data: xr.Dataset) -> Views:
         "{paths_ended} of {paths} paths on the finest grid end before h'_rms = {steepest}: no equilibrium was found beyond, "
         "and their slopes are left out for all surfaces.",
         data,
-        paths=float(data.path_ended_each.isel(grid=-1).size),
-        steepest=float(data.rms_gradient[-1]),
+        paths=data.path_ended_each.isel(grid=-1).size,
+        steepest=data.rms_gradient[-1],
     )
     return Views(
         table=Table(

@@ -90,7 +90,7 @@ def views(data: xr.Dataset) -> Views:
     )
     form = "From zeta = {zeta:~} to {magnification}, at one nominal pressure, the area {each}."
     item = "{verdict} from {start:~} to {area} at p* = {reduced_pressure}, there {area_ratio} of Persson's"
-    falls = finding("trend", form, last, item=item, by="area_change", zeta=float(data.magnification[0]))
+    falls = finding("trend", form, last, item=item, by="area_change", zeta=data.magnification[0])
     areas = ("area", "area_persson", "area_ensemble")
     columns = ("reduced_pressure", "magnification", *areas, "area_ratio")
     return Views(

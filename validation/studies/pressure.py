@@ -132,7 +132,7 @@ def views(data: xr.Dataset) -> Views:
 def _findings(data: xr.Dataset, some: xr.Dataset) -> Iterator[Finding]:
     form = "The contact area is {each} (lambda_long/lambda_short = {bandwidth})."
     item = "{verdict} Persson's, {area_excess:+%}, at A/A0 = {area:~}"
-    yield finding("comparison", form, some, item=item, by="area_excess", bandwidth=data.attrs["bandwidth"])
+    yield finding("comparison", form, some, item=item, by="area_excess")
     form = "Over those of Persson's theory: {each}."
     item = "gap {gap_over}, compliance {compliance_over} and energy {energy_ratio_over} at A/A0 = {area:~}"
     yield finding("value", form, some, item=item)

@@ -245,10 +245,9 @@ def _some_loads(data: xr.Dataset) -> list[int]:
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
     at = "at p* = {reduced_pressure}"
-    sample: dict[str, Any] = {"periods": float(data.attrs["periods"])}
     form = "Half of the 95 % interval of A/A0 is {each} (surfaces, grid, solver, size; L/lambda_long = {periods})."
     item = "{interval_median:%} in the median and {interval_worst:%} at worst " + at
-    yield finding("value", form, data, item=item, **sample)
+    yield finding("value", form, data, item=item)
     form = "The area lies above Persson's, by spectrum, by {each}."
     item = "{area_excess_low:%} to {area_excess_high:%} " + at
     yield finding("value", form, data, item=item)

@@ -164,10 +164,10 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "at worst.",
         data,
         item="{friction_difference_pooled:%} at {points_per_wave} points per shortest wave",
-        least=float(data.steps_each.min()),
-        most=float(data.steps_each.max()),
-        pairs=float(data.fft_pairs_each.max()),
-        shrink=float(data.contraction_each.max()),
+        least=data.steps_each.min(),
+        most=data.steps_each.max(),
+        pairs=data.fft_pairs_each.max(),
+        shrink=data.contraction_each.max(),
     )
     yield from (_theory_of(data, largest, name) for name in SHARES)
     form = "A/A0 is {each}."
@@ -179,7 +179,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         form = "From v = {late} m/s on the solid has not relaxed when the period comes round again (|E| > {remembered} E_0 "
         form += "there): it keeps the mean track of the periods before, more touches than on fresh rubber, and the theory, "
         form += "which knows no track, is no comparison."
-        yield finding("threshold", form, late=float(late[0]), remembered=_REMEMBERED)
+        yield finding("threshold", form, late=late[0], remembered=_REMEMBERED)
 
 
 def _theory_of(data: xr.Dataset, largest: xr.Dataset, name: str) -> Finding:
