@@ -60,9 +60,10 @@ def readings(
 
     def solved(energy: Reading) -> AdhesiveContact | None:
         interface = Interface(work_of_adhesion=work, energy=energy, area=area)
-        load: dict[str, Any] = {"interface": interface, "yield_stress": hardness}
         try:
-            return solve_adhesion(scale, pressure=problem.pressure, **load).checked()
+            return solve_adhesion(
+                scale, pressure=problem.pressure, interface=interface, yield_stress=hardness
+            ).checked()
         except PerssonError:
             return None
 
@@ -96,8 +97,8 @@ class Sticking:
         """Return the solves with adhesion or without, coarse grid first."""
         effects: tuple[Adhesion | Hardness, ...] = (self.adhesion,) if sticky else ()
         effects += () if self.hardness is None else (Hardness(hardness=self.hardness),)
-        arguments: dict[str, Any] = {"settings": (("tolerance", 1e-8),), "effects": effects}
-        return tuple(Press(method="bem", grid=(n, n), problem=self.problem, **arguments) for n in self.grids)
+        press = partial(Press, method="bem", settings=(("tolerance", 1e-8),), effects=effects)
+        return tuple(press(grid=(n, n), problem=self.problem) for n in self.grids)
 
     def measured(self, solved: Solves) -> xr.Dataset:
         """Return areas on every grid, what the interface gains on the finest, and what the theory says."""

@@ -266,9 +266,10 @@ def press_elastic(
     tolerance: float = TOLERANCE,
 ) -> ContactResult:
     """Solve the half-space at a mean pressure [Pa] on one thread, from a pressure field that is near."""
-    options: dict[str, Any] = {"start": start, "tolerance": tolerance, "threads": 1}
-    result: ContactResult = bem.solve(field, HalfSpace(solid=solid), mean_pressure=pressure, **options)
-    return result.checked()
+    body = HalfSpace(solid=solid)
+    return bem.solve(
+        field, body, mean_pressure=pressure, start=start, tolerance=tolerance, threads=1
+    ).checked()
 
 
 def truncated_heights(

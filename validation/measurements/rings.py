@@ -232,5 +232,4 @@ def probe(
         pair = [rings.press(heights + sign * scaled, load=load, start=first.pressure) for sign in (1, -1)]
         sums.append(_step(before, [pressed(result) for result in pair], unit=unit))
         areas.append([areas_of(result) for result in pair])
-    data: dict[str, Any] = {"nominal": ((), load / unit)}
-    return _dataset(data, areas=areas, sums=sums)
+    return _dataset({"nominal": ((), load / unit)}, areas=areas, sums=sums)

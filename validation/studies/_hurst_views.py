@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -144,8 +143,8 @@ def _beside(data: xr.Dataset) -> Iterator[Finding]:
 
 
 def _of_families(data: xr.Dataset) -> Iterator[Finding]:
-    ends: dict[str, Any] = {"first": float(data.hurst[0]), "last": float(data.hurst[-1])}
-    ends |= {"low": float(data.bandwidth.min()), "high": float(data.bandwidth.max())}
+    ends = {"first": data.hurst[0], "last": data.hurst[-1]}
+    ends |= {"low": data.bandwidth.min(), "high": data.bandwidth.max()}
     if data.sizes["hurst"] > 1:
         form = "From H = {first} to {last} kappa {each}."
         item = "{verdict}, {kappa_change:%}, at p* = {reduced_pressure} with {family}"
@@ -165,11 +164,11 @@ def _of_families(data: xr.Dataset) -> Iterator[Finding]:
 
 def _of_ladders(data: xr.Dataset) -> Iterator[Finding]:
     if data.sizes["ladder"] > 1:
-        ends: dict[str, Any] = {"first": float(data.hurst_ladder[0]), "last": float(data.hurst_ladder[-1])}
+        first, last = data.hurst_ladder[[0, -1]]
         form = "At the Nayak parameter {nayak_by_bandwidth_equal} kappa at H = {last} is {verdict} that at H = {first}, "
         form += "{kappa_by_bandwidth_equal_change:%}; as the bandwidth grows at equal H it changes by {each}."
         item, by = "{kappa_by_bandwidth_change:%} (H = {hurst_ladder})", "kappa_by_bandwidth_equal_change"
-        yield finding("comparison", form, data, item=item, by=by, **ends)
+        yield finding("comparison", form, data, item=item, by=by, first=first, last=last)
     form = "As waves are added at p* = {reduced_pressure_ladder}, for which the budget has bandwidth and size, kappa {each}."
     item = "{verdict} at H = {hurst_ladder}, limit {kappa_by_bandwidth_limit}, for an endless sample {kappa_by_size_limit}"
     outcomes = {"+": "falls", "-": "rises", "0": "shows no trend beyond its interval"}

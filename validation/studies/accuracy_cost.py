@@ -100,8 +100,8 @@ def _singles(options: Options) -> Iterator[_Single]:
         yield _Single(part="FEM", name=f"FEM {element}", per_wave=n, solve=solve)
     for code, n in itertools.product(options.peers, options.peer_points_per_wave):
         method, settings = asked_of(code)
-        asked: dict[str, Any] = {"method": method, "settings": settings, "grid_share": _SOLVER_SHARE}
-        solve = partial(beside_bem, grid=grid_for(first, n), **asked)
+        ask = partial(beside_bem, method=method, settings=settings, grid_share=_SOLVER_SHARE)
+        solve = partial(ask, grid=grid_for(first, n))
         yield _Single(part="peers", name=code, per_wave=n, process=True, solve=solve)
     for solver in options.others(options.method_points_per_wave):
         settings = tuple({"tolerance": _TOLERANCE, **dict(solver.settings)}.items())

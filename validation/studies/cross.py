@@ -75,10 +75,9 @@ def _blocks(options: Options) -> Iterator[tuple[str, float, Any]]:
 
 def _others(options: Options) -> Iterator[tuple[str, float, Any]]:
     for solver in options.others(options.method_points_per_wave):
-        how: dict[str, Any] = {"method": solver.method, "settings": solver.settings}
+        ask = partial(beside_bem, method=solver.method, settings=solver.settings, effects=options.effects)
         for grid in solver.grids:
-            solve = partial(beside_bem, grid=grid, effects=options.effects, **how)
-            yield solver.name, options.first.points_per_wave(grid), solve
+            yield solver.name, options.first.points_per_wave(grid), partial(ask, grid=grid)
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:

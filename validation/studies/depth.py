@@ -69,10 +69,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
             solid = SolidSpec(young=BASE_SOLID.young, poisson=block.poisson)
             pressed = base_case(surface, reduced_pressure=options.reduced_pressure, solid=solid)
             grid = grid_for(pressed, options.points_per_wave)
-            mesh = {"element": element, "depth": block.depth * max(pressed.lengths), "growth": block.growth}
-            settings = tuple({"method": "reduced", **mesh}.items())
-            asked: dict[str, Any] = {"method": "fem", "settings": settings, "layer": True}
-            cases[block] = beside_bem(problem=pressed, grid=grid, **asked)
+            depth = ("depth", block.depth * max(pressed.lengths))
+            settings = (("method", "reduced"), ("element", element), depth, ("growth", block.growth))
+            cases[block] = beside_bem(problem=pressed, grid=grid, method="fem", settings=settings, layer=True)
     differences = {
         "pressure_difference": "pressure_half_space",
         "pressure_difference_layer": "pressure_layer",

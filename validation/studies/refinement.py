@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
@@ -154,10 +155,9 @@ def design(options: Options) -> dict[_Case, Call]:
         strict = (*mesh, ("tolerance", _STRICT))
         cases["strict", element] = cases["fem", element, 0, min(blocks)].but(settings=strict)
     for solver, (k, problem) in itertools.product(options.beside, enumerate(pressed)):
-        how: dict[str, Any] = {"method": solver.method, "settings": solver.settings}
+        ask = partial(beside_bem, problem=problem, effects=options.effects)
         for g, grid in enumerate(solver.grids):
-            solve = beside_bem(problem=problem, grid=grid, effects=options.effects, **how)
-            cases["other", solver.name, k, g] = solve
+            cases["other", solver.name, k, g] = ask(grid=grid, method=solver.method, settings=solver.settings)
     return cases | (dict(options.climbed.cases) if options.ladders else {})
 
 
@@ -174,7 +174,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     if options.ladders:
         climbed = options.climbed.reduced({case: measured[case] for case in options.climbed.cases})
         data = data.merge(climbed, combine_attrs="override")
-        spectrum = {"hurst": options.hurst, "bandwidth": options.bandwidth, "periods": options.periods}
+        spectrum = options.model_dump(include={"hurst", "bandwidth", "periods"})
         shares = spectral_errors(climbed, **spectrum)
         data = claim(data, "kappa", **{source: share * data.kappa for source, share in shares.items()})
 

@@ -88,10 +88,10 @@ def _spectral_shares(options: Options, bench: Bench) -> dict[str, xr.DataArray]:
         return {}
     shares = []
     for load in loads:
-        surfaces: dict[str, Any] = {"periods": options.periods, "seed": options.seed}
+        surfaces = options.model_dump(include={"periods", "seed"})
         ladders = Ladders(hursts=(options.hurst,), reduced_pressure=load, **surfaces)
         reduced = ladders.reduced(solved(bench, ladders.cases))
-        spectrum = {"hurst": options.hurst, "bandwidth": options.bandwidth, "periods": options.periods}
+        spectrum = options.model_dump(include={"hurst", "bandwidth", "periods"})
         shares.append(spectral_errors(reduced, **spectrum))
     near = np.abs(np.log(np.divide.outer(np.array(options.reduced_pressures), loads))).argmin(axis=1)
     return {

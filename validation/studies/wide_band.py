@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -147,11 +146,10 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _findings(data: xr.Dataset, at: xr.Dataset) -> Iterator[Finding]:
-    load: dict[str, Any] = {"reduced_pressure": float(at.reduced_pressure)}
     widest = at.isel(bandwidth=np.flatnonzero(at.area.notnull().all("hurst"))[-1])
     form = "At infinite bandwidth, p* = {reduced_pressure}, the saturating law through all bands ends {each}."
     item = "{verdict} the theory at H = {hurst}, by {area_excess_limit:%}"
-    yield finding("comparison", form, at, item=item, by="area_excess_limit", **load)
+    yield finding("comparison", form, at, item=item, by="area_excess_limit")
     yield finding(
         "share",
         "Fitted to bandwidths up to {bandwidth_fitted}, the laws hold the wider ones within the joint 95 % interval in "
@@ -161,12 +159,11 @@ def _findings(data: xr.Dataset, at: xr.Dataset) -> Iterator[Finding]:
     )
     form = "At lambda_long/lambda_short = {bandwidth}, p* = {reduced_pressure}, the area lies {each}."
     item = "{verdict} Persson's by {area_excess:+%} at H = {hurst}"
-    yield finding("comparison", form, widest, item=item, by="area_excess", **load)
+    yield finding("comparison", form, widest, item=item, by="area_excess")
     yield finding(
         "value",
         "Were the area to follow the power law, the theory would be within 5 % of it from a Nayak parameter of {each} on, at p* = "
         "{reduced_pressure}.",
         at.isel(law=LAWS.index("power")),
         item="{nayak_close:.2} at H = {hurst}",
-        **load,
     )
