@@ -74,8 +74,7 @@ class Store:
             ) from error
         # The folder is synced by who collects the outcomes: a name lost with the power is a solve to repeat.
         # Another run that was faster may have told its time: the first file stays.
-        sealed = seal(content, recipe=solve.recipe_text, made=asdict(made))
-        write_whole(path, (content, sealed), first=True)
+        write_whole(path, (content, seal(content, recipe=solve.recipe_text, made=asdict(made))), first=True)
 
     def read(self, solve: Solve, *, on_damage: Callable[[str], None] | None = None) -> Stored | None:
         """Read a finished solve and how it was made; None if there is none.

@@ -154,8 +154,7 @@ def sticky_contact(
     load: dict[str, Any] = {"mean_pressure": problem.pressure, "threads": 1}
     plain = bem.solve(field, half_space, **load).checked()
     load["law"] = law
-    near = adhesion.solve(field, half_space, start=np.maximum(plain.gap, 0.0), **load)
-    contact = near.contact.checked()
+    contact = adhesion.solve(field, half_space, start=np.maximum(plain.gap, 0.0), **load).contact.checked()
     inside = contact.in_contact
     stress = contact.pressure[inside] / problem.pressure_scale
     shares, _ = np.histogram(np.clip(stress, STRESS_EDGES[0], STRESS_EDGES[-1]), bins=STRESS_EDGES)

@@ -120,7 +120,7 @@ def beside_bem(
         data["pressure_layer"] = difference(contact.checked(), deep)
     if grid_share is not None:
         data["tolerance"] = float(contact.provenance["tolerance"])
-    return xr.Dataset({name: ((), float(value)) for name, value in data.items()})
+    return xr.Dataset({name: float(value) for name, value in data.items()})
 
 
 def _no_further(

@@ -64,8 +64,7 @@ def creeps(
         for place, k in np.ndenumerate(at):
             areas[(i, *place)] = contact_areas(results[k].checked()).perimeter
             relaxed = Solid(young=float(moduli[place]), poisson=rubber.poisson)
-            contact = press_elastic(field, relaxed, float(loads[k]))
-            crept[(i, *place)] = contact_areas(contact).perimeter
+            crept[(i, *place)] = contact_areas(press_elastic(field, relaxed, float(loads[k]))).perimeter
     dims = ("grid", "phase", "instant")
     return xr.Dataset({"area": (dims, areas), "area_crept": (dims, crept)})
 

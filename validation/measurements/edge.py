@@ -74,12 +74,12 @@ def edge_of_contact(
     return xr.Dataset(
         {
             "density": ("bin", density),
-            "contour": ((), contour),
-            "inverse_square": ((), inverse_square_coefficient(result) * unit**2 / wave),
-            "patches": ((), find_patches(result.in_contact, result.spacing).count),
-            "area": ((), areas.perimeter),
-            "excess": ((), excess),
-            "seconds": ((), result.cost.wall_seconds),
+            "contour": contour,
+            "inverse_square": inverse_square_coefficient(result) * unit**2 / wave,
+            "patches": find_patches(result.in_contact, result.spacing).count,
+            "area": areas.perimeter,
+            "excess": excess,
+            "seconds": result.cost.wall_seconds,
         },
         coords={"stress": ("bin", (edges[1:] + edges[:-1]) / 2), "upper": ("bin", edges[1:])},
     )

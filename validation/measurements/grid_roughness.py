@@ -65,7 +65,7 @@ def grid_roughness(
     pixel = contact_areas(result).pixel
     kappa = [pixel * modulus * slope / pressure for slope in slopes.values()]
     return xr.Dataset(
-        {"kappa": ("slope", kappa), "pixel": ((), pixel), "seconds": ((), result.cost.wall_seconds)},
+        {"kappa": ("slope", kappa), "pixel": pixel, "seconds": result.cost.wall_seconds},
         coords={"slope": list(slopes)},
     )
 

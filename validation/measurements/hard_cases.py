@@ -143,8 +143,7 @@ def _single_precision(height: float) -> Measured:
 def _path(factor: float) -> Measured:
     """Up from a thousandth of E* h' by this factor and down again: the way back must be the way there."""
     loads = 1e-4 * factor ** np.arange(max(2, round(math.log(1e3) / math.log(factor)) + 1))
-    there_and_back = [*loads, *loads[-2::-1]]
-    results = bem.solve_path(_rough(), _HALF_SPACE, mean_pressures=there_and_back, threads=1)
+    results = bem.solve_path(_rough(), _HALF_SPACE, mean_pressures=[*loads, *loads[-2::-1]], threads=1)
     errors = [relative_distance(a.pressure, b.pressure) for a, b in zip(results, results[::-1], strict=True)]
     failed = [result for result in results if result.status is not Status.CONVERGED]
     worst = failed[0] if failed else max(results, key=lambda result: result.residuals.worst)

@@ -68,8 +68,7 @@ def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
     if drift:
         made["area_each_drift"] = ("load", grid_drift(measured), {"reduction": "drift", "of": "subcell"})
     data = xr.Dataset(made)
-    names = {name: measured.attrs[name] for name in ("solve",) if name in measured.attrs}
-    return data.assign_attrs(names)
+    return data.assign_attrs({name: measured.attrs[name] for name in ("solve",) if name in measured.attrs})
 
 
 def shift_means(measured: xr.Dataset, **quantities: str) -> dict[str, xr.DataArray]:

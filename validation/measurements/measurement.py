@@ -56,6 +56,11 @@ def grid_for(problem: ContactProblem, points_per_wave: float) -> Grid:
     return nx, ny
 
 
+def grids_for(problem: ContactProblem, points_per_wave: Sequence[float]) -> tuple[Grid, ...]:
+    """Return `grid_for` of several numbers of points."""
+    return tuple(grid_for(problem, points) for points in points_per_wave)
+
+
 #: Points along a side that no grid has.
 _MOST_POINTS = 2**20
 
@@ -95,13 +100,13 @@ def has_square_cells(problem: ContactProblem, grid: Grid) -> bool:
     return abs(dx / dy - 1) <= _SQUARE
 
 
-#: What is kept besides the areas, by the kind of the stored results.
-_KEPT: dict[str, tuple[str, ...]] = {
-    "Measurement": (),
-    "Distributions": ("distributions",),
-    "StiffMeasurement": ("stiffness",),
-    "LoadPath": ("distributions", "stiffness"),
-    "_Rich": ("stiffness", "slope"),
+#: Kinds of the stored results, by what is kept besides the areas.
+_KINDS: dict[tuple[str, ...], str] = {
+    (): "Measurement",
+    ("distributions",): "Distributions",
+    ("stiffness",): "StiffMeasurement",
+    ("distributions", "stiffness"): "LoadPath",
+    ("stiffness", "slope"): "_Rich",
 }
 
 
@@ -119,19 +124,15 @@ def _recipe(
     made: dict[str, Any], keep: tuple[str, ...], reduced_pressures: Any, problem: Any
 ) -> dict[str, Any]:
     """Name what is read off, too: a stored result that lacks a number is another one."""
-    (kind,) = (name for name, extras in _KEPT.items() if extras == keep)
-    made = {name: value for name, value in made.items() if name not in ("load", "keep")}
     if not made["effects"]:
         del made["effects"]
-    return (
-        {"truncation": None}
-        | made
-        | {
-            "kind": kind,
-            "reduced_pressures": list(reduced_pressures or (reduced_load(problem),)),
-            "quantities": sorted([*quantities_of(keep), "cells", LOCATED_EDGES]),
-        }
-    )
+    return {
+        "truncation": None,
+        **made,
+        "kind": _KINDS[keep],
+        "reduced_pressures": list(reduced_pressures or (reduced_load(problem),)),
+        "quantities": sorted([*quantities_of(keep), "cells", LOCATED_EDGES]),
+    }
 
 
 def _seconds(
@@ -146,7 +147,13 @@ def _seconds(
 
 
 @measurement(
-    "measure-{size}", kind="Measurement", words="areas to", recipe=_recipe, seconds=_seconds, bytes=120
+    "measure-{size}",
+    kind="Measurement",
+    words="areas to",
+    recipe=_recipe,
+    left_out=("load", "keep"),
+    seconds=_seconds,
+    bytes=120,
 )
 def press_on_grids(
     *,
@@ -183,8 +190,7 @@ def press_on_grids(
     for (i, grid), (j, shift) in itertools.product(enumerate(grids), enumerate(offsets)):
         field = truncated_heights(problem, grid, shift, truncation=truncation)
         located = not effects and has_square_cells(problem, grid)
-        path = pressed_path(field, problem, loads, effects=effects, tolerance=tolerance)
-        for k, result in enumerate(path):
+        for k, result in enumerate(pressed_path(field, problem, loads, effects=effects, tolerance=tolerance)):
             numbers = _read_off(result, located=located)
             if "stiffness" in keep:
                 # Off by the square of the tolerance, .6 of that at worst.

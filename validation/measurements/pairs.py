@@ -45,16 +45,13 @@ def _predicted(
     )
 
 
-def _recipe(made: dict[str, Any], problem: ContactProblem, first: int) -> dict[str, Any]:
-    return {n: v for n, v in (made | problem.further(first).recipe).items() if n != "first"}
-
-
 @measurement(
     "pairs-{size}",
     kind="AreaPairs",
     words="{count} pairs of surfaces, to",
     located=True,
-    recipe=_recipe,
+    recipe=lambda made, problem, first: made | problem.further(first).recipe,
+    left_out=("first",),
     predict=_predicted,
     compiled=lambda tolerance, effects: (("bem", {"tolerance": tolerance}, effects),),
 )

@@ -184,8 +184,8 @@ def chain(
         "points_out": ("age", memory.out),
         "points_returned": ("age", memory.returned),
         "contact_out": ("level", memory.out_at),
-        "contact_crossed": ((), memory.crossed),
-        "nominal": ((), problem.pressure / np.sqrt(variance[-1])),
+        "contact_crossed": memory.crossed,
+        "nominal": problem.pressure / np.sqrt(variance[-1]),
     }
     return _dataset(data, areas=areas, sums=sums)
 
@@ -232,4 +232,4 @@ def probe(
         pair = [rings.press(heights + sign * scaled, load=load, start=first.pressure) for sign in (1, -1)]
         sums.append(_step(before, [pressed(result) for result in pair], unit=unit))
         areas.append([areas_of(result) for result in pair])
-    return _dataset({"nominal": ((), load / unit)}, areas=areas, sums=sums)
+    return _dataset({"nominal": load / unit}, areas=areas, sums=sums)

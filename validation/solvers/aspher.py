@@ -54,8 +54,7 @@ def solve(
 
     if heights.shape[0] != heights.shape[1] or lengths[0] != lengths[1]:
         raise ValueError("ASPHER has square grids on square periods")
-    solver = aspher.ContactSolver(grid_size=heights.shape[0], backend="periodic")
-    solution = solver.solve(
+    solution = aspher.ContactSolver(grid_size=heights.shape[0], backend="periodic").solve(
         np.ascontiguousarray((heights.max() - heights) / lengths[0]),
         mean_pressure / contact_modulus,
         tol=_SAFETY * tolerance,

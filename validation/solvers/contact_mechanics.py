@@ -65,8 +65,7 @@ def solve(
         load["external_force"] = mean_pressure / contact_modulus * heights.size * cell
     if hardness is not None:
         load["hardness"] = hardness / contact_modulus * cell
-    system = ContactMechanics.make_system(substrate=substrate, surface=topography)
-    outcome = system.minimize_proxy(
+    outcome = ContactMechanics.make_system(substrate=substrate, surface=topography).minimize_proxy(
         pentol=_SAFETY * tolerance * (float(np.std(surface)) or 1.0), maxiter=max_iterations, **load
     )
     return {

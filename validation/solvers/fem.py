@@ -160,8 +160,7 @@ class Fem(Solver):
 
     def score_settings(self, points: int) -> dict[str, float | str]:
         """Refine the layers with the grid: at one growth, finer grids approach a block that is .2 % off."""
-        growth = float(FemOptions.model_fields["growth"].default)
-        return {"growth": growth ** (self.score_points / points)}
+        return {"growth": float(FemOptions.model_fields["growth"].default) ** (self.score_points / points)}
 
     def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Press a small block."""
@@ -186,11 +185,10 @@ class Fem(Solver):
                 continue
             # Cells count along x, whatever they are along y.
             carried = 2 * max(spacing, problem.lengths[0] / grid[0])
-            waves = [max(problem.shortest, carried), max(problem.longest, carried)]
             short, long = wave_errors(
                 grid,
                 problem.lengths,
-                waves,
+                [max(problem.shortest, carried), max(problem.longest, carried)],
                 poisson=problem.solid.poisson,
                 depth=options.depth,
                 growth=options.growth,

@@ -153,8 +153,7 @@ def _of_families(data: xr.Dataset) -> Iterator[Finding]:
     form = "Counted kappa is {each}; over H and load the limit spreads by {kappa_spread:%}, what counting spreads more is a "
     form += "discretisation artefact."
     item = "{verdict} the limit, by {kappa_excess:%}, at lambda_short/dx = {points_per_wave} (spread {kappa_pixel_spread:%})"
-    plain = data.isel(family=0, hurst=0)
-    yield finding("comparison", form, plain, item=item, by="kappa_excess")
+    yield finding("comparison", form, data.isel(family=0, hurst=0), item=item, by="kappa_excess")
     wide = "{low}" if ends["low"] == ends["high"] else "{low} to {high}"
     form = (
         f"The limit over Persson's theory is {{each}} (mean over spectra of lambda_long/lambda_short {wide})."

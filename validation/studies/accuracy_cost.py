@@ -24,7 +24,7 @@ from validation.measurements.external_codes import (
     known_peers,
 )
 from validation.measurements.limits import solved
-from validation.measurements.measurement import area_limits, grid_for, press_on_grids
+from validation.measurements.measurement import area_limits, grid_for, grids_for, press_on_grids
 from validation.measurements.ways import AREAS, chosen_ways, covered, way, ways_of_bem
 from validation.report.estimates import NORMAL, error_of, gather
 from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, against, finding, note
@@ -118,7 +118,7 @@ def _singles(options: Options) -> Iterator[_Single]:
 def design(options: Options) -> dict[_Case, Call]:
     """Return the solves of each part: reference, boundary and finite elements, other codes."""
     cases: dict[_Case, Call] = {}
-    held_out = tuple(grid_for(options.first, n) for n in options.held_out_points_per_wave)
+    held_out = grids_for(options.first, options.held_out_points_per_wave)
     coarse, tolerance = options.grids_for(options.points_per_wave), options.tolerance(_TOLERANCE)
     for k, problem in enumerate(options.pressed):
         cases["coarse", "", k] = press_on_grids(problem=problem, grids=coarse, tolerance=tolerance)
@@ -200,13 +200,12 @@ def _unsettled(measured: Mapping[_Case, xr.Dataset]) -> str:
 
 def views(data: xr.Dataset) -> Views:
     """Show what a digit costs, whether claimed intervals hold, and what other codes need for the same error."""
-    per_cent = data.sel(target=int(np.argmin(abs(data.accuracy.values - 0.01))))
     findings = [
         finding(
             "cost",
             "An area to {accuracy:%} (rms over the surfaces) costs {seconds_fastest:u}: {way_fastest}; with least "
             "memory {peak_bytes_leanest:u}: {way_leanest}.",
-            per_cent,
+            data.sel(target=int(np.argmin(abs(data.accuracy.values - 0.01)))),
         ),
         finding(
             "share",

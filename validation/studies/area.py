@@ -16,7 +16,7 @@ from validation.arrays import Grid
 from validation.execution.bench import Bench
 from validation.measurements.common import Rising
 from validation.measurements.limits import limit_of, resolved_grids
-from validation.report.estimates import derive, gather, mean
+from validation.report.estimates import derive, gather, mean, spread
 from validation.report.views import Figure, Table, Views, against, finding, note
 from validation.solvers.theory import predict
 from validation.studies._options import Bandwidth, Periods, Seed, Surfaces
@@ -76,11 +76,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 def views(data: xr.Dataset) -> Views:
     """Area and kappa against load, simulation and theory."""
-    last = data.sizes["reduced_pressure"] - 1
     area_finding = finding(
         "comparison",
         "The area is {each} (lambda_long/lambda_short = {bandwidth}).",
-        data.isel(reduced_pressure=sorted({0, last // 2, last})),
+        data.isel(reduced_pressure=spread(data, "reduced_pressure")),
         item="{verdict} Persson's, {area_excess:+%}, at p* = {reduced_pressure}, where kappa = {kappa}",
         by="area_excess",
     )
@@ -89,13 +88,12 @@ def views(data: xr.Dataset) -> Views:
     columns = ("reduced_pressure", "area", "area_persson", "area_excess", "kappa", "kappa_persson")
     area = against("reduced_pressure", "area", "area_persson", log="xy")
     kappa = against("reduced_pressure", "kappa", "kappa_persson", log="x")
-    constant = "Area over load: constant where contact grows in proportion to load."
     return Views(
         table=Table(rows=("reduced_pressure",), columns=columns),
         budget=("area",),
         figures=[
             Figure("area", "Contact area against load, beside Persson's theory.", [area]),
-            Figure("kappa", constant, [kappa]),
+            Figure("kappa", "Area over load: constant where contact grows in proportion to load.", [kappa]),
         ],
         findings=[area_finding, *left_out],
     )

@@ -17,9 +17,9 @@ from validation.execution.measurement import Call
 from validation.measurements.common import SHIFTS, Rising, base_case
 from validation.measurements.flow import stiffness_of
 from validation.measurements.limits import ABSENT
-from validation.measurements.measurement import grid_for, press_on_grids
+from validation.measurements.measurement import grids_for, press_on_grids
 from validation.measurements.theory import WITH_ENERGY
-from validation.report.estimates import claim, derive, mean, same_of_all
+from validation.report.estimates import claim, derive, mean, same_of_all, spread
 from validation.report.views import Figure, Finding, Level, Table, Views, against, finding
 from validation.studies._options import Bandwidth, Hurst, Seed, Shifts, StudyOptions, Surfaces
 from validation.studies._study import gathered
@@ -53,7 +53,7 @@ def design(options: Options) -> dict[tuple[float, int], Call]:
     cases = {}
     for periods in options.periods:
         base = base_case(options.self_affine(periods=periods), reduced_pressure=options.reduced_pressures[0])
-        grids = tuple(grid_for(base, points) for points in options.points_per_wave)
+        grids = grids_for(base, options.points_per_wave)
         for k in range(options.surfaces):
             cases[periods, k] = press_on_grids(
                 problem=base.further(k),
@@ -131,7 +131,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
             by="stiffness_exponent_light_excess",
             light=_LIGHT,
         )
-    middle = data.isel(periods=-1, load=sorted({0, data.sizes["load"] // 2, data.sizes["load"] - 1}))
+    middle = data.isel(periods=-1, load=spread(data, "load"))
     authors = ("Persson's", "Yang and Persson's (2008)", "Wang and Müser's (2017)")
     for variant, whose in zip(WITH_ENERGY, authors, strict=True):
         form = "L/lambda_long = {periods}: K h_rms/p0 is {each}."

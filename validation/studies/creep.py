@@ -16,9 +16,9 @@ from pydantic import AfterValidator, Field
 from validation.execution.bench import Bench
 from validation.measurements.common import Rising, base_case, in_rising_order
 from validation.measurements.creep import PHASES, creeps, crept_of, moduli_of
-from validation.measurements.measurement import grid_for
+from validation.measurements.measurement import grids_for
 from validation.measurements.theory import RANKED, VARIANTS
-from validation.report.estimates import derive, mean, same_of_all
+from validation.report.estimates import derive, mean, same_of_all, spread
 from validation.report.views import Figure, Finding, Table, Views, against, finding
 from validation.scenes.tables import SolidSpec
 from validation.studies._rubber import RubberOptions
@@ -49,8 +49,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     rubber = options.prony()
     solid = SolidSpec(young=rubber.relaxed, poisson=rubber.poisson)
     base = base_case(options.self_affine(), reduced_pressure=options.reduced_pressure, solid=solid)
-    grids = tuple(grid_for(base, points) for points in options.points_per_wave)
-    history = {name: getattr(options, name) for name in ("durations", "load_left", "steps")}
+    grids = grids_for(base, options.points_per_wave)
+    history = options.model_dump(include={"durations", "load_left", "steps"})
     cases = {
         k: creeps(problem=base.further(k), rubber=rubber, grids=grids, **history)
         for k in range(options.surfaces)
@@ -98,7 +98,7 @@ def views(data: xr.Dataset) -> Views:
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
     held, unloaded = (data.isel(phase=k) for k in range(2))
-    some = sorted({0, data.sizes["instant"] // 2, data.sizes["instant"] - 1})
+    some = spread(data, "instant")
     form = "Held, A/A0 is {each}."
     item = "{area} after {duration:u}"
     yield finding("value", form, held.isel(instant=some), item=item)

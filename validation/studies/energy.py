@@ -156,17 +156,15 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         )
     partly = data.isel(load=np.flatnonzero(data.gap_first.values > 0))
     checks = ("work_check", "stiffness_check", "path_work_check")
-    worst = {name: float(abs(partly[name] - 1).max()) for name in checks}
     yield note(
         "First surface: the energy gained between loads 0.2 % apart is the work of the load within {work_check:%}, their "
         "difference quotient the stiffness within {stiffness_check:%}; along the path it is the integral of p du within "
         "{path_work_check:%}, by a quadrature of fourth order.",
-        **worst,
+        **{name: float(abs(partly[name] - 1).max()) for name in checks},
     )
     form = "The smallest gap, {gap_first} h_rms at p* = {reduced_pressure}, against a tolerance of 1e-12 of the solver: off "
     form += "by {each}; the study takes {solver_tolerance}."
-    item = "{left_gap:%} at {tolerance}"
-    yield finding("value", form, partly.isel(load=-1), item=item)
+    yield finding("value", form, partly.isel(load=-1), item="{left_gap:%} at {tolerance}")
     full = np.flatnonzero(data.gap_first.values <= 0)
     if full.size:
         form = "From p* = {reduced_pressure} on the contact of the first surface is full: its gap is {gap_first} h_rms, its "

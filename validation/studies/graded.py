@@ -87,8 +87,7 @@ def _profile(ratio: float, options: Options, q: Array) -> Array:
 def _coating(ratio: float, options: Options, q: Array) -> Array:
     surface, below = (Solid(young=young, poisson=options.poisson) for young in (1.0, ratio))
     exact = LayeredSolid(layers=[surface], thicknesses=[1.0], base=below)
-    layer = SurfaceLayer(bulk=ratio, layer=1.0, thickness=1.0, poisson=options.poisson)
-    return _share(layer, exact, q)
+    return _share(SurfaceLayer(bulk=ratio, layer=1.0, thickness=1.0, poisson=options.poisson), exact, q)
 
 
 def _grading(ratio: float, q: Array) -> Array:
@@ -108,7 +107,6 @@ def views(data: xr.Dataset) -> Views:
     form = "The modulus that a wave feels is off by at worst (+ is too stiff) {each}."
     item = "{felt_error_mild:+%} where E'/(E q) < 1, {felt_error_profile:+%} over all waves and {felt_error_coating:+%} "
     item += "with a coating, whose E' is infinite ({modulus_ratio} times as stiff below)"
-    worst = finding("value", form, data, item=item)
     return Views(
         table=Table(
             rows=("modulus_ratio",),
@@ -123,5 +121,5 @@ def views(data: xr.Dataset) -> Views:
             )
             for kind, profile in kinds.items()
         ],
-        findings=[worst],
+        findings=[finding("value", form, data, item=item)],
     )

@@ -21,7 +21,7 @@ from validation.execution.running import Solves
 from validation.measurements.common import BASE_SOLID, base_case
 from validation.measurements.limits import ABSENT, straight_limit
 from validation.measurements.yielding import remaining_by_theory, remaining_waves, yielded_by_theory
-from validation.report.estimates import claim, derive, gather, mean
+from validation.report.estimates import claim, derive, gather, mean, spread
 from validation.report.marks import Figure, Line
 from validation.report.views import Column, Finding, Table, Views, against, finding, of_one_surface
 from validation.studies._options import Bandwidth, Hurst, Periods, Positives, Seed, StudyOptions, above_one
@@ -122,8 +122,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     names = ("spectrum_kept", "spectrum_kept_persson", "spectrum_kept_excess", "gradient_kept")
     data = derive(mean(data, *names), spectrum_kept_excess_largest="abs(spectrum_kept_excess).max('wave')")
     data = claim(data, *areas_of, "spectrum_kept", "gradient_kept", **ABSENT)
-    attributes = {name: getattr(options, name) for name in ("hardness", "smoothing_reduced_pressure")}
-    return data.assign_attrs(methods="theory bem", **attributes)
+    asked = options.model_dump(include={"hardness", "smoothing_reduced_pressure"})
+    return data.assign_attrs(methods="theory bem", **asked)
 
 
 def _areas(solves: tuple[Press, ...], options: Options, solved: Solves) -> xr.Dataset:
@@ -217,7 +217,7 @@ def _finding(data: xr.Dataset, part: str, varied: str) -> Finding:
     return finding(
         "comparison",
         f"H = {{hardness}} E* h'_rms: A_{part[:2]}/A0 is {{each}}.",
-        here.isel(case=sorted({0, here.sizes["case"] - 1})),
+        here.isel(case=spread(here, "case", 2)),
         item=f"{{{name}}} at {at}, {{verdict}} Persson's {{{name}_persson}}, {{{name}_excess:+%}} away",
         by=f"{name}_excess",
     )

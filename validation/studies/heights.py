@@ -20,7 +20,7 @@ from validation.measurements.common import Rising, base_case
 from validation.measurements.heights import HEIGHT_EDGES, height_statistics
 from validation.measurements.limits import ABSENT, solved, stored_variables
 from validation.measurements.measurement import grid_for
-from validation.report.estimates import claim, derive, gather, mean
+from validation.report.estimates import claim, derive, gather, mean, spread
 from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.surfaces import spectrum_of
@@ -52,8 +52,7 @@ class Options(StudyOptions):
 
     def second(self) -> ContactProblem:
         """Return that of the second spectrum: a longer roll-off, and the same C(q) at the shortest waves."""
-        first = self.first(self.periods[-1])
-        surface: Any = first.surface
+        surface: Any = self.first(self.periods[-1]).surface
         longer = surface.model_copy(update={"lambda_long": surface.lambda_long * self.longer})
         q = 2 * math.pi / surface.lambda_short
         share = float(spectrum_of(surface)(q) / spectrum_of(longer)(q))
@@ -126,7 +125,7 @@ def _cases(options: Options) -> dict[tuple[str, float | str, int], Call]:
 
 def views(data: xr.Dataset) -> Views:
     """P_h beside the Gaussian, and what longer waves change."""
-    ends = {"sample": sorted({0, data.sizes["sample"] - 1})}
+    ends = {"sample": spread(data, "sample", 2)}
     densities = [Line("height_density", by="sample", at=ends), Line("height_density_gaussian")]
     changes = [
         Line("area_change", label="contact area"),
@@ -156,8 +155,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     yield _deviation(data, "excess_kurtosis", "Excess kurtosis of the heights")
     form = "Largest distance of the cumulated heights of one surface from the Gaussian, and its highest point over "
     form += "h_rms: {each}."
-    item = "{height_distance} and {highest} at L/lambda_0 = {periods}"
-    yield finding("value", form, data, item=item)
+    yield finding("value", form, data, item="{height_distance} and {highest} at L/lambda_0 = {periods}")
     yield finding(
         "equivalence",
         "With a roll-off {longer} times as long and the same C(q) at short waves, h_rms changes by "

@@ -19,7 +19,7 @@ from validation.measurements.common import Rising, base_case
 from validation.measurements.flow import GAP_THEORIES, NARROW, flow_of, leaks
 from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import grid_for
-from validation.report.estimates import claim, derive, mean, same_of_all
+from validation.report.estimates import claim, derive, mean, same_of_all, spread
 from validation.report.marks import Figure, Level, Line, against, panels_along
 from validation.report.views import Finding, Table, Views, finding
 from validation.studies._options import Hurst, Periods, Seed, StudyOptions, Surfaces
@@ -62,8 +62,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         for k in range(options.surfaces):
             cases[bandwidth, k] = leaks(problem=base.further(k), grid=grid, areas=options.areas)
     data = gathered(bench, cases, lambda d, call: flow_of(d, call["problem"]), "bandwidth", "surface")
-    pooled = "percolation_area_each.mean('bandwidth', skipna=False)"
-    data = derive(data, percolation_area_pooled_each=pooled)
+    data = derive(data, percolation_area_pooled_each="percolation_area_each.mean('bandwidth', skipna=False)")
     along = ("gap_conductance", "gap_conductance_bruggeman", "gap_conductance_constriction", "closed")
     data = mean(data, *along, "percolation_area", "percolation_area_pooled", "gap_narrow")
     densities = [f"gap_{of}_{name}" for of in ("density", "share", "narrow") for name in GAP_THEORIES]
@@ -81,8 +80,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         **apart,
         **{f"gap_narrow_excess_{name}": f"gap_narrow - gap_narrow_{name}" for name in GAP_THEORIES},
     )
-    attributes = {name: getattr(options, name) for name in ("hurst", "periods", "points_per_wave")}
-    return claim(data, *apart).assign_attrs(methods="theory bem", **attributes)
+    asked = options.model_dump(include={"hurst", "periods", "points_per_wave"})
+    return claim(data, *apart).assign_attrs(methods="theory bem", **asked)
 
 
 def views(data: xr.Dataset) -> Views:
@@ -158,7 +157,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         finding(
             "comparison",
             f"Gaps below {NARROW:g} h_rms, contact left out, cover {{each}} by theory told the load.",
-            last.isel(asked=sorted({0, last.sizes["asked"] - 1})),
+            last.isel(asked=spread(last, "asked", 2)),
             item=f"{{gap_narrow}} of the nominal area at A/A0 = {{area_asked}}, {{verdict}} {whose} {{gap_narrow_{name}:~}} "
             f"(cumulated shares at most {{gap_distance_{name}:~}} apart)",
             by=f"gap_narrow_excess_{name}",

@@ -97,7 +97,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     )
     if options.percolating:
         data = _with_thresholds(data)
-    spectrum = {name: getattr(options, name) for name in ("hurst", "periods", "bandwidth", "points_per_wave")}
+    spectrum = options.model_dump(include={"hurst", "periods", "bandwidth", "points_per_wave"})
     return data.assign_attrs(methods="theory bem", **spectrum)
 
 

@@ -161,7 +161,7 @@ def _means(options: Options, amplitudes: str, bench: Bench) -> xr.Dataset:
         at: spectrum.reduced({c: measured[at, c] for c in spectrum.cases}) for at, spectrum in sampled.items()
     }
     data = gather(cells, hurst=options.hursts, bandwidth=options.bandwidths)
-    attributes = {name: getattr(options, name) for name in ("periods", "unsolved", "seed")}
+    attributes = options.model_dump(include={"periods", "unsolved", "seed"})
     return data.expand_dims(amplitudes=[amplitudes]).assign_attrs(
         study="reference", methods="bem", tolerance=_TOLERANCE, **attributes
     )
@@ -184,10 +184,9 @@ def _with_theories(data: xr.Dataset) -> xr.Dataset:
     summaries = [name for name in bare.data_vars if str(name).endswith(("median", "worst", "low", "high"))]
     equal = at_equal_alpha(exact, _ALPHAS)
     several = equal.area.where(equal.area.notnull().sum("hurst") > 1)
-    names = {"area": "area_equal", "bandwidth": "bandwidth_equal", "alpha": "nayak_equal"}
     added = (
         equal.drop_vars("area_error")
-        .rename(names)
+        .rename({"area": "area_equal", "bandwidth": "bandwidth_equal", "alpha": "nayak_equal"})
         .assign(area_equal_spread=(several.max("hurst") / several.min("hurst") - 1).max("alpha"))
     )
     data = data.assign({name: bare[name] for name in summaries}).merge(
@@ -260,5 +259,4 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
 def _costs(data: xr.Dataset) -> Finding:
     form = "Plain means over single surfaces on the same grids would cost, for the same intervals, in the median so many times "
     form += "what was spent on a load: {each}."
-    item = "{saving_median} at lambda_long/lambda_short = {bandwidth}"
-    return finding("cost", form, data, item=item)
+    return finding("cost", form, data, item="{saving_median} at lambda_long/lambda_short = {bandwidth}")

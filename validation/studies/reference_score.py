@@ -92,8 +92,7 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _worst(data: xr.Dataset) -> Finding:
-    size = abs(data.theory_excess).fillna(-1.0)
-    worst = data.isel(size.argmax(_CELL))
+    worst = data.isel(abs(data.theory_excess).fillna(-1.0).argmax(_CELL))
     form = "Farthest from the table: {each}."
     item = "{theory} lies {verdict} it, by {theory_excess:+%}, at H = {hurst}, bandwidth {bandwidth}, p* = {reduced_pressure}"
     return finding("comparison", form, worst, item=item, by="theory_excess")

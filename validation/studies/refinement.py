@@ -28,7 +28,7 @@ from validation.measurements.grids import (
     with_methods,
 )
 from validation.measurements.limits import solved, solver_error
-from validation.measurements.measurement import TOLERANCE, grid_for, press_on_grids
+from validation.measurements.measurement import TOLERANCE, grid_for, grids_for, press_on_grids
 from validation.measurements.references import beside_published, papers_of
 from validation.measurements.theory import ensemble_area
 from validation.report.estimates import claim, gather
@@ -145,7 +145,7 @@ def design(options: Options) -> dict[_Case, Call]:
         for method in PROTOCOL_METHODS:
             rough = grid_roughness(problem=problem, grid=(points, points), method=method)
             cases["scale", method, hurst, k] = rough
-        fine = tuple(grid_for(wide, n) for n in _CONVERGED)
+        fine = grids_for(wide, _CONVERGED)
         cases["converged", hurst, k] = press_on_grids(problem=wide, grids=fine, shifts=options.shifts)
     for element in options.blocks:
         mesh = (("method", "reduced"), ("element", element))
@@ -174,8 +174,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     if options.ladders:
         climbed = options.climbed.reduced({case: measured[case] for case in options.climbed.cases})
         data = data.merge(climbed, combine_attrs="override")
-        spectrum = options.model_dump(include={"hurst", "bandwidth", "periods"})
-        shares = spectral_errors(climbed, **spectrum)
+        shares = spectral_errors(climbed, **options.model_dump(include={"hurst", "bandwidth", "periods"}))
         data = claim(data, "kappa", **{source: share * data.kappa for source, share in shares.items()})
 
     def part(name: str) -> dict[_Case, xr.Dataset]:
@@ -185,12 +184,11 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         rough = protocol(part("protocol"), options.grid_scale_grids)
         data = beside_published(data.merge(rough, combine_attrs="override"))
     if options.protocol_hursts:
-        points = options.protocol_points
-        rough = protocol_of_solvers(part("scale"), part("converged"), data, points=points)
+        rough = protocol_of_solvers(part("scale"), part("converged"), data, points=options.protocol_points)
         data = data.merge(rough, combine_attrs="override")
     if options.blocks:
         strict = {str(element): measured["strict", element] for element in options.blocks}
-        meshes = [grid_for(options.first, n) for n in options.fem_points_per_wave]
+        meshes = grids_for(options.first, options.fem_points_per_wave)
         data = with_blocks(data, part("fem"), strict, meshes)
         further = {source: share * data.kappa_fem for source, share in shares.items()}
         data = claim(data, "kappa_fem", **further)

@@ -113,14 +113,13 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         decades="log(minimum(side_peak_bytes, side_seconds) / coarsest) / log(10)",
         excess_exponent="exponent_seconds - 1",
     )
-    attributes = {name: getattr(options, name) for name in ("reduced_pressure", "points_per_wave", "periods")}
+    attributes = options.model_dump(include={"reduced_pressure", "points_per_wave", "periods"})
     return data.assign_attrs(methods="bem", **attributes)
 
 
 def views(data: xr.Dataset) -> Views:
     """Exponents, what one more decade costs, and how many decades memory and an hour allow."""
     dots = {name: Line(f"{name}_each", by="surface", joined=False, label="") for name in _COSTS}
-    panels = [against("number", dots[name], f"{name}_fit", y=name, log="xy") for name in _COSTS]
     return Views(
         table=Table(rows=("points",), columns=("points", "bandwidth", *_COSTS, "area_located")),
         figures=[
@@ -128,7 +127,7 @@ def views(data: xr.Dataset) -> Views:
                 "cost-against-points",
                 "Processor time on one thread, pairs of transforms and memory of a cold solve, for surfaces "
                 "whose bandwidth grows with the grid; lines, fitted powers of the number of points.",
-                panels,
+                [against("number", dots[name], f"{name}_fit", y=name, log="xy") for name in _COSTS],
             )
         ],
         findings=[*_findings(data)],

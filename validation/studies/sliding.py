@@ -24,10 +24,10 @@ from validation.execution.bench import Bench
 from validation.files import read_whole
 from validation.measurements.common import Rising, base_case, in_rising_order
 from validation.measurements.limits import ABSENT
-from validation.measurements.measurement import grid_for
+from validation.measurements.measurement import grids_for
 from validation.measurements.sliding import SHARES, Rubber, slid_of, slides
 from validation.measurements.theory import RANKED, VARIANTS
-from validation.report.estimates import claim, derive, mean, same_of_all
+from validation.report.estimates import claim, derive, mean, same_of_all, spread
 from validation.report.values import Value
 from validation.report.views import Figure, Finding, Table, Views, against, finding
 from validation.scenes.tables import SolidSpec
@@ -98,7 +98,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     surface = options.self_affine(length=options.length)
     solid = SolidSpec(young=relaxed, poisson=rubber.poisson)
     base = base_case(surface, reduced_pressure=options.reduced_pressure, solid=solid)
-    grids = tuple(grid_for(base, points) for points in options.points_per_wave)
+    grids = grids_for(base, options.points_per_wave)
     cases = {
         k: slides(problem=base.further(k), rubber=rubber, velocities=options.velocities, grids=grids)
         for k in range(options.surfaces)
@@ -126,8 +126,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 def views(data: xr.Dataset) -> Views:
     """Friction and area over the velocity, and how both frictions meet as the grid is refined."""
-    count = data.sizes["velocity"]
-    some = {"velocity": sorted({0, count // 3, 2 * count // 3, count - 1})}
+    some = {"velocity": spread(data, "velocity", 4)}
     friction, area = ("friction", "friction_dissipated", *_FRICTIONS), ("area", *_AREAS)
     return Views(
         table=Table(rows=("velocity",), columns=("velocity", "modulus_passing", *friction, *area, *_RATIOS)),

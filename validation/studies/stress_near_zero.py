@@ -16,7 +16,7 @@ from validation.execution.measurement import Call
 from validation.measurements.common import Rising
 from validation.measurements.edge import edge_limits, edge_of_contact, start_of_pressure
 from validation.measurements.limits import solved
-from validation.report.estimates import change, derive, gather, mean, power_law
+from validation.report.estimates import change, derive, gather, mean, power_law, spread
 from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding
 from validation.studies._options import Bandwidth, Methods, ReducedPressure, Surfaces
 from validation.studies._scene import PressedOptions, SolverRequest
@@ -155,10 +155,9 @@ def _figures(data: xr.Dataset, m: int) -> Iterator[Figure]:
     ending = f"-{re.sub('[^A-Za-z0-9]+', '-', name)}" if m else ""
     method = f" By {name}." if m else ""
     at = {"method": m}
-    grids = sorted({0, data.sizes["grid"] // 2, data.sizes["grid"] - 1})
     densities = [
         Line("small_density", at={"grid": g}, look={"marker": ""}, label="dx/lambda_short = {spacing:.3}")
-        for g in grids
+        for g in spread(data, "grid")
     ]
     slopes = [Line(f"small_density_{way}", look={"marker": "", "ls": ls}) for way, ls in _WAYS.items()]
     top = 1.1 * float(data.small_density[m].max())

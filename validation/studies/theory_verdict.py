@@ -15,7 +15,7 @@ from validation.measurements.convergence import Ladders, spectral_errors
 from validation.measurements.distributions import largest_difference
 from validation.measurements.limits import solved, solver_error
 from validation.measurements.load_path import moved_shares
-from validation.measurements.measurement import grid_for, press_on_grids
+from validation.measurements.measurement import grids_for, press_on_grids
 from validation.measurements.theory import RANKED, modes_finding
 from validation.report.estimates import claim, derive
 from validation.report.values import value_of
@@ -73,7 +73,7 @@ def _solver_share(options: Options, bench: Bench) -> float:
     usual = press_on_grids(
         problem=replace(options.first, load=Load(reduced_pressure=0.01)),
         reduced_pressures=(0.01, 0.1, 1.0),
-        grids=tuple(grid_for(options.first, points) for points in (4.0, 6.0, 8.0)),
+        grids=grids_for(options.first, (4.0, 6.0, 8.0)),
         shifts=options.shifts,
         keep=("distributions",),
     )
