@@ -10,7 +10,7 @@ import numpy as np
 import scipy.ndimage
 import xarray as xr
 
-from fem_contact.area import EDGE_CONSTANTS, TRAITS, contact_areas
+from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from fem_contact.contact import ContactResult, Status
 from fem_contact.response import BondedLayer
 from validation import sandbox
@@ -19,7 +19,7 @@ from validation.effects.base import ContactModel
 from validation.execution.measurement import measurement
 from validation.execution.press import Press
 from validation.execution.solve import Prediction
-from validation.measurements.measurement import has_square_cells
+from validation.measurements.measurement import areas_read, has_square_cells
 from validation.measurements.statistics import relative_distance
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import EffectSpec
@@ -97,8 +97,7 @@ def beside_bem(
     located = located and has_square_cells(problem, grid)
     areas, half = contact_areas(contact, edge_constant=constant, subcell=located), contact_areas(ours)
     data = {
-        **{name: getattr(areas, name) for name in ("pixel", "perimeter", "edge_fraction", *TRAITS)},
-        "subcell": np.nan if areas.subcell is None else areas.subcell,
+        **areas_read(areas),
         "edge_constant": constant,
         "pixel_bem": half.pixel,
         "perimeter_bem": half.perimeter,

@@ -320,8 +320,7 @@ def _read_off(result: ContactResult, *, located: bool) -> dict[str, float]:
     full = result.in_contact.all() and not result.at_bound.any()
     half = np.searchsorted(np.cumsum(sizes), sizes.sum() / 2)
     return {
-        **{name: getattr(areas, name) for name in (*_AREAS, *TRAITS)},
-        "subcell": np.nan if areas.subcell is None else areas.subcell,
+        **areas_read(areas),
         "density_at_zero": density_at_zero(result).reduced,
         "patches": patches.count,
         "patch_size": patches.mean_size,
@@ -341,6 +340,12 @@ def _stiffness(result: ContactResult, problem: ContactProblem, *, tolerance: flo
         return math.inf
     frozen = frozen_contact(result, HalfSpace(solid=problem.elastic), tolerance=tolerance, threads=1)
     return frozen.stiffness * problem.field.rms_height / result.mean_pressure
+
+
+def areas_read(areas: ContactAreas) -> dict[str, float]:
+    """Return the numbers that `stored_areas` takes; the located area is NaN where there is none."""
+    subcell = math.nan if areas.subcell is None else areas.subcell
+    return {name: getattr(areas, name) for name in (*_AREAS, *TRAITS)} | {"subcell": subcell}
 
 
 def areas_of_solve(solve: Press, result: ContactResult) -> ContactAreas:

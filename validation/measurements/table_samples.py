@@ -19,12 +19,7 @@ from validation.measurements.common import persson_area
 from validation.measurements.control_variates import unsolved_pairs
 from validation.measurements.ensemble import Chained
 from validation.measurements.limits import ABSENT
-from validation.measurements.measurement import (
-    TOLERANCES_LEFT,
-    area_limits,
-    grids_for,
-    press_on_grids,
-)
+from validation.measurements.measurement import TOLERANCES_LEFT, area_limits, grids_for, press_on_grids
 from validation.report.estimates import LIMIT, claim, error_of
 from validation.scenes.problem import ContactProblem
 from validation.scenes.surfaces import spectrum_of

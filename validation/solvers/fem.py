@@ -15,16 +15,7 @@ from validation.arrays import Array
 from validation.effects.base import ContactModel, Effect, effect_key
 from validation.errors import UsageError
 from validation.report.quantities import as_length
-from validation.solvers.base import (
-    Blocks,
-    Cost,
-    Job,
-    Size,
-    Solved,
-    Solver,
-    check_bodies,
-    example_job,
-)
+from validation.solvers.base import Blocks, Cost, Job, Size, Solved, Solver, check_bodies, example_job
 from validation.solvers.bem import BYTES_PER_POINT, FIXED_BYTES, FIXED_PAIRS
 
 if TYPE_CHECKING:

@@ -90,7 +90,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         for leg, per_wave, solve in (*_blocks(options), *_others(options))
         for k, problem in enumerate(options.pressed)
     }
-    data = gathered(bench, cases, lambda d, _: _differences(d), "leg", "points_per_wave", "surface")
+    data = gathered(bench, cases, lambda d, _: read_off(d, **_READ), "leg", "points_per_wave", "surface")
     data = data.sortby("points_per_wave")
     data = reduce(reduce(data, "max", "residual"), "mean", "seconds", "seconds_bem")
     data, along = mean(data, *_COMPARED), ("points_per_wave", "surface")
@@ -108,19 +108,15 @@ _COMPARED = (
 )
 
 
-def _differences(measured: xr.Dataset) -> xr.Dataset:
-    return read_off(
-        measured,
-        pressure_difference_each="pressure_half_space",
-        pressure_difference_inside_each="pressure_inside",
-        area_difference_each="pixel / pixel_bem - 1",
-        area_difference_perimeter_each="perimeter / perimeter_bem - 1",
-        gap_difference_each="gap",
-        residual_each="residual",
-        converged_each="converged",
-        seconds_each="seconds",
-        seconds_bem_each="seconds_bem",
-    )
+#: What is read off every solve.
+_READ = {
+    "pressure_difference_each": "pressure_half_space",
+    "pressure_difference_inside_each": "pressure_inside",
+    "area_difference_each": "pixel / pixel_bem - 1",
+    "area_difference_perimeter_each": "perimeter / perimeter_bem - 1",
+    "gap_difference_each": "gap",
+    **{f"{name}_each": name for name in ("residual", "converged", "seconds", "seconds_bem")},
+}
 
 
 def views(data: xr.Dataset) -> Views:

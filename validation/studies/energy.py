@@ -21,17 +21,7 @@ from validation.measurements.common import Rising
 from validation.measurements.limits import solved
 from validation.measurements.measurement import TOLERANCE
 from validation.report.estimates import claim, derive
-from validation.report.views import (
-    Figure,
-    Finding,
-    Line,
-    Table,
-    Views,
-    against,
-    finding,
-    note,
-    ranking,
-)
+from validation.report.views import Figure, Finding, Line, Table, Views, against, finding, note, ranking
 from validation.studies import pressure
 from validation.studies._options import Shifts, Surfaces
 from validation.studies.pressure import AGREEMENT, design, measured_path

@@ -151,8 +151,11 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
-    yield _deviation(data, "skewness", "Skewness of the heights")
-    yield _deviation(data, "excess_kurtosis", "Excess kurtosis of the heights")
+    for name, quantity in (("skewness", "Skewness"), ("excess_kurtosis", "Excess kurtosis")):
+        item = f"{{{name}}} at {{periods}}, {{verdict}} zero"
+        yield finding(
+            "comparison", quantity + " of the heights by L/lambda_0: {each}.", data, item=item, by=name
+        )
     form = "Largest distance of the cumulated heights of one surface from the Gaussian, and its highest point over "
     form += "h_rms: {each}."
     yield finding("value", form, data, item="{height_distance} and {highest} at L/lambda_0 = {periods}")
@@ -170,8 +173,3 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
             "undecided": "less than half as much as the heights or not: not decided",
         },
     )
-
-
-def _deviation(data: xr.Dataset, name: str, quantity: str) -> Finding:
-    form, item = f"{quantity} by L/lambda_0: {{each}}.", f"{{{name}}} at {{periods}}, {{verdict}} zero"
-    return finding("comparison", form, data, item=item, by=name)

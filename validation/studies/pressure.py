@@ -19,17 +19,7 @@ from validation.measurements.measurement import TOLERANCE, press_on_grids
 from validation.measurements.theory import RANKED, modes_finding
 from validation.report.estimates import change, derive, mean
 from validation.report.values import value_of
-from validation.report.views import (
-    Column,
-    Figure,
-    Finding,
-    Level,
-    Line,
-    Table,
-    Views,
-    against,
-    finding,
-)
+from validation.report.views import Column, Figure, Finding, Level, Line, Table, Views, against, finding
 from validation.studies._options import Shifts
 from validation.studies._scene import PressedOptions
 from validation.studies._study import gathered
