@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from pydantic import Field
 
+from fem_contact import contact
 from fem_contact.area import EDGE_CONSTANTS
 from fem_contact.contact import ContactResult
 from fem_contact.errors import NotConverged
@@ -124,17 +125,18 @@ class Calculix(Solver):
         forces, rises = _run(deck, field.shape, seconds=float(job.settings.get("seconds", _SECONDS)))
         claim = Claim(
             pressure=-forces / (sides[0] * sides[1] / field.heights.size) * stress,
-            in_contact=None,
-            iterations=0,
-            wall_seconds=time.perf_counter() - began,
-            cpu_seconds=os.times().children_user - clock.children_user,
-            peak_bytes=0,
+            cost=contact.Cost(
+                wall_seconds=time.perf_counter() - began,
+                cpu_seconds=os.times().children_user - clock.children_user,
+                iterations=0,
+                unknowns=3 * field.heights.size * (planes.size - 1),
+                peak_bytes=0,
+            ),
         )
         accepted_job = replace(job, settings={"tolerance": _ACCEPTED, **job.settings})
         rise = -rises * length
-        contact = verified(claim, accepted_job, method=self.label, element="Hex1", displacement=rise)
-        unknowns = 3 * field.heights.size * (planes.size - 1)
-        return Solved(contact=replace(contact, cost=replace(contact.cost, unknowns=unknowns)))
+        judged = verified(claim, accepted_job, method=self.label, element="Hex1", displacement=rise)
+        return Solved(contact=judged)
 
     def edge_constant(self, result: ContactResult) -> float:
         """Return that of linear hexahedra."""

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
+from fem_contact import contact
 from fem_contact.area import EDGE_CONSTANTS
 from fem_contact.contact import ContactResult, Status, measure_residuals
 from fem_contact.errors import NotConverged
@@ -138,7 +139,7 @@ class ExternalSolver(Solver):
             parameters |= {"thickness": model.response.thickness, "poisson": model.solid.poisson}
         parameters |= load
         try:
-            answer = sandbox.call(
+            claim: Claim = sandbox.call(
                 serve,
                 function,
                 str(Path.cwd()),
@@ -156,7 +157,7 @@ class ExternalSolver(Solver):
         except Exception as error:  # whatever it raises is its answer
             line = " ".join(str(error).split())[:_MOST_WORDS]
             raise NotConverged(f"{function}: raised {type(error).__name__}: {line}") from None
-        pressure, mask = np.array(answer["pressure"]), answer["in_contact"]
+        pressure, mask = np.array(claim.pressure), claim.in_contact
         if pressure.shape != field.shape:
             raise NotConverged(
                 f"{function}: pressures of shape {pressure.shape}: must have that of the heights, "
@@ -164,8 +165,8 @@ class ExternalSolver(Solver):
             )
         if not np.isfinite(pressure).all():
             raise NotConverged(f"{function}: pressures are not finite")
-        in_contact = None if mask is None or mask.shape != field.shape else mask.astype(bool)
-        return Claim(**{**answer, "pressure": pressure, "in_contact": in_contact})
+        named = None if mask is None or mask.shape != field.shape else mask
+        return replace(claim, pressure=pressure, in_contact=named)
 
     def solve(self, job: Job) -> Solved:
         """Ask the solver, and judge its pressures; its process has one thread."""
@@ -287,8 +288,8 @@ def serve(
     lengths: Sequence[float],
     given: Mapping[str, Any],
     parameters: Mapping[str, Any],
-) -> dict[str, Any]:
-    """Call a solver, in the child process; return its fields and what it took."""
+) -> Claim:
+    """Call a solver, in the child process; return what it says and what it took."""
     solve, taken = _imported(function, folder), keywords(function, folder)
     more = {name: value for name, value in parameters.items() if name in taken}
     heights = heights.copy()  # its own, to write to
@@ -298,15 +299,18 @@ def serve(
     spent, passed = time.process_time() - clock, time.perf_counter() - began
     mask, iterations, converged = (_field(answer, name) for name in ("in_contact", "iterations", "converged"))
     pressure = _field(answer, "pressure")
-    return {
-        "pressure": np.asarray(answer if pressure is None else pressure).astype(float, casting="same_kind"),
-        "in_contact": None if mask is None else np.array(mask, dtype=bool),
-        "iterations": 0 if iterations is None else int(iterations),
-        "converged": None if converged is None else bool(converged),
-        "cpu_seconds": spent,
-        "wall_seconds": passed,
-        "peak_bytes": max(_peak_bytes() - before, 0),
-    }
+    return Claim(
+        pressure=np.asarray(answer if pressure is None else pressure).astype(float, casting="same_kind"),
+        in_contact=None if mask is None else np.array(mask, dtype=bool),
+        converged=None if converged is None else bool(converged),
+        cost=contact.Cost(
+            wall_seconds=passed,
+            cpu_seconds=spent,
+            iterations=0 if iterations is None else int(iterations),
+            unknowns=heights.size,
+            peak_bytes=max(_peak_bytes() - before, 0),
+        ),
+    )
 
 
 def _field(answer: Any, name: str) -> Any:
