@@ -22,7 +22,7 @@ def views(data: xr.Dataset) -> Views:
     counted = (Column("kappa_pixel", {"grid": -1}), Column("kappa_pixel", {"grid": 0}))
     theories = ("kappa_persson", "kappa_ensemble", "kappa_yang_persson", "kappa_wang_mueser", "kappa_xu")
     return Views(
-        table=Table(rows=("family", "hurst", "load"), columns=(*names, *counted, *theories)),
+        table=Table(("family", "hurst", "load"), (*names, *counted, *theories)),
         budget=("kappa", *(("kappa_by_solver",) if beside else ())),
         figures=[
             *(_of_solvers_against_hurst(data) if beside else ()),

@@ -25,11 +25,11 @@ def views(data: xr.Dataset) -> Views:
     names += ("first_moment", "density_at_zero", "patches")
     parts = tuple(Column("cells_at_part", {"part": k}) for k in range(data.sizes["part"]))
     return Views(
-        table=Table(rows=("grid",), columns=(*names, *parts, "seconds")),
+        table=Table(("grid",), (*names, *parts, "seconds")),
         more=(
             Table(
-                rows=("grid",),
-                columns=("points", "points_per_wave", *(Column(name, {"surface": 0}) for name in _AREAS)),
+                ("grid",),
+                ("points", "points_per_wave", *(Column(name, {"surface": 0}) for name in _AREAS)),
                 title="The first surface alone, which is that of a scene",
                 note="A/A0 on each grid, and its limit with the interval of the grids.",
                 file="first-surface",

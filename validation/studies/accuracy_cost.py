@@ -219,7 +219,7 @@ def views(data: xr.Dataset) -> Views:
     findings += [note(form, it=data.attrs[name]) for name, form in _NOTES.items() if data.attrs.get(name)]
     names = [f"{name}_{which}" for which in ("fastest", "leanest") for name in ("way", *_COSTS)]
     return Views(
-        table=Table(rows=("target",), columns=("accuracy", *names)),
+        table=Table(("target",), ("accuracy", *names)),
         figures=[
             Figure(
                 "accuracy-cost",

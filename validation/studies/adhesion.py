@@ -168,8 +168,7 @@ def views(data: xr.Dataset) -> Views:
     yields = ("area_plastic", "area_plastic_improved")
     return Views(
         table=Table(
-            rows=("case",),
-            columns=("varied", *_DIALS.values(), *_AREAS, *gains, *energy, *yields, "attraction_range"),
+            ("case",), ("varied", *_DIALS.values(), *_AREAS, *gains, *energy, *yields, "attraction_range")
         ),
         budget=("area", "area_gain"),
         figures=[

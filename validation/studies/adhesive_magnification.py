@@ -176,7 +176,7 @@ def views(data: xr.Dataset) -> Views:
     columns = ["told", "magnification", "area_plain", *(f"{name}{end}" for name in _COMPARED for end in ends)]
     columns += ["area_gain", *(f"stress_distance_{reading}" for reading in READINGS), "area_parted"]
     return Views(
-        table=Table(rows=("told", "magnification"), columns=tuple(columns)),
+        table=Table(("told", "magnification"), tuple(columns)),
         budget=("area", "force_inside"),
         figures=[
             Figure(

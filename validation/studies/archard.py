@@ -122,8 +122,7 @@ def views(data: xr.Dataset) -> Views:
     ]
     return Views(
         table=Table(
-            rows=("level", "load"),
-            columns=("levels", "relative_load", *areas, "area_over_archard", "load_exponent"),
+            ("level", "load"), ("levels", "relative_load", *areas, "area_over_archard", "load_exponent")
         ),
         budget=("load_exponent",),
         figures=[

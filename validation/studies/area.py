@@ -89,7 +89,7 @@ def views(data: xr.Dataset) -> Views:
     area = against("reduced_pressure", "area", "area_persson", log="xy")
     kappa = against("reduced_pressure", "kappa", "kappa_persson", log="x")
     return Views(
-        table=Table(rows=("reduced_pressure",), columns=columns),
+        table=Table(("reduced_pressure",), columns),
         budget=("area",),
         figures=[
             Figure("area", "Contact area against load, beside Persson's theory.", [area]),

@@ -185,7 +185,7 @@ def views(data: xr.Dataset) -> Views:
     columns = ("hurst", "reduced_pressure", "octave", *_TERMS, "square_told", "square_growth_path")
     areas = ("area_exponent", "area_exponent_pixel", "area_exponent_persson", "loss_ratio", "area_ratio_end")
     return Views(
-        table=Table(rows=("hurst", "load", "octave"), columns=(*columns, *areas)),
+        table=Table(("hurst", "load", "octave"), (*columns, *areas)),
         budget=("square_growth_late", "edge_loss", "pressure_slope"),
         figures=[Figure(name, _CAPTIONS[name], some) for name, some in panels.items()],
         findings=[*_findings(data)],

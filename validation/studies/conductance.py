@@ -102,7 +102,7 @@ def views(data: xr.Dataset) -> Views:
     ratios = [f"stiffness_ratio_{variant}" for variant in WITH_ENERGY]
     columns = ("periods", "reduced_pressure", "area_perimeter", "gap", "stiffness", *theory, *ratios)
     return Views(
-        table=Table(rows=("periods", "load"), columns=columns),
+        table=Table(("periods", "load"), columns),
         budget=("stiffness",),
         figures=[
             Figure(

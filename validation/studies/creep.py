@@ -76,8 +76,7 @@ def views(data: xr.Dataset) -> Views:
     areas = ("area", "area_crept", *(f"area_{name}" for name in VARIANTS))
     return Views(
         table=Table(
-            rows=("phase", "instant"),
-            columns=("phase", "duration", "creep_modulus", *areas, "area_memory", "area_excess"),
+            ("phase", "instant"), ("phase", "duration", "creep_modulus", *areas, "area_memory", "area_excess")
         ),
         budget=("area",),
         figures=[

@@ -162,8 +162,8 @@ def views(data: xr.Dataset) -> Views:
     ]
     return Views(
         table=Table(
-            rows=("leg", "points_per_wave"),
-            columns=("leg", "points_per_wave", *_COMPARED, "residual", "seconds", "seconds_bem"),
+            ("leg", "points_per_wave"),
+            ("leg", "points_per_wave", *_COMPARED, "residual", "seconds", "seconds_bem"),
         ),
         figures=[
             Figure(

@@ -97,8 +97,7 @@ def views(data: xr.Dataset) -> Views:
 
     return Views(
         table=Table(
-            rows=("case",),
-            columns=("varied", "element", "depth", "growth", "poisson", *names, "area_difference"),
+            ("case",), ("varied", "element", "depth", "growth", "poisson", *names, "area_difference")
         ),
         figures=[
             Figure(

@@ -131,7 +131,7 @@ def views(data: xr.Dataset) -> Views:
     """Ratios to every theory, what is missing towards full contact, and the checks."""
     ratios = [f"{name}{end}" for name in _COMPARED for end in ("", "_over")]
     return Views(
-        table=Table(rows=("theory", "load"), columns=("theory", "reduced_pressure", "area", *ratios)),
+        table=Table(("theory", "load"), ("theory", "reduced_pressure", "area", *ratios)),
         budget=_COMPARED,
         figures=_figures(),
         findings=[*_findings(data)],

@@ -109,8 +109,8 @@ def views(data: xr.Dataset) -> Views:
     item += "with a coating, whose E' is infinite ({modulus_ratio} times as stiff below)"
     return Views(
         table=Table(
-            rows=("modulus_ratio",),
-            columns=("modulus_ratio", "felt_error_mild", "felt_error_profile", "felt_error_coating"),
+            ("modulus_ratio",),
+            ("modulus_ratio", "felt_error_mild", "felt_error_profile", "felt_error_coating"),
         ),
         figures=[
             Figure(

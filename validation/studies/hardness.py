@@ -165,7 +165,7 @@ def views(data: xr.Dataset) -> Views:
         for column in (name, Column(f"{name}_pixel", finest), f"{name}_persson", f"{name}_excess")
     ]
     return Views(
-        table=Table(rows=("case",), columns=("varied", "reduced_pressure", "magnification", *shown)),
+        table=Table(("case",), ("varied", "reduced_pressure", "magnification", *shown)),
         budget=("area_plastic", "area_elastic"),
         figures=[
             *(_figure(part, finest) for part in parts),

@@ -133,7 +133,7 @@ def views(data: xr.Dataset) -> Views:
         Level("rms_height_change", label="h_rms", look={"color": "black", "ls": ":"}),
     ]
     return Views(
-        table=Table(rows=("sample",), columns=("periods", *_DEVIATIONS)),
+        table=Table(("sample",), ("periods", *_DEVIATIONS)),
         budget=(*_DEVIATIONS, "area_change"),
         figures=[
             Figure(

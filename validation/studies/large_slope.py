@@ -88,9 +88,7 @@ def views(data: xr.Dataset) -> Views:
         steepest=data.rms_gradient[-1],
     )
     return Views(
-        table=Table(
-            rows=("nu", "load", "slope"), columns=("poisson", "reduced_pressure", "rms_gradient", *CHANGES)
-        ),
+        table=Table(("nu", "load", "slope"), ("poisson", "reduced_pressure", "rms_gradient", *CHANGES)),
         budget=("area_finite_rate", "square_finite_rate"),
         figures=[
             Figure(

@@ -97,7 +97,7 @@ def views(data: xr.Dataset) -> Views:
     columns = ("bandwidth", "area_asked", *conductances, "gap_conductance_constriction", "closed")
     narrow = ("gap_narrow", *(f"gap_{of}_{name}" for of in ("narrow", "distance") for name in GAP_THEORIES))
     return Views(
-        table=Table(rows=("bandwidth", "asked"), columns=(*columns, *narrow)),
+        table=Table(("bandwidth", "asked"), (*columns, *narrow)),
         budget=("percolation_area_pooled", "gap_conductance"),
         figures=[
             Figure(

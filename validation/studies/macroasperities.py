@@ -152,7 +152,7 @@ def views(data: xr.Dataset) -> Views:
     columns = ("reduced_pressure", "magnification", "area", "area_persson", "contact_pressure")
     patch_columns = ("patch_density", "relative_patch_size", "largest_patch", "area_inside", "load_inside")
     return Views(
-        table=Table(rows=("load", "magnification"), columns=(*columns, *patch_columns)),
+        table=Table(("load", "magnification"), (*columns, *patch_columns)),
         budget=("percolation_area_pooled" if percolates else "load_inside",),
         figures=[
             Figure(

@@ -94,7 +94,7 @@ def views(data: xr.Dataset) -> Views:
     areas = ("area", "area_persson", "area_ensemble")
     columns = ("reduced_pressure", "magnification", *areas, "area_ratio")
     return Views(
-        table=Table(rows=("load", "magnification"), columns=columns),
+        table=Table(("load", "magnification"), columns),
         budget=("area",),
         figures=[
             Figure(

@@ -112,7 +112,7 @@ def views(data: xr.Dataset) -> Views:
         columns += [name, Column(f"{name}_predicted", {"theory": 0})]
     columns += ["patches", "patch_size", *(f"moved_{name}" for name in SHARES)]
     return Views(
-        table=Table(rows=("load",), columns=tuple(columns)),
+        table=Table(("load",), tuple(columns)),
         budget=("area", "gap", "compliance", "energy_ratio"),
         figures=_figures(data),
         findings=[*_findings(data, first.isel(load=picked_loads(data))), modes_finding(data)],

@@ -211,7 +211,7 @@ def views(data: xr.Dataset) -> Views:
     alpha = against("nayak_equal", Line("kappa_equal", **plain), log="x")
     few, cell = _some_loads(data), ("amplitudes", "hurst", "bandwidth", "reduced_pressure")
     return Views(
-        table=Table(rows=cell, columns=(*cell, "area", *names)),
+        table=Table(cell, (*cell, "area", *names)),
         figures=[
             Figure(
                 "reference",

@@ -79,7 +79,7 @@ def views(data: xr.Dataset) -> Views:
         caption = f"Area of {label} over that of the table, less one. The colours end at the worst cell."
         figures.append(Figure(f"excess-{k}", caption, panels, width=3.0 * len(panels), height=2.8))
     columns = ("theory", *_CELL, "area", "area_scored", "theory_excess", "z_score")
-    table = Table(rows=("theory", *_CELL), columns=columns)
+    table = Table(("theory", *_CELL), columns)
     return Views(table=table, budget=("area",), figures=figures, findings=[*_findings(data)])
 
 

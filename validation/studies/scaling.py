@@ -121,7 +121,7 @@ def views(data: xr.Dataset) -> Views:
     """Exponents, what one more decade costs, and how many decades memory and an hour allow."""
     dots = {name: Line(f"{name}_each", by="surface", joined=False, label="") for name in _COSTS}
     return Views(
-        table=Table(rows=("points",), columns=("points", "bandwidth", *_COSTS, "area_located")),
+        table=Table(("points",), ("points", "bandwidth", *_COSTS, "area_located")),
         figures=[
             Figure(
                 "cost-against-points",

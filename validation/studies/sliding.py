@@ -129,7 +129,7 @@ def views(data: xr.Dataset) -> Views:
     some = {"velocity": spread(data, "velocity", 4)}
     friction, area = ("friction", "friction_dissipated", *_FRICTIONS), ("area", *_AREAS)
     return Views(
-        table=Table(rows=("velocity",), columns=("velocity", "modulus_passing", *friction, *area, *_RATIOS)),
+        table=Table(("velocity",), ("velocity", "modulus_passing", *friction, *area, *_RATIOS)),
         budget=("friction", "area"),
         figures=[
             Figure(

@@ -145,7 +145,7 @@ def views(data: xr.Dataset) -> Views:
     wrong = int((data.outcome == "WRONG").sum())
     judged = ("case", "method", "varied", "value", "deviation", "bound")
     return Views(
-        table=Table(rows=("row",), columns=(*judged, "outcome", "seconds", "message")),
+        table=Table(("row",), (*judged, "outcome", "seconds", "message")),
         figures=[
             Figure(
                 "stability",

@@ -112,8 +112,8 @@ def views(data: xr.Dataset) -> Views:
     """P(sigma) near zero, and what its start tends to."""
     return Views(
         table=Table(
-            rows=("method", "grid"),
-            columns=("method", "spacing", "density_at_zero", "window_slope", "contour_slope", "patches"),
+            ("method", "grid"),
+            ("method", "spacing", "density_at_zero", "window_slope", "contour_slope", "patches"),
         ),
         budget=("initial_density", "initial_slope_window", "initial_slope_contour"),
         figures=[figure for m in range(data.sizes["method"]) for figure in _figures(data, m)],

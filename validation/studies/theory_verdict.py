@@ -127,7 +127,7 @@ def views(data: xr.Dataset) -> Views:
         for name in COMPARED
     ]
     return Views(
-        table=Table(rows=("theory", "load"), columns=(*columns, "stress_distance")),
+        table=Table(("theory", "load"), (*columns, "stress_distance")),
         budget=("area",),
         figures=[
             Figure(

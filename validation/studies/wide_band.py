@@ -125,8 +125,8 @@ def views(data: xr.Dataset) -> Views:
     beside = against("nayak_by_spectrum", solved_alone, laws, log="x", at=middle)
     return Views(
         table=Table(
-            rows=("hurst", "bandwidth", "reduced_pressure"),
-            columns=("hurst", "bandwidth", "reduced_pressure", "nayak_by_spectrum", "area", "area_excess"),
+            ("hurst", "bandwidth", "reduced_pressure"),
+            ("hurst", "bandwidth", "reduced_pressure", "nayak_by_spectrum", "area", "area_excess"),
         ),
         budget=("area_excess",),
         figures=[
