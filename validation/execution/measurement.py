@@ -92,8 +92,7 @@ class Call(Solve):
 
     def do(self, *, threads: int | None = None) -> xr.Dataset:
         """Solve, and keep the numbers."""
-        dataset: xr.Dataset = self.measurement.function(**dict(self.arguments))
-        return dataset
+        return self.measurement.function(**dict(self.arguments))
 
     @property
     def finest(self) -> tuple[int, ...]:

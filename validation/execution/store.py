@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from fem_contact.contact import ContactResult
 from validation.errors import RunFailed, UsageError
@@ -24,6 +24,8 @@ from validation.files import read_whole, reason, write_whole
 
 if TYPE_CHECKING:
     import xarray as xr
+
+T = TypeVar("T")
 
 _SUFFIX = ".nc"
 _ASIDE = ".nc.corrupt"
@@ -115,8 +117,7 @@ def read_result(path: Path) -> ContactResult:
     """Read the fields of a stored solve by the name of its file; RunFailed for none, or a damaged one."""
     from validation.execution.fields import decode_result
 
-    result: ContactResult = _content_of(path, decode_result)
-    return result
+    return _content_of(path, decode_result)
 
 
 def write_numbers(path: Path, data: xr.Dataset, *, recipe: Mapping[str, Any]) -> None:
@@ -128,11 +129,10 @@ def write_numbers(path: Path, data: xr.Dataset, *, recipe: Mapping[str, Any]) ->
 
 def read_numbers(path: Path) -> xr.Dataset:
     """Return what `write_numbers` wrote, verified; RunFailed for none, or a damaged one."""
-    data: xr.Dataset = _content_of(path, read_dataset)
-    return data
+    return _content_of(path, read_dataset)
 
 
-def _content_of(path: Path, decode: Callable[[memoryview], Any]) -> Any:
+def _content_of(path: Path, decode: Callable[[memoryview], T]) -> T:
     try:
         data = _bytes_of(path)
         if data is None:

@@ -24,7 +24,7 @@ from validation.measurements.statistics import relative_distance
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import EffectSpec
 from validation.solvers import find_solver
-from validation.solvers.base import Job, Settings, Solver
+from validation.solvers.base import Settings, Solver
 
 #: Points closer than this to the edge of either contact, in cells, are left out of the second pressure difference.
 _EDGE_CELLS = 1.5
@@ -79,10 +79,10 @@ def beside_bem(
         of a process of its own, its located area read off by the code that reads ours.
     """
     field, solver, given = problem.heights(grid), find_solver(method), dict(settings)
-    model, load = ContactModel.filled(problem.elastic, effects), {"mean_pressure": problem.pressure}
+    model = ContactModel.filled(problem.elastic, effects)
 
     def solved(by: Solver, options: Mapping[str, Any], on: ContactModel = model) -> ContactResult:
-        return by.solve(Job(field=field, load=load, model=on, settings=options, threads=1)).contact
+        return by.pressed(field, on, problem.pressure, **options)
 
     bem = find_solver("bem")
     ours = solved(bem, {}).checked()

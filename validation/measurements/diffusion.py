@@ -183,8 +183,7 @@ def _with_square_budget(data: xr.Dataset) -> xr.Dataset:
     unit = _by_octave(data, 0.5 * (area + later) * (after - before))
 
     def over_unit(values: xr.DataArray) -> xr.DataArray:
-        share: xr.DataArray = _by_octave(data, values * before) / unit
-        return share
+        return _by_octave(data, values * before) / unit
 
     def limit(name: str) -> xr.DataArray:
         return two_grid_limit(data[f"{name}_each"], data.grid_spacing)

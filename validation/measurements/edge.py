@@ -23,7 +23,7 @@ from validation.measurements.measurement import grid_for
 from validation.report.estimates import gather
 from validation.scenes.problem import ContactProblem
 from validation.solvers import find_solver
-from validation.solvers.base import Job, Settings
+from validation.solvers.base import Settings
 
 Place = TypeVar("Place")
 
@@ -56,14 +56,8 @@ def edge_of_contact(
 ) -> xr.Dataset:
     """Return P(sigma) of one realisation at small pressure and the edge coefficient, in units of E* h'_rms, lambda_short."""
     unit, solver = problem.pressure_scale, find_solver(method)
-    job = Job(
-        field=problem.heights(grid),
-        load={"mean_pressure": reduced_load(problem) * unit},
-        model=ContactModel(solid=problem.elastic),
-        settings=dict(settings),
-        threads=1,
-    )
-    result = solver.solve(job).contact.checked()
+    field, model = problem.heights(grid), ContactModel(solid=problem.elastic)
+    result = solver.pressed(field, model, reduced_load(problem) * unit, **dict(settings)).checked()
     edges = np.linspace(0, _TOP, _BINS + 1)
     density = pressure_distribution(result, edges * unit).density * unit
     wave = problem.shortest

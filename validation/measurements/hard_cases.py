@@ -20,7 +20,6 @@ from validation.arrays import Array
 from validation.effects.base import ContactModel
 from validation.measurements.statistics import relative_distance
 from validation.solvers import chosen_solver
-from validation.solvers.base import Job
 
 _SOLID = Solid(young=1.0, poisson=0.3)
 _HALF_SPACE = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
@@ -159,9 +158,7 @@ def elastic_cases(method: str) -> tuple[HardCase, ...]:
         solver, options = chosen_solver(method)
 
         def press(surface: HeightField, load: float) -> ContactResult:
-            model = ContactModel(solid=_HALF_SPACE.solid)
-            job = Job(field=surface, load={"mean_pressure": load}, model=model, settings=options, threads=1)
-            return solver.solve(job).contact
+            return solver.pressed(surface, ContactModel(solid=_HALF_SPACE.solid), load, **options)
 
     plain = "Polonsky-Keer on the same {}; relative L2 of the pressure"
     cases = (

@@ -174,8 +174,7 @@ def two_grid_step(values: xr.DataArray, spacing: xr.DataArray, *, order: int = 1
     grid = str(spacing.dims[-1])
     coarse, fine = (spacing.isel({grid: k}, drop=True) ** order for k in (-2, -1))
     low, high = (values.isel({grid: k}, drop=True) for k in (-2, -1))
-    step: xr.DataArray = (high - low) * fine / (coarse - fine)
-    return step
+    return (high - low) * fine / (coarse - fine)
 
 
 def two_grid_limit(values: xr.DataArray, spacing: xr.DataArray) -> xr.DataArray:

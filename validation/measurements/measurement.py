@@ -32,7 +32,6 @@ from validation.scenes.scene import EffectSpec
 from validation.scenes.surfaces import spectrum_of
 from validation.scenes.tables import FileSurface
 from validation.solvers import find_solver
-from validation.solvers.base import Job
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -242,14 +241,8 @@ def pressed_path(
         yield from elastic_path(field, problem.elastic, pressures, tolerance=tolerance)
         return
     for pressure in pressures:
-        job = Job(
-            field=field,
-            load={"mean_pressure": pressure},
-            model=ContactModel.filled(problem.elastic, effects),
-            settings={"tolerance": tolerance},
-            threads=1,
-        )
-        yield find_solver("bem").solve(job).contact.checked()
+        model = ContactModel.filled(problem.elastic, effects)
+        yield find_solver("bem").pressed(field, model, pressure, tolerance=tolerance).checked()
 
 
 def elastic_path(

@@ -208,6 +208,13 @@ class Solver(Method):
     def solve(self, job: Job) -> Solved:
         """Press a surface with the load, or to the distance, that is asked for."""
 
+    def pressed(
+        self, field: HeightField, model: ContactModel, pressure: float, **settings: Any
+    ) -> ContactResult:
+        """Return what it makes of a surface under a mean pressure [Pa], on one thread."""
+        load = {"mean_pressure": pressure}
+        return self.solve(Job(field=field, load=load, model=model, settings=settings, threads=1)).contact
+
     def felt(self, job: Job) -> Response:
         """Return the response by which displacements follow from its pressures at the points of a surface."""
         return job.model.felt_response

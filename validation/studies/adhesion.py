@@ -63,7 +63,7 @@ class Options(StudyOptions):
     hardnesses: Positives = (0.3, 0.6, 1.2)
     """H / (E* h'_rms)"""
     seed: Seed = 11
-    surfaces: int = Field(default=3, ge=1, le=10_000)
+    surfaces: int = Field(default=3, ge=1)
     """how many"""
     grids: tuple[int, int] = (256, 384)
     """points along a side, two, rising; the range of the attraction is the shortest that the first resolves"""

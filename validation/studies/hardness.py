@@ -45,7 +45,7 @@ class Options(StudyOptions):
     smoothing_reduced_pressure: Positive = 0.1
     """p* at which magnifications are walked through and surfaces are smoothed"""
     seed: Seed = 11
-    surfaces: int = Field(default=2, ge=1, le=10_000)
+    surfaces: int = Field(default=2, ge=1)
     """how many"""
     grids: Annotated[tuple[Annotated[int, Field(ge=2)], ...], Field(min_length=1)] = (64, 128, 256)
     """points along a side; the limit is that of the two finest, the one before says how sure it is"""

@@ -33,7 +33,7 @@ from validation.measurements.references import beside_published, papers_of
 from validation.measurements.theory import ensemble_area
 from validation.report.estimates import claim, gather
 from validation.solvers.theory import predict
-from validation.studies._options import Element, Hurst, Methods, ReducedPressure, Surfaces
+from validation.studies._options import Element, Hurst, Methods, ReducedPressure, Shifts, Surfaces
 from validation.studies._refinement_views import views
 from validation.studies._scene import PressedOptions, SolverRequest
 from validation.units import wrong
@@ -64,8 +64,7 @@ class Options(PressedOptions):
     methods: Methods = ("bem", "fem")
     reduced_pressure: ReducedPressure = 0.05
     surfaces: Surfaces = 4
-    shifts: int = Field(default=SHIFTS, ge=1)
-    """sub-grid shifts along each axis"""
+    shifts: Shifts = SHIFTS
     points_per_wave: Ladder = (2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0)
     """grids, as lambda_short/dx, rising; below 3 they are run, labelled and left out of the limit"""
     grid_scale_grids: tuple[Annotated[int, Field(ge=8)], ...] = (64, 128, 256)
