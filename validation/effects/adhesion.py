@@ -79,7 +79,7 @@ class Adhesion(Effect):
 
         modulus = model.felt_response.contact_modulus
         for grid in grids:
-            spacing = max(length / n for length, n in zip(problem.lengths, grid, strict=True))
+            spacing = max(problem.spacing(grid))
             cells = cells_in_process_zone(self.gap_law(), spacing=spacing, contact_modulus=modulus)
             if cells < CELLS_NEEDED:
                 needed = [int(np.ceil(n * CELLS_NEEDED / cells)) for n in grid]

@@ -95,7 +95,7 @@ def grid_tolerance(problem: ContactProblem, grids: Sequence[Grid]) -> float:
 
 def has_square_cells(problem: ContactProblem, grid: Grid) -> bool:
     """Whether the cells of a grid are square within 5 %, so that edges can be located inside them."""
-    dx, dy = (length / n for length, n in zip(problem.lengths, grid, strict=True))
+    dx, dy = problem.spacing(grid)
     return abs(dx / dy - 1) <= _SQUARE
 
 

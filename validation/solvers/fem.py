@@ -73,7 +73,7 @@ class Fem(Solver):
         """Refuse elements that lock, two depths, and a solid that is no clamped body."""
         depth, growth = options.depth or max(problem.lengths), options.growth
         for grid in options.grids:
-            ratio = depth / max(length / n for length, n in zip(problem.lengths, grid, strict=True))
+            ratio = depth / max(problem.spacing(grid))
             layers = ratio if growth == 1 else math.log1p(ratio * (growth - 1)) / math.log(growth)
             if layers > _MOST_LAYERS:
                 raise UsageError(
@@ -168,7 +168,7 @@ class Fem(Solver):
         from fem_contact.block import wave_errors
 
         for grid in sorted(options.grids):
-            spacing = max(length / n for length, n in zip(problem.lengths, grid, strict=True))
+            spacing = max(problem.spacing(grid))
             name = f"finite elements, {grid[0]} x {grid[1]}"
             if problem.longest < 2 * spacing:
                 cells = problem.longest / spacing

@@ -209,7 +209,9 @@ def views(data: xr.Dataset) -> Views:
         for name, title in VARIANTS.items()
     ]
     alpha = against("nayak_equal", Line("kappa_equal", **plain), log="x")
-    few, cell = _some_loads(data), ("amplitudes", "hurst", "bandwidth", "reduced_pressure")
+    light = np.flatnonzero(data.reduced_pressure.values < _MIDDLING)
+    few = sorted({int(light[k]) for k in (0, light.size // 2, -1)}) if light.size else [0]
+    cell = ("amplitudes", "hurst", "bandwidth", "reduced_pressure")
     return Views(
         table=Table(cell, (*cell, "area", *names)),
         figures=[
@@ -233,17 +235,12 @@ def views(data: xr.Dataset) -> Views:
                 width=4.0 * len(few),
             ),
         ],
-        findings=[*_findings(data.isel(reduced_pressure=few)), _costs(data)],
+        findings=[*_findings(data, few)],
     )
 
 
-def _some_loads(data: xr.Dataset) -> list[int]:
-    light = np.flatnonzero(data.reduced_pressure.values < _MIDDLING)
-    return sorted({int(light[0]), int(light[light.size // 2]), int(light[-1])}) if light.size else [0]
-
-
-def _findings(data: xr.Dataset) -> Iterator[Finding]:
-    at = "at p* = {reduced_pressure}"
+def _findings(whole: xr.Dataset, few: list[int]) -> Iterator[Finding]:
+    data, at = whole.isel(reduced_pressure=few), "at p* = {reduced_pressure}"
     form = "Half of the 95 % interval of A/A0 is {each} (surfaces, grid, solver, size; L/lambda_long = {periods})."
     item = "{interval_median:%} in the median and {interval_worst:%} at worst " + at
     yield finding("value", form, data, item=item)
@@ -254,9 +251,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "At equal Nayak parameter the areas of the Hurst exponents that have it lie apart by at most {each}."
     )
     yield finding("value", form, data, item="{area_equal_spread:%} " + at)
-
-
-def _costs(data: xr.Dataset) -> Finding:
     form = "Plain means over single surfaces on the same grids would cost, for the same intervals, in the median so many times "
     form += "what was spent on a load: {each}."
-    return finding("cost", form, data, item="{saving_median} at lambda_long/lambda_short = {bandwidth}")
+    yield finding("cost", form, whole, item="{saving_median} at lambda_long/lambda_short = {bandwidth}")
