@@ -65,7 +65,7 @@ def largest_difference(first: Array, second: Array) -> Array:
     return np.asarray(np.abs(shares[0] - shares[1]).max(axis=-1))
 
 
-def distance_to_reference(histograms: Array, reference: int, *, seed: int = 20062) -> dict[str, Array]:
+def distance_to_reference(histograms: Array, reference: int) -> dict[str, Array]:
     """Measure how far distributions (surfaces, loads, bins) are from that at one load, (loads,).
 
     The distance itself ("") is of the pooled surfaces; ``_lower``, ``_upper`` are its 95 % interval by
@@ -76,7 +76,7 @@ def distance_to_reference(histograms: Array, reference: int, *, seed: int = 2006
     """
     surfaces = histograms.shape[0]
     pooled = histograms.sum(axis=0)
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(20062)
     picks = rng.multinomial(surfaces, np.full(surfaces, 1 / surfaces), size=_RESAMPLES)
     sampled = np.einsum("rs,slb->rlb", picks, histograms)
     value = largest_difference(pooled, pooled[reference])

@@ -358,12 +358,12 @@ def no_limit(doubt: str) -> Limit:
     return Limit(value=math.nan, uncertainty=math.nan, grids=0, definition="none", doubt=doubt)
 
 
-def areas_of(dataset: xr.Dataset, load: int, *, least_points_per_wave: float = 0.0) -> list[ContactAreas]:
+def areas_of(dataset: xr.Dataset, load: int) -> list[ContactAreas]:
     """Return the areas of a measurement at one load, one for each grid and shift, as `located_limit` takes them.
 
-    Grids of fewer points per shortest wave than a number are left out.
+    Grids of fewer than `LEAST_POINTS_PER_WAVE` are left out.
     """
-    keep = np.flatnonzero(dataset.points_per_wave.values >= least_points_per_wave * (1 - 1e-9))
+    keep = np.flatnonzero(dataset.points_per_wave.values >= LEAST_POINTS_PER_WAVE * (1 - 1e-9))
     points, cells = dataset.points.values, dataset.cells.values
     read = {name: dataset[name].values[:, :, load] for name in (*_AREAS, *TRAITS) if name in dataset}
     return [
@@ -405,8 +405,5 @@ def area_limits(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     It is that of the located areas (`fem_contact.extrapolation`), else of those corrected at their edge, on
     grids of `LEAST_POINTS_PER_WAVE` or more. Both are NaN where the contact is too small to carry the law.
     """
-    limits = [
-        limit_over(areas_of(dataset, k, least_points_per_wave=LEAST_POINTS_PER_WAVE))
-        for k in range(dataset.sizes["load"])
-    ]
+    limits = [limit_over(areas_of(dataset, k)) for k in range(dataset.sizes["load"])]
     return np.array([limit.value for limit in limits]), np.array([limit.uncertainty for limit in limits])

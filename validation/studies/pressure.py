@@ -98,10 +98,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     return data.assign(moved_stress_persson=("load", moved))
 
 
-def picked_loads(data: xr.Dataset, count: int = 4) -> list[int]:
+def picked_loads(data: xr.Dataset) -> list[int]:
     """Return some loads from the lightest towards full contact, where there is a limit of the area."""
     known = np.flatnonzero((data.area.values < _NEARLY_FULL) & np.isfinite(data.area.values))
-    return [int(k) for k in known[:: max(1, -(-known.size // count))]]
+    return [int(k) for k in known[:: max(1, -(-known.size // 4))]]
 
 
 def views(data: xr.Dataset) -> Views:
