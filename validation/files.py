@@ -155,11 +155,13 @@ def _name(draft: Path, path: Path) -> None:
             os.replace(draft, path)
 
 
+_FLAGS = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_CLOEXEC", 0)
+
+
 def write_whole(path: Path, parts: tuple[bytes | memoryview, ...], *, first: bool = False) -> None:
     """Write a file from its parts as `atomic_path` does; the caller syncs the folder."""
-    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_CLOEXEC", 0)
     with atomic_path(path, synced=True, first=first) as draft:
-        handle = os.open(draft, flags, 0o666)
+        handle = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _FLAGS, 0o666)
         try:
             for part in parts:
                 left = memoryview(part).cast("B")
@@ -172,8 +174,7 @@ def write_whole(path: Path, parts: tuple[bytes | memoryview, ...], *, first: boo
 
 def read_whole(path: Path, *, most: int | None = None) -> bytes:
     """Return the bytes of a regular file; a link, a pipe, or more than `most` bytes are an OSError."""
-    flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
-    handle = os.open(path, flags | getattr(os, "O_CLOEXEC", 0))
+    handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | _FLAGS)
     try:
         facts = os.fstat(handle)
         if not stat.S_ISREG(facts.st_mode):

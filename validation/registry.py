@@ -47,7 +47,9 @@ def found_in(package: str, base: type[T], *, group: str) -> tuple[type[T], ...]:
         module = importlib.import_module(f"{package}.{name}")
         for value in vars(module).values():
             inside = inspect.isclass(value) and value.__module__ == module.__name__
-            if inside and issubclass(value, base) and not inspect.isabstract(value) and value is not base:
+            if not inside or not issubclass(value, base) or value is base or inspect.isabstract(value):
+                continue
+            if hasattr(value, "kind_name") or hasattr(value, "name"):
                 kinds.append(value)
     taken = {_name(kind): kind for kind in kinds}
     for where, _, value in entries(group):

@@ -192,7 +192,7 @@ def test_an_interval_names_its_sources_where_not_all_were_measured():
 def test_a_list_of_no_case_says_none():
     data = xr.Dataset({"kappa": ("case", [2.0, 2.1])})
     said = [
-        finding("value", "kappa is {each}.", data.isel(case=cases), item="{kappa}", over="case").text
+        finding("value", "kappa is {each}.", data.isel(case=cases), item="{kappa}").text
         for cases in ([0, 1], [])
     ]
     assert said == ["kappa is 2 and 2.1.", "kappa is none."]

@@ -29,7 +29,7 @@ class Toy(Bem):
     def claim(self, job) -> Claim:
         solid = replace(job.model.solid, young=self.stiffness * job.model.solid.young)
         found = super().claim(replace(job, model=replace(job.model, solid=solid)))
-        return replace(found, cpu_seconds=1e-3)
+        return replace(found, cost=replace(found.cost, cpu_seconds=1e-3))
 
 
 def card_of(stiffness: float) -> Scorecard:
@@ -206,7 +206,7 @@ class Dear(Bem):
 
     def claim(self, job) -> Claim:
         found = super().claim(job)
-        return replace(found, cpu_seconds=1e-3 * found.pressure.size)
+        return replace(found, cost=replace(found.cost, cpu_seconds=1e-3 * found.pressure.size))
 
 
 def test_what_would_take_too_long_is_not_tried_and_said_so() -> None:

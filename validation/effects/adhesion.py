@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 from pydantic import Field
 
 from validation.arrays import Grid
-from validation.effects.base import ContactModel, Effect, Judgement, Roughness, SlotName, TheoryInputs
+from validation.effects.base import ContactModel, Effect, Judgement, Roughness, TheoryInputs
 from validation.errors import UsageError
 from validation.report.quantities import as_length, in_prefixed_unit
 from validation.units import Length, Work
@@ -40,11 +40,9 @@ class Adhesion(Effect):
         description="attraction that decays with the gap, or is constant over the range",
     )
 
-    slot: ClassVar[SlotName] = "gap law"
-    cost: ClassVar[float] = 5.1
-    papers: ClassVar[tuple[str, ...]] = (
-        "Adhesion: [maugis1992]; when rough surfaces stick: [pastewka2014].",
-    )
+    slot = "gap law"
+    cost = 5.1
+    papers = ("Adhesion: [maugis1992]; when rough surfaces stick: [pastewka2014].",)
 
     def gap_law(self) -> GapLaw:
         """Return the law of the gap."""
@@ -81,7 +79,7 @@ class Adhesion(Effect):
 
         modulus = model.felt_response.contact_modulus
         for grid in grids:
-            spacing = max(length / n for length, n in zip(problem.lengths, grid, strict=True))
+            spacing = max(problem.spacing(grid))
             cells = cells_in_process_zone(self.gap_law(), spacing=spacing, contact_modulus=modulus)
             if cells < CELLS_NEEDED:
                 needed = [int(np.ceil(n * CELLS_NEEDED / cells)) for n in grid]

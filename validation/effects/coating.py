@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 from pydantic import Field
 
-from validation.effects.base import ContactModel, Effect, Judgement, Roughness, SlotName, TheoryInputs
+from validation.effects.base import ContactModel, Effect, Judgement, Roughness, TheoryInputs
 from validation.errors import UsageError
 from validation.units import Length, Number, Pressure
 
@@ -31,12 +31,10 @@ class Coating(Effect):
     )
     thickness: Length = Field(description='thickness of the coating, e.g. "1 um"')
 
-    slot: ClassVar[SlotName] = "response"
-    meshed: ClassVar[bool] = False
-    cost: ClassVar[float] = 1.4
-    papers: ClassVar[tuple[str, ...]] = (
-        "Coated solid: K. L. Johnson, Contact Mechanics (Cambridge, 1985), Sec. 5.8.",
-    )
+    slot = "response"
+    meshed = False
+    cost = 1.4
+    papers = ("Coated solid: K. L. Johnson, Contact Mechanics (Cambridge, 1985), Sec. 5.8.",)
 
     def _layer(self, solid: Solid) -> Solid:
         from fem_contact.solid import Solid

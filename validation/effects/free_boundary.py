@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 from pydantic import Field
 
 from validation.arrays import Grid
-from validation.effects.base import ContactModel, Effect, Judgement, Roughness, SlotName
+from validation.effects.base import ContactModel, Effect, Judgement, Roughness
 from validation.errors import UsageError
 from validation.report.quantities import as_length
 from validation.units import Length
@@ -29,10 +29,10 @@ class FreeBoundary(Effect):
         description='nominal radius of a ball under the roughness, e.g. "1 mm"; default: flat',
     )
 
-    slot: ClassVar[SlotName] = "boundary"
-    meshed: ClassVar[bool] = False
-    cost: ClassVar[float] = 6.0
-    papers: ClassVar[tuple[str, ...]] = ("Cells under constant pressure: [love1929].",)
+    slot = "boundary"
+    meshed = False
+    cost = 6.0
+    papers = ("Cells under constant pressure: [love1929].",)
 
     def fill(self, model: ContactModel) -> None:
         """Give the half-space without images."""

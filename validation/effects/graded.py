@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar, Literal, Self
+from typing import Literal, Self
 
 import numpy as np
 from pydantic import Field
 
 from validation.arrays import Array
-from validation.effects.base import Body, ContactModel, Effect, Judgement, Roughness, SlotName, TheoryInputs
+from validation.effects.base import Body, ContactModel, Effect, Judgement, Roughness, TheoryInputs
 from validation.units import Length, Pressure
 
 
@@ -23,7 +23,7 @@ class _Profile:
 
     def __call__(self, x: Array, y: Array, z: Array) -> Array:
         del x, y
-        return np.asarray(self.ratio + (1 - self.ratio) * np.exp(z / self.depth))
+        return self.ratio + (1 - self.ratio) * np.exp(z / self.depth)
 
 
 class Graded(Effect):
@@ -33,9 +33,9 @@ class Graded(Effect):
     bulk_young: Pressure = Field(description='Young\'s modulus far below the surface, e.g. "3 GPa"')
     depth: Length = Field(description='depth over which it relaxes, e.g. "5 um"')
 
-    slot: ClassVar[SlotName] = "response"
-    cost: ClassVar[float] = 6.1
-    papers: ClassVar[tuple[str, ...]] = (
+    slot = "response"
+    cost = 6.1
+    papers = (
         "Graded half-space, solved: [giannakopoulos1997].",
         "Modulus that varies with depth, theory: [persson2006], Sec. 5.",
     )

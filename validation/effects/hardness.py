@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Literal, Self
 
-import numpy as np
 from pydantic import Field, model_validator
 
 from validation.arrays import Array, Grid
-from validation.effects.base import ContactModel, Effect, Judgement, Roughness, SlotName, TheoryInputs
+from validation.effects.base import ContactModel, Effect, Judgement, Roughness, TheoryInputs
 from validation.errors import UsageError
 from validation.report.quantities import as_length, in_prefixed_unit
 from validation.units import Length, Number, Pressure, wrong
@@ -40,9 +39,9 @@ class Hardness(Effect):
         default=None, ge=0, le=2, description="how fast it rises towards short waves, in [0, 2], e.g. 0.5"
     )
 
-    slot: ClassVar[SlotName] = "pressure bound"
-    cost: ClassVar[float] = 1.4
-    papers: ClassVar[tuple[str, ...]] = ("Hardness as a bound of the pressure: [almqvist2007].",)
+    slot = "pressure bound"
+    cost = 1.4
+    papers = ("Hardness as a bound of the pressure: [almqvist2007].",)
 
     @property
     def solves(self) -> float:  # type: ignore[override]
@@ -74,7 +73,7 @@ class Hardness(Effect):
         assert self.size_wavelength is not None
         assert self.size_exponent is not None
         start = 2 * math.pi / self.size_wavelength
-        return np.asarray(self.hardness * (1 + q / start) ** self.size_exponent)
+        return self.hardness * (1 + q / start) ** self.size_exponent
 
     def check_solver(self, name: str, *, key: str) -> None:
         """Refuse a hardness that depends on the size of what is pressed in."""

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal, Self
+from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from validation.effects.base import Effect, Judgement, Roughness, SlotName, TheoryInputs
+from validation.effects.base import Effect, Judgement, Roughness, TheoryInputs
 from validation.report.quantities import in_prefixed_unit
 from validation.units import Pressure, wrong
 
@@ -25,9 +25,9 @@ class Smoothing(Effect):
         description="C(q) less the share that yielded at q, or C(q) up to where half had yielded",
     )
 
-    slot: ClassVar[SlotName] = "spectrum"
-    meshed: ClassVar[bool] = False
-    papers: ClassVar[tuple[str, ...]] = ("Surfaces smoothed by plastic flow: [persson2006], Sec. 10.2.",)
+    slot = "spectrum"
+    meshed = False
+    papers = ("Surfaces smoothed by plastic flow: [persson2006], Sec. 10.2.",)
 
     @model_validator(mode="after")
     def _carried(self) -> Self:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar, Literal, Self
+from typing import Literal, Self
 
 from pydantic import Field
 
-from validation.effects.base import Body, ContactModel, Effect, Judgement, Roughness, SlotName
+from validation.effects.base import Body, ContactModel, Effect, Judgement, Roughness
 from validation.report.quantities import as_length
 from validation.units import Length
 
@@ -24,10 +24,8 @@ class Thickness(Effect):
         default="bonded", description="whether the layer sticks to its rigid base or slides on it"
     )
 
-    slot: ClassVar[SlotName] = "response"
-    papers: ClassVar[tuple[str, ...]] = (
-        "Layer on a rigid base: K. L. Johnson, Contact Mechanics (Cambridge, 1985), Sec. 5.8.",
-    )
+    slot = "response"
+    papers = ("Layer on a rigid base: K. L. Johnson, Contact Mechanics (Cambridge, 1985), Sec. 5.8.",)
 
     def fill(self, model: ContactModel) -> None:
         """Give the compliance of the layer; a mesh is clamped, so that only a bonded layer is a body."""

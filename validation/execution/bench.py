@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from validation.execution.attempt import Progress
 from validation.execution.provenance import Made
@@ -45,16 +46,9 @@ class Bench:
     _read: list[dict[str, Made]] = field(default_factory=list, init=False, repr=False, compare=False)
 
     @classmethod
-    def at(
-        cls,
-        folder: Path | str = DEFAULT_STORE,
-        *,
-        execution: Execution | None = None,
-        progress: Progress | None = None,
-    ) -> Bench:
+    def at(cls, folder: Path | str = DEFAULT_STORE, **how: Any) -> Bench:
         """Return a bench whose store is in a folder, made by the first solve that is to be kept."""
-        store = Store(folder=Path(folder))
-        return cls(store=store, execution=execution or Execution(), progress=progress or Progress())
+        return cls(store=Store(folder=Path(folder)), **how)
 
     def solve(self, solves: Iterable[Solve], *, despite_failures: bool = False) -> Solves:
         """Solve what is not stored yet and return all results, a mapping whose keys are the solves.

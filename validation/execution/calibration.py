@@ -74,7 +74,7 @@ def calibrate(
     """
     from fem_contact.solid import Solid
     from validation.effects.base import ContactModel
-    from validation.solvers.base import Job, example_field
+    from validation.solvers.base import example_field
 
     folder = prepare_folder(cache_file().parent, option="cache")
     field, solid, bem = example_field(points), Solid(young=1.0, poisson=0.0), find_solver("bem")
@@ -85,14 +85,8 @@ def calibrate(
     # In turns, and the least processor time counts: other processes of the machine must not decide a ratio.
     for turn in range(repeats + 1):
         for name, effects in cases.items():
-            job = Job(
-                field=field,
-                load={"mean_pressure": 0.005},
-                model=ContactModel.filled(solid, effects),
-                settings={"tolerance": 1e-8},
-                threads=1,
-            )
-            contact = bem.solve(job).contact.checked()
+            model = ContactModel.filled(solid, effects)
+            contact = bem.pressed(field, model, 0.005, tolerance=1e-8).checked()
             if turn > 0:
                 seconds[name] = min(seconds[name], contact.cost.cpu_seconds)
                 pairs[name] = contact.cost.fft_pairs

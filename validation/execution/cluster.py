@@ -130,8 +130,7 @@ def solve_on_cluster(
     longer than that.
     """
     with _connected(address) as client:
-        shared = replace(store, folder=store.folder.resolve())
-        cluster = _Cluster(client, address, shared, progress, patience)
+        cluster = _Cluster(client, address, replace(store, folder=store.folder.resolve()), progress, patience)
         largest, least = max(solves, key=lambda s: s.predict().peak_bytes), min(cluster.limits.values())
         if largest.predict().peak_bytes > least:
             raise UsageError(too_large(largest, int(least), where="on the smallest worker"))

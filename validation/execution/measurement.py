@@ -50,8 +50,9 @@ class Measurement(Generic[P]):
     #: Whether it keeps a located area; the version of what is read off, in the recipe unless it is 0.
     located: bool = False
     version: int = 0
-    #: Makes of the usual recipe, ``made``, that of this measurement.
+    #: Makes of the usual recipe, ``made``, that of this measurement; what it leaves out then.
     recipe: Callable[..., dict[str, Any]] | None = None
+    left_out: tuple[str, ...] = ()
     #: Methods whose compiled passes it runs through; plain boundary elements if not given.
     compiled: Callable[..., Compiled] | None = None
 
@@ -91,8 +92,7 @@ class Call(Solve):
 
     def do(self, *, threads: int | None = None) -> xr.Dataset:
         """Solve, and keep the numbers."""
-        dataset: xr.Dataset = self.measurement.function(**dict(self.arguments))
-        return dataset
+        return self.measurement.function(**dict(self.arguments))
 
     @property
     def finest(self) -> tuple[int, ...]:
@@ -114,8 +114,9 @@ class Call(Solve):
                 entries[name] = dict(value) if name == "settings" else _plain(value)
         entries |= {"edges": LOCATED_EDGES} if self.measurement.located else {}
         entries |= {"version": self.measurement.version} if self.measurement.version else {}
-        change = self.measurement.recipe  # of a measurement that is keyed otherwise
-        return entries if change is None else cast("dict[str, Any]", self._evaluated(change, made=entries))
+        if self.measurement.recipe is not None:  # of one that is keyed otherwise
+            entries = self._evaluated(self.measurement.recipe, made=entries)
+        return {name: value for name, value in entries.items() if name not in self.measurement.left_out}
 
     @property
     def kind(self) -> str:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from fem_contact.contact import ContactResult
 from validation.errors import RunFailed, UsageError
@@ -24,6 +24,8 @@ from validation.files import read_whole, reason, write_whole
 
 if TYPE_CHECKING:
     import xarray as xr
+
+T = TypeVar("T")
 
 _SUFFIX = ".nc"
 _ASIDE = ".nc.corrupt"
@@ -74,8 +76,7 @@ class Store:
             ) from error
         # The folder is synced by who collects the outcomes: a name lost with the power is a solve to repeat.
         # Another run that was faster may have told its time: the first file stays.
-        sealed = seal(content, recipe=solve.recipe_text, made=asdict(made))
-        write_whole(path, (content, sealed), first=True)
+        write_whole(path, (content, seal(content, recipe=solve.recipe_text, made=asdict(made))), first=True)
 
     def read(self, solve: Solve, *, on_damage: Callable[[str], None] | None = None) -> Stored | None:
         """Read a finished solve and how it was made; None if there is none.
@@ -116,8 +117,7 @@ def read_result(path: Path) -> ContactResult:
     """Read the fields of a stored solve by the name of its file; RunFailed for none, or a damaged one."""
     from validation.execution.fields import decode_result
 
-    result: ContactResult = _content_of(path, decode_result)
-    return result
+    return _content_of(path, decode_result)
 
 
 def write_numbers(path: Path, data: xr.Dataset, *, recipe: Mapping[str, Any]) -> None:
@@ -129,11 +129,10 @@ def write_numbers(path: Path, data: xr.Dataset, *, recipe: Mapping[str, Any]) ->
 
 def read_numbers(path: Path) -> xr.Dataset:
     """Return what `write_numbers` wrote, verified; RunFailed for none, or a damaged one."""
-    data: xr.Dataset = _content_of(path, read_dataset)
-    return data
+    return _content_of(path, read_dataset)
 
 
-def _content_of(path: Path, decode: Callable[[memoryview], Any]) -> Any:
+def _content_of(path: Path, decode: Callable[[memoryview], T]) -> T:
     try:
         data = _bytes_of(path)
         if data is None:

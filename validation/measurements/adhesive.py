@@ -60,9 +60,10 @@ def readings(
 
     def solved(energy: Reading) -> AdhesiveContact | None:
         interface = Interface(work_of_adhesion=work, energy=energy, area=area)
-        load: dict[str, Any] = {"interface": interface, "yield_stress": hardness}
         try:
-            return solve_adhesion(scale, pressure=problem.pressure, **load).checked()
+            return solve_adhesion(
+                scale, pressure=problem.pressure, interface=interface, yield_stress=hardness
+            ).checked()
         except PerssonError:
             return None
 
@@ -96,8 +97,8 @@ class Sticking:
         """Return the solves with adhesion or without, coarse grid first."""
         effects: tuple[Adhesion | Hardness, ...] = (self.adhesion,) if sticky else ()
         effects += () if self.hardness is None else (Hardness(hardness=self.hardness),)
-        arguments: dict[str, Any] = {"settings": (("tolerance", 1e-8),), "effects": effects}
-        return tuple(Press(method="bem", grid=(n, n), problem=self.problem, **arguments) for n in self.grids)
+        press = partial(Press, method="bem", settings=(("tolerance", 1e-8),), effects=effects)
+        return tuple(press(grid=(n, n), problem=self.problem) for n in self.grids)
 
     def measured(self, solved: Solves) -> xr.Dataset:
         """Return areas on every grid, what the interface gains on the finest, and what the theory says."""
@@ -153,8 +154,7 @@ def sticky_contact(
     load: dict[str, Any] = {"mean_pressure": problem.pressure, "threads": 1}
     plain = bem.solve(field, half_space, **load).checked()
     load["law"] = law
-    near = adhesion.solve(field, half_space, start=np.maximum(plain.gap, 0.0), **load)
-    contact = near.contact.checked()
+    contact = adhesion.solve(field, half_space, start=np.maximum(plain.gap, 0.0), **load).contact.checked()
     inside = contact.in_contact
     stress = contact.pressure[inside] / problem.pressure_scale
     shares, _ = np.histogram(np.clip(stress, STRESS_EDGES[0], STRESS_EDGES[-1]), bins=STRESS_EDGES)
@@ -282,7 +282,7 @@ def _stored_shares(contact: AdhesiveContact | None, edges: Array, problem: Conta
         return np.full(edges.size - 1, np.nan)
     q = np.geomspace(edges[0] * (1 + 1e-9), edges[-1], 4001)
     share = np.interp(np.log(q), np.log(contact.wavevectors), contact.energy_share)
-    weight = q**3 * np.asarray(problem.spectrum_shape(q))  # dU_full = pi E* q^2 C / 2 dq
+    weight = q**3 * problem.spectrum_shape(q)  # dU_full = pi E* q^2 C / 2 dq
     index = np.clip(np.searchsorted(edges[1:], q), 0, edges.size - 2)
     return np.bincount(index, weights=share * weight) / np.bincount(index, weights=weight)
 

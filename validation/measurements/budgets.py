@@ -106,7 +106,7 @@ def diffused_area(state: Pressed, added: Array) -> Array:
     pressure = state.pressure[state.in_contact]
     pressure = pressure[pressure > 0]
     sums = [np.sum(elastic.contact_area(pressure, stress_variance=float(v))) for v in added]
-    return np.asarray(np.array(sums) / state.pressure.size)
+    return np.array(sums) / state.pressure.size
 
 
 class Memory:

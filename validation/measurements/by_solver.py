@@ -10,7 +10,7 @@ import numpy as np
 import scipy.ndimage
 import xarray as xr
 
-from fem_contact.area import EDGE_CONSTANTS, TRAITS, contact_areas
+from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from fem_contact.contact import ContactResult, Status
 from fem_contact.response import BondedLayer
 from validation import sandbox
@@ -19,12 +19,12 @@ from validation.effects.base import ContactModel
 from validation.execution.measurement import measurement
 from validation.execution.press import Press
 from validation.execution.solve import Prediction
-from validation.measurements.measurement import has_square_cells
+from validation.measurements.measurement import areas_read, has_square_cells
 from validation.measurements.statistics import relative_distance
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import EffectSpec
 from validation.solvers import find_solver
-from validation.solvers.base import Job, Settings, Solver
+from validation.solvers.base import Settings, Solver
 
 #: Points closer than this to the edge of either contact, in cells, are left out of the second pressure difference.
 _EDGE_CELLS = 1.5
@@ -79,10 +79,10 @@ def beside_bem(
         of a process of its own, its located area read off by the code that reads ours.
     """
     field, solver, given = problem.heights(grid), find_solver(method), dict(settings)
-    model, load = ContactModel.filled(problem.elastic, effects), {"mean_pressure": problem.pressure}
+    model = ContactModel.filled(problem.elastic, effects)
 
     def solved(by: Solver, options: Mapping[str, Any], on: ContactModel = model) -> ContactResult:
-        return by.solve(Job(field=field, load=load, model=on, settings=options, threads=1)).contact
+        return by.pressed(field, on, problem.pressure, **options)
 
     bem = find_solver("bem")
     ours = solved(bem, {}).checked()
@@ -97,8 +97,7 @@ def beside_bem(
     located = located and has_square_cells(problem, grid)
     areas, half = contact_areas(contact, edge_constant=constant, subcell=located), contact_areas(ours)
     data = {
-        **{name: getattr(areas, name) for name in ("pixel", "perimeter", "edge_fraction", *TRAITS)},
-        "subcell": np.nan if areas.subcell is None else areas.subcell,
+        **areas_read(areas),
         "edge_constant": constant,
         "pixel_bem": half.pixel,
         "perimeter_bem": half.perimeter,
@@ -120,7 +119,7 @@ def beside_bem(
         data["pressure_layer"] = difference(contact.checked(), deep)
     if grid_share is not None:
         data["tolerance"] = float(contact.provenance["tolerance"])
-    return xr.Dataset({name: ((), float(value)) for name, value in data.items()})
+    return xr.Dataset({name: float(value) for name, value in data.items()})
 
 
 def _no_further(
@@ -143,7 +142,7 @@ def difference(first: ContactResult, second: ContactResult, *, inside: bool = Fa
     """||p1 - p2|| / ||p2||, over all points or away from the edges of both contacts."""
     keep = np.ones(first.shape, dtype=bool)
     if inside:
-        keep = _away_from_edge(np.asarray(first.in_contact)) & _away_from_edge(np.asarray(second.in_contact))
+        keep = _away_from_edge(first.in_contact) & _away_from_edge(second.in_contact)
     return relative_distance(first.pressure[keep], second.pressure[keep])
 
 
@@ -153,4 +152,4 @@ def _away_from_edge(contact: np.ndarray) -> np.ndarray:
     to_edge = np.where(
         padded, scipy.ndimage.distance_transform_edt(padded), scipy.ndimage.distance_transform_edt(~padded)
     )
-    return np.asarray(to_edge[margin:-margin, margin:-margin] > _EDGE_CELLS)
+    return to_edge[margin:-margin, margin:-margin] > _EDGE_CELLS

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import Any
 
 import numpy as np
 import scipy.fft
@@ -67,19 +66,13 @@ def _unit_fields(field: HeightField) -> tuple[Array, Array, Array]:
     return height / height.std(), (slope / slope.mean()).ravel(), pressure / pressure.std()
 
 
-def _recipe(made: dict[str, Any], problem: ContactProblem, first: int, grid: Grid) -> dict[str, Any]:
-    left = ("load", "first", "points")
-    return {n: v for n, v in (made | problem.further(first).recipe).items() if n not in left} | {
-        "grid": list(grid)
-    }
-
-
 @measurement(
     "unsolved-{grid[0]}x{grid[1]}",
     kind="UnsolvedPairs",
     words="what {count} surfaces tell without a contact,",
     version=2,
-    recipe=_recipe,
+    recipe=lambda made, problem, first, grid: made | problem.further(first).recipe | {"grid": list(grid)},
+    left_out=("load", "first", "points"),
     # Five transforms and two sorts for each.
     seconds=lambda points, count: count * (5e-3 + 2e-7 * points),
     bytes=200,
@@ -89,9 +82,8 @@ def unsolved_pairs(*, problem: ContactProblem, grid: Grid, first: int, count: in
     """Return `statistics_of_pair` of `count` surfaces of one spectrum; dimensions (surface, statistic)."""
     began = time.process_time()
     statistics = [statistics_of_pair(problem.further(k).heights(grid)) for k in range(first, first + count)]
-    values = np.array([list(row.values()) for row in statistics])
     return xr.Dataset(
-        {"value": (("surface", "statistic"), values)},
+        {"value": (("surface", "statistic"), np.array([list(row.values()) for row in statistics]))},
         # Not a coordinate: to read one of text, xarray loads dask.
         attrs={"seconds": time.process_time() - began, "statistics": "; ".join(statistics[0])},
     )

@@ -18,7 +18,7 @@ from validation.errors import RunFailed, UsageError
 from validation.execution.measurement import Call
 from validation.measurements.common import SHIFTS, base_case, base_surface
 from validation.measurements.limits import limits_of
-from validation.measurements.measurement import grid_for, grid_tolerance, press_on_grids
+from validation.measurements.measurement import grid_tolerance, grids_for, press_on_grids
 from validation.measurements.statistics import pair_means
 from validation.report.estimates import (
     LIMIT,
@@ -221,7 +221,7 @@ def pressed_pairs(
 ) -> list[Call]:
     """Return the solves of the first surfaces of a spectrum, +h and -h of each pair after each other."""
     case = base_case(surface, reduced_pressure=reduced_pressures[0])
-    grids = tuple(grid_for(case, points) for points in points_per_wave)
+    grids = grids_for(case, points_per_wave)
     return [
         press_on_grids(
             problem=replace(case.further(pair), inverted=inverted),

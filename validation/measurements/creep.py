@@ -64,8 +64,7 @@ def creeps(
         for place, k in np.ndenumerate(at):
             areas[(i, *place)] = contact_areas(results[k].checked()).perimeter
             relaxed = Solid(young=float(moduli[place]), poisson=rubber.poisson)
-            contact = press_elastic(field, relaxed, float(loads[k]))
-            crept[(i, *place)] = contact_areas(contact).perimeter
+            crept[(i, *place)] = contact_areas(press_elastic(field, relaxed, float(loads[k]))).perimeter
     dims = ("grid", "phase", "instant")
     return xr.Dataset({"area": (dims, areas), "area_crept": (dims, crept)})
 
@@ -82,7 +81,7 @@ def crept_of(measured: xr.Dataset, solve: Call) -> xr.Dataset:
     numbers["area_each_error"] = error_of(fine.area, grid=0.0, solver=steps, **ABSENT)
     theory = _theory(solve["problem"], solve["rubber"], np.array(solve["durations"]), solve["load_left"])
     numbers |= {f"area_{name}_each": (("phase", "instant"), theory[k]) for k, name in enumerate(VARIANTS)}
-    return xr.Dataset(numbers, attrs={"solve": measured.attrs["solve"]})
+    return xr.Dataset(numbers)
 
 
 def moduli_of(rubber: PronySolid, durations: Array) -> Array:

@@ -63,8 +63,7 @@ def budgets_of(
     Limits over the grids stand in the place of the areas on each: ``area_each``, and ``area_negative_each`` with the
     negative ring.
     """
-    measured = {place: stored_variables(item) for place, item in solved(bench, cases).items()}
-    data = gather(measured, **dims)
+    data = gather({place: stored_variables(item) for place, item in solved(bench, cases).items()}, **dims)
     finest = [next(case for place, case in cases.items() if place[-1] == n) for n in dims["grid"]]
     points, per_wave = [item["points"] for item in finest], []
     for item in finest:
@@ -184,8 +183,7 @@ def _with_square_budget(data: xr.Dataset) -> xr.Dataset:
     unit = _by_octave(data, 0.5 * (area + later) * (after - before))
 
     def over_unit(values: xr.DataArray) -> xr.DataArray:
-        share: xr.DataArray = _by_octave(data, values * before) / unit
-        return share
+        return _by_octave(data, values * before) / unit
 
     def limit(name: str) -> xr.DataArray:
         return two_grid_limit(data[f"{name}_each"], data.grid_spacing)
@@ -249,10 +247,9 @@ def _with_restarts(data: xr.Dataset) -> xr.Dataset:
     ratio = (share / (area / area.isel(level=began))).transpose("octave", ...)
     true = _log(area.isel(level=half) / area.isel(level=began))
     faster = 1 + _log(ratio.isel(octave=row, level=half)) / true.where(true < -_NO_LOSS)
-    ends = data.area_ratio_each.isel(level=[*began.values[1:], -1])
     return _added(
         data,
-        area_ratio_end_each=ends.rename(level="octave"),
+        area_ratio_end_each=data.area_ratio_each.isel(level=[*began.values[1:], -1]).rename(level="octave"),
         area_diffused_ratio_each=ratio,
         area_ratio_diffused_each=data.area_ratio_each * ratio,
         loss_ratio_each=faster,

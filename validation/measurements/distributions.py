@@ -26,8 +26,8 @@ def histograms_of(result: ContactResult, problem: ContactProblem) -> dict[str, A
     ``patch_area``, number of patches and share of the nominal area, by patch size.
     """
     unit = problem.pressure_scale
-    contact = np.asarray(result.in_contact)
-    pressure = np.asarray(result.pressure)[contact] / unit
+    contact = result.in_contact
+    pressure = result.pressure[contact] / unit
     inside = np.clip(pressure, 0.0, STRESS_EDGES[-1])
     stress, _ = np.histogram(inside, bins=STRESS_EDGES)
     load, _ = np.histogram(inside, bins=STRESS_EDGES, weights=pressure)

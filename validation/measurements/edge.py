@@ -23,7 +23,7 @@ from validation.measurements.measurement import grid_for
 from validation.report.estimates import gather
 from validation.scenes.problem import ContactProblem
 from validation.solvers import find_solver
-from validation.solvers.base import Job, Settings
+from validation.solvers.base import Settings
 
 Place = TypeVar("Place")
 
@@ -56,14 +56,8 @@ def edge_of_contact(
 ) -> xr.Dataset:
     """Return P(sigma) of one realisation at small pressure and the edge coefficient, in units of E* h'_rms, lambda_short."""
     unit, solver = problem.pressure_scale, find_solver(method)
-    job = Job(
-        field=problem.heights(grid),
-        load={"mean_pressure": reduced_load(problem) * unit},
-        model=ContactModel(solid=problem.elastic),
-        settings=dict(settings),
-        threads=1,
-    )
-    result = solver.solve(job).contact.checked()
+    field, model = problem.heights(grid), ContactModel(solid=problem.elastic)
+    result = solver.pressed(field, model, reduced_load(problem) * unit, **dict(settings)).checked()
     edges = np.linspace(0, _TOP, _BINS + 1)
     density = pressure_distribution(result, edges * unit).density * unit
     wave = problem.shortest
@@ -74,12 +68,12 @@ def edge_of_contact(
     return xr.Dataset(
         {
             "density": ("bin", density),
-            "contour": ((), contour),
-            "inverse_square": ((), inverse_square_coefficient(result) * unit**2 / wave),
-            "patches": ((), find_patches(result.in_contact, result.spacing).count),
-            "area": ((), areas.perimeter),
-            "excess": ((), excess),
-            "seconds": ((), result.cost.wall_seconds),
+            "contour": contour,
+            "inverse_square": inverse_square_coefficient(result) * unit**2 / wave,
+            "patches": find_patches(result.in_contact, result.spacing).count,
+            "area": areas.perimeter,
+            "excess": excess,
+            "seconds": result.cost.wall_seconds,
         },
         coords={"stress": ("bin", (edges[1:] + edges[:-1]) / 2), "upper": ("bin", edges[1:])},
     )
@@ -132,7 +126,7 @@ def inverse_square_coefficient(result: ContactResult) -> float:
     Each contact point between 1.5 and 4 cells from the edge gives s / p^2; points at the same distance stand for equal
     lengths of contour. The distance to the edge is that to the nearest point out of contact, less half a cell.
     """
-    contact = np.asarray(result.in_contact)
+    contact = result.in_contact
     if contact.all() or not contact.any():
         return float("nan")
     dx = float(np.sqrt(result.spacing[0] * result.spacing[1]))

@@ -18,7 +18,7 @@ from validation.execution.measurement import Call
 from validation.measurements.control_variates import unsolved_pairs
 from validation.measurements.controlled import Controlled, Known, allocation, chained_mean
 from validation.measurements.limits import solved
-from validation.measurements.measurement import TOLERANCES_LEFT, grid_for
+from validation.measurements.measurement import TOLERANCES_LEFT, grids_for
 from validation.measurements.pairs import Areas, area_pairs
 from validation.measurements.statistics import pair_means
 from validation.scenes.problem import ContactProblem
@@ -150,7 +150,7 @@ def mean_area(
     watch : callable, optional
         Called before each round but the first with the mean so far and the solves that come next; raises to stop.
     """
-    grids = tuple(grids) or tuple(grid_for(base, points) for points in (3.0, 6.0, 12.0))
+    grids = tuple(grids) or grids_for(base, (3.0, 6.0, 12.0))
     drawn = _Drawn(base=base, grids=grids, tolerance=tolerance, effects=tuple(effects))
     known: dict[_Name, xr.Dataset] = solved(bench, drawn.cases())
     for rounds in itertools.count(1):

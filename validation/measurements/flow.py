@@ -54,7 +54,7 @@ def stiffness_of(measured: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
     with np.errstate(invalid="ignore"):
         simulated["stiffness_each_drift"] = fine.stiffness.mean("shift") - before.stiffness.mean("shift")
     simulated["gap_each"] = fine.mean_gap.mean("shift") / measured.attrs["rms_height"]
-    return xr.Dataset({**simulated, **theory}, attrs={"solve": measured.attrs["solve"]})
+    return xr.Dataset({**simulated, **theory})
 
 
 @measurement(
@@ -142,7 +142,7 @@ def flow_of(measured: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
         numbers[f"gap_narrow{end}_each"] = (density * width).where(narrow).sum("gap_bin")
     middle = {"local_gap": ("gap_bin", (GAP_EDGES[1:] + GAP_EDGES[:-1]) / 2)}
     numbers["reduced_pressure_each"] = data.reduced_pressure
-    return xr.Dataset(numbers, attrs={"solve": measured.attrs["solve"]}).assign_coords(middle)
+    return xr.Dataset(numbers).assign_coords(middle)
 
 
 def _gap_theory(loads: Array, problem: ContactProblem, ratio: float) -> Array:

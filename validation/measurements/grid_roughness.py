@@ -65,7 +65,7 @@ def grid_roughness(
     pixel = contact_areas(result).pixel
     kappa = [pixel * modulus * slope / pressure for slope in slopes.values()]
     return xr.Dataset(
-        {"kappa": ("slope", kappa), "pixel": ((), pixel), "seconds": ((), result.cost.wall_seconds)},
+        {"kappa": ("slope", kappa), "pixel": pixel, "seconds": result.cost.wall_seconds},
         coords={"slope": list(slopes)},
     )
 
@@ -98,4 +98,4 @@ def squared_gradient(field: HeightField, back: int) -> Array:
     along = [
         (np.roll(h, -1, k) - np.roll(h, back, k)) / ((1 + back) * d) for k, d in enumerate(field.spacing)
     ]
-    return np.asarray(along[0] ** 2 + along[1] ** 2)
+    return along[0] ** 2 + along[1] ** 2

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -20,7 +20,6 @@ from validation.arrays import Array
 from validation.effects.base import ContactModel
 from validation.measurements.statistics import relative_distance
 from validation.solvers import chosen_solver
-from validation.solvers.base import Job
 
 _SOLID = Solid(young=1.0, poisson=0.3)
 _HALF_SPACE = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
@@ -37,15 +36,16 @@ class Measured:
     status: Status = Status.CONVERGED
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class HardCase:
     """One difficulty with the parameter that is varied."""
 
     name: str
-    method: str
     varied: str  # Which parameter, in words with its unit
-    values: tuple[float, ...]  # Its values, from easy to hard
     reference: str  # What is right, in words
+    _: KW_ONLY
+    method: str = "bem"
+    values: tuple[float, ...]  # Its values, from easy to hard
     bound: float  # Largest error that counts as right
     measure: Callable[[float], Measured]
     refusable: Callable[[float], bool] = lambda value: False  # Whether a refusal is allowed at a value
@@ -101,8 +101,14 @@ def _steepness(press: _Press, gradient: float) -> Measured:
 
 def _against_plain(press: _Press, surface: HeightField) -> Measured:
     result = press(surface, _LIGHT)
-    options: dict[str, Any] = {"max_iterations": 20_000, "method": "polonsky-keer", "threads": 1}
-    plain = bem.solve(surface, _HALF_SPACE, mean_pressure=_LIGHT, **options)
+    plain = bem.solve(
+        surface,
+        _HALF_SPACE,
+        mean_pressure=_LIGHT,
+        max_iterations=20_000,
+        method="polonsky-keer",
+        threads=1,
+    )
     return _measured(result, relative_distance(result.pressure, plain.pressure))
 
 
@@ -137,8 +143,7 @@ def _single_precision(height: float) -> Measured:
 def _path(factor: float) -> Measured:
     """Up from a thousandth of E* h' by this factor and down again: the way back must be the way there."""
     loads = 1e-4 * factor ** np.arange(max(2, round(math.log(1e3) / math.log(factor)) + 1))
-    there_and_back = [*loads, *loads[-2::-1]]
-    results = bem.solve_path(_rough(), _HALF_SPACE, mean_pressures=there_and_back, threads=1)
+    results = bem.solve_path(_rough(), _HALF_SPACE, mean_pressures=[*loads, *loads[-2::-1]], threads=1)
     errors = [relative_distance(a.pressure, b.pressure) for a, b in zip(results, results[::-1], strict=True)]
     failed = [result for result in results if result.status is not Status.CONVERGED]
     worst = failed[0] if failed else max(results, key=lambda result: result.residuals.worst)
@@ -153,69 +158,61 @@ def elastic_cases(method: str) -> tuple[HardCase, ...]:
         solver, options = chosen_solver(method)
 
         def press(surface: HeightField, load: float) -> ContactResult:
-            model = ContactModel(solid=_HALF_SPACE.solid)
-            job = Job(field=surface, load={"mean_pressure": load}, model=model, settings=options, threads=1)
-            return solver.solve(job).contact
+            return solver.pressed(surface, ContactModel(solid=_HALF_SPACE.solid), load, **options)
 
     plain = "Polonsky-Keer on the same {}; relative L2 of the pressure"
     cases = (
         HardCase(
-            name="load",
-            method=method,
-            varied="p0 / p* of a wave, 1 is full contact",
+            "load",
+            "p0 / p* of a wave, 1 is full contact",
+            "Westergaard's contact width; error in cells of 512",
             values=(2.0, 1.0, 0.9999, 0.999, 0.99, 0.9, 0.5, 0.1, 0.01, 1e-3, 1e-4, 1e-6, 1e-9),
-            reference="Westergaard's contact width; error in cells of 512",
             bound=2.5,
             measure=partial(_westergaard, press),
         ),
         HardCase(
-            name="gradient",
-            method=method,
-            varied="h'_rms",
+            "gradient",
+            "h'_rms",
+            "the same pressure over E* h'_rms as at 0.1; relative L2",
             values=(0.1, 1.0, 10.0, 1e4, 1e-3, 1e-6, 1e-12, 1e-100),
-            reference="the same pressure over E* h'_rms as at 0.1; relative L2",
             bound=1e-5,
             refusable=lambda value: _STEEP * value < 1e-30,  # pressures below 1e-30 Pa; here E* is 1 Pa
             measure=partial(_steepness, press),
         ),
         HardCase(
-            name="hurst",
-            method=method,
-            varied="H",
+            "hurst",
+            "H",
+            plain.format("grid"),
             values=(0.0, 0.1, 0.3, 0.5, 0.8, 0.95, 1.0),
-            reference=plain.format("grid"),
             bound=1e-4,
             measure=lambda hurst: _against_plain(press, _rough(hurst=hurst, waves=16)),
         ),
         HardCase(
-            name="scales",
-            method=method,
-            varied="points along a side, lambda_short = 4 dx",
+            "scales",
+            "points along a side, lambda_short = 4 dx",
+            plain.format("grid"),
             values=(16.0, 32.0, 64.0, 128.0, 256.0, 512.0),
-            reference=plain.format("grid"),
             bound=1e-4,
             measure=lambda points: _against_plain(press, _rough(int(points), waves=int(points) // 4)),
         ),
         HardCase(
-            name="ties",
-            method=method,
-            varied="levels of quantised heights, from many to few",
+            "ties",
+            "levels of quantised heights, from many to few",
+            plain.format("heights"),
             values=(1e6, 1e3, 100.0, 20.0, 5.0, 2.0),
-            reference=plain.format("heights"),
             bound=1e-4,
             measure=partial(_quantised, press),
         ),
         HardCase(
-            name="precision",
-            method=method,
-            varied="bits of the heights' mantissa, from double to a few",
+            "precision",
+            "bits of the heights' mantissa, from double to a few",
+            "offset of the heights in double; change over that of the heights",
             values=(52.0, 23.0, 16.0, 11.0, 8.0, 6.0),
-            reference="offset of the heights in double; change over that of the heights",
             bound=1.0,
             measure=partial(_few_bits, press),
         ),
     )
-    return tuple(replace(case, name=case.name + ending) for case in cases)
+    return tuple(replace(case, name=case.name + ending, method=method) for case in cases)
 
 
 # ---- effects -------------------------------------------------------------------------------------
@@ -257,8 +254,15 @@ def _yielding_under_adhesion(ratio: float) -> Measured:
 
     work = 1e-4
     law = adhesion.Exponential(work=work, reach=math.sqrt(3 / 64 * work))
-    options: dict[str, Any] = {"mean_pressure": _LOAD, "tolerance": 1e-10, "threads": 1}
-    state = adhesion.solve(_rough(), _HALF_SPACE, law=law, hardness=ratio * _LOAD, **options)
+    state = adhesion.solve(
+        _rough(),
+        _HALF_SPACE,
+        law=law,
+        hardness=ratio * _LOAD,
+        mean_pressure=_LOAD,
+        tolerance=1e-10,
+        threads=1,
+    )
     return _measured(state.contact, _hardness_errors(state.contact, ratio * _LOAD))
 
 
@@ -327,21 +331,20 @@ def _diffusion(ratio: float) -> Measured:
 
 
 _YIELDING = HardCase(
-    name="hardness",
-    method="bem",
-    varied="H / p0, from hard to barely carrying",
+    "hardness",
+    "H / p0, from hard to barely carrying",
+    "loads add up, none above the bound; relative to the load",
     values=(1e4, 100.0, 10.0, 3.0, 1.5, 1.1, 1.01, 1.001, 1.0, 0.99),
-    reference="loads add up, none above the bound; relative to the load",
     bound=1e-9,
     refusable=lambda value: value < 1,  # nothing carries the load
     measure=_hard,
 )
 _BLOCK = HardCase(
-    name="poisson",
+    "poisson",
+    "nu",
+    "bonded layer, wave of 32 nodes in full contact; relative",
     method="fem",
-    varied="nu",
     values=(-0.5, 0.0, 0.3, 0.45, 0.49, 0.499, 0.4999, 0.499999, 0.5, 0.51),
-    reference="bonded layer, wave of 32 nodes in full contact; relative",
     bound=0.02,
     refusable=lambda value: value > 0.5,  # there is no such solid
     measure=lambda nu: _full_contact(32, poisson=nu),
@@ -350,31 +353,28 @@ _BLOCK = HardCase(
 CASES: tuple[HardCase, ...] = (
     *elastic_cases("bem"),
     HardCase(
-        name="path",
-        method="bem",
-        varied="factor between successive loads, up and down over three decades",
+        "path",
+        "factor between successive loads, up and down over three decades",
+        "the same pressures on the way down as on the way up; relative L2",
         values=(1.5, 3.0, 10.0, 30.0, 1000.0),
-        reference="the same pressures on the way down as on the way up; relative L2",
         bound=1e-4,
         measure=_path,
     ),
     _YIELDING,
     HardCase(
-        name="adhesion",
-        method="bem",
-        varied="Maugis's lambda of a sphere, from weak and far to sticky and near",
+        "adhesion",
+        "Maugis's lambda of a sphere, from weak and far to sticky and near",
+        "Maugis's pull-off force; relative",
         values=(0.1, 0.3, 1.0, 1.5, 1.9, 3.0),
-        reference="Maugis's pull-off force; relative",
         bound=0.02,
         refusable=lambda value: value > 1.9,  # the process zone is below 2 cells
         measure=_sticky,
     ),
     HardCase(
-        name="contrast",
-        method="bem",
-        varied="modulus of a coating over the base's",
+        "contrast",
+        "modulus of a coating over the base's",
+        "the same coating cut in three; relative change of the compliance",
         values=(1.0, 0.1, 10.0, 0.01, 100.0, 1e-3, 1e3, 1e-4, 1e4, 1e-8, 1e8),
-        reference="the same coating cut in three; relative change of the compliance",
         bound=1e-7,
         measure=_contrast,
     ),
@@ -397,20 +397,19 @@ CASES: tuple[HardCase, ...] = (
         measure=lambda depth: _full_contact(32, depth=depth),
     ),
     HardCase(
-        name="decades",
+        "decades",
+        "V / sigma_Y^2",
+        "closed form of constant hardness; A_pl/A0",
         method="theory",
-        varied="V / sigma_Y^2",
         values=tuple(np.geomspace(1e-20, 1e20, 11).tolist()),
-        reference="closed form of constant hardness; A_pl/A0",
         bound=1e-5,
         measure=_diffusion,
     ),
     HardCase(
-        name="single",
-        method="bem",
-        varied="mean height over h_rms, heights in single precision",
+        "single",
+        "mean height over h_rms, heights in single precision",
+        "offset of the heights in double; change over that of the heights",
         values=(0.0, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6),
-        reference="offset of the heights in double; change over that of the heights",
         bound=1.0,
         measure=_single_precision,
     ),
@@ -433,11 +432,11 @@ CASES: tuple[HardCase, ...] = (
         measure=_yielding_under_adhesion,
     ),
     HardCase(
-        name="memory",
+        "memory",
+        "points along a side of the full system",
+        "bonded layer, one wave in full contact; error over 2 % (32/n)^2",
         method="fem",
-        varied="points along a side of the full system",
         values=(8.0, 16.0, 32.0, 4096.0, 8192.0),
-        reference="bonded layer, one wave in full contact; error over 2 % (32/n)^2",
         bound=1.0,
         refusable=lambda value: value >= 4096,  # the block takes hundreds of gigabytes
         measure=_large_block,

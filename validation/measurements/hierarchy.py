@@ -79,4 +79,4 @@ def archard_of(
         densities=[float(count**2) for count in waves[1:]],
         contact_modulus=1.0,
     )
-    return np.asarray(spheres.area), spheres.exponent
+    return spheres.area, spheres.exponent

@@ -68,8 +68,7 @@ def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
     if drift:
         made["area_each_drift"] = ("load", grid_drift(measured), {"reduction": "drift", "of": "subcell"})
     data = xr.Dataset(made)
-    names = {name: measured.attrs[name] for name in ("solve",) if name in measured.attrs}
-    return data.assign_attrs(names)
+    return data.assign_attrs({name: measured.attrs[name] for name in ("solve",) if name in measured.attrs})
 
 
 def shift_means(measured: xr.Dataset, **quantities: str) -> dict[str, xr.DataArray]:
@@ -175,8 +174,7 @@ def two_grid_step(values: xr.DataArray, spacing: xr.DataArray, *, order: int = 1
     grid = str(spacing.dims[-1])
     coarse, fine = (spacing.isel({grid: k}, drop=True) ** order for k in (-2, -1))
     low, high = (values.isel({grid: k}, drop=True) for k in (-2, -1))
-    step: xr.DataArray = (high - low) * fine / (coarse - fine)
-    return step
+    return (high - low) * fine / (coarse - fine)
 
 
 def two_grid_limit(values: xr.DataArray, spacing: xr.DataArray) -> xr.DataArray:

@@ -44,8 +44,7 @@ def reduced_path(measured: xr.Dataset, *, shortest: float) -> xr.Dataset:
         made[f"{name}_finest_each"] = finest_value.assign_attrs(reduction="shift mean", **how)
     # Which points are in contact makes it noisy: no power of the spacing is seen, and none is taken out.
     compliance, mean = (1 / plain.stiffness.drop_attrs()).mean("shift"), {"reduction": "shift mean"}
-    inverse = {**mean, "of": "stiffness", "power": -1}
-    made["compliance_each"] = compliance.isel(grid=-1).assign_attrs(inverse)
+    made["compliance_each"] = compliance.isel(grid=-1).assign_attrs({**mean, "of": "stiffness", "power": -1})
     change = abs(compliance.isel(grid=-1) - compliance.isel(grid=-2))
     made["compliance_each_error"] = error_of(made["compliance_each"], grid=NORMAL * change, **ABSENT)
     made["patches_each"] = finest.patches.drop_attrs().assign_attrs(mean, of="patches")

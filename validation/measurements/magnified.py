@@ -28,7 +28,7 @@ _AXES: tuple[Literal["x", "y"], ...] = ("x", "y")
     words="magnified",
     located=True,
     version=2,
-    recipe=lambda made: {name: value for name, value in made.items() if name != "load"},
+    left_out=("load",),
     # One problem for each load and magnification, some twenty for each pair of thresholds.
     seconds=lambda points, reduced_pressures, magnifications, percolating: (
         (len(reduced_pressures) * len(magnifications) + 20 * len(percolating)) * (2e-3 + 8e-7 * points)

@@ -32,7 +32,6 @@ from validation.scenes.scene import EffectSpec
 from validation.scenes.surfaces import spectrum_of
 from validation.scenes.tables import FileSurface
 from validation.solvers import find_solver
-from validation.solvers.base import Job
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -54,6 +53,11 @@ def grid_for(problem: ContactProblem, points_per_wave: float) -> Grid:
     """Smallest even grid with at least that many points on lambda_short, along both axes."""
     nx, ny = (even_points(points_per_wave * length / problem.shortest) for length in problem.lengths)
     return nx, ny
+
+
+def grids_for(problem: ContactProblem, points_per_wave: Sequence[float]) -> tuple[Grid, ...]:
+    """Return `grid_for` of several numbers of points."""
+    return tuple(grid_for(problem, points) for points in points_per_wave)
 
 
 #: Points along a side that no grid has.
@@ -91,17 +95,17 @@ def grid_tolerance(problem: ContactProblem, grids: Sequence[Grid]) -> float:
 
 def has_square_cells(problem: ContactProblem, grid: Grid) -> bool:
     """Whether the cells of a grid are square within 5 %, so that edges can be located inside them."""
-    dx, dy = (length / n for length, n in zip(problem.lengths, grid, strict=True))
+    dx, dy = problem.spacing(grid)
     return abs(dx / dy - 1) <= _SQUARE
 
 
-#: What is kept besides the areas, by the kind of the stored results.
-_KEPT: dict[str, tuple[str, ...]] = {
-    "Measurement": (),
-    "Distributions": ("distributions",),
-    "StiffMeasurement": ("stiffness",),
-    "LoadPath": ("distributions", "stiffness"),
-    "_Rich": ("stiffness", "slope"),
+#: Kinds of the stored results, by what is kept besides the areas.
+_KINDS: dict[tuple[str, ...], str] = {
+    (): "Measurement",
+    ("distributions",): "Distributions",
+    ("stiffness",): "StiffMeasurement",
+    ("distributions", "stiffness"): "LoadPath",
+    ("stiffness", "slope"): "_Rich",
 }
 
 
@@ -119,19 +123,15 @@ def _recipe(
     made: dict[str, Any], keep: tuple[str, ...], reduced_pressures: Any, problem: Any
 ) -> dict[str, Any]:
     """Name what is read off, too: a stored result that lacks a number is another one."""
-    (kind,) = (name for name, extras in _KEPT.items() if extras == keep)
-    made = {name: value for name, value in made.items() if name not in ("load", "keep")}
     if not made["effects"]:
         del made["effects"]
-    return (
-        {"truncation": None}
-        | made
-        | {
-            "kind": kind,
-            "reduced_pressures": list(reduced_pressures or (reduced_load(problem),)),
-            "quantities": sorted([*quantities_of(keep), "cells", LOCATED_EDGES]),
-        }
-    )
+    return {
+        "truncation": None,
+        **made,
+        "kind": _KINDS[keep],
+        "reduced_pressures": list(reduced_pressures or (reduced_load(problem),)),
+        "quantities": sorted([*quantities_of(keep), "cells", LOCATED_EDGES]),
+    }
 
 
 def _seconds(
@@ -146,7 +146,13 @@ def _seconds(
 
 
 @measurement(
-    "measure-{size}", kind="Measurement", words="areas to", recipe=_recipe, seconds=_seconds, bytes=120
+    "measure-{size}",
+    kind="Measurement",
+    words="areas to",
+    recipe=_recipe,
+    left_out=("load", "keep"),
+    seconds=_seconds,
+    bytes=120,
 )
 def press_on_grids(
     *,
@@ -183,8 +189,7 @@ def press_on_grids(
     for (i, grid), (j, shift) in itertools.product(enumerate(grids), enumerate(offsets)):
         field = truncated_heights(problem, grid, shift, truncation=truncation)
         located = not effects and has_square_cells(problem, grid)
-        path = pressed_path(field, problem, loads, effects=effects, tolerance=tolerance)
-        for k, result in enumerate(path):
+        for k, result in enumerate(pressed_path(field, problem, loads, effects=effects, tolerance=tolerance)):
             numbers = _read_off(result, located=located)
             if "stiffness" in keep:
                 # Off by the square of the tolerance, .6 of that at worst.
@@ -236,14 +241,8 @@ def pressed_path(
         yield from elastic_path(field, problem.elastic, pressures, tolerance=tolerance)
         return
     for pressure in pressures:
-        job = Job(
-            field=field,
-            load={"mean_pressure": pressure},
-            model=ContactModel.filled(problem.elastic, effects),
-            settings={"tolerance": tolerance},
-            threads=1,
-        )
-        yield find_solver("bem").solve(job).contact.checked()
+        model = ContactModel.filled(problem.elastic, effects)
+        yield find_solver("bem").pressed(field, model, pressure, tolerance=tolerance).checked()
 
 
 def elastic_path(
@@ -266,9 +265,10 @@ def press_elastic(
     tolerance: float = TOLERANCE,
 ) -> ContactResult:
     """Solve the half-space at a mean pressure [Pa] on one thread, from a pressure field that is near."""
-    options: dict[str, Any] = {"start": start, "tolerance": tolerance, "threads": 1}
-    result: ContactResult = bem.solve(field, HalfSpace(solid=solid), mean_pressure=pressure, **options)
-    return result.checked()
+    body = HalfSpace(solid=solid)
+    return bem.solve(
+        field, body, mean_pressure=pressure, start=start, tolerance=tolerance, threads=1
+    ).checked()
 
 
 def truncated_heights(
@@ -313,8 +313,7 @@ def _read_off(result: ContactResult, *, located: bool) -> dict[str, float]:
     full = result.in_contact.all() and not result.at_bound.any()
     half = np.searchsorted(np.cumsum(sizes), sizes.sum() / 2)
     return {
-        **{name: getattr(areas, name) for name in (*_AREAS, *TRAITS)},
-        "subcell": np.nan if areas.subcell is None else areas.subcell,
+        **areas_read(areas),
         "density_at_zero": density_at_zero(result).reduced,
         "patches": patches.count,
         "patch_size": patches.mean_size,
@@ -336,6 +335,12 @@ def _stiffness(result: ContactResult, problem: ContactProblem, *, tolerance: flo
     return frozen.stiffness * problem.field.rms_height / result.mean_pressure
 
 
+def areas_read(areas: ContactAreas) -> dict[str, float]:
+    """Return the numbers that `stored_areas` takes; the located area is NaN where there is none."""
+    subcell = math.nan if areas.subcell is None else areas.subcell
+    return {name: getattr(areas, name) for name in (*_AREAS, *TRAITS)} | {"subcell": subcell}
+
+
 def areas_of_solve(solve: Press, result: ContactResult) -> ContactAreas:
     """Return areas; edges are located inside the cells where their law is known: without effects, on square cells."""
     located = solve.solver.locates_edges and not solve.effects and has_square_cells(solve.problem, solve.grid)
@@ -353,12 +358,12 @@ def no_limit(doubt: str) -> Limit:
     return Limit(value=math.nan, uncertainty=math.nan, grids=0, definition="none", doubt=doubt)
 
 
-def areas_of(dataset: xr.Dataset, load: int, *, least_points_per_wave: float = 0.0) -> list[ContactAreas]:
+def areas_of(dataset: xr.Dataset, load: int) -> list[ContactAreas]:
     """Return the areas of a measurement at one load, one for each grid and shift, as `located_limit` takes them.
 
-    Grids of fewer points per shortest wave than a number are left out.
+    Grids of fewer than `LEAST_POINTS_PER_WAVE` are left out.
     """
-    keep = np.flatnonzero(dataset.points_per_wave.values >= least_points_per_wave * (1 - 1e-9))
+    keep = np.flatnonzero(dataset.points_per_wave.values >= LEAST_POINTS_PER_WAVE * (1 - 1e-9))
     points, cells = dataset.points.values, dataset.cells.values
     read = {name: dataset[name].values[:, :, load] for name in (*_AREAS, *TRAITS) if name in dataset}
     return [
@@ -400,8 +405,5 @@ def area_limits(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     It is that of the located areas (`fem_contact.extrapolation`), else of those corrected at their edge, on
     grids of `LEAST_POINTS_PER_WAVE` or more. Both are NaN where the contact is too small to carry the law.
     """
-    limits = [
-        limit_over(areas_of(dataset, k, least_points_per_wave=LEAST_POINTS_PER_WAVE))
-        for k in range(dataset.sizes["load"])
-    ]
+    limits = [limit_over(areas_of(dataset, k)) for k in range(dataset.sizes["load"])]
     return np.array([limit.value for limit in limits]), np.array([limit.uncertainty for limit in limits])

@@ -16,7 +16,7 @@ from validation.execution.measurement import Call, measurement
 from validation.execution.press import Press
 from validation.execution.solve import Prediction
 from validation.measurements.control_variates import statistics_of_pair
-from validation.measurements.measurement import areas_of_solve, limit_over, stored_areas
+from validation.measurements.measurement import areas_of_solve, areas_read, limit_over, stored_areas
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import EffectSpec
 
@@ -45,16 +45,13 @@ def _predicted(
     )
 
 
-def _recipe(made: dict[str, Any], problem: ContactProblem, first: int) -> dict[str, Any]:
-    return {n: v for n, v in (made | problem.further(first).recipe).items() if n != "first"}
-
-
 @measurement(
     "pairs-{size}",
     kind="AreaPairs",
     words="{count} pairs of surfaces, to",
     located=True,
-    recipe=_recipe,
+    recipe=lambda made, problem, first: made | problem.further(first).recipe,
+    left_out=("first",),
     predict=_predicted,
     compiled=lambda tolerance, effects: (("bem", {"tolerance": tolerance}, effects),),
 )
@@ -78,11 +75,9 @@ def area_pairs(
         began = time.process_time()
         solve = _press(grid, surface, tolerance, effects)
         result = solve.do(threads=1).contact
-        areas = areas_of_solve(solve, result)
-        subcell = np.nan if areas.subcell is None else areas.subcell
-        spent = time.process_time() - began
-        numbers = areas.pixel, areas.perimeter, subcell, areas.edge_fraction, spent, result.cost.peak_bytes
-        return (*numbers, *(getattr(areas, name) for name in TRAITS))
+        numbers = areas_read(areas_of_solve(solve, result)) | {"peak_bytes": result.cost.peak_bytes}
+        numbers["seconds"] = time.process_time() - began
+        return tuple(numbers[name] for name in _READ)
 
     read = np.empty((len(_READ), count, 2, len(grids)))
     statistics: list[dict[str, float]] = []

@@ -56,7 +56,7 @@ def _step(before: Pressed, after: Sequence[Pressed], *, unit: float) -> dict[str
 
 def pressed(result: ContactResult) -> Pressed:
     """Return pressures and contact of a result."""
-    return Pressed(pressure=np.asarray(result.pressure), in_contact=np.asarray(result.in_contact))
+    return Pressed(pressure=result.pressure, in_contact=result.in_contact)
 
 
 def ring_ends(*, periods: float, bandwidth: float, steps_per_octave: int) -> Array:
@@ -71,7 +71,7 @@ def ring_ends(*, periods: float, bandwidth: float, steps_per_octave: int) -> Arr
     m, n = np.meshgrid(np.arange(top + 1), np.arange(top + 1))
     waves = np.unique(np.hypot(m, n))[1:] / periods
     counts = np.searchsorted(waves[waves >= 1 - _EDGE], ends * (1 + _EDGE), side="right")
-    return np.asarray(ends[np.diff(np.concatenate([[0], counts])) > 0])
+    return ends[np.diff(np.concatenate([[0], counts])) > 0]
 
 
 class Rings:
@@ -97,7 +97,7 @@ class Rings:
             amplitudes=waves.amplitudes[keep],
             q_short=waves.q_short * min(until / float(self.zeta.max()), 1.0),
         )
-        return np.asarray(ring.on((self.points, self.points)).heights)
+        return ring.on((self.points, self.points)).heights
 
     def variance(self, heights: Array) -> float:
         """V [Pa^2] of these heights: the variance of the pressure at full contact, E*^2 m2 / 4."""
@@ -184,8 +184,8 @@ def chain(
         "points_out": ("age", memory.out),
         "points_returned": ("age", memory.returned),
         "contact_out": ("level", memory.out_at),
-        "contact_crossed": ((), memory.crossed),
-        "nominal": ((), problem.pressure / np.sqrt(variance[-1])),
+        "contact_crossed": memory.crossed,
+        "nominal": problem.pressure / np.sqrt(variance[-1]),
     }
     return _dataset(data, areas=areas, sums=sums)
 
@@ -232,5 +232,4 @@ def probe(
         pair = [rings.press(heights + sign * scaled, load=load, start=first.pressure) for sign in (1, -1)]
         sums.append(_step(before, [pressed(result) for result in pair], unit=unit))
         areas.append([areas_of(result) for result in pair])
-    data: dict[str, Any] = {"nominal": ((), load / unit)}
-    return _dataset(data, areas=areas, sums=sums)
+    return _dataset({"nominal": load / unit}, areas=areas, sums=sums)

@@ -74,7 +74,7 @@ def slid_of(measured: xr.Dataset, solve: Call) -> xr.Dataset:
     friction, area = _theory(solve["problem"], solve["rubber"], solve["velocities"])
     numbers |= {f"friction_{name}_each": ("velocity", friction[:, k]) for k, name in enumerate(SHARES)}
     numbers |= {f"area_{name}_each": ("velocity", area[:, k]) for k, name in enumerate(VARIANTS)}
-    return xr.Dataset(numbers, attrs={"solve": measured.attrs["solve"]})
+    return xr.Dataset(numbers)
 
 
 def _theory(case: ContactProblem, rubber: Rubber, velocities: tuple[float, ...]) -> tuple[Array, Array]:

@@ -58,8 +58,8 @@ def steepened(
     return xr.Dataset(
         {name: ("slope", [step[name] for step in (*steps, *left)]) for name in _NAMES}
         | {
-            "linear_area": ((), float(np.mean(linear.in_contact))),
-            "linear_square_pressure": ((), float(np.mean(linear.pressure**2)) / linear.mean_pressure**2),
+            "linear_area": float(np.mean(linear.in_contact)),
+            "linear_square_pressure": float(np.mean(linear.pressure**2)) / linear.mean_pressure**2,
         },
         coords={"slope": list(slopes)},
         attrs={"ended": ended},

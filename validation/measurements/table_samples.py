@@ -19,7 +19,7 @@ from validation.measurements.common import persson_area
 from validation.measurements.control_variates import unsolved_pairs
 from validation.measurements.ensemble import Chained
 from validation.measurements.limits import ABSENT
-from validation.measurements.measurement import TOLERANCES_LEFT, area_limits, grid_for, press_on_grids
+from validation.measurements.measurement import TOLERANCES_LEFT, area_limits, grids_for, press_on_grids
 from validation.report.estimates import LIMIT, claim, error_of
 from validation.scenes.problem import ContactProblem
 from validation.scenes.surfaces import spectrum_of
@@ -71,7 +71,7 @@ class SampledSpectrum:
         """Solves by last grid, number of the pair and sign; statistics without a solve by the pairs they are of."""
         order = sorted(range(len(self.pairs)), key=lambda g: _GREW.index(g) if g in _GREW else g)
         lasts = [last for last in order for _ in range(self.pairs[last])]
-        grids = tuple(grid_for(self.base, points) for points in self.points_per_wave)
+        grids = grids_for(self.base, self.points_per_wave)
         calls: dict[tuple[Any, ...], Call] = {
             (last, k, inverted): press_on_grids(
                 problem=replace(self.base.further(k), inverted=inverted),

@@ -52,8 +52,7 @@ class Waves:
         qx, qy, power = wave_powers(field.heights, field.spacing)
         q = np.hypot(qx, qy).ravel()
         # Waves of one length come as one ring, whatever the rounding of their wavevectors.
-        key = np.round(q / q[q > 0].min(), 9)
-        rings, index = np.unique(key, return_inverse=True)
+        rings, index = np.unique(np.round(q / q[q > 0].min(), 9), return_inverse=True)
         wave = rings * q[q > 0].min()
         added = np.bincount(index.ravel(), weights=(q**2 * power.ravel())) / 4
         keep = added > 1e-20 * added.sum()
@@ -91,7 +90,7 @@ class Waves:
         """
         load = np.asarray(pressure, dtype=float)[..., None]
         reading: EnergyReading = "old" if variant == "persson" else variant
-        return np.asarray(energy_share(load, stress_variance=self.variance, energy=reading) @ self.energy)
+        return energy_share(load, stress_variance=self.variance, energy=reading) @ self.energy
 
     def mean_gap(self, pressure: ArrayLike, variant: Variant | EnergyReading) -> Array:
         """Mean gap [m]: the work of the load is stored, p du = -dU, from full contact downwards.
@@ -101,8 +100,7 @@ class Waves:
         load = np.asarray(pressure, dtype=float)
         top = max(_FULL * float(np.sqrt(2 * self.variance.max())), 2 * float(load[-1]))
         dense = np.unique(np.concatenate([np.geomspace(load[0], top, _PRESSURES), load]))
-        energy = self.elastic_energy(dense, variant)
-        step = np.diff(energy) / np.sqrt(dense[1:] * dense[:-1])
+        step = np.diff(self.elastic_energy(dense, variant)) / np.sqrt(dense[1:] * dense[:-1])
         gap = np.concatenate([np.cumsum(step[::-1])[::-1], [0.0]])
         return np.asarray(gap[np.searchsorted(dense, load)])
 

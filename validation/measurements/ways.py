@@ -27,8 +27,7 @@ def ways_of_bem(measured: list[xr.Dataset]) -> Iterator[xr.Dataset]:
         seconds = [float(result.seconds.mean()) for result in on]
         size = [float(result.peak_bytes.max()) for result in on]
         label = f"BEM {name}, {per_wave[i]:g} per wave"
-        first = [float(result[name][0]) for result in on]
-        yield way(first, label=label, seconds=seconds, peak_bytes=size)
+        yield way([float(result[name][0]) for result in on], label=label, seconds=seconds, peak_bytes=size)
         shifted = [float(result[name].mean()) for result in on]
         yield way(shifted, label=f"{label}, 4 shifts", seconds=[4 * s for s in seconds], peak_bytes=size)
     for count, shifts in ((2, 1), (3, 4)):

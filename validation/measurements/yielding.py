@@ -46,4 +46,4 @@ def remaining_by_theory(problem: ContactProblem, hardness: float, wavevectors: A
     parts = constant_hardness(problem.pressure, stress_variance=variance, yield_stress=hardness)
     share = np.minimum(parts.plastic * hardness / problem.pressure, 1.0)
     after = smoothed(spectrum, wavevectors=fine, yielded=share)
-    return np.asarray(after(wavevectors) / spectrum(wavevectors))
+    return after(wavevectors) / spectrum(wavevectors)

@@ -81,7 +81,6 @@ def _views(data: xr.Dataset) -> Views:
                 "Not reproduced: {each}.",
                 missed,
                 item="{claim} ({paper_section}: {paper_reason})",
-                over="claim",
             ),
         ],
         cards=[Card(question=name, answer=finding("share", form, data)) for name, form in answers.items()],

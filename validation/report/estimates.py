@@ -150,6 +150,17 @@ def nearest(values: xr.DataArray, wanted: float) -> int:
     return int(np.argmin(np.abs(np.log(values.values / wanted))))
 
 
+def spread(data: xr.Dataset, dim: str, count: int = 3) -> list[int]:
+    """Return some places along a dimension, from the first to the last.
+
+    >>> import xarray as xr
+    >>> spread(xr.Dataset({"area": ("load", range(8))}), "load")
+    [0, 4, 7]
+    """
+    last = data.sizes[dim] - 1
+    return sorted({min(k * (last + 1) // (count - 1), last) for k in range(count)})
+
+
 # ---- errors --------------------------------------------------------------------------------------
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from string import Formatter
 from typing import Any
@@ -190,20 +190,24 @@ def finding(
     data: xr.Dataset | None = None,
     *,
     item: str = "",
-    over: Sequence[str] | str = (),
     by: str = "",
     words: Mapping[str, str] | None = None,
-    **more: Value | float | str,
+    **more: Value | xr.DataArray | float | str,
 ) -> Finding:
     """Return a finding whose values are those of a dataset that its forms name; see `Finding`.
 
-    Numbers of the dataset without dimensions are values, those along `over` are rows. Of `more` values plain
-    numbers are exact.
+    Its attributes and its numbers without dimensions are values, those that `item` names are rows, one at
+    each of their places. Of `more` values plain numbers are exact.
     """
-    over = (over,) if isinstance(over, str) else tuple(over)
+    over: tuple[str, ...] = ()
     if data is not None:
+        named = [v for n, v in data.variables.items() if item and _named(str(n), item, by)]
+        along = dict.fromkeys(str(dim) for variable in named for dim in variable.dims)
+        over = tuple(dim for dim in along if data.sizes[dim] != 1) or tuple(along)[:1]
         data = data.squeeze([dim for dim, n in data.sizes.items() if n == 1 and dim not in over])
-    values = {n: v if isinstance(v, Value) else Value(value=v) for n, v in more.items()}
+    said = {} if data is None else {n: v for n, v in data.attrs.items() if n not in data.variables}
+    values = {n: _exact(v) for n, v in said.items() if _named(n, form, item)}
+    values |= {n: _exact(v) for n, v in more.items()}
     here = {} if data is None else values_of(data, lambda name: _named(name, form, item, by))
     asked = {part[1] for text in (form, item) for part in Formatter().parse(text) if part[1]}
     if kind not in KINDS or ("verdict" in asked and not (by and KINDS[kind][0])):
@@ -236,13 +240,15 @@ def _named(name: str, *forms: str) -> bool:
     return any(f"{{{name}}}" in form or f"{{{name}:" in form or name == form for form in forms)
 
 
+def _exact(value: Any) -> Value:
+    if isinstance(value, Value):
+        return value
+    return Value(value=value.item() if hasattr(value, "item") else value)
+
+
 def note(form: str, **values: Value | float | str) -> Finding:
     """Return what a reader should know, such as what of a scene is not used."""
-    return Finding(
-        kind="note",
-        form=form,
-        values={n: v if isinstance(v, Value) else Value(value=v) for n, v in values.items()},
-    )
+    return Finding(kind="note", form=form, values={n: _exact(v) for n, v in values.items()})
 
 
 def of_one_surface(data: xr.Dataset) -> list[Finding]:

@@ -10,7 +10,7 @@ import itertools
 import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import KW_ONLY, dataclass, field, replace
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class _Mark:
     """What all marks have: the variable `y`, along `x` (that of the panel if not given).
 
@@ -45,6 +45,7 @@ class _Mark:
     """
 
     y: str
+    _: KW_ONLY
     x: str = ""
     by: tuple[str, ...] | str = ()
     at: Mapping[str, int | Sequence[int]] = field(default_factory=dict)
@@ -101,20 +102,22 @@ class Panel:
     right: float | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Figure:
     """Panels side by side, and what is seen in a sentence; what bars mean is added when drawn."""
 
     name: str
     caption: str
     panels: Sequence[Panel]
+    _: KW_ONLY
     width: float | None = None  # [inch]; by the number of panels if not given
     height: float = 3.7
 
 
-def against(x: str, *names: str, by: tuple[str, ...] | str = (), log: str = "") -> Panel:
-    """Return the plainest panel: a line for each variable, or for each place along `by` in it."""
-    return Panel(marks=[Line(y=name, by=by) for name in names], x=x, log=log)
+def against(x: str, *marks: _Mark | str, by: tuple[str, ...] | str = (), **axes: Any) -> Panel:
+    """Return a panel of marks; a name alone is a line of that variable, or one for each place along `by`."""
+    lines = [Line(mark, by=by) if isinstance(mark, str) else mark for mark in marks]
+    return Panel(marks=lines, x=x, **axes)
 
 
 def panels_along(data: xr.Dataset, dim: str, panel: Panel) -> tuple[Panel, ...]:

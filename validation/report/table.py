@@ -6,7 +6,7 @@ import csv
 import html
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import KW_ONLY, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +49,7 @@ class Column:
     at: Mapping[str, int] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Table:
     """A table of a dataset: one row for each place along `rows`, the last one running first.
 
@@ -60,6 +60,7 @@ class Table:
 
     rows: tuple[str, ...]
     columns: tuple[str | Column, ...]
+    _: KW_ONLY
     title: str = "Numbers"
     note: str = ""
     file: str = "table"

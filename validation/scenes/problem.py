@@ -210,9 +210,13 @@ class ContactProblem:
             return max(surface.length)
         return surface.lambda_long * (getattr(surface, "stretch", None) or 1.0)
 
+    def spacing(self, grid: Grid) -> tuple[float, float]:
+        """Return dx and dy of a grid [m]."""
+        return self.lengths[0] / grid[0], self.lengths[1] / grid[1]
+
     def points_per_wave(self, grid: Grid) -> float:
         """lambda_short / dx, on the coarser axis."""
-        return self.shortest / max(length / n for length, n in zip(self.lengths, grid, strict=True))
+        return self.shortest / max(self.spacing(grid))
 
     def resolved_by(self, grid: Grid) -> bool:
         """Whether lambda_short > 2 dx on both axes."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,10 +29,6 @@ class Aspher(ExternalSolver):
     locates_edges = True
     papers = ("ASPHER: V. A. Yastrebov, https://github.com/cofebem/aspher.",)
 
-    def call(self, settings: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:
-        """Return the function below."""
-        return f"{__name__}:solve", {}
-
     def check(self, options: Any, problem: ContactProblem, effects: Sequence[Effect]) -> None:
         """Refuse what is not square."""
         super().check(options, problem, effects)
@@ -58,8 +54,7 @@ def solve(
 
     if heights.shape[0] != heights.shape[1] or lengths[0] != lengths[1]:
         raise ValueError("ASPHER has square grids on square periods")
-    solver = aspher.ContactSolver(grid_size=heights.shape[0], backend="periodic")
-    solution = solver.solve(
+    solution = aspher.ContactSolver(grid_size=heights.shape[0], backend="periodic").solve(
         np.ascontiguousarray((heights.max() - heights) / lengths[0]),
         mean_pressure / contact_modulus,
         tol=_SAFETY * tolerance,

@@ -122,11 +122,8 @@ class Claim:
     """What a solver says, before anybody judges it."""
 
     pressure: NDArray[np.float64]  # [Pa], compression positive
-    in_contact: NDArray[np.bool_] | None  # Its contact set; None where it names none
-    iterations: int  # 0 where it does not say
-    wall_seconds: float
-    cpu_seconds: float
-    peak_bytes: int
+    in_contact: NDArray[np.bool_] | None = None  # Its contact set; None where it names none
+    cost: contact.Cost  # What it took; 0 iterations where it does not say
     converged: bool | None = None  # Whether it says that it met its tolerance; None where it says nothing
 
     @classmethod
@@ -135,22 +132,8 @@ class Claim:
         return cls(
             pressure=contact.pressure,
             in_contact=contact.in_contact,
-            iterations=contact.cost.iterations,
-            wall_seconds=contact.cost.wall_seconds,
-            cpu_seconds=contact.cost.cpu_seconds,
-            peak_bytes=contact.cost.peak_bytes,
+            cost=contact.cost,
             converged=contact.status is Status.CONVERGED,
-        )
-
-    @property
-    def cost(self) -> contact.Cost:
-        """Return what it took, as results have it."""
-        return contact.Cost(
-            wall_seconds=self.wall_seconds,
-            cpu_seconds=self.cpu_seconds,
-            iterations=self.iterations,
-            unknowns=self.pressure.size,
-            peak_bytes=self.peak_bytes,
         )
 
 
@@ -224,6 +207,13 @@ class Solver(Method):
     @abstractmethod
     def solve(self, job: Job) -> Solved:
         """Press a surface with the load, or to the distance, that is asked for."""
+
+    def pressed(
+        self, field: HeightField, model: ContactModel, pressure: float, **settings: Any
+    ) -> ContactResult:
+        """Return what it makes of a surface under a mean pressure [Pa], on one thread."""
+        load = {"mean_pressure": pressure}
+        return self.solve(Job(field=field, load=load, model=model, settings=settings, threads=1)).contact
 
     def felt(self, job: Job) -> Response:
         """Return the response by which displacements follow from its pressures at the points of a surface."""

@@ -5,17 +5,16 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field, StrictInt
 
 from fem_contact.area import EDGE_CONSTANTS, discretisation
 from fem_contact.contact import ContactResult
 from validation.arrays import Grid
-from validation.effects.base import Effect, SlotName, effect_key
+from validation.effects.base import Effect, effect_key
 from validation.errors import UsageError
 from validation.solvers.base import Cost, Gridded, Job, Shift, Size, Solved, Solver, example_job
-from validation.units import Table
 
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
@@ -43,8 +42,8 @@ class Bem(Solver):
 
     name = "bem"
     label = "BEM"
-    options: ClassVar[type[Table]] = BemOptions
-    slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound", "gap law", "boundary"})
+    options = BemOptions
+    slots = frozenset({"response", "pressure bound", "gap law", "boundary"})
     locates_edges = True
     for_ensembles = True
     holds = frozenset({"mean_gap", "offset"})

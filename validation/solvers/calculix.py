@@ -16,22 +16,23 @@ import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from pydantic import Field
 
+from fem_contact import contact
 from fem_contact.area import EDGE_CONSTANTS
 from fem_contact.contact import ContactResult
 from fem_contact.errors import NotConverged
 from fem_contact.response import Response
 from validation.arrays import Array
-from validation.effects.base import Effect, SlotName
+from validation.effects.base import Effect
 from validation.solvers.base import Blocks, Claim, Cost, Job, Size, Solved, Solver, check_bodies
 from validation.solvers.bem import FIXED_BYTES, FIXED_PAIRS
 from validation.solvers.external import verified
 from validation.solvers.fem import block_response, planned, unknowns_of
-from validation.units import Duration, Table
+from validation.units import Duration
 
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
@@ -64,10 +65,10 @@ class Calculix(Solver):
 
     name = "calculix"
     label = "CalculiX"
-    options: ClassVar[type[Table]] = CalculixOptions
+    options = CalculixOptions
     independent = True
     foreign = True
-    slots: ClassVar[frozenset[SlotName]] = frozenset({"response"})
+    slots = frozenset({"response"})
     score_element = "Hex1"
     score_points = 8
     setting_keys = ("tolerance", "growth", "depth", "seconds")
@@ -123,18 +124,19 @@ class Calculix(Solver):
         )
         forces, rises = _run(deck, field.shape, seconds=float(job.settings.get("seconds", _SECONDS)))
         claim = Claim(
-            pressure=np.asarray(-forces / (sides[0] * sides[1] / field.heights.size) * stress),
-            in_contact=None,
-            iterations=0,
-            wall_seconds=time.perf_counter() - began,
-            cpu_seconds=os.times().children_user - clock.children_user,
-            peak_bytes=0,
+            pressure=-forces / (sides[0] * sides[1] / field.heights.size) * stress,
+            cost=contact.Cost(
+                wall_seconds=time.perf_counter() - began,
+                cpu_seconds=os.times().children_user - clock.children_user,
+                iterations=0,
+                unknowns=3 * field.heights.size * (planes.size - 1),
+                peak_bytes=0,
+            ),
         )
         accepted_job = replace(job, settings={"tolerance": _ACCEPTED, **job.settings})
-        rise = np.asarray(-rises * length)
-        contact = verified(claim, accepted_job, method=self.label, element="Hex1", displacement=rise)
-        unknowns = 3 * field.heights.size * (planes.size - 1)
-        return Solved(contact=replace(contact, cost=replace(contact.cost, unknowns=unknowns)))
+        rise = -rises * length
+        judged = verified(claim, accepted_job, method=self.label, element="Hex1", displacement=rise)
+        return Solved(contact=judged)
 
     def edge_constant(self, result: ContactResult) -> float:
         """Return that of linear hexahedra."""

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
 from validation.arrays import Array
-from validation.effects.base import SlotName
 from validation.solvers.external import ExternalSolver
 
 #: Its tolerance is the largest penetration, a length, and says nothing of the points that are pulled.
@@ -22,13 +20,9 @@ class ContactMechanics(ExternalSolver):
     name = "contact_mechanics"
     label = "ContactMechanics"
     package = "ContactMechanics"
-    slots: ClassVar[frozenset[SlotName]] = frozenset({"pressure bound", "response"})
+    slots = frozenset({"pressure bound", "response"})
     locates_edges = True
     papers = ("ContactMechanics: https://github.com/ContactEngineering/ContactMechanics.",)
-
-    def call(self, settings: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:
-        """Return the function below."""
-        return f"{__name__}:solve", {}
 
 
 def solve(
@@ -71,8 +65,7 @@ def solve(
         load["external_force"] = mean_pressure / contact_modulus * heights.size * cell
     if hardness is not None:
         load["hardness"] = hardness / contact_modulus * cell
-    system = ContactMechanics.make_system(substrate=substrate, surface=topography)
-    outcome = system.minimize_proxy(
+    outcome = ContactMechanics.make_system(substrate=substrate, surface=topography).minimize_proxy(
         pentol=_SAFETY * tolerance * (float(np.std(surface)) or 1.0), maxiter=max_iterations, **load
     )
     return {

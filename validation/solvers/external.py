@@ -13,7 +13,6 @@ import inspect
 import operator
 import sys
 import time
-from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib import metadata
@@ -23,6 +22,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
+from fem_contact import contact
 from fem_contact.area import EDGE_CONSTANTS
 from fem_contact.contact import ContactResult, Status, measure_residuals
 from fem_contact.errors import NotConverged
@@ -88,9 +88,9 @@ class ExternalSolver(Solver):
             return None
         return f"{self.package} is not installed; install it with: {self.install}"
 
-    @abstractmethod
-    def call(self, settings: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:
-        """Return the function as ``module:name``, and what it is told beyond surface, modulus and load."""
+    def function(self, settings: Mapping[str, Any]) -> str:
+        """Return the function as ``module:name``; ``solve`` beside the class, unless one says else."""
+        return f"{type(self).__module__}:solve"
 
     def source(self, settings: Mapping[str, Any]) -> Settings:
         """Return what tells one version of the solver from another."""
@@ -110,7 +110,7 @@ class ExternalSolver(Solver):
     def controlled(self, settings: Mapping[str, Any]) -> frozenset[str]:
         """Return which controls its function takes; none where it cannot be imported."""
         try:
-            taken = sandbox.call(keywords, self.call(settings)[0], str(Path.cwd()), seconds=_SECONDS)
+            taken = sandbox.call(keywords, self.function(settings), str(Path.cwd()), seconds=_SECONDS)
         except Exception:  # what is wrong with it, a solve says
             return frozenset()
         return self.controls & frozenset(taken)
@@ -125,7 +125,7 @@ class ExternalSolver(Solver):
 
         A NotConverged when it raised, crashed, took too much time or memory, or returned no pressures.
         """
-        function, more = self.call(job.settings)
+        function = self.function(job.settings)
         field, model, settings, load = job.field, job.model, job.settings, dict(job.load)
         given = {
             "contact_modulus": model.solid.contact_modulus,
@@ -137,9 +137,9 @@ class ExternalSolver(Solver):
             parameters["hardness"] = model.pressure_bound
         if isinstance(model.response, BondedLayer):
             parameters |= {"thickness": model.response.thickness, "poisson": model.solid.poisson}
-        parameters |= {**more, **load}
+        parameters |= load
         try:
-            answer = sandbox.call(
+            claim: Claim = sandbox.call(
                 serve,
                 function,
                 str(Path.cwd()),
@@ -157,7 +157,7 @@ class ExternalSolver(Solver):
         except Exception as error:  # whatever it raises is its answer
             line = " ".join(str(error).split())[:_MOST_WORDS]
             raise NotConverged(f"{function}: raised {type(error).__name__}: {line}") from None
-        pressure, mask = np.array(answer["pressure"]), answer["in_contact"]
+        pressure, mask = np.array(claim.pressure), claim.in_contact
         if pressure.shape != field.shape:
             raise NotConverged(
                 f"{function}: pressures of shape {pressure.shape}: must have that of the heights, "
@@ -165,8 +165,8 @@ class ExternalSolver(Solver):
             )
         if not np.isfinite(pressure).all():
             raise NotConverged(f"{function}: pressures are not finite")
-        in_contact = None if mask is None or mask.shape != field.shape else mask.astype(bool)
-        return Claim(**{**answer, "pressure": pressure, "in_contact": in_contact})
+        named = None if mask is None or mask.shape != field.shape else mask
+        return replace(claim, pressure=pressure, in_contact=named)
 
     def solve(self, job: Job) -> Solved:
         """Ask the solver, and judge its pressures; its process has one thread."""
@@ -222,7 +222,7 @@ def verified(
         qx: Array = np.asarray(2 * np.pi * np.fft.fftfreq(nx, lx / nx), dtype=np.float64)
         qy: Array = np.asarray(2 * np.pi * np.fft.rfftfreq(ny, ly / ny), dtype=np.float64)
         compliance = response.compliance(qx[:, None], qy[None, :])
-        displacement = np.asarray(np.fft.irfft2(compliance * np.fft.rfft2(pressure), s=field.shape))
+        displacement = np.fft.irfft2(compliance * np.fft.rfft2(pressure), s=field.shape)
     at_bound = np.zeros(pressure.shape, dtype=bool) if bound is None else pressure >= bound * (1 - tolerance)
     # The gap vanishes in the mean over what bears.
     below, bearing = field.heights - displacement, np.where(at_bound, 0.0, np.maximum(pressure, 0))
@@ -288,8 +288,8 @@ def serve(
     lengths: Sequence[float],
     given: Mapping[str, Any],
     parameters: Mapping[str, Any],
-) -> dict[str, Any]:
-    """Call a solver, in the child process; return its fields and what it took."""
+) -> Claim:
+    """Call a solver, in the child process; return what it says and what it took."""
     solve, taken = _imported(function, folder), keywords(function, folder)
     more = {name: value for name, value in parameters.items() if name in taken}
     heights = heights.copy()  # its own, to write to
@@ -299,15 +299,18 @@ def serve(
     spent, passed = time.process_time() - clock, time.perf_counter() - began
     mask, iterations, converged = (_field(answer, name) for name in ("in_contact", "iterations", "converged"))
     pressure = _field(answer, "pressure")
-    return {
-        "pressure": np.asarray(answer if pressure is None else pressure).astype(float, casting="same_kind"),
-        "in_contact": None if mask is None else np.array(mask, dtype=bool),
-        "iterations": 0 if iterations is None else int(iterations),
-        "converged": None if converged is None else bool(converged),
-        "cpu_seconds": spent,
-        "wall_seconds": passed,
-        "peak_bytes": max(_peak_bytes() - before, 0),
-    }
+    return Claim(
+        pressure=np.asarray(answer if pressure is None else pressure).astype(float, casting="same_kind"),
+        in_contact=None if mask is None else np.array(mask, dtype=bool),
+        converged=None if converged is None else bool(converged),
+        cost=contact.Cost(
+            wall_seconds=passed,
+            cpu_seconds=spent,
+            iterations=0 if iterations is None else int(iterations),
+            unknowns=heights.size,
+            peak_bytes=max(_peak_bytes() - before, 0),
+        ),
+    )
 
 
 def _field(answer: Any, name: str) -> Any:

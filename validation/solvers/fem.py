@@ -5,28 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import Field
 
 from fem_contact.contact import ContactResult
 from fem_contact.response import Response
 from validation.arrays import Array
-from validation.effects.base import ContactModel, Effect, SlotName, effect_key
+from validation.effects.base import ContactModel, Effect, effect_key
 from validation.errors import UsageError
 from validation.report.quantities import as_length
-from validation.solvers.base import (
-    Blocks,
-    Cost,
-    Job,
-    Size,
-    Solved,
-    Solver,
-    check_bodies,
-    example_job,
-)
+from validation.solvers.base import Blocks, Cost, Job, Size, Solved, Solver, check_bodies, example_job
 from validation.solvers.bem import BYTES_PER_POINT, FIXED_BYTES, FIXED_PAIRS
-from validation.units import Table
 
 if TYPE_CHECKING:
     from fem_contact.block.mesh import BlockMesh
@@ -61,8 +51,8 @@ class Fem(Solver):
 
     name = "fem"
     label = "FEM"
-    options: ClassVar[type[Table]] = FemOptions
-    slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound"})
+    options = FemOptions
+    slots = frozenset({"response", "pressure bound"})
     independent = True
     holds = frozenset({"offset"})
     sinks = True
@@ -83,7 +73,7 @@ class Fem(Solver):
         """Refuse elements that lock, two depths, and a solid that is no clamped body."""
         depth, growth = options.depth or max(problem.lengths), options.growth
         for grid in options.grids:
-            ratio = depth / max(length / n for length, n in zip(problem.lengths, grid, strict=True))
+            ratio = depth / max(problem.spacing(grid))
             layers = ratio if growth == 1 else math.log1p(ratio * (growth - 1)) / math.log(growth)
             if layers > _MOST_LAYERS:
                 raise UsageError(
@@ -161,8 +151,7 @@ class Fem(Solver):
 
     def score_settings(self, points: int) -> dict[str, float | str]:
         """Refine the layers with the grid: at one growth, finer grids approach a block that is .2 % off."""
-        growth = float(FemOptions.model_fields["growth"].default)
-        return {"growth": growth ** (self.score_points / points)}
+        return {"growth": float(FemOptions.model_fields["growth"].default) ** (self.score_points / points)}
 
     def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Press a small block."""
@@ -179,7 +168,7 @@ class Fem(Solver):
         from fem_contact.block import wave_errors
 
         for grid in sorted(options.grids):
-            spacing = max(length / n for length, n in zip(problem.lengths, grid, strict=True))
+            spacing = max(problem.spacing(grid))
             name = f"finite elements, {grid[0]} x {grid[1]}"
             if problem.longest < 2 * spacing:
                 cells = problem.longest / spacing
@@ -187,11 +176,10 @@ class Fem(Solver):
                 continue
             # Cells count along x, whatever they are along y.
             carried = 2 * max(spacing, problem.lengths[0] / grid[0])
-            waves = [max(problem.shortest, carried), max(problem.longest, carried)]
             short, long = wave_errors(
                 grid,
                 problem.lengths,
-                waves,
+                [max(problem.shortest, carried), max(problem.longest, carried)],
                 poisson=problem.solid.poisson,
                 depth=options.depth,
                 growth=options.growth,

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, ClassVar
-
 import numpy as np
 
 from validation.arrays import Array
-from validation.effects.base import SlotName
 from validation.solvers.external import ExternalSolver
 
 #: What it adds up as its error is not what is asked for: it is asked for as much less.
@@ -21,13 +17,9 @@ class Tamaas(ExternalSolver):
     name = "tamaas"
     label = "tamaas"
     package = "tamaas"
-    slots: ClassVar[frozenset[SlotName]] = frozenset({"pressure bound"})
+    slots = frozenset({"pressure bound"})
     locates_edges = True
     papers = ("tamaas: [frerot2020].",)
-
-    def call(self, settings: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:
-        """Return the function below."""
-        return f"{__name__}:solve", {}
 
 
 def solve(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -46,7 +46,7 @@ class Theory(Method):
 
     name = "theory"
     label = "Persson"
-    options: ClassVar[type[Table]] = TheoryOptions
+    options = TheoryOptions
     papers = ("Theory: [persson2006]; [persson2001].",)
 
     def handles(self, effect: type[Effect]) -> bool:
@@ -237,7 +237,7 @@ def stress_distribution(
         onset = contact.variance[np.flatnonzero(contact.tensile_limit > 0)[:1]]
 
         def wall(variance: Array) -> Array:
-            return np.asarray(np.interp(variance, contact.variance, contact.tensile_limit))
+            return np.interp(variance, contact.variance, contact.tensile_limit)
 
         diffusion = solve_diffusion(
             contact.variance[-1:],

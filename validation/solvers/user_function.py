@@ -6,7 +6,7 @@ import hashlib
 import importlib.util
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
@@ -15,7 +15,6 @@ from validation.errors import UsageError
 from validation.registry import with_own_folder
 from validation.solvers.base import Settings
 from validation.solvers.external import ExternalOptions, ExternalSolver
-from validation.units import Table
 
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
@@ -36,11 +35,11 @@ class Own(ExternalSolver):
 
     name = "own"
     label = "Own solver"
-    options: ClassVar[type[Table]] = OwnOptions
+    options = OwnOptions
 
-    def call(self, settings: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:
+    def function(self, settings: Mapping[str, Any]) -> str:
         """Return the function that the scene names."""
-        return str(settings["solver"]), {}
+        return str(settings["solver"])
 
     def settings(self, options: Any) -> Settings:
         """Return what was said, and what the code was when it was said."""

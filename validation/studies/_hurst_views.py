@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from validation.report.marks import Band, Figure, Level, Line, Panel, panels_along
-from validation.report.views import Column, Finding, Table, Views, finding
+from validation.report.marks import Band, Figure, Level, Line, panels_along
+from validation.report.views import Column, Finding, Table, Views, against, finding
 
 #: A/A0 below which kappa is published, a little more than the authors' 0.1; H of the published alpha(zeta).
 _LIGHT, _PUBLISHED = 0.12, 0.8
@@ -23,7 +22,7 @@ def views(data: xr.Dataset) -> Views:
     counted = (Column("kappa_pixel", {"grid": -1}), Column("kappa_pixel", {"grid": 0}))
     theories = ("kappa_persson", "kappa_ensemble", "kappa_yang_persson", "kappa_wang_mueser", "kappa_xu")
     return Views(
-        table=Table(rows=("family", "hurst", "load"), columns=(*names, *counted, *theories)),
+        table=Table(("family", "hurst", "load"), (*names, *counted, *theories)),
         budget=("kappa", *(("kappa_by_solver",) if beside else ())),
         figures=[
             *(_of_solvers_against_hurst(data) if beside else ()),
@@ -41,7 +40,7 @@ def views(data: xr.Dataset) -> Views:
 
 #: Published ranges and points, told apart by their sources.
 _LITERATURE = Band(
-    y="kappa_published",
+    "kappa_published",
     high="kappa_published_high",
     x="hurst_published",
     by="paper_kappa",
@@ -52,42 +51,30 @@ _LITERATURE = Band(
 def _of_solvers_against_hurst(data: xr.Dataset) -> Iterator[Figure]:
     reduced_pressure = float(data.reduced_pressure_by_solver)
     same = np.flatnonzero(np.isclose(data.reduced_pressure, reduced_pressure))
-    wide = [
-        Line(
-            y="kappa",
-            by="family",
-            at={"load": int(k)},
-            look={"mfc": "white", "ls": ":"},
-            label="boundary elements, {family}",
-        )
-        for k in same
-    ]
-    solver_limits = Line(y="kappa_by_solver", by="solver")
+    look, label = {"mfc": "white", "ls": ":"}, "boundary elements, {family}"
+    wide = [Line("kappa", by="family", at={"load": int(k)}, look=look, label=label) for k in same]
     caption = f"kappa against the Hurst exponent at p* = {reduced_pressure:g}, limits over the grids of each solver on the same "
     caption += f"surfaces of bandwidth {float(data.bandwidth_by_solver):g}; Persson's theory"
     caption += f"{'; published values' * ('kappa_published' in data)}."
-    panel = Panel(
-        marks=[solver_limits, *wide, Level(y="kappa_persson_by_solver", label="Persson"), _LITERATURE],
-        x="hurst",
-        bottom=1.5,
-    )
-    yield Figure(name="kappa-of-solvers", caption=caption, panels=[panel], width=4.2, height=4.4)
+    persson = Level("kappa_persson_by_solver", label="Persson")
+    panel = against("hurst", "kappa_by_solver", *wide, persson, _LITERATURE, by="solver", bottom=1.5)
+    yield Figure("kappa-of-solvers", caption, [panel], width=4.2, height=4.4)
 
 
 def _against_hurst(data: xr.Dataset) -> Figure:
     which = ", {family}" * (data.sizes["family"] > 1)
     marks = (
-        Line(y="kappa", by="family", label=f"limit over grids{which}"),
-        Line(y="kappa_pixel", at={"grid": 0, "family": 0}, label=f"counted, coarsest grid{which}"),
-        Level(y="kappa_persson"),
+        Line("kappa", by="family", label=f"limit over grids{which}"),
+        Line("kappa_pixel", at={"grid": 0, "family": 0}, label=f"counted, coarsest grid{which}"),
+        Level("kappa_persson"),
     )
-    panels = panels_along(data, "load", Panel(marks=marks, x="hurst", bottom=1.35))
+    panels = panels_along(data, "load", against("hurst", *marks, bottom=1.35))
     area = data.kappa.isel(family=0).mean("hurst") * data.reduced_pressure
     return Figure(
-        name="kappa-against-hurst",
-        caption="kappa against the Hurst exponent at each load: the limit over grids, points counted on the coarsest "
+        "kappa-against-hurst",
+        "kappa against the Hurst exponent at each load: the limit over grids, points counted on the coarsest "
         f"grid, and Persson's theory{'; black, published values (light load)' * ('kappa_published' in data)}.",
-        panels=[
+        [
             replace(panel, marks=(*marks, _LITERATURE)) if float(mean_area) < _LIGHT else panel
             for panel, mean_area in zip(panels, area, strict=True)
         ],
@@ -97,11 +84,11 @@ def _against_hurst(data: xr.Dataset) -> Figure:
 
 
 def _against_nayak(data: xr.Dataset) -> Figure:
-    marks = (Line(y="kappa", by="family"), Level(y="kappa_bgt"), Level(y="kappa_persson_light"))
-    panels = panels_along(data, "load", Panel(marks=marks, x="nayak", log="x"))
+    marks = ("kappa", Level("kappa_bgt"), Level("kappa_persson_light"))
+    panels = panels_along(data, "load", against("nayak", *marks, by="family", log="x"))
     caption = "The same kappa against the realised Nayak parameter at each load."
     width = 2.9 * max(2, len(panels)) + 1
-    return Figure(name="kappa-against-nayak", caption=caption, panels=panels, width=width, height=4.4)
+    return Figure("kappa-against-nayak", caption, panels, width=width, height=4.4)
 
 
 def _ladder_figures() -> tuple[Figure, ...]:
@@ -109,38 +96,36 @@ def _ladder_figures() -> tuple[Figure, ...]:
     for kind, title in (("by_bandwidth", "lambda_short/lambda_long falls"), ("by_size", "the sample grows")):
         end = f"step_{kind}_line"
         marks = (
-            Line(y=f"kappa_{kind}", by="ladder", joined=False, look={"mfc": "white"}),
-            Line(y=f"kappa_{kind}_line", x=end, by="ladder", look={"marker": "", "lw": 0.8}, label=""),
-            Line(y=f"kappa_{kind}_limit", x=end, at={"end": 0}, by="ladder", label=""),
+            Line(f"kappa_{kind}", by="ladder", joined=False, look={"mfc": "white"}),
+            Line(f"kappa_{kind}_line", x=end, by="ladder", look={"marker": "", "lw": 0.8}, label=""),
+            Line(f"kappa_{kind}_limit", x=end, at={"end": 0}, by="ladder", label=""),
         )
-        panels.append(Panel(marks=marks, x=f"step_{kind}", y="kappa", title=title))
-    rungs = Line(y="kappa_by_bandwidth", x="nayak_by_bandwidth", by="ladder")
-    theories = (Level(y="kappa_bgt"), Level(y="kappa_persson_light"))
-    ratio = [Line(y="kappa_ratio_by_bandwidth", by="ladder")]
+        panels.append(against(f"step_{kind}", *marks, y="kappa", title=title))
+    rungs = ("kappa_by_bandwidth", Level("kappa_bgt"), Level("kappa_persson_light"))
     paper, published = "paper_kappa_ratio", "kappa_ratio_published"
     papers = [
-        Level(y=published, at={paper: k}, look={"ls": ls}, label=f"{{{paper}}}")
+        Level(published, at={paper: k}, look={"ls": ls}, label=f"{{{paper}}}")
         for k, ls in enumerate((":", "--", "-"))
     ]
     return (
         Figure(
-            name="kappa-of-wider-bands",
-            caption="kappa against the realised Nayak parameter as the bandwidth grows at equal H.",
-            panels=[Panel(marks=(rungs, *theories), x="nayak_by_bandwidth", y="kappa", log="x")],
+            "kappa-of-wider-bands",
+            "kappa against the realised Nayak parameter as the bandwidth grows at equal H.",
+            [against("nayak_by_bandwidth", *rungs, by="ladder", y="kappa", log="x")],
         ),
         Figure(
-            name="kappa-limits",
-            caption="kappa against the step to its order as the bandwidth grows (left) and the sample (right); lines and "
+            "kappa-limits",
+            "kappa against the step to its order as the bandwidth grows (left) and the sample (right); lines and "
             "filled symbols at 0: the limit where it is determinable.",
-            panels=panels,
+            panels,
             width=9.0,
             height=4.2,
         ),
         Figure(
-            name="alpha-against-magnification",
-            caption="Slope alpha(zeta) of A = alpha F over that of Persson's theory as waves are added; black, published "
+            "alpha-against-magnification",
+            "Slope alpha(zeta) of A = alpha F over that of Persson's theory as waves are added; black, published "
             "for H = 0.8, as Persson (2006, Sec. 3.5) quotes them.",
-            panels=[Panel(marks=[*ratio, *papers], x="bandwidth_rung", log="x", base=2)],
+            [against("bandwidth_rung", "kappa_ratio_by_bandwidth", *papers, by="ladder", log="x", base=2)],
         ),
     )
 
@@ -154,50 +139,44 @@ def _beside(data: xr.Dataset) -> Iterator[Finding]:
     outcomes = {"agree": "not distinguishable", "differ": "beyond the intervals"}
     for k in range(1, data.sizes["solver"]):
         here = data.isel(solver=k)
-        yield finding(
-            "agreement", form, here, item=item, over="hurst", by="kappa_by_solver_difference", words=outcomes
-        )
+        yield finding("agreement", form, here, item=item, by="kappa_by_solver_difference", words=outcomes)
 
 
 def _of_families(data: xr.Dataset) -> Iterator[Finding]:
-    ends: dict[str, Any] = {"first": float(data.hurst[0]), "last": float(data.hurst[-1])}
-    ends |= {"low": float(data.bandwidth.min()), "high": float(data.bandwidth.max())}
+    ends = {"first": data.hurst[0], "last": data.hurst[-1]}
+    ends |= {"low": data.bandwidth.min(), "high": data.bandwidth.max()}
     if data.sizes["hurst"] > 1:
         form = "From H = {first} to {last} kappa {each}."
         item = "{verdict}, {kappa_change:%}, at p* = {reduced_pressure} with {family}"
         none = {"0": "shows no trend beyond its interval"}
-        over = ("family", "load")
-        yield finding("trend", form, data, item=item, over=over, by="kappa_change", words=none, **ends)
+        yield finding("trend", form, data, item=item, by="kappa_change", words=none, **ends)
     form = "Counted kappa is {each}; over H and load the limit spreads by {kappa_spread:%}, what counting spreads more is a "
     form += "discretisation artefact."
     item = "{verdict} the limit, by {kappa_excess:%}, at lambda_short/dx = {points_per_wave} (spread {kappa_pixel_spread:%})"
-    plain = data.isel(family=0, hurst=0)
-    yield finding("comparison", form, plain, item=item, over="grid", by="kappa_excess")
+    yield finding("comparison", form, data.isel(family=0, hurst=0), item=item, by="kappa_excess")
     wide = "{low}" if ends["low"] == ends["high"] else "{low} to {high}"
     form = (
         f"The limit over Persson's theory is {{each}} (mean over spectra of lambda_long/lambda_short {wide})."
     )
-    yield finding("value", form, data, item="{kappa_ratio} at p* = {reduced_pressure}", over="load", **ends)
+    yield finding("value", form, data, item="{kappa_ratio} at p* = {reduced_pressure}", **ends)
 
 
 def _of_ladders(data: xr.Dataset) -> Iterator[Finding]:
     if data.sizes["ladder"] > 1:
-        ends: dict[str, Any] = {"first": float(data.hurst_ladder[0]), "last": float(data.hurst_ladder[-1])}
+        first, last = data.hurst_ladder[[0, -1]]
         form = "At the Nayak parameter {nayak_by_bandwidth_equal} kappa at H = {last} is {verdict} that at H = {first}, "
         form += "{kappa_by_bandwidth_equal_change:%}; as the bandwidth grows at equal H it changes by {each}."
         item, by = "{kappa_by_bandwidth_change:%} (H = {hurst_ladder})", "kappa_by_bandwidth_equal_change"
-        yield finding("comparison", form, data, item=item, over="ladder", by=by, **ends)
+        yield finding("comparison", form, data, item=item, by=by, first=first, last=last)
     form = "As waves are added at p* = {reduced_pressure_ladder}, for which the budget has bandwidth and size, kappa {each}."
     item = "{verdict} at H = {hurst_ladder}, limit {kappa_by_bandwidth_limit}, for an endless sample {kappa_by_size_limit}"
     outcomes = {"+": "falls", "-": "rises", "0": "shows no trend beyond its interval"}
-    yield finding(
-        "trend", form, data, item=item, over="ladder", by="kappa_by_bandwidth_slope", words=outcomes
-    )
+    yield finding("trend", form, data, item=item, by="kappa_by_bandwidth_slope", words=outcomes)
     close = np.flatnonzero(np.isclose(data.hurst_ladder, _PUBLISHED))
     if close.size:
-        last, over = data.isel(ladder=int(close[0]), bandwidth_rung=-1), "paper_kappa_ratio"
+        last = data.isel(ladder=int(close[0]), bandwidth_rung=-1)
         form = "At D_f = 2.2, zeta = {bandwidth_rung} and p* = {reduced_pressure_ladder} alpha is {kappa_ratio_by_bandwidth} of "
         form += "Persson's; published, mostly for more waves: {each}."
         item, by = "{kappa_ratio_published} ({paper_kappa_ratio}) {verdict}", "kappa_ratio_difference"
         outcomes = {"agree": "agrees within the interval", "differ": "lies outside the interval"}
-        yield finding("agreement", form, last, item=item, over=over, by=by, words=outcomes)
+        yield finding("agreement", form, last, item=item, by=by, words=outcomes)

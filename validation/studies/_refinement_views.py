@@ -10,7 +10,7 @@ import xarray as xr
 
 from validation.measurements.grids import SMALL
 from validation.report.estimates import total_error
-from validation.report.marks import Figure, Level, Line, Panel, against, panels_along
+from validation.report.marks import Figure, Level, Line, against, panels_along
 from validation.report.values import value_of
 from validation.report.views import Column, Finding, Table, Views, finding
 
@@ -25,11 +25,11 @@ def views(data: xr.Dataset) -> Views:
     names += ("first_moment", "density_at_zero", "patches")
     parts = tuple(Column("cells_at_part", {"part": k}) for k in range(data.sizes["part"]))
     return Views(
-        table=Table(rows=("grid",), columns=(*names, *parts, "seconds")),
+        table=Table(("grid",), (*names, *parts, "seconds")),
         more=(
             Table(
-                rows=("grid",),
-                columns=("points", "points_per_wave", *(Column(name, {"surface": 0}) for name in _AREAS)),
+                ("grid",),
+                ("points", "points_per_wave", *(Column(name, {"surface": 0}) for name in _AREAS)),
                 title="The first surface alone, which is that of a scene",
                 note="A/A0 on each grid, and its limit with the interval of the grids.",
                 file="first-surface",
@@ -42,73 +42,71 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
-    waves: dict[str, Any] = {"x": "points_per_wave", "log": "xy", "base": 2}
-    definitions = [Line(y=f"distance_{name}_size") for name in ("pixel", "perimeter", "located")]
-    panels = [Panel(marks=definitions, **waves)]
+    waves = "points_per_wave"
+    sizes = [f"distance_{name}_size" for name in ("pixel", "perimeter", "located")]
+    panels = [against(waves, *sizes, log="xy", base=2)]
     if "element" in data.dims:
-        both = [Line(y=f"distance_fem_{name}_size", by="element") for name in ("pixel", "perimeter")]
-        panels.append(Panel(marks=both, **{**waves, "x": "points_per_wave_fem"}))
+        both = ("distance_fem_pixel_size", "distance_fem_perimeter_size")
+        panels.append(against("points_per_wave_fem", *both, by="element", log="xy", base=2))
     caption = "Distance of each definition of the area from the limit of its own surface, mean over surfaces"
     caption += "; right, finite elements." if len(panels) > 1 else "."
-    yield Figure(name="error-against-resolution", caption=caption, panels=panels, width=5.0 * len(panels))
+    yield Figure("error-against-resolution", caption, panels, width=5.0 * len(panels))
     yield Figure(
-        name="error-against-cells",
-        caption="What counting adds against the size of the contact patches in cells, surface by surface; Persson (2006, "
+        "error-against-cells",
+        "What counting adds against the size of the contact patches in cells, surface by surface; Persson (2006, "
         "Sec. 12) asks for 100 to 10000 cells.",
-        panels=[against("cells_per_patch_each", "distance_pixel_each", by="surface", log="xy")],
+        [against("cells_per_patch_each", "distance_pixel_each", by="surface", log="xy")],
     )
     grids = sorted({first, (first + data.sizes["grid"] - 1) // 2, data.sizes["grid"] - 1})
     label = "lambda_short/dx = {points_per_wave}"
     thin = {"marker": "", "lw": 1}
-    lines = [Line(y="stress_density", at={"grid": g}, look=thin, label=label) for g in grids]
+    lines = [Line("stress_density", at={"grid": g}, look=thin, label=label) for g in grids]
     yield Figure(
-        name="stress-on-grids",
-        caption="P(sigma) on a coarse, a middling and the finest grid: the load is kept, the area is not.",
-        panels=[Panel(marks=[*lines, Line(y="stress_density_persson")], x="stress", bottom=0.0, right=2.0)],
+        "stress-on-grids",
+        "P(sigma) on a coarse, a middling and the finest grid: the load is kept, the area is not.",
+        [against("stress", *lines, "stress_density_persson", bottom=0.0, right=2.0)],
     )
     caption = "Number of contact patches (left), and cells of the patches that hold parts of the area (right), against the grid."
-    parts = Panel(marks=[Line(y="cells_at_part", by="part")], **waves)
-    panels = [Panel(marks=[Line(y="patches")], **{**waves, "log": "x"}), parts]
-    yield Figure(name="patches-on-grids", caption=caption, panels=panels, width=9.0)
+    parts = against(waves, "cells_at_part", by="part", log="xy", base=2)
+    panels = [against(waves, "patches", log="x", base=2), parts]
+    yield Figure("patches-on-grids", caption, panels, width=9.0)
     if "slope" in data.dims:
         caption = "kappa when the roughness goes down to the grid scale and nodes are counted, by how the slope is measured."
-        marks = (Line(y="kappa_protocol", by="slope"), Level(y="kappa"), Level(y="kappa_persson"))
-        panel = Panel(marks=marks, x="points_protocol", y="kappa", log="x", base=2)
-        yield Figure(name="grid-scale-protocol", caption=caption, panels=[panel])
+        marks = ("kappa_protocol", Level("kappa"), Level("kappa_persson"))
+        panel = against("points_protocol", *marks, by="slope", y="kappa", log="x", base=2)
+        yield Figure("grid-scale-protocol", caption, [panel])
     if "solver" in data.dims:
         caption = "kappa with roughness down to the grid, nodes counted, by how the slope is measured: boundary elements, and "
         caption += "full finite elements as Hyun et al. had them; the converged kappa of the same surfaces."
-        rough = Line(y="kappa_protocol_by_solver", by="slope", joined=False)
-        smooth = Line(y="kappa_protocol_limit", look={"color": "0.4"})
-        hyun = Line(y="kappa_hyun", x="hurst_hyun", look={"color": "black", "marker": "x"})
-        marked = (rough, smooth, Level(y="kappa_persson"), hyun)
-        panel = Panel(marks=marked, x="hurst_protocol", y="kappa")
-        panels = [*panels_along(data, "solver", panel)]
-        yield Figure(name="grid-scale-by-solver", caption=caption, panels=panels, width=9.0)
+        rough = Line("kappa_protocol_by_solver", by="slope", joined=False)
+        smooth = Line("kappa_protocol_limit", look={"color": "0.4"})
+        hyun = Line("kappa_hyun", x="hurst_hyun", look={"color": "black", "marker": "x"})
+        marked = (rough, smooth, Level("kappa_persson"), hyun)
+        panels_of = panels_along(data, "solver", against("hurst_protocol", *marked, y="kappa"))
+        yield Figure("grid-scale-by-solver", caption, panels_of, width=9.0)
 
 
 def _of_areas(data: xr.Dataset, first: int) -> Iterator[Finding]:
     resolved = data.isel(grid=slice(first, None))
     limit = "In the limit kappa is {kappa} at p* = {reduced_pressure}, lambda_long/lambda_short = {bandwidth}"
-    values: dict[str, Any] = {"bandwidth": float(data.attrs["bandwidth"])}
     if np.isfinite(data.area_persson):
         form = ": {verdict} Persson's {kappa_persson:~} ({kappa_ensemble:~} from C(q) alone), by {area_excess:+%}. "
         form = limit + form + "Of the counted excess over the theory the grid makes {each}."
         item = "{grid_part:%} at lambda_short/dx = {points_per_wave}"
-        yield finding("comparison", form, resolved, item=item, over="grid", by="area_excess", **values)
+        yield finding("comparison", form, resolved, item=item, by="area_excess")
     else:
-        yield finding("value", limit + "; Persson's theory knows nothing of these effects.", data, **values)
+        yield finding("value", limit + "; Persson's theory knows nothing of these effects.", data)
     form = "Counting differs from the limit by {each}; observed order {order_pixel} (corrected {order_perimeter}, located "
     form += "{order_located})."
     if np.isfinite(data.points_per_wave_close):
         form += " It is within 5 % from lambda_short/dx = {points_per_wave_close} on, where half of the area lies in patches "
         form += "of at least {cells_per_patch_close:~} cells (Persson asks for 100 to 10000)."
-    yield finding("order", form, resolved, item="{distance_pixel:+%} at {points_per_wave}", over="grid")
-    values = {"coarse": float(resolved.points_per_wave[0]), "fine": float(resolved.points_per_wave[-1])}
+    yield finding("order", form, resolved, item="{distance_pixel:+%} at {points_per_wave}")
+    coarse, fine = resolved.points_per_wave[[0, -1]]
     form = "The first moment of P(sigma) is p0 on every grid; the zeroth, the area, is {area_pixel_change:+%} on {coarse} "
     form += "against {fine} points per wave. Pressures below {small} E* h'_rms make {small_stress_part:%} of that excess; of "
     form += "larger ones the coarse grid has {large_stress_change:+%}."
-    yield finding("share", form, data, small=SMALL, **values)
+    yield finding("share", form, data, small=SMALL, coarse=coarse, fine=fine)
 
 
 _AGREES = {"agree": "agrees", "differ": "does not agree", "?": "can neither be confirmed nor ruled out"}
@@ -126,14 +124,14 @@ def _of_others(data: xr.Dataset) -> Iterator[Finding]:
         form += "converged {kappa} there was published: {each}."
         item = "{kappa_published_range} ({paper_kappa}), which {verdict}"
         values |= {"by": "kappa_difference", "words": _AGREES}
-        yield finding("agreement", form, last, item=item, over="paper_kappa", **values)
+        yield finding("agreement", form, last, item=item, **values)
     if "solver" in data.dims:
         yield from _of_protocol(data.sel(solver="fem"))
     form = "Beside the limit of the boundary elements, those of other methods lie {each}."
     for dim, by in (("element", "distance_fem"), ("other", "distance_other")):
         if dim in data.dims:
             item = f"{{{by}:+%}} ({{{dim}}}): {{verdict}}"
-            yield finding("agreement", form, data, item=item, over=dim, by=by, words=_APART)
+            yield finding("agreement", form, data, item=item, by=by, words=_APART)
 
 
 def _of_protocol(data: xr.Dataset) -> Iterator[Finding]:
@@ -141,14 +139,14 @@ def _of_protocol(data: xr.Dataset) -> Iterator[Finding]:
     form += "{each} ({slope})."
     item = "{kappa_protocol_by_solver} at H = {hurst_protocol}, {kappa_excess_protocol:+%} from the converged one of the same "
     item += "surfaces, so that the grid makes {grid_part_protocol:%} of its distance to the theory"
-    yield finding("share", form, data.isel(slope=0), item=item, over="hurst_protocol")
+    yield finding("share", form, data.isel(slope=0), item=item)
     same = np.flatnonzero(np.isclose(data.hurst_protocol, float(data.hurst_hyun)))
     if same.size:
         form = "Beside the converged {kappa_protocol_limit} Hyun's {kappa_hyun} at H = {hurst_hyun} lies {verdict}; the protocol has {each}."
-        over: dict[str, Any] = {"item": "{kappa_protocol_by_solver} ({slope})", "over": "slope"}
+        item = "{kappa_protocol_by_solver} ({slope})"
         at = data.isel(hurst_protocol=int(same[0]))
         half = total_error(at, "kappa_excess_protocol")
         raised = half is not None and bool((at.kappa_excess_protocol > half).any())
         side = " (the grid, which raises kappa, explains none of that)" if raised else ""
         outcomes = {"-": f"below{side}", "+": "above", "0": "within the interval"}
-        yield finding("comparison", form, at, by="kappa_hyun_difference", words=outcomes, **over)
+        yield finding("comparison", form, at, item=item, by="kappa_hyun_difference", words=outcomes)

@@ -13,7 +13,7 @@ from validation.arrays import Grid
 from validation.effects.base import SlotName, effect_key
 from validation.execution.press import Press
 from validation.measurements.common import BASE_SOLID, base_case
-from validation.measurements.measurement import grid_for
+from validation.measurements.measurement import grids_for
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import ContactProblem, realise
 from validation.scenes.scene import EffectSpec, Scene, load_scene
@@ -95,7 +95,7 @@ class PressedOptions(StudyOptions):
             if option == "grids":
                 grids = tuple((int(n), round(n * ly / lx)) for n in values)
             else:
-                grids = tuple(grid_for(first, n) for n in values)
+                grids = grids_for(first, values)
             tables[method] = table.model_copy(update={"grids": grids})
         return scene.model_copy(update={"methods": scene.methods.model_copy(update=tables)})
 
@@ -180,7 +180,7 @@ class PressedOptions(StudyOptions):
         """Return the grids of a method, coarse first: those of the scene, or with so many points per wave."""
         table = None if self.scene is None else self.scene.methods.options(of)
         if table is None:
-            return tuple(grid_for(self.first, n) for n in per_wave)
+            return grids_for(self.first, per_wave)
         return tuple(sorted(table.grids, key=self.first.points_per_wave))
 
     def others(

@@ -128,7 +128,10 @@ def gathered(
 
     A case is named by its place along `dims`, which have its values in the order of the cases.
     """
-    parts = {place: reduced(result, cases[place]) for place, result in solved(bench, cases).items()}
+    parts = {
+        place: reduced(result, cases[place]).assign_attrs(solve=cases[place].key)
+        for place, result in solved(bench, cases).items()
+    }
     places = [place if len(dims) > 1 else (place,) for place in cases]
     values = {dim: list(dict.fromkeys(place[k] for place in places)) for k, dim in enumerate(dims)}
     return gather(parts, **values)
@@ -147,17 +150,13 @@ def _misnamed(module: ModuleType) -> Iterator[str]:
             yield f"line {call.lineno}: {what} is told {wrong[0].removesuffix('_each')!r}, not {wrong[0]!r}"
         if what == "derive":
             names = [keyword.arg for keyword in call.keywords if keyword.arg]
-        if what in ("Line", "Level", "Band", "Image"):
-            names = [
-                str(k.value.value)
-                for k in call.keywords
-                if k.arg in ("y", "high") and isinstance(k.value, ast.Constant)
-            ]
+        if what in ("Line", "Level", "Band", "Image", "against"):
+            high = [k.value for k in call.keywords if k.arg in ("y", "high")]
+            names = texts + [str(v.value) for v in high if isinstance(v, ast.Constant)]
         if what == "Table":
-            columns = [
-                k.value for k in call.keywords if k.arg == "columns" and isinstance(k.value, ast.Tuple)
-            ]
-            names = [str(c.value) for row in columns for c in row.elts if isinstance(c, ast.Constant)]
+            columns = [*call.args[1:], *(k.value for k in call.keywords if k.arg == "columns")]
+            rows = [row.elts for row in columns if isinstance(row, ast.Tuple)]
+            names = [str(c.value) for row in rows for c in row if isinstance(c, ast.Constant)]
         for name in names:
             try:
                 quantity(name)

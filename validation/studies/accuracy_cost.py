@@ -24,10 +24,10 @@ from validation.measurements.external_codes import (
     known_peers,
 )
 from validation.measurements.limits import solved
-from validation.measurements.measurement import area_limits, grid_for, press_on_grids
+from validation.measurements.measurement import area_limits, grid_for, grids_for, press_on_grids
 from validation.measurements.ways import AREAS, chosen_ways, covered, way, ways_of_bem
 from validation.report.estimates import NORMAL, error_of, gather
-from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, finding, note
+from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, against, finding, note
 from validation.studies._options import Methods, ReducedPressure, Seed, Surfaces
 from validation.studies._scene import PressedOptions
 
@@ -100,8 +100,8 @@ def _singles(options: Options) -> Iterator[_Single]:
         yield _Single(part="FEM", name=f"FEM {element}", per_wave=n, solve=solve)
     for code, n in itertools.product(options.peers, options.peer_points_per_wave):
         method, settings = asked_of(code)
-        asked: dict[str, Any] = {"method": method, "settings": settings, "grid_share": _SOLVER_SHARE}
-        solve = partial(beside_bem, grid=grid_for(first, n), **asked)
+        ask = partial(beside_bem, method=method, settings=settings, grid_share=_SOLVER_SHARE)
+        solve = partial(ask, grid=grid_for(first, n))
         yield _Single(part="peers", name=code, per_wave=n, process=True, solve=solve)
     for solver in options.others(options.method_points_per_wave):
         settings = tuple({"tolerance": _TOLERANCE, **dict(solver.settings)}.items())
@@ -118,7 +118,7 @@ def _singles(options: Options) -> Iterator[_Single]:
 def design(options: Options) -> dict[_Case, Call]:
     """Return the solves of each part: reference, boundary and finite elements, other codes."""
     cases: dict[_Case, Call] = {}
-    held_out = tuple(grid_for(options.first, n) for n in options.held_out_points_per_wave)
+    held_out = grids_for(options.first, options.held_out_points_per_wave)
     coarse, tolerance = options.grids_for(options.points_per_wave), options.tolerance(_TOLERANCE)
     for k, problem in enumerate(options.pressed):
         cases["coarse", "", k] = press_on_grids(problem=problem, grids=coarse, tolerance=tolerance)
@@ -200,13 +200,12 @@ def _unsettled(measured: Mapping[_Case, xr.Dataset]) -> str:
 
 def views(data: xr.Dataset) -> Views:
     """Show what a digit costs, whether claimed intervals hold, and what other codes need for the same error."""
-    per_cent = data.sel(target=int(np.argmin(abs(data.accuracy.values - 0.01))))
     findings = [
         finding(
             "cost",
             "An area to {accuracy:%} (rms over the surfaces) costs {seconds_fastest:u}: {way_fastest}; with least "
             "memory {peak_bytes_leanest:u}: {way_leanest}.",
-            per_cent,
+            data.sel(target=int(np.argmin(abs(data.accuracy.values - 0.01)))),
         ),
         finding(
             "share",
@@ -220,13 +219,13 @@ def views(data: xr.Dataset) -> Views:
     findings += [note(form, it=data.attrs[name]) for name, form in _NOTES.items() if data.attrs.get(name)]
     names = [f"{name}_{which}" for which in ("fastest", "leanest") for name in ("way", *_COSTS)]
     return Views(
-        table=Table(rows=("target",), columns=("accuracy", *names)),
+        table=Table(("target",), ("accuracy", *names)),
         figures=[
             Figure(
-                name="accuracy-cost",
-                caption="Error of the contact area of every way to it against processor time on one thread (left) and "
+                "accuracy-cost",
+                "Error of the contact area of every way to it against processor time on one thread (left) and "
                 "memory (right) for one surface; lines, ways that no other beats; black, the reference.",
-                panels=[_panel(data, cost) for cost in ("seconds", "peak_bytes")],
+                [_panel(data, cost) for cost in ("seconds", "peak_bytes")],
                 height=5.6,
             )
         ],
@@ -244,13 +243,11 @@ _NOTES = {
 
 def _panel(data: xr.Dataset, cost: str) -> Panel:
     kinds = list(dict.fromkeys(data.kind.values.tolist()))
-    dots = [Line(y="area_deviation_rms", where={"kind": kind}, joined=False, label=kind) for kind in kinds]
+    dots = [Line("area_deviation_rms", where={"kind": kind}, joined=False, label=kind) for kind in kinds]
     look = {"color": "black", "marker": "", "lw": 0.8}
-    front = Line(
-        y=f"area_deviation_rms_front_{cost}", x=f"{cost}_front", label="no other is better", look=look
-    )
-    floor = Level(y="reference_rms", look={"color": "black", "ls": ":"}, label="reference")
-    return Panel(marks=[*dots, front, floor], x=cost, y="area_deviation_rms", log="xy")
+    front = Line(f"area_deviation_rms_front_{cost}", x=f"{cost}_front", label="no other is better", look=look)
+    floor = Level("reference_rms", look={"color": "black", "ls": ":"}, label="reference")
+    return against(cost, *dots, front, floor, y="area_deviation_rms", log="xy")
 
 
 def _against_peer(data: xr.Dataset, code: str) -> Finding:

@@ -31,7 +31,7 @@ from validation.measurements.adhesive import (
 from validation.measurements.common import Rising, base_case
 from validation.measurements.limits import ABSENT, solved, straight_limit
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
-from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding
+from validation.report.views import Figure, Finding, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.tables import SolidSpec
 from validation.studies._options import Hurst, Periods, Seed, StudyOptions, Surfaces
@@ -154,48 +154,42 @@ def views(data: xr.Dataset) -> Views:
     last = data.sizes["magnification"] - 1
     full_work, effective, thin = {"told": 0}, {"told": 1}, {"color": "black", "ls": ":", "lw": 0.9}
     panels = [
-        Panel(
-            marks=[
-                Line(y=name, by="told", joined=False),
-                *(Line(y=f"{name}_{reading}", at=full_work) for reading in READINGS),
-                Line(y=f"{name}_improved", at=effective, label="Persson, one solution", look=thin),
-            ],
-            x="magnification",
+        against(
+            "magnification",
+            Line(name, by="told", joined=False),
+            *(Line(f"{name}_{reading}", at=full_work) for reading in READINGS),
+            Line(f"{name}_improved", at=effective, label="Persson, one solution", look=thin),
             log="x",
             base=2,
         )
         for name in ("area", "force_inside", "energy_ratio")
     ]
     ends = ("", *(f"_{reading}" for reading in READINGS))
+    densities = [Line(f"stress_density{end}", at=full_work, look={"marker": ""}) for end in ends]
     stresses = [
-        Panel(
-            marks=[
-                Line(y=f"stress_density{end}", at={**full_work, "magnification": z}, look={"marker": ""})
-                for end in ends
-            ],
-            x="stress",
-            title=f"zeta = {float(data.magnification[z]):g}",
+        against(
+            "stress", *densities, title=f"zeta = {float(data.magnification[z]):g}", at={"magnification": z}
         )
         for z in (0, last)
     ]
-    waves = [Line(y=f"energy_share{end}") for end in ends]
+    waves = [f"energy_share{end}" for end in ends]
     columns = ["told", "magnification", "area_plain", *(f"{name}{end}" for name in _COMPARED for end in ends)]
     columns += ["area_gain", *(f"stress_distance_{reading}" for reading in READINGS), "area_parted"]
     return Views(
-        table=Table(rows=("told", "magnification"), columns=tuple(columns)),
+        table=Table(("told", "magnification"), tuple(columns)),
         budget=("area", "force_inside"),
         figures=[
             Figure(
-                name="adhesive-by-magnification",
-                caption="Area, force in the contact over the load, and elastic energy over that of full contact, of one nominal "
+                "adhesive-by-magnification",
+                "Area, force in the contact over the load, and elastic energy over that of full contact, of one nominal "
                 "load as shorter waves are added: solved with the work of adhesion w and with gamma_eff(zeta) of the theory.",
-                panels=panels,
+                panels,
             ),
             Figure(
-                name="adhesive-stress",
-                caption="Stress in the contact at the first (left) and last (middle) magnification, with tension, surfaces pooled; "
+                "adhesive-stress",
+                "Stress in the contact at the first (left) and last (middle) magnification, with tension, surfaces pooled; "
                 "energy of the waves of the whole surface over that in full contact (right).",
-                panels=[*stresses, Panel(marks=waves, x="wave", log="x", base=2)],
+                [*stresses, against("wave", *waves, log="x", base=2)],
             ),
         ],
         findings=[*_findings(data, [0, last])],
@@ -217,7 +211,6 @@ def _findings(data: xr.Dataset, ends: list[int]) -> Iterator[Finding]:
         full_work.isel(magnification=ends),
         item=gain + " {area_improved:~} ({area_gain_improved:~} times; {area_old:~} by Eq. 43)",
         by="area_excess",
-        over="magnification",
         words=_BESIDE,
     )
     yield finding(
@@ -228,7 +221,6 @@ def _findings(data: xr.Dataset, ends: list[int]) -> Iterator[Finding]:
         "{energy_ratio} for {energy_ratio_improved:~}, in tension {tension} of the contact for {tension_improved:~}, "
         "and P(sigma) A0/A up to {stress_distance_improved:~} apart",
         by="force_inside_excess",
-        over="magnification",
         words=_BESIDE,
     )
     yield finding(
@@ -239,7 +231,6 @@ def _findings(data: xr.Dataset, ends: list[int]) -> Iterator[Finding]:
         by="area_excess",
         left=data.sizes["magnification"] - holds.size,
         all=data.sizes["magnification"],
-        over="magnification",
         words=_BESIDE,
     )
     yield finding(
@@ -249,7 +240,6 @@ def _findings(data: xr.Dataset, ends: list[int]) -> Iterator[Finding]:
         data.isel(shell=ends),
         item="{energy_share} up to zeta = {wave}, {verdict} the theory's {energy_share_improved:~}",
         by="energy_share_excess",
-        over="shell",
         words=_BESIDE,
     )
     form = "The theory knows no range: with half of it (zeta = {magnification}, first surface) A/A0 is {area_half_range} for "

@@ -19,7 +19,7 @@ from validation.measurements.common import Rising, RisingGrids
 from validation.measurements.hierarchy import archard_of, press_bumps
 from validation.measurements.limits import ABSENT, stored_variables
 from validation.report.estimates import claim, derive, mean, power_law
-from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, finding
+from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding
 from validation.studies._options import Positives, Seed, StudyOptions, Surfaces
 from validation.studies._study import gathered
 from validation.units import wrong
@@ -115,25 +115,24 @@ def with_exponents(data: xr.Dataset) -> xr.Dataset:
 def views(data: xr.Dataset) -> Views:
     """Area over the load, its local power, and the powers of every level."""
     areas = ("area_finest", "area_archard")
-    lines = [Line(y=areas[0], by="level", joined=False), Line(y=areas[1], by="level", label="")]
+    lines = [Line(areas[0], by="level", joined=False), Line(areas[1], by="level", label="")]
     powers = [
-        Line(y="local_exponent", by="level", at={"grid": -1}),
-        Level(y="load_exponent_archard", by="level", label="", look={"ls": "--"}),
+        Line("local_exponent", by="level", at={"grid": -1}),
+        Level("load_exponent_archard", by="level", label="", look={"ls": "--"}),
     ]
     return Views(
         table=Table(
-            rows=("level", "load"),
-            columns=("levels", "relative_load", *areas, "area_over_archard", "load_exponent"),
+            ("level", "load"), ("levels", "relative_load", *areas, "area_over_archard", "load_exponent")
         ),
         budget=("load_exponent",),
         figures=[
             Figure(
-                name="archard",
-                caption="Bumps on bumps on a bump. Left: contact area over the load, finest grid, beside Archard's spheres of "
+                "archard",
+                "Bumps on bumps on a bump. Left: contact area over the load, finest grid, beside Archard's spheres of "
                 "the same radii and densities. Right: local power of the load beside Archard's 2/3, 8/9, 26/27 (dashed).",
-                panels=[
-                    Panel(marks=lines, x="relative_load", log="xy"),
-                    Panel(marks=powers, x="middle_load", log="x", bottom=0.6),
+                [
+                    against("relative_load", *lines, log="xy"),
+                    against("middle_load", *powers, log="x", bottom=0.6),
                 ],
             )
         ],
@@ -148,13 +147,12 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "grid before, by levels: {each}.",
         data,
         item="{levels}: {load_exponent} (Archard {load_exponent_archard:~}), {verdict}",
-        over="level",
         by="shortfall",
         words={"+": "below 1", "-": "above 1", "0": "statistically indistinguishable from 1"},
     )
     form = "With each level more the power {each}."
     item = "{verdict} by {level_rise} (level {levels})"
-    yield finding("trend", form, data.isel(level=slice(1, None)), item=item, over="level", by="level_rise")
+    yield finding("trend", form, data.isel(level=slice(1, None)), item=item, by="level_rise")
     yield finding(
         "value",
         "The area over Archard's, at p0 L/(E* H_0) = {light} and {heavy}, by levels: {each}.",
@@ -163,7 +161,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
             lightest_error=data.area_over_archard_error.isel(load=0),
         ),
         item="{levels}: {lightest} and {area_over_archard}",
-        over="level",
-        light=float(data.relative_load[0]),
-        heavy=float(data.relative_load[-1]),
+        light=data.relative_load[0],
+        heavy=data.relative_load[-1],
     )

@@ -13,11 +13,10 @@ import numpy as np
 import xarray as xr
 
 from validation.arrays import Grid
-from validation.effects.base import SlotName
 from validation.execution.bench import Bench
 from validation.measurements.common import Rising
 from validation.measurements.limits import limit_of, resolved_grids
-from validation.report.estimates import derive, gather, mean
+from validation.report.estimates import derive, gather, mean, spread
 from validation.report.views import Figure, Table, Views, against, finding, note
 from validation.solvers.theory import predict
 from validation.studies._options import Bandwidth, Periods, Seed, Surfaces
@@ -28,7 +27,7 @@ class Options(PressedOptions):
     """What is pressed, and how often."""
 
     grids_of: ClassVar[dict[str, str]] = {}
-    slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound", "gap law"})
+    slots = frozenset({"response", "pressure bound", "gap law"})
 
     reduced_pressures: Rising = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
     """p* = p0 / (E* h'_rms) with the realised gradient"""
@@ -77,28 +76,24 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 def views(data: xr.Dataset) -> Views:
     """Area and kappa against load, simulation and theory."""
-    last = data.sizes["reduced_pressure"] - 1
     area_finding = finding(
         "comparison",
         "The area is {each} (lambda_long/lambda_short = {bandwidth}).",
-        data.isel(reduced_pressure=sorted({0, last // 2, last})),
+        data.isel(reduced_pressure=spread(data, "reduced_pressure")),
         item="{verdict} Persson's, {area_excess:+%}, at p* = {reduced_pressure}, where kappa = {kappa}",
-        over="reduced_pressure",
         by="area_excess",
-        bandwidth=data.attrs["bandwidth"],
     )
     coarse = "Under-resolved, with fewer than 3 points per shortest wave, and left out: {grids}."
     left_out = [note(coarse, grids=data.attrs["left_out"])] if data.attrs["left_out"] else []
     columns = ("reduced_pressure", "area", "area_persson", "area_excess", "kappa", "kappa_persson")
     area = against("reduced_pressure", "area", "area_persson", log="xy")
     kappa = against("reduced_pressure", "kappa", "kappa_persson", log="x")
-    constant = "Area over load: constant where contact grows in proportion to load."
     return Views(
-        table=Table(rows=("reduced_pressure",), columns=columns),
+        table=Table(("reduced_pressure",), columns),
         budget=("area",),
         figures=[
-            Figure(name="area", caption="Contact area against load, beside Persson's theory.", panels=[area]),
-            Figure(name="kappa", caption=constant, panels=[kappa]),
+            Figure("area", "Contact area against load, beside Persson's theory.", [area]),
+            Figure("kappa", "Area over load: constant where contact grows in proportion to load.", [kappa]),
         ],
         findings=[area_finding, *left_out],
     )

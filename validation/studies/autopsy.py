@@ -24,7 +24,7 @@ from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import even_points
 from validation.measurements.rings import RING, chain, probe, ring_ends
 from validation.report.estimates import claim, derive, gather, nearest
-from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding, panels_along
+from validation.report.views import Figure, Finding, Line, Panel, Table, Views, against, finding, panels_along
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Hurst, Seed, StudyOptions, Surfaces
 from validation.units import wrong
@@ -152,14 +152,14 @@ def views(data: xr.Dataset) -> Views:
     """Terms of the diffusion equation, flows, restarts and memory."""
     at = {"hurst": -1, "load": nearest(data.reduced_pressure, 0.05)}
     step = nearest(data.relative_step, 0.01)
-    terms = [Line(y=name, at={"hurst": -1}, label="sum" if name == _TERMS[0] else None) for name in _TERMS]
+    terms = [Line(name, at={"hurst": -1}, label="sum" if name == _TERMS[0] else None) for name in _TERMS]
     plain = {"color": "black", "ls": "--", "lw": 0.8, "marker": ""}
     ratios = [
-        Line(y="area_ratio", by="hurst"),
-        Line(y="area_ratio_diffused", by="octave", at={"hurst": -1}, label="", look=plain),
+        Line("area_ratio", by="hurst"),
+        Line("area_ratio_diffused", by="octave", at={"hurst": -1}, label="", look=plain),
     ]
     profiles = [
-        Panel(marks=[Line(y=y, by=by, at=where)], x="bin_mean_pressure", bottom=bottom, top=top)
+        against("bin_mean_pressure", Line(y, by=by, at=where), bottom=bottom, top=top)
         for y, by, where, bottom, top in (
             ("diffusivity", "variance_step", {**at, "probe": -1}, 0.0, 4.0),
             ("diffusivity", "probe", {**at, "variance_step": step}, 0.0, 4.0),
@@ -167,27 +167,27 @@ def views(data: xr.Dataset) -> Views:
         )
     ]
     flows = [
-        Panel(
-            marks=[Line(y=y, by="load", at={"hurst": -1, "probe": -1}, label="p* = {reduced_pressure}")],
-            x="relative_step",
+        against(
+            "relative_step",
+            Line(y, by="load", at={"hurst": -1, "probe": -1}, label="p* = {reduced_pressure}"),
             log=log,
         )
         for y, log in (("share_lost", "xy"), ("entered_ratio", "x"), ("area_exponent_probe", "x"))
     ]
-    chance = Line(y="return_chance", by="load", at={"age": list(range(1, data.sizes["age"]))})
+    chance = Line("return_chance", by="load", at={"age": list(range(1, data.sizes["age"]))})
     panels: dict[str, Sequence[Panel]] = {
-        "budget": panels_along(data, "load", Panel(marks=terms, x="octave_start", log="x", base=2)),
-        "restarts": panels_along(data, "load", Panel(marks=ratios, x="magnification", log="x", base=2)),
+        "budget": panels_along(data, "load", against("octave_start", *terms, log="x", base=2)),
+        "restarts": panels_along(data, "load", against("magnification", *ratios, log="x", base=2)),
         "drift-and-diffusivity": profiles,
         "fluxes": flows,
-        "memory": panels_along(data, "hurst", Panel(marks=[chance], x="age", log="y")),
+        "memory": panels_along(data, "hurst", against("age", chance, log="y")),
     }
     columns = ("hurst", "reduced_pressure", "octave", *_TERMS, "square_told", "square_growth_path")
     areas = ("area_exponent", "area_exponent_pixel", "area_exponent_persson", "loss_ratio", "area_ratio_end")
     return Views(
-        table=Table(rows=("hurst", "load", "octave"), columns=(*columns, *areas)),
+        table=Table(("hurst", "load", "octave"), (*columns, *areas)),
         budget=("square_growth_late", "edge_loss", "pressure_slope"),
-        figures=[Figure(name=name, caption=_CAPTIONS[name], panels=some) for name, some in panels.items()],
+        figures=[Figure(name, _CAPTIONS[name], some) for name, some in panels.items()],
         findings=[*_findings(data)],
     )
 
@@ -205,7 +205,6 @@ _WHERE = "at H = {hurst} and p* = {reduced_pressure}"
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
     data = data.isel(load=np.flatnonzero((data.area.isel(level=-1) < 0.999).all("hurst").values))
-    rows: dict[str, Any] = {"over": ("hurst", "load")}
     probed = data.isel(probe=-1).rename(probe="place")
     yield finding(
         "comparison",
@@ -213,13 +212,12 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         derive(data.isel(level=-1), area_excess="area_ratio - 1"),
         item=f"{{area_ratio}} {_WHERE} ({{verdict}} 1)",
         by="area_excess",
-        **rows,
     )
     form = "Mean square pressure over A dV from zeta = 4 on, where the theory has 1, diffusion alone: {each}. D(p), mu(p) "
     form += "and re-entry make it but for {square_gap:%} at most."
     item = f"{{square_growth_late}} {_WHERE} (diffusion {{square_diffusion_late:~}}, drift "
     item += "{square_drift_late:~}, re-entry {square_reentry_late:~})"
-    yield finding("value", form, data, item=item, **rows)
+    yield finding("value", form, data, item=item)
     yield finding(
         "equivalence",
         "As the step vanishes ({place}), the area that leaves contact goes with these powers of Delta V: {each}. With "
@@ -228,11 +226,10 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         item=f"{{power_limit}} {_WHERE} ({{verdict}})",
         by="power_excess",
         words={"within": "1/2", "beyond": "not 1/2", "undecided": "1/2 or not: not decided"},
-        **rows,
     )
     form = "Eq. 26 with the true slope of P(p) at zero ({place}) has for the loss of area -d ln A/d ln V: {each}."
     item = f"{{edge_loss_slope}}, {{verdict}} the true {{edge_loss}}, {_WHERE} (P'(0) is {{slope_ratio}} times Persson's)"
-    yield finding("comparison", form, probed, item=item, by="edge_loss_excess", **rows)
+    yield finding("comparison", form, probed, item=item, by="edge_loss_excess")
     yield finding(
         "comparison",
         "Over half an octave, diffusion started from the true P(p) at zeta = {octave_start} loses area {each}.",
@@ -240,8 +237,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         item=f"{{loss_ratio}} times as fast as the truth {_WHERE} ({{verdict}})",
         by="loss_excess",
         words={"+": "faster", "-": "slower", "0": "statistically indistinguishable"},
-        **rows,
     )
     form = "The laws of single rings compose to an inflow over two rings, over the contact area, of {each}."
     item = f"{{inflow_share_composed:~}}, {{verdict}} the true {{inflow_share:~}}, {_WHERE}"
-    yield finding("comparison", form, data, item=item, by="inflow_excess", **rows)
+    yield finding("comparison", form, data, item=item, by="inflow_excess")

@@ -7,7 +7,6 @@ in other units (Barber 2003). A light contact of few long waves stands on few sp
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -18,10 +17,10 @@ from validation.execution.measurement import Call
 from validation.measurements.common import SHIFTS, Rising, base_case
 from validation.measurements.flow import stiffness_of
 from validation.measurements.limits import ABSENT
-from validation.measurements.measurement import grid_for, press_on_grids
+from validation.measurements.measurement import grids_for, press_on_grids
 from validation.measurements.theory import WITH_ENERGY
-from validation.report.estimates import claim, derive, mean, same_of_all
-from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, against, finding
+from validation.report.estimates import claim, derive, mean, same_of_all, spread
+from validation.report.views import Figure, Finding, Level, Table, Views, against, finding
 from validation.studies._options import Bandwidth, Hurst, Seed, Shifts, StudyOptions, Surfaces
 from validation.studies._study import gathered
 
@@ -54,7 +53,7 @@ def design(options: Options) -> dict[tuple[float, int], Call]:
     cases = {}
     for periods in options.periods:
         base = base_case(options.self_affine(periods=periods), reduced_pressure=options.reduced_pressures[0])
-        grids = tuple(grid_for(base, points) for points in options.points_per_wave)
+        grids = grids_for(base, options.points_per_wave)
         for k in range(options.surfaces):
             cases[periods, k] = press_on_grids(
                 problem=base.further(k),
@@ -97,29 +96,24 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 def views(data: xr.Dataset) -> Views:
     """Stiffness over the load for every size, beside the theory, and its power of the load."""
-    last = {"periods": data.sizes["periods"] - 1}
     theory = [f"stiffness_{variant}" for variant in WITH_ENERGY]
-    largest = against("reduced_pressure", "stiffness", *theory, log="xy")
-    thin = {"color": "black", "lw": 0.8, "ls": "-"}
-    power = [
-        Line(y="stiffness_exponent", by="periods"),
-        Level(y="stiffness_exponent_proportional", look=thin),
-    ]
+    proportional = Level("stiffness_exponent_proportional", look={"color": "black", "lw": 0.8, "ls": "-"})
+    power, last = ("stiffness_exponent", proportional), {"periods": data.sizes["periods"] - 1}
     ratios = [f"stiffness_ratio_{variant}" for variant in WITH_ENERGY]
     columns = ("periods", "reduced_pressure", "area_perimeter", "gap", "stiffness", *theory, *ratios)
     return Views(
-        table=Table(rows=("periods", "load"), columns=columns),
+        table=Table(("periods", "load"), columns),
         budget=("stiffness",),
         figures=[
             Figure(
-                name="conductance",
-                caption="Contact stiffness, which is the conductance in other units, over the load: by size of the sample (left), "
+                "conductance",
+                "Contact stiffness, which is the conductance in other units, over the load: by size of the sample (left), "
                 "the largest beside the theory (middle), and its local power of the load (right). It is level where the "
                 "stiffness goes with the load. Few long waves make a light contact softer than many.",
-                panels=[
+                [
                     against("reduced_pressure", "stiffness", by="periods", log="xy"),
-                    replace(largest, at=last),
-                    Panel(marks=power, x="reduced_pressure_between", log="x"),
+                    against("reduced_pressure", "stiffness", *theory, log="xy", at=last),
+                    against("reduced_pressure_between", *power, by="periods", log="x"),
                 ],
             )
         ],
@@ -134,13 +128,12 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
             "At p* up to {light} the stiffness goes with the load to the power {each}; proportional would be 1.",
             data,
             item="{stiffness_exponent_light} for L/lambda_long = {periods}, {verdict} 1",
-            over="periods",
             by="stiffness_exponent_light_excess",
             light=_LIGHT,
         )
-    middle = data.isel(periods=-1, load=sorted({0, data.sizes["load"] // 2, data.sizes["load"] - 1}))
+    middle = data.isel(periods=-1, load=spread(data, "load"))
     authors = ("Persson's", "Yang and Persson's (2008)", "Wang and Müser's (2017)")
     for variant, whose in zip(WITH_ENERGY, authors, strict=True):
         form = "L/lambda_long = {periods}: K h_rms/p0 is {each}."
         item = f"{{stiffness}} at p* = {{reduced_pressure}}, {{verdict}} {whose} {{stiffness_{variant}:~}}"
-        yield finding("comparison", form, middle, item=item, over="load", by=f"stiffness_excess_{variant}")
+        yield finding("comparison", form, middle, item=item, by=f"stiffness_excess_{variant}")

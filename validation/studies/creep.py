@@ -7,7 +7,6 @@ needs no more than that modulus. When a part of the load is taken off, the solid
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
@@ -17,10 +16,10 @@ from pydantic import AfterValidator, Field
 from validation.execution.bench import Bench
 from validation.measurements.common import Rising, base_case, in_rising_order
 from validation.measurements.creep import PHASES, creeps, crept_of, moduli_of
-from validation.measurements.measurement import grid_for
+from validation.measurements.measurement import grids_for
 from validation.measurements.theory import RANKED, VARIANTS
-from validation.report.estimates import derive, mean, same_of_all
-from validation.report.views import Figure, Finding, Line, Panel, Table, Views, against, finding
+from validation.report.estimates import derive, mean, same_of_all, spread
+from validation.report.views import Figure, Finding, Table, Views, against, finding
 from validation.scenes.tables import SolidSpec
 from validation.studies._rubber import RubberOptions
 from validation.studies._study import gathered
@@ -50,8 +49,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     rubber = options.prony()
     solid = SolidSpec(young=rubber.relaxed, poisson=rubber.poisson)
     base = base_case(options.self_affine(), reduced_pressure=options.reduced_pressure, solid=solid)
-    grids = tuple(grid_for(base, points) for points in options.points_per_wave)
-    history = {name: getattr(options, name) for name in ("durations", "load_left", "steps")}
+    grids = grids_for(base, options.points_per_wave)
+    history = options.model_dump(include={"durations", "load_left", "steps"})
     cases = {
         k: creeps(problem=base.further(k), rubber=rubber, grids=grids, **history)
         for k in range(options.surfaces)
@@ -75,22 +74,20 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 def views(data: xr.Dataset) -> Views:
     """Area over the time in both phases, beside elastic contacts and the theory, and what is remembered."""
     areas = ("area", "area_crept", *(f"area_{name}" for name in VARIANTS))
-    over_time = against("duration", *areas, log="x")
     return Views(
         table=Table(
-            rows=("phase", "instant"),
-            columns=("phase", "duration", "creep_modulus", *areas, "area_memory", "area_excess"),
+            ("phase", "instant"), ("phase", "duration", "creep_modulus", *areas, "area_memory", "area_excess")
         ),
         budget=("area",),
         figures=[
             Figure(
-                name="creep",
-                caption="Area of real contact on a viscoelastic half-space over the time since the load was put on (left) "
+                "creep",
+                "Area of real contact on a viscoelastic half-space over the time since the load was put on (left) "
                 f"and since all but {data.attrs['load_left']:g} of it was taken off (middle); what is remembered: the "
                 "area over that of an elastic contact with E = 1/J(t) under the load of that time (right).",
-                panels=[
-                    *(replace(over_time, at={"phase": k}) for k in range(len(PHASES))),
-                    Panel(marks=[Line(y="area_memory", by="phase")], x="duration", log="x"),
+                [
+                    *(against("duration", *areas, log="x", at={"phase": k}) for k in range(len(PHASES))),
+                    against("duration", "area_memory", by="phase", log="x"),
                 ],
             )
         ],
@@ -100,22 +97,20 @@ def views(data: xr.Dataset) -> Views:
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
     held, unloaded = (data.isel(phase=k) for k in range(2))
-    some = sorted({0, data.sizes["instant"] // 2, data.sizes["instant"] - 1})
+    some = spread(data, "instant")
     form = "Held, A/A0 is {each}."
     item = "{area} after {duration:u}"
-    yield finding("value", form, held.isel(instant=some), item=item, over="instant")
+    yield finding("value", form, held.isel(instant=some), item=item)
     form = "Held, it is {each}."
     item = "{verdict} Persson's {area_persson:~} with E = 1/J = {creep_modulus:~} E_0, by {area_excess:%}"
-    yield finding("comparison", form, held.isel(instant=some), item=item, over="instant", by="area_excess")
+    yield finding("comparison", form, held.isel(instant=some), item=item, by="area_excess")
     yield finding(
         "comparison",
         "With {load_left} of the load left, A/A0 beside a solid that never carried more is {each}.",
         unloaded.isel(instant=some),
         item="{area} after {duration:u} ({verdict} it, by {area_memory:%})",
-        over="instant",
         by="area_memory",
-        load_left=float(data.attrs["load_left"]),
     )
     form = "Held, the area must be that of the elastic contact with E = 1/J(t); the steps in time miss it by at most "
     form += "{worst:%}."
-    yield finding("cost", form, worst=float(abs(held.area_memory).max()))
+    yield finding("cost", form, worst=abs(held.area_memory).max())

@@ -10,14 +10,13 @@ import numpy as np
 import xarray as xr
 from pydantic import Field, model_validator
 
-from validation.effects.base import SlotName
 from validation.execution.bench import Bench
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import Rising, RisingOrNone
 from validation.measurements.limits import read_off
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import derive, each, mean, power_law, reduce
-from validation.report.views import Figure, Line, Panel, Table, Views, finding
+from validation.report.views import Figure, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
 from validation.studies._options import Bandwidth, Element, Methods, Periods, ReducedPressure
@@ -31,7 +30,7 @@ class Options(PressedOptions):
 
     grids_of: ClassVar[Mapping[str, str]] = {}
     off: ClassVar[Mapping[str, Any]] = {"full_points_per_wave": (), "elements": ()}
-    slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound", "gap law"})
+    slots = frozenset({"response", "pressure bound", "gap law"})
 
     methods: Methods = ("bem", "fem")
     reduced_pressure: ReducedPressure = 0.05
@@ -76,10 +75,9 @@ def _blocks(options: Options) -> Iterator[tuple[str, float, Any]]:
 
 def _others(options: Options) -> Iterator[tuple[str, float, Any]]:
     for solver in options.others(options.method_points_per_wave):
-        how: dict[str, Any] = {"method": solver.method, "settings": solver.settings}
+        ask = partial(beside_bem, method=solver.method, settings=solver.settings, effects=options.effects)
         for grid in solver.grids:
-            solve = partial(beside_bem, grid=grid, effects=options.effects, **how)
-            yield solver.name, options.first.points_per_wave(grid), solve
+            yield solver.name, options.first.points_per_wave(grid), partial(ask, grid=grid)
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -92,7 +90,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         for leg, per_wave, solve in (*_blocks(options), *_others(options))
         for k, problem in enumerate(options.pressed)
     }
-    data = gathered(bench, cases, lambda d, _: _differences(d), "leg", "points_per_wave", "surface")
+    data = gathered(bench, cases, lambda d, _: read_off(d, **_READ), "leg", "points_per_wave", "surface")
     data = data.sortby("points_per_wave")
     data = reduce(reduce(data, "max", "residual"), "mean", "seconds", "seconds_bem")
     data, along = mean(data, *_COMPARED), ("points_per_wave", "surface")
@@ -110,19 +108,15 @@ _COMPARED = (
 )
 
 
-def _differences(measured: xr.Dataset) -> xr.Dataset:
-    return read_off(
-        measured,
-        pressure_difference_each="pressure_half_space",
-        pressure_difference_inside_each="pressure_inside",
-        area_difference_each="pixel / pixel_bem - 1",
-        area_difference_perimeter_each="perimeter / perimeter_bem - 1",
-        gap_difference_each="gap",
-        residual_each="residual",
-        converged_each="converged",
-        seconds_each="seconds",
-        seconds_bem_each="seconds_bem",
-    )
+#: What is read off every solve.
+_READ = {
+    "pressure_difference_each": "pressure_half_space",
+    "pressure_difference_inside_each": "pressure_inside",
+    "area_difference_each": "pixel / pixel_bem - 1",
+    "area_difference_perimeter_each": "perimeter / perimeter_bem - 1",
+    "gap_difference_each": "gap",
+    **{f"{name}_each": name for name in ("residual", "converged", "seconds", "seconds_bem")},
+}
 
 
 def views(data: xr.Dataset) -> Views:
@@ -139,8 +133,8 @@ def views(data: xr.Dataset) -> Views:
                 "the counted areas differ by {area_difference:%} on the finest grid.",
                 fine,
                 by="exponent",
-                coarse=float(coarse.points_per_wave),
-                first=float(coarse.pressure_difference),
+                coarse=coarse.points_per_wave,
+                first=coarse.pressure_difference,
             )
         )
     missed = int((data.converged_each < 1).sum())
@@ -150,8 +144,8 @@ def views(data: xr.Dataset) -> Views:
                 "refusal",
                 "{missed} of {all} answers do not have the residuals asked for, the worst {worst}.",
                 missed=missed,
-                all=int(data.converged_each.notnull().sum()),
-                worst=float(data.residual_each.max()),
+                all=data.converged_each.notnull().sum(),
+                worst=data.residual_each.max(),
             )
         )
     elif any(str(leg).startswith("full") for leg in data.leg.values):
@@ -163,20 +157,20 @@ def views(data: xr.Dataset) -> Views:
             )
         )
     panels = [
-        Panel(marks=[Line(y=name, by="leg")], x="points_per_wave", log="xy", base=2)
+        against("points_per_wave", name, by="leg", log="xy", base=2)
         for name in ("pressure_difference", "area_difference_size")
     ]
     return Views(
         table=Table(
-            rows=("leg", "points_per_wave"),
-            columns=("leg", "points_per_wave", *_COMPARED, "residual", "seconds", "seconds_bem"),
+            ("leg", "points_per_wave"),
+            ("leg", "points_per_wave", *_COMPARED, "residual", "seconds", "seconds_bem"),
         ),
         figures=[
             Figure(
-                name="fem-against-bem",
-                caption="Pressure (left) and counted area (right) of other methods beside boundary elements on the "
+                "fem-against-bem",
+                "Pressure (left) and counted area (right) of other methods beside boundary elements on the "
                 "same surfaces and points.",
-                panels=panels,
+                panels,
                 width=9.0,
             )
         ],

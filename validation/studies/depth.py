@@ -15,7 +15,7 @@ from validation.measurements.common import BASE_SOLID, Rising, base_case, base_s
 from validation.measurements.limits import read_off
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim
-from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding
+from validation.report.views import Figure, Finding, Line, Table, Views, against, finding
 from validation.scenes.tables import SolidSpec
 from validation.studies._options import Element, ReducedPressure, Seed, StudyOptions
 from validation.studies._study import gathered
@@ -69,10 +69,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
             solid = SolidSpec(young=BASE_SOLID.young, poisson=block.poisson)
             pressed = base_case(surface, reduced_pressure=options.reduced_pressure, solid=solid)
             grid = grid_for(pressed, options.points_per_wave)
-            mesh = {"element": element, "depth": block.depth * max(pressed.lengths), "growth": block.growth}
-            settings = tuple({"method": "reduced", **mesh}.items())
-            asked: dict[str, Any] = {"method": "fem", "settings": settings, "layer": True}
-            cases[block] = beside_bem(problem=pressed, grid=grid, **asked)
+            depth = ("depth", block.depth * max(pressed.lengths))
+            settings = (("method", "reduced"), ("element", element), depth, ("growth", block.growth))
+            cases[block] = beside_bem(problem=pressed, grid=grid, method="fem", settings=settings, layer=True)
     differences = {
         "pressure_difference": "pressure_half_space",
         "pressure_difference_layer": "pressure_layer",
@@ -90,7 +89,7 @@ def views(data: xr.Dataset) -> Views:
 
     def lines(varied: str) -> list[Line]:
         return [
-            Line(y=name, where={"varied": varied, "element": element}, label=f"{element}, {what}", look=look)
+            Line(name, where={"varied": varied, "element": element}, label=f"{element}, {what}", look=look)
             for (name, what), (element, look) in itertools.product(
                 zip(names, ("half-space", "layer"), strict=True), zip(elements, _LOOKS, strict=False)
             )
@@ -98,15 +97,14 @@ def views(data: xr.Dataset) -> Views:
 
     return Views(
         table=Table(
-            rows=("case",),
-            columns=("varied", "element", "depth", "growth", "poisson", *names, "area_difference"),
+            ("case",), ("varied", "element", "depth", "growth", "poisson", *names, "area_difference")
         ),
         figures=[
             Figure(
-                name="block-depth",
-                caption="Pressure of the block against depth (left) and growth of the layers (right), to the "
+                "block-depth",
+                "Pressure of the block against depth (left) and growth of the layers (right), to the "
                 "half-space and to the bonded layer of the same depth, which is the error of the mesh alone.",
-                panels=[Panel(marks=lines(result), x=result, log="y") for result in ("depth", "growth")],
+                [against(result, *lines(result), log="y") for result in ("depth", "growth")],
             )
         ],
         findings=[_finding(data.isel(case=(data.element == e).values), str(e)) for e in elements],
@@ -127,7 +125,7 @@ def _finding(data: xr.Dataset, element: str) -> Finding:
         "pressure is {shallow_difference:%} off the half-space. The mesh alone costs "
         "{pressure_difference_layer:%} at {depth} L.",
         last,
-        deep=float(deep.min()) if deep.size else "nowhere tried",
-        shallow=float(first.depth),
-        shallow_difference=float(first.pressure_difference),
+        deep=deep.min() if deep.size else "nowhere tried",
+        shallow=first.depth,
+        shallow_difference=first.pressure_difference,
     )

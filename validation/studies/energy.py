@@ -21,7 +21,7 @@ from validation.measurements.common import Rising
 from validation.measurements.limits import solved
 from validation.measurements.measurement import TOLERANCE
 from validation.report.estimates import claim, derive
-from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding, note, ranking
+from validation.report.views import Figure, Finding, Line, Table, Views, against, finding, note, ranking
 from validation.studies import pressure
 from validation.studies._options import Shifts, Surfaces
 from validation.studies.pressure import AGREEMENT, design, measured_path
@@ -131,7 +131,7 @@ def views(data: xr.Dataset) -> Views:
     """Ratios to every theory, what is missing towards full contact, and the checks."""
     ratios = [f"{name}{end}" for name in _COMPARED for end in ("", "_over")]
     return Views(
-        table=Table(rows=("theory", "load"), columns=("theory", "reduced_pressure", "area", *ratios)),
+        table=Table(("theory", "load"), ("theory", "reduced_pressure", "area", *ratios)),
         budget=_COMPARED,
         figures=_figures(),
         findings=[*_findings(data)],
@@ -146,19 +146,15 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         )
     partly = data.isel(load=np.flatnonzero(data.gap_first.values > 0))
     checks = ("work_check", "stiffness_check", "path_work_check")
-    worst = {name: float(abs(partly[name] - 1).max()) for name in checks}
     yield note(
         "First surface: the energy gained between loads 0.2 % apart is the work of the load within {work_check:%}, their "
         "difference quotient the stiffness within {stiffness_check:%}; along the path it is the integral of p du within "
         "{path_work_check:%}, by a quadrature of fourth order.",
-        **worst,
+        **{name: float(abs(partly[name] - 1).max()) for name in checks},
     )
     form = "The smallest gap, {gap_first} h_rms at p* = {reduced_pressure}, against a tolerance of 1e-12 of the solver: off "
-    form += "by {each}; the study takes {used}."
-    item = "{left_gap:%} at {tolerance}"
-    yield finding(
-        "value", form, partly.isel(load=-1), item=item, over="tolerance", used=data.attrs["solver_tolerance"]
-    )
+    form += "by {each}; the study takes {solver_tolerance}."
+    yield finding("value", form, partly.isel(load=-1), item="{left_gap:%} at {tolerance}")
     full = np.flatnonzero(data.gap_first.values <= 0)
     if full.size:
         form = "From p* = {reduced_pressure} on the contact of the first surface is full: its gap is {gap_first} h_rms, its "
@@ -167,28 +163,27 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
 
 
 def _figures() -> list[Figure]:
-    ratios = [
-        Panel(marks=[Line(y=f"{name}_over", by="theory"), AGREEMENT], x="area", log="y") for name in _COMPARED
-    ]
+    ratios = [against("area", f"{name}_over", AGREEMENT, by="theory", log="y") for name in _COMPARED]
     towards = [
-        Panel(
-            marks=[Line(y=name, joined=False), Line(y=f"{name}_predicted", by="theory", label="{theory}")],
-            x="open_area",
+        against(
+            "open_area",
+            Line(name, joined=False),
+            Line(f"{name}_predicted", by="theory", label="{theory}"),
             log="xy",
         )
         for name in ("energy_missing", "gap", "compliance")
     ]
     return [
         Figure(
-            name="energy-gap-stiffness",
-            caption="Simulated over predicted elastic energy, mean gap and compliance over the contact area, for every "
+            "energy-gap-stiffness",
+            "Simulated over predicted elastic energy, mean gap and compliance over the contact area, for every "
             "reading of the elastic energy, told the realised surfaces; 1 is agreement.",
-            panels=ratios,
+            ratios,
         ),
         Figure(
-            name="towards-full-contact",
-            caption="What is missing of the energy of full contact, mean gap and compliance over the area that is not in "
+            "towards-full-contact",
+            "What is missing of the energy of full contact, mean gap and compliance over the area that is not in "
             "contact; full contact is at the left end. Lines: theories, each at its own load.",
-            panels=towards,
+            towards,
         ),
     ]

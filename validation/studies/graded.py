@@ -20,7 +20,7 @@ from persson.graded import ExponentialLayers, SurfaceLayer
 from validation.arrays import Array
 from validation.execution.bench import Bench
 from validation.report.estimates import derive
-from validation.report.views import Figure, Line, Panel, Table, Views, finding
+from validation.report.views import Figure, Table, Views, against, finding
 from validation.studies._options import Positives, StudyOptions
 from validation.units import wrong
 
@@ -87,19 +87,18 @@ def _profile(ratio: float, options: Options, q: Array) -> Array:
 def _coating(ratio: float, options: Options, q: Array) -> Array:
     surface, below = (Solid(young=young, poisson=options.poisson) for young in (1.0, ratio))
     exact = LayeredSolid(layers=[surface], thicknesses=[1.0], base=below)
-    layer = SurfaceLayer(bulk=ratio, layer=1.0, thickness=1.0, poisson=options.poisson)
-    return _share(layer, exact, q)
+    return _share(SurfaceLayer(bulk=ratio, layer=1.0, thickness=1.0, poisson=options.poisson), exact, q)
 
 
 def _grading(ratio: float, q: Array) -> Array:
     # E'/E is monotonic in z where it is not largest at the surface.
     z = np.linspace(0.0, 30.0, 3001)
     young = ratio + (1 - ratio) * np.exp(-z)
-    return np.asarray(float(np.max(abs(1 - ratio) * np.exp(-z) / young)) / q)
+    return float(np.max(abs(1 - ratio) * np.exp(-z) / young)) / q
 
 
 def _share(felt: Callable[[Array], Array], exact: Response, q: Array) -> Array:
-    return np.asarray(felt(q) * q * exact.compliance(q, np.zeros_like(q)) / 2)
+    return felt(q) * q * exact.compliance(q, np.zeros_like(q)) / 2
 
 
 def views(data: xr.Dataset) -> Views:
@@ -108,24 +107,19 @@ def views(data: xr.Dataset) -> Views:
     form = "The modulus that a wave feels is off by at worst (+ is too stiff) {each}."
     item = "{felt_error_mild:+%} where E'/(E q) < 1, {felt_error_profile:+%} over all waves and {felt_error_coating:+%} "
     item += "with a coating, whose E' is infinite ({modulus_ratio} times as stiff below)"
-    worst = finding("value", form, data, item=item, over="modulus_ratio")
     return Views(
         table=Table(
-            rows=("modulus_ratio",),
-            columns=("modulus_ratio", "felt_error_mild", "felt_error_profile", "felt_error_coating"),
+            ("modulus_ratio",),
+            ("modulus_ratio", "felt_error_mild", "felt_error_profile", "felt_error_coating"),
         ),
         figures=[
             Figure(
-                name=f"felt-modulus-{kind}",
-                caption=f"Modulus that a wave feels by Persson's weighting over the exact one: {profile}, for several ratios "
+                f"felt-modulus-{kind}",
+                f"Modulus that a wave feels by Persson's weighting over the exact one: {profile}, for several ratios "
                 "of the modulus below to that on top.",
-                panels=[
-                    Panel(
-                        marks=[Line(y=f"felt_modulus_{kind}", by="modulus_ratio")], x="reduced_wave", log="x"
-                    )
-                ],
+                [against("reduced_wave", f"felt_modulus_{kind}", by="modulus_ratio", log="x")],
             )
             for kind, profile in kinds.items()
         ],
-        findings=[worst],
+        findings=[finding("value", form, data, item=item)],
     )

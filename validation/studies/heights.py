@@ -20,8 +20,8 @@ from validation.measurements.common import Rising, base_case
 from validation.measurements.heights import HEIGHT_EDGES, height_statistics
 from validation.measurements.limits import ABSENT, solved, stored_variables
 from validation.measurements.measurement import grid_for
-from validation.report.estimates import claim, derive, gather, mean
-from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, finding
+from validation.report.estimates import claim, derive, gather, mean, spread
+from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.surfaces import spectrum_of
 from validation.studies._options import Bandwidth, Hurst, Seed, StudyOptions, Surfaces
@@ -52,8 +52,7 @@ class Options(StudyOptions):
 
     def second(self) -> ContactProblem:
         """Return that of the second spectrum: a longer roll-off, and the same C(q) at the shortest waves."""
-        first = self.first(self.periods[-1])
-        surface: Any = first.surface
+        surface: Any = self.first(self.periods[-1]).surface
         longer = surface.model_copy(update={"lambda_long": surface.lambda_long * self.longer})
         q = 2 * math.pi / surface.lambda_short
         share = float(spectrum_of(surface)(q) / spectrum_of(longer)(q))
@@ -126,24 +125,24 @@ def _cases(options: Options) -> dict[tuple[str, float | str, int], Call]:
 
 def views(data: xr.Dataset) -> Views:
     """P_h beside the Gaussian, and what longer waves change."""
-    ends = {"sample": sorted({0, data.sizes["sample"] - 1})}
-    densities = [Line(y="height_density", by="sample", at=ends), Line(y="height_density_gaussian")]
+    ends = {"sample": spread(data, "sample", 2)}
+    densities = [Line("height_density", by="sample", at=ends), Line("height_density_gaussian")]
     changes = [
-        Line(y="area_change", label="contact area"),
-        Line(y="area_change_persson", label="contact area, Persson"),
-        Level(y="rms_height_change", label="h_rms", look={"color": "black", "ls": ":"}),
+        Line("area_change", label="contact area"),
+        Line("area_change_persson", label="contact area, Persson"),
+        Level("rms_height_change", label="h_rms", look={"color": "black", "ls": ":"}),
     ]
     return Views(
-        table=Table(rows=("sample",), columns=("periods", *_DEVIATIONS)),
+        table=Table(("sample",), ("periods", *_DEVIATIONS)),
         budget=(*_DEVIATIONS, "area_change"),
         figures=[
             Figure(
-                name="heights",
-                caption="Distribution of heights of the smallest and the largest sample, and what a longer roll-off "
+                "heights",
+                "Distribution of heights of the smallest and the largest sample, and what a longer roll-off "
                 "changes of the contact area under the same load, beside what it changes of the rms height.",
-                panels=[
-                    Panel(marks=densities, x="height", log="y", bottom=1e-4, top=1.0),
-                    Panel(marks=changes, x="reduced_pressure", log="x"),
+                [
+                    against("height", *densities, log="y", bottom=1e-4, top=1.0),
+                    against("reduced_pressure", *changes, log="x"),
                 ],
             )
         ],
@@ -152,12 +151,14 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
-    yield _deviation(data, "skewness", "Skewness of the heights")
-    yield _deviation(data, "excess_kurtosis", "Excess kurtosis of the heights")
+    for name, quantity in (("skewness", "Skewness"), ("excess_kurtosis", "Excess kurtosis")):
+        item = f"{{{name}}} at {{periods}}, {{verdict}} zero"
+        yield finding(
+            "comparison", quantity + " of the heights by L/lambda_0: {each}.", data, item=item, by=name
+        )
     form = "Largest distance of the cumulated heights of one surface from the Gaussian, and its highest point over "
     form += "h_rms: {each}."
-    item = "{height_distance} and {highest} at L/lambda_0 = {periods}"
-    yield finding("value", form, data, item=item, over="sample")
+    yield finding("value", form, data, item="{height_distance} and {highest} at L/lambda_0 = {periods}")
     yield finding(
         "equivalence",
         "With a roll-off {longer} times as long and the same C(q) at short waves, h_rms changes by "
@@ -165,17 +166,10 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "by {each}.",
         data,
         item="{area_change:+%} at p* = {reduced_pressure} (theory {area_change_persson:+%}), {verdict}",
-        over="load",
         by="area_change_share",
         words={
             "within": "less than half as much as the heights",
             "beyond": "more than half as much as the heights",
             "undecided": "less than half as much as the heights or not: not decided",
         },
-        longer=float(data.attrs["longer"]),
     )
-
-
-def _deviation(data: xr.Dataset, name: str, quantity: str) -> Finding:
-    form, item = f"{quantity} by L/lambda_0: {{each}}.", f"{{{name}}} at {{periods}}, {{verdict}} zero"
-    return finding("comparison", form, data, item=item, over="sample", by=name)

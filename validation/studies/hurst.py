@@ -130,7 +130,7 @@ _Case = tuple[Any, ...]
 def design(options: Options) -> dict[_Case, Call]:
     """Return the solves: every spectrum's pairs, one of them with a smaller residual, and those of the ladders."""
     cases: dict[_Case, Call] = {}
-    sample: dict[str, Any] = {"periods": options.periods, "seed": options.seed}
+    sample = options.model_dump(include={"periods", "seed"})
     for (family, hurst), bandwidth in options.spectra.items():
         surface = base_surface(hurst=hurst, bandwidth=bandwidth, **sample)
         loads, count = options.reduced_pressures, {"pairs": options.pairs, "shifts": options.shifts}

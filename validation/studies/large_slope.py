@@ -17,7 +17,7 @@ from validation.measurements.common import BASE_SOLID, Rising, base_case
 from validation.measurements.measurement import grid_for
 from validation.measurements.slopes import CHANGES, changes_of, steepened, with_differences
 from validation.report.estimates import claim
-from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding
+from validation.report.views import Figure, Finding, Table, Views, against, finding
 from validation.scenes.tables import SolidSpec
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions, Surfaces
 from validation.studies._study import gathered
@@ -84,21 +84,19 @@ def views(data: xr.Dataset) -> Views:
         "{paths_ended} of {paths} paths on the finest grid end before h'_rms = {steepest}: no equilibrium was found beyond, "
         "and their slopes are left out for all surfaces.",
         data,
-        paths=float(data.path_ended_each.isel(grid=-1).size),
-        steepest=float(data.rms_gradient[-1]),
+        paths=data.path_ended_each.isel(grid=-1).size,
+        steepest=data.rms_gradient[-1],
     )
     return Views(
-        table=Table(
-            rows=("nu", "load", "slope"), columns=("poisson", "reduced_pressure", "rms_gradient", *CHANGES)
-        ),
+        table=Table(("nu", "load", "slope"), ("poisson", "reduced_pressure", "rms_gradient", *CHANGES)),
         budget=("area_finite_rate", "square_finite_rate"),
         figures=[
             Figure(
-                name="large-slope",
-                caption="What finite strain changes of contact area and mean square pressure at one reduced load, over the "
+                "large-slope",
+                "What finite strain changes of contact area and mean square pressure at one reduced load, over the "
                 "slope of the surface. Straight lines through 0 are effects of first order.",
-                panels=[
-                    Panel(marks=[Line(y=name, by=("nu", "load"))], x="rms_gradient")
+                [
+                    against("rms_gradient", name, by=("nu", "load"))
                     for name in ("area_finite", "square_finite")
                 ],
             )
@@ -120,12 +118,10 @@ def _leaves(data: xr.Dataset, name: str, quantity: str) -> Finding:
     form = f"h'_rms from which on the {quantity} differs from the linear one (95 %, surfaces and grid), "
     form += "not determinable where that is beyond the slopes there are: {each}."
     item = f"by {{difference:%}} {{{name}_crossing}} ({{{name}_crossing_lower}} to {{{name}_crossing_upper}}; {_WHERE})"
-    return finding("threshold", form, data, item=item, over=("nu", "load", "difference"))
+    return finding("threshold", form, data, item=item)
 
 
 def _rate(data: xr.Dataset, name: str, quantity: str) -> Finding:
     form = f"Up to h'_rms = {STRAIGHT:g} the {quantity} over the linear one {{each}}."
     item = f"{{verdict}} with the slope ({{{name}_rate:+}} times h'_rms; {_WHERE})"
-    return finding(
-        "trend", form, data, item=item, over=("nu", "load"), by=f"{name}_rate", words={"0": "shows no trend"}
-    )
+    return finding("trend", form, data, item=item, by=f"{name}_rate", words={"0": "shows no trend"})

@@ -19,8 +19,8 @@ from validation.measurements.common import Rising, base_case
 from validation.measurements.flow import GAP_THEORIES, NARROW, flow_of, leaks
 from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import grid_for
-from validation.report.estimates import claim, derive, mean, same_of_all
-from validation.report.marks import Figure, Level, Line, Panel, against, panels_along
+from validation.report.estimates import claim, derive, mean, same_of_all, spread
+from validation.report.marks import Figure, Level, Line, against, panels_along
 from validation.report.views import Finding, Table, Views, finding
 from validation.studies._options import Hurst, Periods, Seed, StudyOptions, Surfaces
 from validation.studies._study import gathered
@@ -62,8 +62,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         for k in range(options.surfaces):
             cases[bandwidth, k] = leaks(problem=base.further(k), grid=grid, areas=options.areas)
     data = gathered(bench, cases, lambda d, call: flow_of(d, call["problem"]), "bandwidth", "surface")
-    pooled = "percolation_area_each.mean('bandwidth', skipna=False)"
-    data = derive(data, percolation_area_pooled_each=pooled)
+    data = derive(data, percolation_area_pooled_each="percolation_area_each.mean('bandwidth', skipna=False)")
     along = ("gap_conductance", "gap_conductance_bruggeman", "gap_conductance_constriction", "closed")
     data = mean(data, *along, "percolation_area", "percolation_area_pooled", "gap_narrow")
     densities = [f"gap_{of}_{name}" for of in ("density", "share", "narrow") for name in GAP_THEORIES]
@@ -81,42 +80,41 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         **apart,
         **{f"gap_narrow_excess_{name}": f"gap_narrow - gap_narrow_{name}" for name in GAP_THEORIES},
     )
-    attributes = {name: getattr(options, name) for name in ("hurst", "periods", "points_per_wave")}
-    return claim(data, *apart).assign_attrs(methods="theory bem", **attributes)
+    asked = options.model_dump(include={"hurst", "periods", "points_per_wave"})
+    return claim(data, *apart).assign_attrs(methods="theory bem", **asked)
 
 
 def views(data: xr.Dataset) -> Views:
     """Conductance over the area, the thresholds, and the distribution of gaps."""
     widest = {"bandwidth": data.sizes["bandwidth"] - 1}
     gaps = [
-        Line(y="gap_density", at=widest, steps=True),
-        *(Line(y=f"gap_density_{n}", at=widest) for n in GAP_THEORIES),
+        Line("gap_density", at=widest, steps=True),
+        *(Line(f"gap_density_{n}", at=widest) for n in GAP_THEORIES),
     ]
-    panel = Panel(marks=gaps, x="local_gap", log="y", bottom=3e-3, top=3.0)
-    panels = panels_along(data, "asked", panel)
-    thresholds = [Line(y="percolation_area", by="phase"), Level(y="percolation_area_paper")]
+    panels = panels_along(data, "asked", against("local_gap", *gaps, log="y", bottom=3e-3, top=3.0))
+    thresholds = ("percolation_area", Level("percolation_area_paper"))
     conductances = ("gap_conductance", "gap_conductance_bruggeman", "gap_conductance_ratio")
     columns = ("bandwidth", "area_asked", *conductances, "gap_conductance_constriction", "closed")
     narrow = ("gap_narrow", *(f"gap_{of}_{name}" for of in ("narrow", "distance") for name in GAP_THEORIES))
     return Views(
-        table=Table(rows=("bandwidth", "asked"), columns=(*columns, *narrow)),
+        table=Table(("bandwidth", "asked"), (*columns, *narrow)),
         budget=("percolation_area_pooled", "gap_conductance"),
         figures=[
             Figure(
-                name="leak",
-                caption="Conductance of the gap over the cube of the mean gap (left), over Bruggeman's effective medium of the "
+                "leak",
+                "Conductance of the gap over the cube of the mean gap (left), over Bruggeman's effective medium of the "
                 "same gaps (middle), and the areas at which the contact begins and the gap ceases to percolate (right).",
-                panels=[
+                [
                     against("area_asked", "gap_conductance", by="bandwidth", log="y"),
                     against("area_asked", "gap_conductance_ratio", by="bandwidth"),
-                    Panel(marks=thresholds, x="bandwidth", log="x", base=2),
+                    against("bandwidth", *thresholds, by="phase", log="x", base=2),
                 ],
             ),
             Figure(
-                name="gap-distribution",
-                caption="Distribution of the gap per nominal area at given contact areas, the contact left out, widest spectrum; "
+                "gap-distribution",
+                "Distribution of the gap per nominal area at given contact areas, the contact left out, widest spectrum; "
                 "the theory is told the same loads.",
-                panels=panels[:: -(-len(panels) // _DRAWN)],
+                panels[:: -(-len(panels) // _DRAWN)],
             ),
         ],
         findings=[*_findings(data)],
@@ -131,13 +129,12 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "Dapp et al. (2012) .42.",
         data,
         item="of the {phase} is A/A0 = {percolation_area_pooled}, {verdict} the paper's",
-        over="phase",
         by="percolation_area_excess",
         paper=SITE_THRESHOLD,
     )
     form = "By spectrum it is {each}."
     item = "{percolation_area} of the {phase} for lambda_long/lambda_short = {bandwidth}"
-    yield finding("value", form, data, item=item, over=("bandwidth", "phase"))
+    yield finding("value", form, data, item=item)
     yield finding(
         "comparison",
         "Tire rim, A/A0 = {area_rim} with adhesion (Persson 2006, Sec. 8.3, where no leak is concluded from {area_rim} > "
@@ -155,15 +152,14 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     form = "Conductance over the cube of the mean gap (lambda_long/lambda_short = {bandwidth}): {each}."
     item = "{gap_conductance} at A/A0 = {area_asked}, {gap_conductance_ratio:~} of Bruggeman's, where {closed:~%} of the "
     item += "directions are closed"
-    yield finding("value", form, last, item=item, over="asked")
+    yield finding("value", form, last, item=item)
     yield from (
         finding(
             "comparison",
             f"Gaps below {NARROW:g} h_rms, contact left out, cover {{each}} by theory told the load.",
-            last.isel(asked=sorted({0, last.sizes["asked"] - 1})),
+            last.isel(asked=spread(last, "asked", 2)),
             item=f"{{gap_narrow}} of the nominal area at A/A0 = {{area_asked}}, {{verdict}} {whose} {{gap_narrow_{name}:~}} "
             f"(cumulated shares at most {{gap_distance_{name}:~}} apart)",
-            over="asked",
             by=f"gap_narrow_excess_{name}",
         )
         for name, whose in zip(GAP_THEORIES, ("Persson's", "Yang and Persson's (2008)"), strict=True)

@@ -22,7 +22,7 @@ from validation.measurements.limits import ABSENT, stored_variables
 from validation.measurements.magnified import magnified, with_macroasperities
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, mean, nearest
-from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, finding
+from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, StudyOptions, Surfaces
 from validation.studies._study import gathered
@@ -97,7 +97,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     )
     if options.percolating:
         data = _with_thresholds(data)
-    spectrum = {name: getattr(options, name) for name in ("hurst", "periods", "bandwidth", "points_per_wave")}
+    spectrum = options.model_dump(include={"hurst", "periods", "bandwidth", "points_per_wave"})
     return data.assign_attrs(methods="theory bem", **spectrum)
 
 
@@ -136,38 +136,38 @@ def views(data: xr.Dataset) -> Views:
     """Patches over zeta, the pressure in them over the load, and both thresholds."""
     seen = {"magnification": sorted({nearest(data.magnification, zeta) for zeta in (1.0, 2.0, 4.0)})}
     few = {"load": sorted({round(j) for j in np.linspace(0, data.sizes["load"] - 1, 5)})}
-    persson_line = Line(y="area_persson", by="load", label="")
+    persson_line = Line("area_persson", by="load", label="")
     patches = [
-        Panel(marks=[Line(y="area", by="load"), persson_line], x="magnification", log="xy", at=few),
-        Panel(marks=[Line(y="patch_density", by="load")], x="magnification", log="xy", at=few),
-        Panel(marks=[Line(y="largest_patch", by="load")], x="magnification", log="x", at=few),
+        against("magnification", *marks, by="load", log=log, at=few)
+        for log, *marks in (("xy", "area", persson_line), ("xy", "patch_density"), ("x", "largest_patch"))
     ]
     plain = {"color": "black", "lw": 0.6, "ls": ":", "marker": ""}
     pressures = [
-        Line(y="contact_pressure", by="magnification", at=seen),
-        Line(y="macro_pressure", label="at zeta_m", look={"color": "black", "marker": "*"}),
-        Line(y="macro_pressure_persson", label="at zeta_m, Persson"),
-        Line(y="reduced_pressure", label="p*: full contact", look=plain),
+        Line("contact_pressure", by="magnification", at=seen),
+        Line("macro_pressure", label="at zeta_m", look={"color": "black", "marker": "*"}),
+        Line("macro_pressure_persson", label="at zeta_m, Persson"),
+        Line("reduced_pressure", label="p*: full contact", look=plain),
     ]
-    inside = [Line(y="load_inside", by="magnification", at=seen)]
     percolates = "percolation_area" in data
     columns = ("reduced_pressure", "magnification", "area", "area_persson", "contact_pressure")
     patch_columns = ("patch_density", "relative_patch_size", "largest_patch", "area_inside", "load_inside")
     return Views(
-        table=Table(rows=("load", "magnification"), columns=(*columns, *patch_columns)),
+        table=Table(("load", "magnification"), (*columns, *patch_columns)),
         budget=("percolation_area_pooled" if percolates else "load_inside",),
         figures=[
             Figure(
-                name="patches-over-magnification",
-                caption="Contact area, patches and the share of the largest patch as waves up to zeta are added.",
-                panels=patches,
+                "patches-over-magnification",
+                "Contact area, patches and the share of the largest patch as waves up to zeta are added.",
+                patches,
             ),
             Figure(
-                name="macroasperity-pressure",
-                caption="Mean pressure in the contact at fixed zeta and at zeta_m, and the load carried there in the end.",
-                panels=[
-                    Panel(marks=pressures, x="reduced_pressure", log="xy"),
-                    Panel(marks=inside, x="reduced_pressure", log="x", bottom=0.0),
+                "macroasperity-pressure",
+                "Mean pressure in the contact at fixed zeta and at zeta_m, and the load carried there in the end.",
+                [
+                    against("reduced_pressure", *pressures, log="xy"),
+                    against(
+                        "reduced_pressure", "load_inside", by="magnification", at=seen, log="x", bottom=0.0
+                    ),
                 ],
             ),
             *([_percolation()] if percolates else []),
@@ -177,21 +177,21 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _percolation() -> Figure:
-    paper = Level(y="percolation_area_paper")
+    paper = Level("percolation_area_paper")
     scatter = Line(
-        y="percolation_area_axis_each",
+        "percolation_area_axis_each",
         x="percolation_magnification_axis_each",
         by=("phase", "percolating"),
         label="{phase}, p* = {percolating_pressure}",
         joined=False,
     )
     return Figure(
-        name="percolation",
-        caption="Areas at which, as waves are added, the contact comes apart and the gap opens. Left: by surface and axis "
+        "percolation",
+        "Areas at which, as waves are added, the contact comes apart and the gap opens. Left: by surface and axis "
         "over the magnification where it happens. Right: means over the load.",
-        panels=[
-            Panel(marks=[scatter, paper], x="percolation_magnification", log="x"),
-            Panel(marks=[Line(y="percolation_area", by="phase"), paper], x="percolating_pressure"),
+        [
+            against("percolation_magnification", scatter, paper, log="x"),
+            against("percolating_pressure", "percolation_area", paper, by="phase"),
         ],
     )
 
@@ -210,7 +210,6 @@ def _macroasperities(data: xr.Dataset, which: str, of: str) -> Finding:
         data.isel(load=np.flatnonzero(data[f"macro_pressure{which}"].notnull().values)),
         item=f"{{macro_pressure{which}}} at p* = {{reduced_pressure}} ({{verdict}}; "
         f"zeta_m = {{macro_magnification{which}:~}}, A/A0 = {{macro_area{which}:~}})",
-        over="load",
         by=f"macro_pressure_shift{which}",
         words=_STAYS,
         of=of,
@@ -222,7 +221,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     if "percolation_area" in data:
         form = "As waves are added the contact comes apart and the gap opens along an axis at these areas A/A0: {each}."
         item = "{phase} {percolation_area_pooled} ({verdict} the {percolation_area_paper} of the paper)"
-        yield finding("comparison", form, data, item=item, over="phase", by="percolation_area_excess")
+        yield finding("comparison", form, data, item=item, by="percolation_area_excess")
     yield _macroasperities(data, "", "the simulation")
     yield _macroasperities(data, "_persson", "the theory")
     yield finding(
@@ -230,7 +229,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "In the contact seen at zeta = {magnification} the mean pressure, over that at the lightest load, is {each}.",
         roll_off.isel(load=slice(1, None)),
         item="{contact_pressure_ratio} at p* = {reduced_pressure} ({verdict}; A/A0 = {area:~})",
-        over="load",
         by="contact_pressure_shift",
         words=_STAYS,
     )
@@ -240,7 +238,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "broke up it would be 1.",
         roll_off,
         item="{load_inside} at p* = {reduced_pressure} ({verdict})",
-        over="load",
         by="load_inside_excess",
         words={"+": "most", "-": "less than half", "0": "half or not: not decided"},
     )
@@ -249,5 +246,4 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "At p* = {reduced_pressure}, with patches on and over the square of the roll-off wavelength: {each}.",
         data.isel(load=data.sizes["load"] // 2, magnification=[0, -1]),
         item="at zeta = {magnification} A/A0 = {area}, {patch_density} patches of the mean size {relative_patch_size}",
-        over="magnification",
     )

@@ -15,7 +15,7 @@ from validation.measurements.limits import limits_of, solved
 from validation.measurements.measurement import TOLERANCE, press_on_grids, truncated_heights
 from validation.measurements.theory import modes_finding
 from validation.report.estimates import derive, gather, mean
-from validation.report.views import Figure, Line, Panel, Table, Views, finding
+from validation.report.views import Figure, Table, Views, against, finding
 from validation.studies._options import Bandwidth, Shifts, Surfaces
 from validation.studies._scene import PressedOptions
 
@@ -90,20 +90,17 @@ def views(data: xr.Dataset) -> Views:
     )
     form = "From zeta = {zeta:~} to {magnification}, at one nominal pressure, the area {each}."
     item = "{verdict} from {start:~} to {area} at p* = {reduced_pressure}, there {area_ratio} of Persson's"
-    falls = finding(
-        "trend", form, last, item=item, over="load", by="area_change", zeta=float(data.magnification[0])
-    )
+    falls = finding("trend", form, last, item=item, by="area_change", zeta=data.magnification[0])
     areas = ("area", "area_persson", "area_ensemble")
-    lines = [Line(y=name, by="load") for name in areas]
     columns = ("reduced_pressure", "magnification", *areas, "area_ratio")
     return Views(
-        table=Table(rows=("load", "magnification"), columns=columns),
+        table=Table(("load", "magnification"), columns),
         budget=("area",),
         figures=[
             Figure(
-                name="area-against-magnification",
-                caption="Contact area of one nominal pressure as shorter waves are added.",
-                panels=[Panel(marks=lines, x="magnification", log="xy", base=2)],
+                "area-against-magnification",
+                "Contact area of one nominal pressure as shorter waves are added.",
+                [against("magnification", *areas, by="load", log="xy", base=2)],
             )
         ],
         findings=[falls, modes_finding(data.sel(magnification=data.magnification >= _ROUGH))],

@@ -19,7 +19,7 @@ from validation.measurements.measurement import TOLERANCE, press_on_grids
 from validation.measurements.theory import RANKED, modes_finding
 from validation.report.estimates import change, derive, mean
 from validation.report.values import value_of
-from validation.report.views import Column, Figure, Finding, Level, Line, Panel, Table, Views, finding
+from validation.report.views import Column, Figure, Finding, Level, Line, Table, Views, against, finding
 from validation.studies._options import Shifts
 from validation.studies._scene import PressedOptions
 from validation.studies._study import gathered
@@ -40,7 +40,7 @@ TITLES = {
     "energy_ratio": "Elastic energy",
 }
 #: Where simulation and theory agree.
-AGREEMENT = Level(y="agreement", look={"color": "black", "lw": 0.8})
+AGREEMENT = Level("agreement", look={"color": "black", "lw": 0.8})
 
 
 class Options(PressedOptions):
@@ -98,14 +98,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     return data.assign(moved_stress_persson=("load", moved))
 
 
-#: Loads in a sentence.
-_PICKED = 4
-
-
 def picked_loads(data: xr.Dataset) -> list[int]:
     """Return at most four loads from the lightest towards full contact, where there is a limit of the area."""
     known = np.flatnonzero((data.area.values < _NEARLY_FULL) & np.isfinite(data.area.values))
-    return [int(k) for k in known[:: max(1, -(-known.size // _PICKED))]]
+    return [int(k) for k in known[:: max(1, -(-known.size // 4))]]
 
 
 def views(data: xr.Dataset) -> Views:
@@ -116,7 +112,7 @@ def views(data: xr.Dataset) -> Views:
         columns += [name, Column(f"{name}_predicted", {"theory": 0})]
     columns += ["patches", "patch_size", *(f"moved_{name}" for name in SHARES)]
     return Views(
-        table=Table(rows=("load",), columns=tuple(columns)),
+        table=Table(("load",), tuple(columns)),
         budget=("area", "gap", "compliance", "energy_ratio"),
         figures=_figures(data),
         findings=[*_findings(data, first.isel(load=picked_loads(data))), modes_finding(data)],
@@ -126,12 +122,10 @@ def views(data: xr.Dataset) -> Views:
 def _findings(data: xr.Dataset, some: xr.Dataset) -> Iterator[Finding]:
     form = "The contact area is {each} (lambda_long/lambda_short = {bandwidth})."
     item = "{verdict} Persson's, {area_excess:+%}, at A/A0 = {area:~}"
-    yield finding(
-        "comparison", form, some, item=item, over="load", by="area_excess", bandwidth=data.attrs["bandwidth"]
-    )
+    yield finding("comparison", form, some, item=item, by="area_excess")
     form = "Over those of Persson's theory: {each}."
     item = "gap {gap_over}, compliance {compliance_over} and energy {energy_ratio_over} at A/A0 = {area:~}"
-    yield finding("value", form, some, item=item, over="load")
+    yield finding("value", form, some, item=item)
     if "light" in data.attrs:
         start, end = (data.isel(load=int(k)) for k in data.attrs["light"])
         form = "Between A/A0 = {start:~} and {area:~} kappa {verdict}, {kappa_change:+%}, the number of patches changes by "
@@ -148,7 +142,6 @@ def _findings(data: xr.Dataset, some: xr.Dataset) -> Iterator[Finding]:
                 claimed + " from A/A0 = {at:~} on: {each}.",
                 heavier,
                 item=f"{{moved_{name}}}, {{verdict}}, at {{area:~}}",
-                over="load",
                 by=f"moved_{name}_beyond",
                 words=_MOVED,
                 at=at,
@@ -168,47 +161,37 @@ _MOVED = dict.fromkeys("0-", "no more than two sets of surfaces differ by") | {
 
 def _figures(data: xr.Dataset) -> list[Figure]:
     load = "reduced_pressure"
-    predicted = [
-        *by_theory("_predicted", data),
-        Line(y="area_spectral", at={"theory": 0}, label="Persson, C(q) alone"),
-    ]
+    spectral = Line("area_spectral", at={"theory": 0}, label="Persson, C(q) alone")
     others = [
-        Panel(marks=[Line(y=name, joined=False), *by_theory("_predicted", data, name)], x=load, log="x")
+        against(load, Line(name, joined=False), *by_theory("_predicted", data, name), log="x")
         for name in COMPARED[1:]
     ]
     reference = data.attrs["reference_load"]
     heavier = [k for k in range(reference, data.sizes["load"]) if data.area[k] < _NEARLY_FULL][:5]
     shares = [
-        Panel(
-            marks=[Line(y=y, at={"load": k}, label="A/A0 = {area:~}", steps=True) for k in heavier],
-            x=x,
-            log=log,
-        )
+        against(x, *[Line(y, at={"load": k}, label="A/A0 = {area:~}", steps=True) for k in heavier], log=log)
         for y, x, log in (("contact_stress_density", "stress", ""), ("patch_cumulated", "patch_upper", "x"))
     ]
-    moved = [Line(y=f"moved_{name}") for name in SHARES] + [
-        Line(y="moved_stress_noise"),
-        Line(y="moved_stress_persson"),
-    ]
+    moved = [f"moved_{name}" for name in (*SHARES, "stress_noise", "stress_persson")]
     return [
         Figure(
-            name="area-against-pressure",
-            caption="Contact area against load, and over that of the theory and its variants, told the realised surface.",
-            panels=[
-                Panel(marks=[Line(y="area", joined=False), *predicted], x="reduced_pressure", log="xy"),
-                Panel(marks=[*by_theory("_over", data), AGREEMENT], x=load, log="x"),
+            "area-against-pressure",
+            "Contact area against load, and over that of the theory and its variants, told the realised surface.",
+            [
+                against(load, Line("area", joined=False), *by_theory("_predicted", data), spectral, log="xy"),
+                against(load, *by_theory("_over", data), AGREEMENT, log="x"),
             ],
         ),
         Figure(
-            name="gap-and-energy",
-            caption="Mean gap, compliance and elastic energy against load, with the theory and its variants.",
-            panels=others,
+            "gap-and-energy",
+            "Mean gap, compliance and elastic energy against load, with the theory and its variants.",
+            others,
         ),
         Figure(
-            name="load-independence",
-            caption="P(sigma) per contact area, share of the contact in smaller patches, and how far both are from those "
+            "load-independence",
+            "P(sigma) per contact area, share of the contact in smaller patches, and how far both are from those "
             "at the lightest of these loads; surfaces are pooled.",
-            panels=[*shares, Panel(marks=moved, x="area", log="x")],
+            [*shares, against("area", *moved, log="x")],
         ),
     ]
 
@@ -216,4 +199,4 @@ def _figures(data: xr.Dataset) -> list[Figure]:
 def by_theory(ending: str, data: xr.Dataset, name: str = "area") -> list[Line]:
     """Return a line for each theory that says something."""
     known = data[f"{name}{ending}"].notnull().any("load").values
-    return [Line(y=f"{name}{ending}", at={"theory": int(t)}, label="{theory}") for t in np.flatnonzero(known)]
+    return [Line(f"{name}{ending}", at={"theory": int(t)}, label="{theory}") for t in np.flatnonzero(known)]

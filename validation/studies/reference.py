@@ -23,7 +23,7 @@ from validation.measurements.theory import VARIANTS, with_variants
 from validation.reference.alpha import at_equal_alpha
 from validation.reference.citable import citable
 from validation.report.estimates import claim, derive, gather, total_error
-from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding, panels_along
+from validation.report.views import Figure, Finding, Line, Table, Views, against, finding, panels_along
 from validation.studies._options import Periods, Seed, StudyOptions
 from validation.units import wrong
 
@@ -161,7 +161,7 @@ def _means(options: Options, amplitudes: str, bench: Bench) -> xr.Dataset:
         at: spectrum.reduced({c: measured[at, c] for c in spectrum.cases}) for at, spectrum in sampled.items()
     }
     data = gather(cells, hurst=options.hursts, bandwidth=options.bandwidths)
-    attributes = {name: getattr(options, name) for name in ("periods", "unsolved", "seed")}
+    attributes = options.model_dump(include={"periods", "unsolved", "seed"})
     return data.expand_dims(amplitudes=[amplitudes]).assign_attrs(
         study="reference", methods="bem", tolerance=_TOLERANCE, **attributes
     )
@@ -184,10 +184,9 @@ def _with_theories(data: xr.Dataset) -> xr.Dataset:
     summaries = [name for name in bare.data_vars if str(name).endswith(("median", "worst", "low", "high"))]
     equal = at_equal_alpha(exact, _ALPHAS)
     several = equal.area.where(equal.area.notnull().sum("hurst") > 1)
-    names = {"area": "area_equal", "bandwidth": "bandwidth_equal", "alpha": "nayak_equal"}
     added = (
         equal.drop_vars("area_error")
-        .rename(names)
+        .rename({"area": "area_equal", "bandwidth": "bandwidth_equal", "alpha": "nayak_equal"})
         .assign(area_equal_spread=(several.max("hurst") / several.min("hurst") - 1).max("alpha"))
     )
     data = data.assign({name: bare[name] for name in summaries}).merge(
@@ -202,63 +201,56 @@ def views(data: xr.Dataset) -> Views:
     names = ("kappa", *QUANTITIES[1:], "area_by_spectrum", "area_excess", "saving")
     made = data.area.sel(amplitudes="exact").notnull().all(["hurst", "reduced_pressure"])
     widest = {"amplitudes": 0, "bandwidth": int(np.flatnonzero(made)[-1]) if made.any() else 0}
-    load: dict[str, Any] = {"x": "reduced_pressure", "log": "x", "at": widest}
+    load: dict[str, Any] = {"log": "x", "at": widest}
     plain: dict[str, Any] = {"by": "hurst", "label": "H = {hurst}", "look": {"ls": "-"}}
+    lines = {name: Line(f"theory_excess_{name}", **plain) for name in VARIANTS}
     variants = [
-        Panel(marks=[Line(y=f"theory_excess_{name}", **plain)], y="theory_excess", title=title, **load)
+        against("reduced_pressure", lines[name], y="theory_excess", title=title, **load)
         for name, title in VARIANTS.items()
     ]
-    alpha = Panel(marks=[Line(y="kappa_equal", **plain)], x="nayak_equal", log="x")
-    few, cell = _some_loads(data), ("amplitudes", "hurst", "bandwidth", "reduced_pressure")
+    alpha = against("nayak_equal", Line("kappa_equal", **plain), log="x")
+    light = np.flatnonzero(data.reduced_pressure.values < _MIDDLING)
+    few = sorted({int(light[k]) for k in (0, light.size // 2, -1)}) if light.size else [0]
+    cell = ("amplitudes", "hurst", "bandwidth", "reduced_pressure")
     return Views(
-        table=Table(rows=cell, columns=(*cell, "area", *names)),
+        table=Table(cell, (*cell, "area", *names)),
         figures=[
             Figure(
-                name="reference",
-                caption="kappa over the load for every Hurst exponent, at the largest bandwidth that all have.",
-                panels=[Panel(marks=[Line(y="kappa", by="hurst")], **load)],
+                "reference",
+                "kappa over the load for every Hurst exponent, at the largest bandwidth that all have.",
+                [against("reduced_pressure", "kappa", by="hurst", **load)],
             ),
             Figure(
-                name="reference-verdict",
-                caption="Area of Persson's theory and of its variants over that of the table less one, for every Hurst "
+                "reference-verdict",
+                "Area of Persson's theory and of its variants over that of the table less one, for every Hurst "
                 "exponent at that bandwidth.",
-                panels=variants,
+                variants,
                 width=12.0,
             ),
             Figure(
-                name="reference-alpha",
-                caption="kappa over the Nayak parameter of C(q) for each Hurst exponent at light to middling loads, "
+                "reference-alpha",
+                "kappa over the Nayak parameter of C(q) for each Hurst exponent at light to middling loads, "
                 "interpolated along the bandwidth. Were alpha all that matters, the lines would be one.",
-                panels=[panels_along(data, "reduced_pressure", alpha)[k] for k in few],
+                [panels_along(data, "reduced_pressure", alpha)[k] for k in few],
                 width=4.0 * len(few),
             ),
         ],
-        findings=[*_findings(data.isel(reduced_pressure=few)), _costs(data)],
+        findings=[*_findings(data, few)],
     )
 
 
-def _some_loads(data: xr.Dataset) -> list[int]:
-    light = np.flatnonzero(data.reduced_pressure.values < _MIDDLING)
-    return sorted({int(light[0]), int(light[light.size // 2]), int(light[-1])}) if light.size else [0]
-
-
-def _findings(data: xr.Dataset) -> Iterator[Finding]:
-    over, at = "reduced_pressure", "at p* = {reduced_pressure}"
-    sample: dict[str, Any] = {"periods": float(data.attrs["periods"])}
+def _findings(whole: xr.Dataset, few: list[int]) -> Iterator[Finding]:
+    data, at = whole.isel(reduced_pressure=few), "at p* = {reduced_pressure}"
     form = "Half of the 95 % interval of A/A0 is {each} (surfaces, grid, solver, size; L/lambda_long = {periods})."
     item = "{interval_median:%} in the median and {interval_worst:%} at worst " + at
-    yield finding("value", form, data, item=item, over=over, **sample)
+    yield finding("value", form, data, item=item)
     form = "The area lies above Persson's, by spectrum, by {each}."
     item = "{area_excess_low:%} to {area_excess_high:%} " + at
-    yield finding("value", form, data, item=item, over=over)
+    yield finding("value", form, data, item=item)
     form = (
         "At equal Nayak parameter the areas of the Hurst exponents that have it lie apart by at most {each}."
     )
-    yield finding("value", form, data, item="{area_equal_spread:%} " + at, over=over)
-
-
-def _costs(data: xr.Dataset) -> Finding:
+    yield finding("value", form, data, item="{area_equal_spread:%} " + at)
     form = "Plain means over single surfaces on the same grids would cost, for the same intervals, in the median so many times "
     form += "what was spent on a load: {each}."
-    item = "{saving_median} at lambda_long/lambda_short = {bandwidth}"
-    return finding("cost", form, data, item=item, over="bandwidth")
+    yield finding("cost", form, whole, item="{saving_median} at lambda_long/lambda_short = {bandwidth}")

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from persson.spectrum import Moments, SelfAffine
+from persson.spectrum import SelfAffine
 from validation import reference
 from validation.arrays import Array
 from validation.errors import UsageError
 from validation.measurements.theory import Waves
 from validation.report.estimates import derive, total_error
-from validation.report.views import Figure, Finding, Image, Panel, Table, Views, finding, panels_along
+from validation.report.views import Figure, Finding, Image, Table, Views, against, finding, panels_along
 from validation.studies._options import StudyOptions
 from validation.theories import Rough, Theory, find_theory
 
@@ -71,39 +72,32 @@ def views(data: xr.Dataset) -> Views:
     """Show where each theory is above and below the table, and its worst cell."""
     figures = []
     for k, label in enumerate(map(str, data.theory.values)):
-        image = Image(y="theory_excess", rows="bandwidth", cmap="RdBu_r", symmetric=True)
-        panel = Panel(marks=[image], x="reduced_pressure", log="xy", at={"theory": k})
+        image = Image("theory_excess", rows="bandwidth", cmap="RdBu_r", symmetric=True)
+        panel = against("reduced_pressure", image, log="xy", at={"theory": k})
         known = data.theory_excess.isel(theory=k).notnull().any(("bandwidth", "reduced_pressure")).values
         panels = [row for row in panels_along(data, "hurst", panel) if known[row.at["hurst"]]]
         caption = f"Area of {label} over that of the table, less one. The colours end at the worst cell."
-        figures.append(
-            Figure(name=f"excess-{k}", caption=caption, panels=panels, width=3.0 * len(panels), height=2.8)
-        )
+        figures.append(Figure(f"excess-{k}", caption, panels, width=3.0 * len(panels), height=2.8))
     columns = ("theory", *_CELL, "area", "area_scored", "theory_excess", "z_score")
-    table, findings = Table(rows=("theory", *_CELL), columns=columns), [_worst(data), _agreeing(data)]
-    return Views(table=table, budget=("area",), figures=figures, findings=findings)
+    table = Table(("theory", *_CELL), columns)
+    return Views(table=table, budget=("area",), figures=figures, findings=[*_findings(data)])
 
 
-def _worst(data: xr.Dataset) -> Finding:
-    size = abs(data.theory_excess).fillna(-1.0)
-    worst = data.isel(size.argmax(_CELL))
+def _findings(data: xr.Dataset) -> Iterator[Finding]:
+    worst = data.isel(abs(data.theory_excess).fillna(-1.0).argmax(_CELL))
     form = "Farthest from the table: {each}."
     item = "{theory} lies {verdict} it, by {theory_excess:+%}, at H = {hurst}, bandwidth {bandwidth}, p* = {reduced_pressure}"
-    return finding("comparison", form, worst, item=item, over="theory", by="theory_excess")
-
-
-def _agreeing(data: xr.Dataset) -> Finding:
+    yield finding("comparison", form, worst, item=item, by="theory_excess")
     counted = data.assign(
         cells_within=(abs(data.z_score) <= 1.96).sum(_CELL).astype(float),
         cells_scored=data.z_score.count(_CELL).astype(float),
         theory_excess_median=abs(data.theory_excess).median(_CELL),
     )
-    return finding(
+    yield finding(
         "share",
         "Within the 95 % interval of the table lie {each}.",
         counted[["cells_within", "cells_scored", "theory_excess_median"]],
         item="{cells_within} of {cells_scored} cells of {theory}, {theory_excess_median:%} away in the median",
-        over="theory",
     )
 
 
@@ -114,8 +108,7 @@ def _areas(theory: Theory, data: xr.Dataset) -> Array:
             spectrum = SelfAffine.from_rms_gradient(
                 _SLOPE, hurst=float(hurst), q_long=_Q_LONG, q_short=float(bandwidth) * _Q_LONG
             )
-            moments = Moments(m0=float(spectrum.m0()), m2=float(spectrum.m2()), m4=float(spectrum.m4()))
-            waves = Waves.of_spectrum(spectrum)
+            moments, waves = spectrum.moments(), Waves.of_spectrum(spectrum)
             rough = Rough(contact_modulus=_MODULUS, moments=moments, spectrum=spectrum, waves=waves)
             areas[i, j] = theory.area(data.reduced_pressure.values * _MODULUS * moments.rms_gradient, rough)
     return areas

@@ -5,13 +5,13 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 import xarray as xr
 from pydantic import Field, model_validator
 
-from validation.effects.base import SlotName
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
 from validation.measurements.by_solver import beside_bem
@@ -28,12 +28,12 @@ from validation.measurements.grids import (
     with_methods,
 )
 from validation.measurements.limits import solved, solver_error
-from validation.measurements.measurement import TOLERANCE, grid_for, press_on_grids
+from validation.measurements.measurement import TOLERANCE, grid_for, grids_for, press_on_grids
 from validation.measurements.references import beside_published, papers_of
 from validation.measurements.theory import ensemble_area
 from validation.report.estimates import claim, gather
 from validation.solvers.theory import predict
-from validation.studies._options import Element, Hurst, Methods, ReducedPressure, Surfaces
+from validation.studies._options import Element, Hurst, Methods, ReducedPressure, Shifts, Surfaces
 from validation.studies._refinement_views import views
 from validation.studies._scene import PressedOptions, SolverRequest
 from validation.units import wrong
@@ -58,14 +58,13 @@ class Options(PressedOptions):
     off: ClassVar[Mapping[str, Any]] = {"ladders": False} | dict.fromkeys(
         ("grid_scale_grids", "grid_scale_hursts", "elements"), ()
     )
-    slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound"})
+    slots = frozenset({"response", "pressure bound"})
     plain = "an adhesive contact jumps from grid to grid, and has no law of refinement"
 
     methods: Methods = ("bem", "fem")
     reduced_pressure: ReducedPressure = 0.05
     surfaces: Surfaces = 4
-    shifts: int = Field(default=SHIFTS, ge=1)
-    """sub-grid shifts along each axis"""
+    shifts: Shifts = SHIFTS
     points_per_wave: Ladder = (2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0)
     """grids, as lambda_short/dx, rising; below 3 they are run, labelled and left out of the limit"""
     grid_scale_grids: tuple[Annotated[int, Field(ge=8)], ...] = (64, 128, 256)
@@ -145,7 +144,7 @@ def design(options: Options) -> dict[_Case, Call]:
         for method in PROTOCOL_METHODS:
             rough = grid_roughness(problem=problem, grid=(points, points), method=method)
             cases["scale", method, hurst, k] = rough
-        fine = tuple(grid_for(wide, n) for n in _CONVERGED)
+        fine = grids_for(wide, _CONVERGED)
         cases["converged", hurst, k] = press_on_grids(problem=wide, grids=fine, shifts=options.shifts)
     for element in options.blocks:
         mesh = (("method", "reduced"), ("element", element))
@@ -155,10 +154,9 @@ def design(options: Options) -> dict[_Case, Call]:
         strict = (*mesh, ("tolerance", _STRICT))
         cases["strict", element] = cases["fem", element, 0, min(blocks)].but(settings=strict)
     for solver, (k, problem) in itertools.product(options.beside, enumerate(pressed)):
-        how: dict[str, Any] = {"method": solver.method, "settings": solver.settings}
+        ask = partial(beside_bem, problem=problem, effects=options.effects)
         for g, grid in enumerate(solver.grids):
-            solve = beside_bem(problem=problem, grid=grid, effects=options.effects, **how)
-            cases["other", solver.name, k, g] = solve
+            cases["other", solver.name, k, g] = ask(grid=grid, method=solver.method, settings=solver.settings)
     return cases | (dict(options.climbed.cases) if options.ladders else {})
 
 
@@ -175,8 +173,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     if options.ladders:
         climbed = options.climbed.reduced({case: measured[case] for case in options.climbed.cases})
         data = data.merge(climbed, combine_attrs="override")
-        spectrum = {"hurst": options.hurst, "bandwidth": options.bandwidth, "periods": options.periods}
-        shares = spectral_errors(climbed, **spectrum)
+        shares = spectral_errors(climbed, **options.model_dump(include={"hurst", "bandwidth", "periods"}))
         data = claim(data, "kappa", **{source: share * data.kappa for source, share in shares.items()})
 
     def part(name: str) -> dict[_Case, xr.Dataset]:
@@ -186,12 +183,11 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         rough = protocol(part("protocol"), options.grid_scale_grids)
         data = beside_published(data.merge(rough, combine_attrs="override"))
     if options.protocol_hursts:
-        points = options.protocol_points
-        rough = protocol_of_solvers(part("scale"), part("converged"), data, points=points)
+        rough = protocol_of_solvers(part("scale"), part("converged"), data, points=options.protocol_points)
         data = data.merge(rough, combine_attrs="override")
     if options.blocks:
         strict = {str(element): measured["strict", element] for element in options.blocks}
-        meshes = [grid_for(options.first, n) for n in options.fem_points_per_wave]
+        meshes = grids_for(options.first, options.fem_points_per_wave)
         data = with_blocks(data, part("fem"), strict, meshes)
         further = {source: share * data.kappa_fem for source, share in shares.items()}
         data = claim(data, "kappa_fem", **further)

@@ -23,7 +23,7 @@ from validation.measurements.flow import located_area
 from validation.measurements.limits import read_off
 from validation.measurements.measurement import press_elastic
 from validation.report.estimates import derive, power_law, reduce
-from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding
+from validation.report.views import Figure, Finding, Line, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.studies._options import Hurst, Periods, ReducedPressure, Seed, StudyOptions, Surfaces
 from validation.studies._study import gathered
@@ -113,24 +113,21 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         decades="log(minimum(side_peak_bytes, side_seconds) / coarsest) / log(10)",
         excess_exponent="exponent_seconds - 1",
     )
-    attributes = {name: getattr(options, name) for name in ("reduced_pressure", "points_per_wave", "periods")}
+    attributes = options.model_dump(include={"reduced_pressure", "points_per_wave", "periods"})
     return data.assign_attrs(methods="bem", **attributes)
 
 
 def views(data: xr.Dataset) -> Views:
     """Exponents, what one more decade costs, and how many decades memory and an hour allow."""
-    dots = {name: Line(y=f"{name}_each", by="surface", joined=False, label="") for name in _COSTS}
-    panels = [
-        Panel(marks=[dots[name], Line(y=f"{name}_fit")], x="number", y=name, log="xy") for name in _COSTS
-    ]
+    dots = {name: Line(f"{name}_each", by="surface", joined=False, label="") for name in _COSTS}
     return Views(
-        table=Table(rows=("points",), columns=("points", "bandwidth", *_COSTS, "area_located")),
+        table=Table(("points",), ("points", "bandwidth", *_COSTS, "area_located")),
         figures=[
             Figure(
-                name="cost-against-points",
-                caption="Processor time on one thread, pairs of transforms and memory of a cold solve, for surfaces "
+                "cost-against-points",
+                "Processor time on one thread, pairs of transforms and memory of a cold solve, for surfaces "
                 "whose bandwidth grows with the grid; lines, fitted powers of the number of points.",
-                panels=panels,
+                [against("number", dots[name], f"{name}_fit", y=name, log="xy") for name in _COSTS],
             )
         ],
         findings=[*_findings(data)],

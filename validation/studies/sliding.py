@@ -24,12 +24,12 @@ from validation.execution.bench import Bench
 from validation.files import read_whole
 from validation.measurements.common import Rising, base_case, in_rising_order
 from validation.measurements.limits import ABSENT
-from validation.measurements.measurement import grid_for
+from validation.measurements.measurement import grids_for
 from validation.measurements.sliding import SHARES, Rubber, slid_of, slides
 from validation.measurements.theory import RANKED, VARIANTS
-from validation.report.estimates import claim, derive, mean, same_of_all
+from validation.report.estimates import claim, derive, mean, same_of_all, spread
 from validation.report.values import Value
-from validation.report.views import Figure, Finding, Line, Panel, Table, Views, against, finding
+from validation.report.views import Figure, Finding, Table, Views, against, finding
 from validation.scenes.tables import SolidSpec
 from validation.studies._rubber import RubberOptions
 from validation.studies._study import gathered
@@ -98,7 +98,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     surface = options.self_affine(length=options.length)
     solid = SolidSpec(young=relaxed, poisson=rubber.poisson)
     base = base_case(surface, reduced_pressure=options.reduced_pressure, solid=solid)
-    grids = tuple(grid_for(base, points) for points in options.points_per_wave)
+    grids = grids_for(base, options.points_per_wave)
     cases = {
         k: slides(problem=base.further(k), rubber=rubber, velocities=options.velocities, grids=grids)
         for k in range(options.surfaces)
@@ -126,23 +126,23 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 def views(data: xr.Dataset) -> Views:
     """Friction and area over the velocity, and how both frictions meet as the grid is refined."""
-    count = data.sizes["velocity"]
-    some = {"velocity": sorted({0, count // 3, 2 * count // 3, count - 1})}
+    some = {"velocity": spread(data, "velocity", 4)}
     friction, area = ("friction", "friction_dissipated", *_FRICTIONS), ("area", *_AREAS)
-    meeting = [Line(y="friction_difference", by="velocity", at=some)]
     return Views(
-        table=Table(rows=("velocity",), columns=("velocity", "modulus_passing", *friction, *area, *_RATIOS)),
+        table=Table(("velocity",), ("velocity", "modulus_passing", *friction, *area, *_RATIOS)),
         budget=("friction", "area"),
         figures=[
             Figure(
-                name="sliding",
-                caption="A rigid surface sliding on a viscoelastic half-space: friction coefficient over h'_rms by the pressure on "
+                "sliding",
+                "A rigid surface sliding on a viscoelastic half-space: friction coefficient over h'_rms by the pressure on "
                 "the slopes and by what the solid loses (left), area of real contact (middle), and difference of both "
                 "frictions over the resolution, root mean square over the surfaces (right).",
-                panels=[
-                    Panel(marks=[Line(y=name) for name in friction], x="velocity", log="x", bottom=0.0),
+                [
+                    against("velocity", *friction, log="x", bottom=0.0),
                     against("velocity", *area, log="xy"),
-                    Panel(marks=meeting, x="points_per_wave", log="xy", base=2),
+                    against(
+                        "points_per_wave", "friction_difference", by="velocity", at=some, log="xy", base=2
+                    ),
                 ],
             )
         ],
@@ -163,23 +163,22 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "at worst.",
         data,
         item="{friction_difference_pooled:%} at {points_per_wave} points per shortest wave",
-        over="grid",
-        least=float(data.steps_each.min()),
-        most=float(data.steps_each.max()),
-        pairs=float(data.fft_pairs_each.max()),
-        shrink=float(data.contraction_each.max()),
+        least=data.steps_each.min(),
+        most=data.steps_each.max(),
+        pairs=data.fft_pairs_each.max(),
+        shrink=data.contraction_each.max(),
     )
     yield from (_theory_of(data, largest, name) for name in SHARES)
     form = "A/A0 is {each}."
     item = "{area} at v = {velocity} m/s, {verdict} Persson's {area_persson:~} (Yang, Persson {area_yang_persson:~}, Wang, "
     item += "Müser {area_wang_mueser:~}, Xu et al. {area_xu:~})"
-    yield finding("comparison", form, areas, item=item, over="velocity", by="area_excess")
+    yield finding("comparison", form, areas, item=item, by="area_excess")
     late = data.velocity.values[data.modulus_passing.values > _REMEMBERED]
     if late.size:
         form = "From v = {late} m/s on the solid has not relaxed when the period comes round again (|E| > {remembered} E_0 "
         form += "there): it keeps the mean track of the periods before, more touches than on fresh rubber, and the theory, "
         form += "which knows no track, is no comparison."
-        yield finding("threshold", form, late=float(late[0]), remembered=_REMEMBERED)
+        yield finding("threshold", form, late=late[0], remembered=_REMEMBERED)
 
 
 def _theory_of(data: xr.Dataset, largest: xr.Dataset, name: str) -> Finding:

@@ -22,7 +22,7 @@ from persson.errors import PerssonError
 from validation.execution.bench import Bench
 from validation.measurements.hard_cases import CASES, HardCase, elastic_cases
 from validation.report.estimates import gather
-from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, finding
+from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding
 from validation.solvers import chosen_solver
 from validation.studies._options import AnyMethods, StudyOptions
 from validation.units import wrong
@@ -118,12 +118,10 @@ def views(data: xr.Dataset) -> Views:
     methods = list(dict.fromkeys(data.method.values.tolist()))
     cases = list(dict.fromkeys(data.case.values.tolist()))
     by_method = [
-        Panel(
-            marks=[
-                *(Line(y="deviation_ratio", where={"case": name}, label=name) for name in _of(data, method)),
-                Level(y="bound_ratio", look={"color": "black"}, label="allowed"),
-            ],
-            x="turn",
+        against(
+            "turn",
+            *(Line("deviation_ratio", where={"case": name}, label=name) for name in _of(data, method)),
+            Level("bound_ratio", look={"color": "black"}, label="allowed"),
             log="y",
             title=method,
         )
@@ -131,12 +129,12 @@ def views(data: xr.Dataset) -> Views:
     ]
     alone = [
         Figure(
-            name=f"stability-{name}",
-            caption=f"{name}: {data.varied.values[data.case.values == name][0]}.",
-            panels=[
-                Panel(
-                    marks=[Line(y=y, where={"case": name}, label=y) for y in ("deviation", "bound")],
-                    x="value",
+            f"stability-{name}",
+            f"{name}: {data.varied.values[data.case.values == name][0]}.",
+            [
+                against(
+                    "value",
+                    *[Line(y, where={"case": name}, label=y) for y in ("deviation", "bound")],
                     log="y",
                 )
             ],
@@ -147,13 +145,13 @@ def views(data: xr.Dataset) -> Views:
     wrong = int((data.outcome == "WRONG").sum())
     judged = ("case", "method", "varied", "value", "deviation", "bound")
     return Views(
-        table=Table(rows=("row",), columns=(*judged, "outcome", "seconds", "message")),
+        table=Table(("row",), (*judged, "outcome", "seconds", "message")),
         figures=[
             Figure(
-                name="stability",
-                caption="Deviation over what was allowed beforehand as each parameter goes from easy to hard; "
+                "stability",
+                "Deviation over what was allowed beforehand as each parameter goes from easy to hard; "
                 "values that were refused have none.",
-                panels=by_method,
+                by_method,
                 height=5.6,
             ),
             *alone,

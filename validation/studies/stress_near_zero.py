@@ -16,8 +16,8 @@ from validation.execution.measurement import Call
 from validation.measurements.common import Rising
 from validation.measurements.edge import edge_limits, edge_of_contact, start_of_pressure
 from validation.measurements.limits import solved
-from validation.report.estimates import change, derive, gather, mean, power_law
-from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, finding
+from validation.report.estimates import change, derive, gather, mean, power_law, spread
+from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding
 from validation.studies._options import Bandwidth, Methods, ReducedPressure, Surfaces
 from validation.studies._scene import PressedOptions, SolverRequest
 
@@ -112,8 +112,8 @@ def views(data: xr.Dataset) -> Views:
     """P(sigma) near zero, and what its start tends to."""
     return Views(
         table=Table(
-            rows=("method", "grid"),
-            columns=("method", "spacing", "density_at_zero", "window_slope", "contour_slope", "patches"),
+            ("method", "grid"),
+            ("method", "spacing", "density_at_zero", "window_slope", "contour_slope", "patches"),
         ),
         budget=("initial_density", "initial_slope_window", "initial_slope_contour"),
         figures=[figure for m in range(data.sizes["method"]) for figure in _figures(data, m)],
@@ -128,7 +128,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "In units of 1/(E* h'_rms) the density at vanishing pressure is at dx to 0 {each}.",
         data,
         item=named + "{initial_density}, {verdict} zero, and falls like dx^{decay} on the grids",
-        over="method",
         by="initial_density",
         words={"+": "above", "-": "below"},
     )
@@ -137,10 +136,10 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     item = (
         named + "{initial_slope_window} from a closing window, {verdict} Persson's, {initial_slope_excess:+%}"
     )
-    yield finding("comparison", form, data, item=item, over="method", by="initial_slope_excess")
+    yield finding("comparison", form, data, item=item, by="initial_slope_excess")
     form = "The slope from contour length and edge coefficient, 2 S <B^-2>: {each}."
     item = named + "{initial_slope_contour}; the two ways {verdict}"
-    yield finding("agreement", form, data, item=item, over="method", by="initial_slope_gap")
+    yield finding("agreement", form, data, item=item, by="initial_slope_gap")
     yield finding(
         "value",
         "From the last grid but one to the last {each} patches a surface.",
@@ -148,7 +147,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         item=named
         + "the mean slope in the window changes by {window_slope_change:+%}, that from the contour by "
         "{contour_slope_change:+%}, with {patches}",
-        over="method",
     )
 
 
@@ -157,36 +155,33 @@ def _figures(data: xr.Dataset, m: int) -> Iterator[Figure]:
     ending = f"-{re.sub('[^A-Za-z0-9]+', '-', name)}" if m else ""
     method = f" By {name}." if m else ""
     at = {"method": m}
-    grids = sorted({0, data.sizes["grid"] // 2, data.sizes["grid"] - 1})
     densities = [
-        Line(y="small_density", at={"grid": g}, look={"marker": ""}, label="dx/lambda_short = {spacing:.3}")
-        for g in grids
+        Line("small_density", at={"grid": g}, look={"marker": ""}, label="dx/lambda_short = {spacing:.3}")
+        for g in spread(data, "grid")
     ]
-    slopes = [Line(y=f"small_density_{way}", look={"marker": "", "ls": ls}) for way, ls in _WAYS.items()]
+    slopes = [Line(f"small_density_{way}", look={"marker": "", "ls": ls}) for way, ls in _WAYS.items()]
     top = 1.1 * float(data.small_density[m].max())
     yield Figure(
-        name=f"pressure-near-zero{ending}",
-        caption="Distribution of contact pressure near zero on some grids, mean over surfaces, with its initial slopes "
+        f"pressure-near-zero{ending}",
+        "Distribution of contact pressure near zero on some grids, mean over surfaces, with its initial slopes "
         f"at dx to 0 and that of the theory.{method}",
-        panels=[Panel(marks=[*densities, *slopes], x="stress", at=at, bottom=0.0, top=top)],
+        [against("stress", *densities, *slopes, at=at, bottom=0.0, top=top)],
     )
     limit = "root_spacing_limit"
-    marks = [
-        *(Line(y=f"{way}_slope") for way in ("window", "contour")),
-        *(Line(y=f"initial_slope_{way}", x=limit) for way in ("window", "contour")),
-        Level(y="initial_slope_persson"),
-    ]
+    ways = [Line(f"{way}_slope") for way in ("window", "contour")]
+    ways += [Line(f"initial_slope_{way}", x=limit) for way in ("window", "contour")]
+    theory = Level("initial_slope_persson")
     yield Figure(
-        name=f"slope-at-zero{ending}",
-        caption="Slope of P(sigma) at zero on each grid, from the density in a closing window and from the contour; at "
+        f"slope-at-zero{ending}",
+        "Slope of P(sigma) at zero on each grid, from the density in a closing window and from the contour; at "
         f"the left end their limits; line, the theory.{method}",
-        panels=[Panel(marks=marks, x="root_spacing", y="initial_slope", at=at, bottom=0.0)],
+        [against("root_spacing", *ways, theory, y="initial_slope", at=at, bottom=0.0)],
     )
-    density = [Line(y="density_at_zero"), Line(y="initial_density", x=limit)]
+    density = ("density_at_zero", Line("initial_density", x=limit))
     yield Figure(
-        name=f"density-at-zero{ending}",
-        caption=f"Density at vanishing pressure against the root of the spacing; at the left end its limit.{method}",
-        panels=[Panel(marks=density, x="root_spacing", at=at)],
+        f"density-at-zero{ending}",
+        f"Density at vanishing pressure against the root of the spacing; at the left end its limit.{method}",
+        [against("root_spacing", *density, at=at)],
     )
 
 

@@ -15,11 +15,11 @@ from validation.measurements.convergence import Ladders, spectral_errors
 from validation.measurements.distributions import largest_difference
 from validation.measurements.limits import solved, solver_error
 from validation.measurements.load_path import moved_shares
-from validation.measurements.measurement import grid_for, press_on_grids
+from validation.measurements.measurement import grids_for, press_on_grids
 from validation.measurements.theory import RANKED, modes_finding
 from validation.report.estimates import claim, derive
 from validation.report.values import value_of
-from validation.report.views import Figure, Finding, Panel, Table, Views, finding, ranking
+from validation.report.views import Figure, Finding, Table, Views, against, finding, ranking
 from validation.scenes.tables import Load
 from validation.studies import pressure, stress_near_zero
 from validation.theories import Rough, Theory, find_theory
@@ -73,7 +73,7 @@ def _solver_share(options: Options, bench: Bench) -> float:
     usual = press_on_grids(
         problem=replace(options.first, load=Load(reduced_pressure=0.01)),
         reduced_pressures=(0.01, 0.1, 1.0),
-        grids=tuple(grid_for(options.first, points) for points in (4.0, 6.0, 8.0)),
+        grids=grids_for(options.first, (4.0, 6.0, 8.0)),
         shifts=options.shifts,
         keep=("distributions",),
     )
@@ -88,10 +88,10 @@ def _spectral_shares(options: Options, bench: Bench) -> dict[str, xr.DataArray]:
         return {}
     shares = []
     for load in loads:
-        surfaces: dict[str, Any] = {"periods": options.periods, "seed": options.seed}
+        surfaces = options.model_dump(include={"periods", "seed"})
         ladders = Ladders(hursts=(options.hurst,), reduced_pressure=load, **surfaces)
         reduced = ladders.reduced(solved(bench, ladders.cases))
-        spectrum = {"hurst": options.hurst, "bandwidth": options.bandwidth, "periods": options.periods}
+        spectrum = options.model_dump(include={"hurst", "bandwidth", "periods"})
         shares.append(spectral_errors(reduced, **spectrum))
     near = np.abs(np.log(np.divide.outer(np.array(options.reduced_pressures), loads))).argmin(axis=1)
     return {
@@ -123,18 +123,18 @@ def views(data: xr.Dataset) -> Views:
     if "edge_pressure" in data:
         columns = (*columns, "initial_slope_over")
     panels = [
-        Panel(marks=[*pressure.by_theory("_over", data, name), pressure.AGREEMENT], x="area", log="x")
+        against("area", *pressure.by_theory("_over", data, name), pressure.AGREEMENT, log="x")
         for name in COMPARED
     ]
     return Views(
-        table=Table(rows=("theory", "load"), columns=(*columns, "stress_distance")),
+        table=Table(("theory", "load"), (*columns, "stress_distance")),
         budget=("area",),
         figures=[
             Figure(
-                name="theory-verdict",
-                caption="Simulated over predicted contact area, mean gap, compliance and elastic energy for the theory "
+                "theory-verdict",
+                "Simulated over predicted contact area, mean gap, compliance and elastic energy for the theory "
                 "and its variants, told the realised surface; 1 is agreement.",
-                panels=panels,
+                panels,
             )
         ],
         findings=[*_findings(data)],

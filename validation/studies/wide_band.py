@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -21,7 +20,7 @@ from validation.measurements.table_samples import joined
 from validation.reference.fit import nayak
 from validation.reference.laws import LAWS, fit
 from validation.report.estimates import LIMIT, claim, derive, total_error
-from validation.report.views import Figure, Finding, Line, Panel, Table, Views, finding, panels_along
+from validation.report.views import Figure, Finding, Line, Table, Views, against, finding, panels_along
 from validation.studies._options import StudyOptions
 from validation.units import Positive
 
@@ -119,28 +118,27 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 def views(data: xr.Dataset) -> Views:
     """Show the distance from the theory over the Nayak parameter, and what the laws said of it."""
-    alpha: dict[str, Any] = {"x": "nayak_by_spectrum", "log": "x"}
-    solved = Panel(marks=[Line(y="area_excess", by="hurst", joined=False)], **alpha)
+    solved = against("nayak_by_spectrum", Line("area_excess", by="hurst", joined=False), log="x")
     middle = {"reduced_pressure": data.sizes["reduced_pressure"] // 2}
-    laws = Line(y="area_excess_law", by="law", look={"marker": ""})
-    solved_alone = Line(y="area_excess", joined=False, look={"color": "black"}, label="solved")
-    beside = Panel(marks=[solved_alone, laws], at=middle, **alpha)
+    laws = Line("area_excess_law", by="law", look={"marker": ""})
+    solved_alone = Line("area_excess", joined=False, look={"color": "black"}, label="solved")
+    beside = against("nayak_by_spectrum", solved_alone, laws, log="x", at=middle)
     return Views(
         table=Table(
-            rows=("hurst", "bandwidth", "reduced_pressure"),
-            columns=("hurst", "bandwidth", "reduced_pressure", "nayak_by_spectrum", "area", "area_excess"),
+            ("hurst", "bandwidth", "reduced_pressure"),
+            ("hurst", "bandwidth", "reduced_pressure", "nayak_by_spectrum", "area", "area_excess"),
         ),
         budget=("area_excess",),
         figures=[
             Figure(
-                name="wide-band",
-                caption="Contact area over that of Persson's theory, less one, over the Nayak parameter of C(q), by load.",
-                panels=panels_along(data, "reduced_pressure", solved),
+                "wide-band",
+                "Contact area over that of Persson's theory, less one, over the Nayak parameter of C(q), by load.",
+                panels_along(data, "reduced_pressure", solved),
             ),
             Figure(
-                name="wide-band-laws",
-                caption="The same at one load, and the laws as fitted to the narrow bands alone.",
-                panels=panels_along(data, "hurst", beside),
+                "wide-band-laws",
+                "The same at one load, and the laws as fitted to the narrow bands alone.",
+                panels_along(data, "hurst", beside),
             ),
         ],
         findings=[*_findings(data, data.isel(middle))],
@@ -148,28 +146,24 @@ def views(data: xr.Dataset) -> Views:
 
 
 def _findings(data: xr.Dataset, at: xr.Dataset) -> Iterator[Finding]:
-    load: dict[str, Any] = {"reduced_pressure": float(at.reduced_pressure)}
     widest = at.isel(bandwidth=np.flatnonzero(at.area.notnull().all("hurst"))[-1])
     form = "At infinite bandwidth, p* = {reduced_pressure}, the saturating law through all bands ends {each}."
     item = "{verdict} the theory at H = {hurst}, by {area_excess_limit:%}"
-    yield finding("comparison", form, at, item=item, over="hurst", by="area_excess_limit", **load)
+    yield finding("comparison", form, at, item=item, by="area_excess_limit")
     yield finding(
         "share",
         "Fitted to bandwidths up to {bandwidth_fitted}, the laws hold the wider ones within the joint 95 % interval in "
         "{each}.",
         data[["cells_within", "cells_scored", "law_miss_rms", "bandwidth_fitted"]],
         item="{cells_within} of {cells_scored} cells for the {law} (off by {law_miss_rms:%}, rms)",
-        over="law",
     )
     form = "At lambda_long/lambda_short = {bandwidth}, p* = {reduced_pressure}, the area lies {each}."
     item = "{verdict} Persson's by {area_excess:+%} at H = {hurst}"
-    yield finding("comparison", form, widest, item=item, over="hurst", by="area_excess", **load)
+    yield finding("comparison", form, widest, item=item, by="area_excess")
     yield finding(
         "value",
         "Were the area to follow the power law, the theory would be within 5 % of it from a Nayak parameter of {each} on, at p* = "
         "{reduced_pressure}.",
         at.isel(law=LAWS.index("power")),
         item="{nayak_close:.2} at H = {hurst}",
-        over="hurst",
-        **load,
     )

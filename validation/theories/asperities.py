@@ -43,7 +43,7 @@ class CarboneBottiglione(Theory):
         """Return separations that fall, and the pressures and areas that they lead to."""
         distance = np.linspace(*_SEPARATIONS)[::-1] * rough.moments.rms_height
         contact = bush_gibson_thomas(distance, moments=rough.moments, contact_modulus=rough.contact_modulus)
-        return distance, np.asarray(contact.pressure), np.asarray(contact.area)
+        return distance, contact.pressure, contact.area
 
     def area(self, pressure: Array, rough: Rough) -> Array:
         """Return A/A0, interpolated between separations."""

@@ -62,7 +62,7 @@ class Persson(Theory):
     def elastic_energy(self, pressure: Array, rough: Rough) -> Array:
         """Return the energy of Eq. 43, with the factor of the reading."""
         unit = rough.waves.elastic_energy(pressure / rough.contact_modulus, self.reading)
-        return np.asarray(unit * rough.contact_modulus)
+        return unit * rough.contact_modulus
 
 
 class YangPersson(Persson):

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fem_contact.contact import Cost
 from validation.cases import NotJudged
 from validation.cases.scorecard import Scorecard, ladder, rows, score
 from validation.cases.scorecard.subject import Subject
@@ -189,11 +190,11 @@ def _claim(folder: Path, shape: tuple[int, int]) -> Claim:
         seconds, iterations = float(answer.get("seconds", np.nan)), int(answer.get("iterations", 0))
     except (OSError, ValueError, TypeError, AttributeError, OverflowError, RecursionError) as problem:
         raise UsageError(f"{file}: cannot be read: {problem}; write it again, or remove it") from None
-    return Claim(
-        pressure=pressure,
-        in_contact=None,
-        iterations=iterations,
+    cost = Cost(
         wall_seconds=seconds,
         cpu_seconds=seconds,
+        iterations=iterations,
+        unknowns=pressure.size,
         peak_bytes=0,
     )
+    return Claim(pressure=pressure, cost=cost)

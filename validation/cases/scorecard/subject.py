@@ -162,7 +162,7 @@ class Subject:
             response=self.solver.felt(job),
             element=self.solver.score_element,
         )
-        self._costs.append((self.solver.cost(size).pairs, float(np.nan_to_num(claim.cpu_seconds))))
+        self._costs.append((self.solver.cost(size).pairs, float(np.nan_to_num(claim.cost.cpu_seconds))))
         return Pressed(claim=claim, result=result)
 
     def _options(self, shape: tuple[int, int], more: Mapping[str, float] | None = None) -> dict[str, Any]:
