@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from validation.comparison.run_views import HOW_LARGE, HOW_YIELDED
 from validation.comparison.treatment import doubts, doubts_of
 from validation.effects.base import TheoryInputs
 from validation.report.estimates import claim
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Level, Line, Panel
-from validation.report.quantities import in_shown_unit, labelled
+from validation.report.quantities import in_shown_range, labelled
 from validation.report.table import Listing, Table
 from validation.report.views import Card, Views
 from validation.scenes.problem import ContactProblem
@@ -142,41 +143,31 @@ def _at_one_load(here: xr.Dataset, *, at: int) -> Finding:
     if str(here.theory_note.item()):
         return finding("refusal", where + "the theory has no answer: {theory_note}.", here)
     area = float(here.area_ensemble)
-    if area == 0:
-        text = where + "nothing is in contact: the adhesive energy does not pay for the elastic deformation"
-    else:
-        area_words = "{area_ensemble}" if float(here.error_estimate) > 0 else "{area_ensemble:.4}"
-        text = where + f"A/A0 = {area_words} with all roughness"
-    if "area_plastic_ensemble" in here:
-        text += "; A_pl/A0 = {area_plastic_ensemble:.4} has yielded"
-    if "work_left" in here and np.isfinite(here.work_left) and area > 0:
-        left = float(here.work_left)
+    text = "nothing is in contact: the adhesive energy does not pay for the elastic deformation"
+    if area > 0:
+        text = f"A/A0 = {{area_ensemble{'' if here.error_estimate > 0 else ':.4'}}} with all roughness"
+    text += "[; A_pl/A0 = {area_plastic_ensemble:.4} has yielded]"
+    share = float(here.work_left / here.work) if "work_left" in here else math.nan
+    if area > 0:
         sticks = ", {share:.3%} of the work of adhesion"
         parts = ", below zero: as a whole the interface does not stick"
-        text += "; gamma_eff(1) = {work_left:u}" + (sticks if left > 0 else parts)
-    share = float(here.work_left / here.work) if "work_left" in here else math.nan
-    return finding("value", text + ".", here.assign_attrs(at={"load": at}), share=share)
+        text += f"[; gamma_eff(1) = {{work_left:u}}{sticks if share > 0 else parts}]"
+    return finding("value", f"{where}{text}.", here.assign_attrs(at={"load": at}), share=share)
 
 
 def _cards(data: xr.Dataset) -> Iterator[Card]:
     shown = data.isel(load=np.flatnonzero(data.theory_note.values == ""))
-    how_large = "How large is the contact? A/A0"
     if not shown.sizes["load"]:
-        yield Card(how_large, "no answer", finding("refusal", "{theory_note}", data.isel(load=0)))
+        yield Card(HOW_LARGE, "no answer", finding("refusal", "{theory_note}", data.isel(load=0)))
         return
-    loads = _between(shown.pressure)
-    yield Card(how_large, _between(shown.area_ensemble), f"at p0 = {loads}, with all roughness")
+    loads = in_shown_range(shown.pressure)
+    yield Card(HOW_LARGE, in_shown_range(shown.area_ensemble), f"at p0 = {loads}, with all roughness")
     if "area_plastic_ensemble" in data:
-        yielded = _between(shown.area_plastic_ensemble)
-        yield Card("How much has yielded? A_pl/A0", yielded, f"at p0 = {loads}")
+        yielded = in_shown_range(shown.area_plastic_ensemble)
+        yield Card(HOW_YIELDED, yielded, f"at p0 = {loads}")
     if "work_left" in data:
         basis = finding("value", "of {work:u}: gamma_eff(1)", data)
-        yield Card("How much adhesion is left?", _between(shown.work_left), basis)
+        yield Card("How much adhesion is left?", in_shown_range(shown.work_left), basis)
     error = float(shown.error_estimate.max())
     answer = note("+- {error:.1}", error=error) if error > 0 else note("closed form")
     yield Card("How sure?", answer, "of A/A0, by the theory's own estimate; no solver checks it")
-
-
-def _between(values: xr.DataArray) -> str:
-    low, high = (in_shown_unit(end) for end in (values.min(keep_attrs=True), values.max(keep_attrs=True)))
-    return low if low == high else f"{low} to {high}"

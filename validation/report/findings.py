@@ -19,7 +19,8 @@ import xarray as xr
 
 from validation.errors import UsageError
 from validation.report.estimates import each
-from validation.report.values import Value, value_of, values_of
+from validation.report.quantities import quantity
+from validation.report.values import Value, known, value_of, values_of
 
 
 def _sign(value: Value) -> str:
@@ -198,12 +199,13 @@ def finding(
     """Return a finding whose values are those of a dataset that its forms name; see `Finding`.
 
     Numbers of the dataset without dimensions are values, those along `over` are rows. Of `more` values plain
-    numbers are exact.
+    numbers are exact. A part of the form in brackets is left out where a value that it names is not there.
     """
     over = (over,) if isinstance(over, str) else tuple(over)
     if data is not None:
         data = data.squeeze([dim for dim, n in data.sizes.items() if n == 1 and dim not in over])
     values = {n: v if isinstance(v, Value) else Value(value=v) for n, v in more.items()}
+    form = _OPTIONAL.sub(lambda part: _said(part[1], data, values), form)
     here = {} if data is None else values_of(data, lambda name: _named(name, form, item, by))
     asked = {part[1] for text in (form, item) for part in Formatter().parse(text) if part[1]}
     if kind not in KINDS or ("verdict" in asked and not (by and KINDS[kind][0])):
@@ -230,6 +232,23 @@ def finding(
         by=by,
         words=words or {},
     )
+
+
+#: A part of a form in brackets, with values in it.
+_OPTIONAL = re.compile(r"\[([^][]*\{[^][]*)\]")
+
+
+def _said(part: str, data: xr.Dataset | None, values: Mapping[str, Value]) -> str:
+    for name in filter(None, (name for _, name, *_ in Formatter().parse(part))):
+        if name in values:
+            there = known(values[name].value)
+        elif there := data is not None and name in data.variables:
+            there = known(data[name].item())
+        else:
+            quantity(name)  # what is no quantity at all is refused
+        if not there:
+            return ""
+    return part
 
 
 def _named(name: str, *forms: str) -> bool:

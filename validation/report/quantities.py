@@ -158,6 +158,12 @@ def in_shown_unit(number: xr.DataArray) -> str:
     return four_digits(value * factor) + ("" if unit == "1" else f" {unit}")
 
 
+def in_shown_range(numbers: xr.DataArray) -> str:
+    """Return the least and the largest of several, or the one number where they are alike."""
+    ends = numbers.min(keep_attrs=True), numbers.max(keep_attrs=True)
+    return " to ".join(dict.fromkeys(map(in_shown_unit, ends)))
+
+
 def prefixed_unit(unit: str, largest: float) -> tuple[float, str]:
     """Return a factor and an engineering unit in which a number of this size is read well.
 

@@ -24,7 +24,7 @@ from validation.report.quantities import (
     shown_unit,
     written_unit,
 )
-from validation.report.values import Value, combined, value_of
+from validation.report.values import Value, combined, known, value_of
 from validation.report.words import with_error
 
 #: How variables of single surfaces end.
@@ -89,7 +89,7 @@ class Table:
             values = {k: v for k, v in row.items() if k not in places and not k.endswith(SOURCES_OF)}
             there = any(isinstance(v, str) or not math.isnan(v) for v in values.values())
             titles = [t for n, t, _ in made if n in data.data_vars and set(data[n].dims) >= set(self.rows)]
-            if there and (not self.sparse or any(_known(row[title]) for title in titles)):
+            if there and (not self.sparse or any(known(row[title]) for title in titles)):
                 rows.append(row)
         written = {title: unit for name, title, _ in made if (unit := written_unit(data[name]))}
         return replace(ResultTable.of_rows(rows), units=written)
@@ -124,7 +124,7 @@ class Listing:
             if name not in data.variables or data[name].ndim:
                 continue
             value, what = value_of(data, name), quantity_of(data, name)
-            if not _known(value.value):
+            if not known(value.value):
                 continue
             size = abs(value.value) if isinstance(value.value, float) else 0.0
             factor, unit = shown_unit(data[name], what.unit, size)
@@ -145,10 +145,6 @@ def interval_cells(title: str, value: Value) -> dict[str, float | str]:
     if value.error is None:
         return {}
     return {f"{title} {INTERVAL}": value.error, f"{title} {SOURCES_OF}": value.sources}
-
-
-def _known(value: float | str) -> bool:
-    return bool(value) if isinstance(value, str) else not math.isnan(value)
 
 
 def _place(column: str | Column, data: xr.Dataset) -> tuple[str, str, Mapping[str, int]]:

@@ -121,6 +121,11 @@ class Value:
         return record | ({"name": self.name, "at": dict(self.at or {})} if self.name else {})
 
 
+def known(value: float | str) -> bool:
+    """Whether there is a number, or a text that is not empty."""
+    return bool(value) if isinstance(value, str) else not math.isnan(value)
+
+
 def combined(*errors: float) -> float:
     """Root sum of squares of independent errors.
 
