@@ -11,6 +11,7 @@ import numpy as np
 
 from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
+from validation.arrays import Grid
 from validation.comparison.finite_slopes import finite_slopes
 from validation.comparison.reductions import grid_name
 from validation.effects import effect_kinds
@@ -42,7 +43,7 @@ class PlannedGrid:
     """One line of an explanation: a method on a grid."""
 
     method: str
-    grid: tuple[int, int]
+    grid: Grid
     points_per_wave: float
     solves: int
     unknowns: int
@@ -83,15 +84,13 @@ class Explanation:
         for name, value in self.facts:
             yield f"  {name}: {value}"
         if self.grids:
-            table = Table(title="What will run")
-            table.add_column("method")
-            table.add_column("grid")
+            table = Table("method", "grid", title="What will run")
             for column in ("lambda_short/dx", "solves", "unknowns each", "seconds", "peak MiB"):
                 table.add_column(column, justify="right")
             for g in self.grids:
-                grid, sizes = grid_name(g.grid), (f"{g.seconds:.2g}", f"{g.peak_bytes / 2**20:.3g}")
-                waves = f"{g.points_per_wave:.3g}"
-                table.add_row(g.method, grid, waves, str(g.solves), f"{g.unknowns:,}", *sizes)
+                counts = f"{g.points_per_wave:.3g}", str(g.solves), f"{g.unknowns:,}"
+                sizes = f"{g.seconds:.2g}", f"{g.peak_bytes / 2**20:.3g}"
+                table.add_row(g.method, grid_name(g.grid), *counts, *sizes)
             yield table
             yield (
                 f"About {self.seconds:.2g} s of solving and {self.peak_bytes / 2**20:.0f} MiB at most on "
@@ -116,33 +115,20 @@ def explain(scene: Scene, problem: ContactProblem | None = None) -> Explanation:
     problem = problem or realise(scene, surveyed=True)
     try:
         check_scene(scene, problem)
-        return _explained(scene, problem)
+        groups: dict[tuple[str, Grid], list[Press]] = {}
+        for solve in run_solves(scene, problem):
+            groups.setdefault((solve.method, solve.grid), []).append(solve)
+        pair, facts = transform_seconds(), _facts(scene, problem)
+        grids = []
+        for (method, grid), solves in sorted(groups.items()):
+            cost, waves = solves[0].predict(pair_seconds=pair), problem.points_per_wave(grid)
+            sizes = {**vars(cost), "solves": len(solves), "seconds": cost.seconds * len(solves)}
+            grids.append(PlannedGrid(method=method, grid=grid, points_per_wave=waves, **sizes))
+        effects, left_out = judgements(scene, problem)
     except (fem_errors.InvalidInput, persson_errors.InvalidInput) as error:
         raise UsageError(str(error)) from None
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         raise UsageError(f"its numbers lie too far apart to compute with ({error})") from None
-
-
-def _explained(scene: Scene, problem: ContactProblem) -> Explanation:
-    pair = transform_seconds()
-    groups: dict[tuple[str, tuple[int, int]], list[Press]] = {}
-    for solve in run_solves(scene, problem):
-        groups.setdefault((solve.method, solve.grid), []).append(solve)
-    grids = []
-    for (method, grid), solves in groups.items():
-        cost = solves[0].predict(pair_seconds=pair)
-        grids.append(
-            PlannedGrid(
-                method=method,
-                grid=grid,
-                points_per_wave=problem.points_per_wave(grid),
-                solves=len(solves),
-                unknowns=cost.unknowns,
-                seconds=cost.seconds * len(solves),
-                peak_bytes=cost.peak_bytes,
-            )
-        )
-    effects, left_out = judgements(scene, problem)
     cost_words = ""
     if scene.effects and scene.methods.solvers:
         costs = effect_costs()
@@ -150,8 +136,8 @@ def _explained(scene: Scene, problem: ContactProblem) -> Explanation:
         cost_words = f"{factors} times ({costs.source})"
     return Explanation(
         name=scene.name,
-        facts=_facts(scene, problem),
-        grids=tuple(sorted(grids, key=lambda g: (g.method, g.grid))),
+        facts=facts,
+        grids=tuple(grids),
         effects=effects,
         left_out=left_out,
         costs=cost_words,
@@ -254,26 +240,20 @@ def judgements(scene: Scene, problem: ContactProblem) -> tuple[tuple[Judgement, 
     for k, judgement in enumerate(listed):
         if judgement.negligible and scene.methods.solvers:
             costs = effect_costs()
-            cost_words = (
-                f"it costs {costs.factors[judgement.effect]:.2g} times the plain solve ({costs.source})"
-            )
-            listed[k] = replace(judgement, verdict=f"{judgement.verdict}; {cost_words}")
+            words = f"it costs {costs.factors[judgement.effect]:.2g} times the plain solve ({costs.source})"
+            listed[k] = replace(judgement, verdict=f"{judgement.verdict}; {words}")
     return tuple(listed), _left_out(scene, problem, rough)
 
 
 def roughness_of(problem: ContactProblem) -> Roughness:
     """Return what judgements need to know of a surface; of C(q) where none is made."""
     field: HeightField | Expected = problem.field
-    waves = {"longest": problem.longest, "shortest": problem.shortest}
-    if isinstance(field, Expected):
-        return Roughness(
-            modulus=problem.contact_modulus,
-            gradient=field.rms_gradient,
-            curvature=math.sqrt(3 * field.moments[2] / 8),
-            full_energy=0.25 * problem.contact_modulus * field.first_moment,
-            **waves,
-        )
-    return Roughness.of(field, modulus=problem.contact_modulus, **waves)
+    given = {"modulus": problem.contact_modulus, "longest": problem.longest, "shortest": problem.shortest}
+    if not isinstance(field, Expected):
+        return Roughness.of(field, **given)
+    energy = 0.25 * problem.contact_modulus * field.first_moment
+    curvature = math.sqrt(3 * field.moments[2] / 8)
+    return Roughness(gradient=field.rms_gradient, curvature=curvature, full_energy=energy, **given)
 
 
 def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]:
@@ -291,20 +271,18 @@ def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]
     if problem.topography is not None:
         facts += [("measured", words) for words in problem.topography.history]
     else:
-        assert problem.spectrum is not None
-        moments = problem.spectrum.moments()
-        height = as_length(moments.rms_height, 4)
+        moments = problem.spectrum_shape.moments()
+        words = f"h_rms = {as_length(moments.rms_height, 4)}, h'_rms = {moments.rms_gradient:.4g}"
         sizes = f"L/lambda_long = {min(problem.lengths) / problem.longest:.3g}, "
         sizes += f"lambda_long/lambda_short = {problem.longest / problem.shortest:.3g}"
-        facts.append(("integrals over C(q)", f"h_rms = {height}, h'_rms = {moments.rms_gradient:.4g}"))
-        facts.append(("bandwidth", sizes))
+        facts += [("integrals over C(q)", words), ("bandwidth", sizes)]
     if field.rms_gradient > 0:
         source = "of C(q)" if isinstance(field, Expected) else "realised"
         facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} ({source})"))
-        held = {key.replace("_", " "): as_length(v, 4) for key, v in problem.load.held.items()}
-        for key, distance in held.items():
-            facts.append(("load", f"{key} = {distance} is held; the load that takes follows from the solve"))
-        if not held:
+        for key, v in problem.load.held.items():
+            words = f"{key.replace('_', ' ')} = {as_length(v, 4)} is held; "
+            facts.append(("load", words + "the load that takes follows from the solve"))
+        if not problem.load.held:
             each = ", ".join(in_prefixed_unit(pressure, "Pa") for pressure in problem.pressures)
             reduced = ", ".join(f"{pressure / problem.pressure_scale:.4g}" for pressure in problem.pressures)
             force = problem.load.force
@@ -314,12 +292,10 @@ def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]
     facts += oblong_grids(scene, problem)
     for name, method in scene.methods.chosen.items():
         facts += method.facts(scene.methods.options(name), problem)
-    if scene.methods.options("theory") is not None:
+    if (theory := scene.methods.options("theory")) is not None:
         words = "Persson 2006, elastic, without adhesion: A/A0, P(sigma), kappa; milliseconds"
         if scene.effects:
-            words = theory_words(
-                TheoryInputs.by(problem.elastic, scene.effects), scene.methods.options("theory")
-            )
+            words = theory_words(TheoryInputs.by(problem.elastic, scene.effects), theory)
         facts.append(("theory", words))
     return tuple(facts)
 
@@ -354,15 +330,11 @@ def _left_out(scene: Scene, problem: ContactProblem, rough: Roughness) -> tuple[
     rivals = (kind for kind in effect_kinds().values() if kind.slot not in slots)
     items = [judgement for kind in rivals if (judgement := kind.unlisted(rough)) is not None]
     items.append(finite_slopes(rough, poisson=problem.elastic.poisson))
-
-    def without(what: str, first: str, verdict: str) -> Judgement:
-        return Judgement(effect=what, number=f"no [methods.{first}]", verdict=verdict)
-
+    what, verdict = "an independent solver", "the contact algorithm is not cross-checked"
+    able = [name for name, method in methods().items() if method.independent]
     if not scene.methods.solvers:
-        first = next(name for name, method in methods().items() if isinstance(method, Solver))
-        unknown = "how far the theory is from the equations of elasticity is not measured"
-        items.append(without("a solver", first, unknown))
-    elif not any(method.independent for method in scene.methods.solvers.values()):
-        first = next(name for name, method in methods().items() if method.independent)
-        items.append(without("an independent solver", first, "the contact algorithm is not cross-checked"))
+        what, able = "a solver", [name for name, method in methods().items() if isinstance(method, Solver)]
+        verdict = "how far the theory is from the equations of elasticity is not measured"
+    if not any(method.independent for method in scene.methods.solvers.values()):
+        items.append(Judgement(effect=what, number=f"no [methods.{able[0]}]", verdict=verdict))
     return tuple(items)

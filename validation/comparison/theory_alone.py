@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from validation.comparison.run_views import HOW_LARGE, HOW_YIELDED
-from validation.comparison.treatment import doubts, doubts_of
+from validation.comparison.treatment import about, doubts
 from validation.effects.base import TheoryInputs
 from validation.report.estimates import claim
 from validation.report.findings import Finding, finding, note
@@ -51,14 +51,9 @@ def theory_data(scene: Scene, problem: ContactProblem) -> xr.Dataset:
     error = data.error_estimate if bool((data.error_estimate > 0).any()) else "it is a closed form"
     absent = {"surfaces": "it is of C(q)", "grid": "nothing is solved", "solver": "nothing is solved"}
     data = claim(data, "area_ensemble", theory=error, **absent)
-    return labelled(data, scene.given).assign_attrs(
-        title=scene.title or scene.name,
-        methods="theory",
-        effects=" ".join(effect.kind for effect in scene.effects),
-        theory=theory_words(inputs, scene.methods.options("theory")),
-        drawn=int(problem.has_heights),
-        **doubts_of(problem),
-    )
+    words = theory_words(inputs, scene.methods.options("theory"))
+    data = labelled(data, scene.given).assign_attrs(about(scene, problem))
+    return data.assign_attrs(theory=words, drawn=int(problem.has_heights))
 
 
 def _at_load(answer: Answer, inputs: TheoryInputs, problem: ContactProblem) -> xr.Dataset:

@@ -15,6 +15,7 @@ from validation.measurements.measurement import areas_of_solve
 from validation.report.findings import Finding, finding, note
 from validation.report.table import Table
 from validation.scenes.problem import ContactProblem
+from validation.scenes.scene import Scene
 from validation.scenes.topography.statistics import height_statistics
 
 #: What is said of a measured surface beside its moments.
@@ -75,10 +76,15 @@ def treatment_table(data: xr.Dataset, *cases: str) -> Iterator[Table]:
         )
 
 
-def doubts_of(problem: ContactProblem) -> dict[str, str]:
-    """Return what makes a measured surface doubtful, as an attribute of a dataset; nothing of any other."""
+def about(scene: Scene, problem: ContactProblem) -> dict[str, str]:
+    """Return what a dataset says of its scene: title, methods, effects, and what makes a map doubtful."""
     found = () if problem.measured is None else problem.measured.doubts
-    return {"doubts": "; ".join(found)} if found else {}
+    return {
+        "title": scene.title or scene.name,
+        "methods": " ".join(scene.methods.chosen),
+        "effects": " ".join(effect.kind for effect in scene.effects),
+        **({"doubts": "; ".join(found)} if found else {}),
+    }
 
 
 def doubts(data: xr.Dataset) -> Iterator[Finding]:

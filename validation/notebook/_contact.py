@@ -15,7 +15,6 @@ from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.contact import ContactResult
 from validation.comparison.numbers import scene_data
 from validation.comparison.reductions import grid_name
-from validation.comparison.treatment import doubts_of
 from validation.effects.base import ContactModel
 from validation.errors import NoLimit, UsageError
 from validation.execution.press import Press, solves_of
@@ -265,7 +264,9 @@ class Contact:
         }
         if theory is not None:
             facts["A/A0, Persson"] = significant(theory.area) if theory.answers else theory.note
-        return {**facts, "residual": f"{self.result.residuals.worst:.1e}", **doubts_of(self.problem)}
+        measured = self.problem.measured
+        doubts = {} if measured is None or not measured.doubts else {"doubts": "; ".join(measured.doubts)}
+        return {**facts, "residual": f"{self.result.residuals.worst:.1e}", **doubts}
 
     def __repr__(self) -> str:
         return "<contact: " + ", ".join(f"{name} = {value}" for name, value in self._facts.items()) + ">"
