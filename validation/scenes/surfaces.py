@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, TypeAlias, overload
 
 from fem_contact.surface import HeightField, RandomWaves, random_waves
 from validation.errors import UsageError
@@ -27,12 +27,14 @@ if TYPE_CHECKING:
     from persson.stretched import Stretched
     from persson.tabulated import Tabulated
 
+    AnySpectrum: TypeAlias = SelfAffine | Stretched | CapillaryWaves | Tabulated
+
 
 @overload
 def spectrum_of(surface: SelfAffineSurface) -> SelfAffine | Stretched: ...
 @overload
-def spectrum_of(surface: RandomSurface) -> SelfAffine | Stretched | CapillaryWaves | Tabulated: ...
-def spectrum_of(surface: RandomSurface) -> SelfAffine | Stretched | CapillaryWaves | Tabulated:
+def spectrum_of(surface: RandomSurface) -> AnySpectrum: ...
+def spectrum_of(surface: RandomSurface) -> AnySpectrum:
     """C(q) of a random surface, as its scene says; with a lay, averaged over directions."""
     if isinstance(surface, SpectrumSurface):
         return spectrum_between(surface)
@@ -108,10 +110,9 @@ def sampled(
     field = waves.on(grid, under_resolved=True)
     if shift == (0.0, 0.0):
         return field
-    resolving = surface.resolving_grid
-    if all(n >= least for n, least in zip(grid, resolving, strict=True)):
+    factors = [-(-least // n) for n, least in zip(grid, surface.resolving_grid, strict=True)]
+    if factors == [1, 1]:
         return field.shifted(shift)
-    factors = tuple(-(-least // n) for n, least in zip(grid, resolving, strict=True))
     fine = waves.on((grid[0] * factors[0], grid[1] * factors[1]), under_resolved=True)
     moved = fine.shifted((shift[0] * factors[0], shift[1] * factors[1]))
     return HeightField(heights=moved.heights[:: factors[0], :: factors[1]], lengths=field.lengths)
@@ -181,24 +182,11 @@ class Expected:
     """
 
     moments: tuple[float, float, float]
+    rms_height: float  # [m]
+    rms_gradient: float
+    nayak: float
     first_moment: float
     shape: tuple[int, int]
-
-    @property
-    def rms_height(self) -> float:
-        """h_rms [m]."""
-        return math.sqrt(self.moments[0])
-
-    @property
-    def rms_gradient(self) -> float:
-        """h'_rms [-]."""
-        return math.sqrt(self.moments[1])
-
-    @property
-    def nayak(self) -> float:
-        """Nayak parameter alpha = (3/2) m0 m4 / m2^2."""
-        m0, m2, m4 = self.moments
-        return 1.5 * m0 * m4 / m2**2
 
 
 def expected(surface: RandomSurface) -> Expected:
@@ -210,5 +198,10 @@ def expected(surface: RandomSurface) -> Expected:
     q = np.geomspace(spectrum.q_min, spectrum.q_short, 4001)
     first = 2 * math.pi * float(np.trapezoid(q**3 * spectrum(q), np.log(q)))
     return Expected(
-        moments=(moments.m0, moments.m2, moments.m4), first_moment=first, shape=surface.resolving_grid
+        moments=(moments.m0, moments.m2, moments.m4),
+        rms_height=moments.rms_height,
+        rms_gradient=moments.rms_gradient,
+        nayak=moments.nayak,
+        first_moment=first,
+        shape=surface.resolving_grid,
     )
