@@ -8,18 +8,12 @@ from typing import Annotated, Any
 
 import typer
 
-from validation.cli.options import JsonOption, OutputOption, print_json
+from validation.cli.options import JsonOption, OutputOption, named_by, print_json
 from validation.errors import UsageError
 
 
 def _of(*choices: str) -> Any:
     return lambda incomplete: [word for word in choices if word.startswith(incomplete)]
-
-
-def _theory_names(incomplete: str) -> list[str]:
-    from validation.theories import theories
-
-    return [name for name in theories() if name.startswith(incomplete)]
 
 
 def reference(
@@ -50,7 +44,7 @@ def reference(
             "--theory",
             metavar="NAME",
             help="Score a theory on all cells; your own is module:function.",
-            autocompletion=_theory_names,
+            autocompletion=named_by("validation.theories", "theories"),
         ),
     ] = None,
     csv: Annotated[
@@ -88,14 +82,9 @@ def reference(
         raise UsageError(
             "reference: give --hurst, --bandwidth and --reduced-pressure; or a theory to score, --theory"
         )
-    values = lookup(
-        hurst=hurst,
-        bandwidth=bandwidth,
-        reduced_pressure=reduced_pressure,
-        amplitudes=amplitudes,
-        gradient=gradient,
-    )
-    persson = persson_theory(hurst=hurst, bandwidth=bandwidth, reduced_pressure=reduced_pressure)
+    point = {"hurst": hurst, "bandwidth": bandwidth, "reduced_pressure": reduced_pressure}
+    values = lookup(**point, amplitudes=amplitudes, gradient=gradient)
+    persson = persson_theory(**point)
     if as_json:
         record = {name: {**asdict(value), "persson": persson.get(name)} for name, value in values.items()}
         print_json(record)
