@@ -85,8 +85,7 @@ def _elastic_misfit(solve: Stored, depth: float, *, poisson: float) -> float:
         share = (2 * k * np.sinh(2 * d) - 4 * d) / (2 * k * np.cosh(2 * d) + 4 * d**2 + 1 + k**2)
     exact = np.fft.ifft2(2 * share * np.fft.fft2(solve.p) / (solve.modulus * q)).real
     size = float(np.max(np.abs(exact)))
-    u = solve.u - solve.u.mean()
-    return float(np.max(np.abs(u - exact))) / size if size else float(np.max(np.abs(u)))
+    return float(np.max(np.abs(solve.u - solve.u.mean() - exact))) / (size or 1.0)
 
 
 def judge_surfaces(run: Run, ledger: Ledger) -> None:
@@ -99,13 +98,8 @@ def judge_surfaces(run: Run, ledger: Ledger) -> None:
         if moments is None or not run.resolved(solve):
             continue
         place = f"{method} {grid[0]}x{grid[1]} {shift}, surface {k}"
-        ledger.number(
-            place,
-            "h'_rms of the surface pressed",
-            math.sqrt(solve.roughness[1]),
-            math.sqrt(moments[1]),
-            rtol=1e-8,
-        )
+        gradients = math.sqrt(solve.roughness[1]), math.sqrt(moments[1])
+        ledger.number(place, "h'_rms of the surface pressed", *gradients, rtol=1e-8)
         still = run.solves.get((method, grid, (0.0, 0.0), k))
         if shift != (0.0, 0.0) and still is not None:
             size = float(np.ptp(solve.h)) or 1.0

@@ -135,10 +135,6 @@ def _change(result: Result, name: str, variable: xr.Variable) -> xr.Variable:
 # ---- expressions ---
 
 
-def _expression(result: Result, name: str, variable: xr.Variable) -> xr.Variable:
-    return _evaluated(str(variable.attrs["expression"]), result.data)
-
-
 def _evaluated(expression: str, values: Variables) -> xr.Variable:
     def value(name: str, place: Mapping[str, int]) -> xr.Variable:
         return values[name].isel(place, missing_dims="ignore").astype(float)
@@ -185,9 +181,9 @@ def _power(result: Result, variable: xr.Variable) -> tuple[Array, Array, Array]:
         slope = float(np.sum((u - u.mean()) * (v - v.mean()))) / spread
         rest = v - v.mean() - slope * (u - u.mean())
         free = u.size - 2
-        half = (
-            float(stdtrit(free, 0.975)) * math.sqrt(float(rest @ rest) / free / spread) if free else math.nan
-        )
+        half = math.nan
+        if free:
+            half = float(stdtrit(free, 0.975)) * math.sqrt(float(rest @ rest) / free / spread)
         found[(slice(None), *place)] = slope, half, math.exp(v.mean() - slope * u.mean())
     return found[0], found[1], found[2]
 
@@ -272,7 +268,7 @@ def _mean_distance(result: Result, name: str, variable: xr.Variable) -> Array:
 REDUCTIONS: Mapping[str, Callable[[Result, str, xr.Variable], Array | xr.Variable | None]] = {
     "change": _change,
     "drift": from_solves.drift,
-    "expression": _expression,
+    "expression": lambda result, _, one: _evaluated(str(one.attrs["expression"]), result.data),
     "finest profile": lambda result, name, one: from_solves.over_solves(
         result, one, lambda solve: solve[str(one.attrs["of"])].values[-1]
     ),

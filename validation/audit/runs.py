@@ -98,14 +98,8 @@ def _set(scene: dict[str, Any], path: list[str], value: Any) -> None:
 class Run:
     """What the stored solves of one run say.
 
-    Parameters
-    ----------
-    scene : mapping
-        What was asked for, as result.json has it.
-    store : Path
-        Folder of its solves, which others may share.
-    data : mapping
-        Variables of the dataset of this scene, which name its solves.
+    Its scene is what was asked for, as result.json has it; the variables of its dataset name its solves, in a
+    store that others may share.
     """
 
     def __init__(self, scene: dict[str, Any], store: Path, data: Variables) -> None:
@@ -198,10 +192,10 @@ class Run:
     @cached_property
     def surface_modulus(self) -> float:
         """E* [Pa] of the coating where there is one, to which p* and kappa refer."""
-        solid = self.scene["solid"]
-        for effect in self.scene.get("effects", ()):
+        for effect in self.effects:
             if effect["kind"] == "coating":
-                return float(effect["young"] / (1 - effect.get("poisson", solid["poisson"]) ** 2))
+                poisson = effect.get("poisson", self.scene["solid"]["poisson"])
+                return float(effect["young"] / (1 - poisson**2))
         return self.modulus
 
     def pressure(self, k: int = 0) -> float | None:
@@ -217,12 +211,9 @@ class Run:
                 solve for (name, _, _, m), solve in self.solves.items() if name == self.methods[0] and m == 0
             ]
             return max(solves, key=lambda solve: solve.p.size).mean_pressure
-        moments = self.moments(k)
-        return (
-            None
-            if moments is None
-            else float(np.ravel(load["reduced_pressure"])[0]) * self.modulus * math.sqrt(moments[1])
-        )
+        if (moments := self.moments(k)) is None:
+            return None
+        return float(np.ravel(load["reduced_pressure"])[0]) * self.modulus * math.sqrt(moments[1])
 
     @cached_property
     def reduced_pressure(self) -> float | None:

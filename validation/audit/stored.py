@@ -80,13 +80,7 @@ def sealed_bytes(path: Path) -> bytes:
 
 
 class Stored:
-    """Fields of one solve.
-
-    Parameters
-    ----------
-    content : memoryview
-        Of its netCDF file.
-    """
+    """Fields of one solve, from the content of its netCDF file."""
 
     def __init__(self, content: memoryview) -> None:
         data = read_dataset(content)
@@ -307,7 +301,6 @@ def _smoothed(values: Array) -> Array:
     weights = np.exp(-0.5 * (taps / 1.5) ** 2)
     weights /= weights.sum()
     for axis in (0, 1):
-        values = np.sum(
-            [w * np.roll(values, int(k), axis) for k, w in zip(taps, weights, strict=True)], axis=0
-        )
+        moved = [w * np.roll(values, int(k), axis) for k, w in zip(taps, weights, strict=True)]
+        values = np.sum(moved, axis=0)
     return values

@@ -44,22 +44,16 @@ class PaperFigure:
         for name in names:
             table = np.full((len(curves), longest), np.nan)
             for row, values in zip(table, curves.values(), strict=True):
-                if name in values:
-                    row[: np.size(values[name])] = values[name]
+                row[: np.size(values.get(name, ()))] = values.get(name, ())
             made[f"{name}_{self.name}"] = (dims, table)
         return xr.Dataset(made, coords={dims[0]: list(curves)})
 
     def declared(self) -> Figure:
         """Return what is drawn of them."""
         curve = f"curve_{self.name}"
+        line: dict[str, Any] = {"by": curve, "label": f"{{{curve}}}", "look": {"marker": "", "lw": 1.6}}
         panels = [
-            Panel(
-                marks=[
-                    Line(y=f"{y}_{self.name}", by=curve, label=f"{{{curve}}}", look={"marker": "", "lw": 1.6})
-                ],
-                x=f"{x}_{self.name}",
-                log=log,
-            )
+            Panel(marks=[Line(y=f"{y}_{self.name}", **line)], x=f"{x}_{self.name}", log=log)
             for x, y, log in self.panels
         ]
         return Figure(
@@ -132,12 +126,10 @@ def _greenwood_williamson() -> Curves:
 )
 def _polished_steel() -> Curves:
     load, zeta = np.geomspace(1e-4, 1.0, 120), np.geomspace(1.0, 1e5, 200)
+    magnified = s.area(s.steel(), 1.0, 1e-3, zeta * 1e5)
     return {
         "full magnification": {"load_modulus": load, "area": s.area(s.steel(), 1.0, load)},
-        "sigma_0 / E* = 0.001": {
-            "magnification": zeta,
-            "area": s.area(s.steel(), 1.0, 1e-3, zeta * 1e5),
-        },
+        "sigma_0 / E* = 0.001": {"magnification": zeta, "area": magnified},
     }
 
 
@@ -194,13 +186,11 @@ def _against_roughness(
 )
 def _rim_roughness() -> Curves:
     ratios = np.concatenate([np.linspace(0.05, 0.3, 4), np.linspace(0.34, 0.58, 9), [0.8, 1.0]])
-    old, improved = (
-        _against_roughness(
-            s.rim, ratios, s.RIM_MODULUS, Interface(work_of_adhesion=s.RIM_WORK, energy=energy)
-        )
-        for energy in ("old", "improved")
-    )
-    return {"old energy, Eq. 43": old, "improved energy, Eqs. 44-50": improved}
+    old, improved = (Interface(work_of_adhesion=s.RIM_WORK, energy=energy) for energy in ("old", "improved"))
+    return {
+        "old energy, Eq. 43": _against_roughness(s.rim, ratios, s.RIM_MODULUS, old),
+        "improved energy, Eqs. 44-50": _against_roughness(s.rim, ratios, s.RIM_MODULUS, improved),
+    }
 
 
 @_figure(
@@ -233,12 +223,10 @@ def _against_pressure(
 ) -> Curves:
     """A/A0 at nominal pressures [Pa], with adhesion and without; the modulus is E* [Pa]."""
     adhesive = np.array([s.adhesive(spectrum, modulus, float(p), interface).real_area for p in pressure])
+    plain = s.area(spectrum, modulus, pressure)
     return {
         f"with adhesion{label}": {"pressure_nominal": pressure, "area": adhesive},
-        f"without adhesion{label}": {
-            "pressure_nominal": pressure,
-            "area": s.area(spectrum, modulus, pressure),
-        },
+        f"without adhesion{label}": {"pressure_nominal": pressure, "area": plain},
     }
 
 
@@ -260,7 +248,7 @@ def _pmma_pressure() -> Curves:
 
 @_figure("pyrex_spectra", "Pyrex, two surfaces, Sec. 10.2", ("wavevector", "power_spectrum", "xy"))
 def _pyrex_spectra() -> Curves:
-    before, after = s.pyrex(surfaces=2), smoothed_pyrex(4.0)
+    before, after = s.pyrex(surfaces=2), smoothed_pyrex()
     return {
         "as cast": _spectrum(before, _waves(before)),
         "smoothed by yielding at 20 MPa": _spectrum(after, np.asarray(after.wavevectors)),
@@ -275,16 +263,13 @@ def _pyrex_spectra() -> Curves:
 )
 def _pyrex_roughness() -> Curves:
     interface = Interface(work_of_adhesion=s.PYREX_WORK, energy="old")
-    after = smoothed_pyrex(4.0)
+    after = smoothed_pyrex()
     ratios = np.concatenate([np.linspace(0.2, 0.8, 5), np.linspace(0.86, 1.0, 8), [1.2]])
-    return {
-        "original surface": _against_roughness(
-            lambda r: s.pyrex(r, surfaces=2), ratios, s.PYREX_MODULUS, interface
-        ),
-        "smoothed surface": _against_roughness(
-            lambda r: after.scaled(r * r), np.linspace(0.2, 1.6, 12), s.PYREX_MODULUS, interface
-        ),
+    made: dict[str, tuple[Callable[[float], Spectrum], Array]] = {
+        "original surface": (lambda r: s.pyrex(r, surfaces=2), ratios),
+        "smoothed surface": (lambda r: after.scaled(r * r), np.linspace(0.2, 1.6, 12)),
     }
+    return {name: _against_roughness(*how, s.PYREX_MODULUS, interface) for name, how in made.items()}
 
 
 @_figure(
@@ -317,13 +302,8 @@ def _coarse_grid() -> Curves:
     # Cut at zero, and scaled to carry the same load.
     gaussian = np.exp(-((stress - 1.0) ** 2) / 4) / math.sqrt(4 * math.pi)
     load = 0.5 * math.erfc(-0.5) + math.exp(-0.25) / math.sqrt(math.pi)
-    return {
-        "exact": {"stress_over_load": stress, "density_over_load": exact},
-        "finite at sigma = 0, same load": {
-            "stress_over_load": stress,
-            "density_over_load": gaussian / load,
-        },
-    }
+    densities = {"exact": exact, "finite at sigma = 0, same load": gaussian / load}
+    return {name: {"stress_over_load": stress, "density_over_load": d} for name, d in densities.items()}
 
 
 @_figure(

@@ -22,16 +22,10 @@ from persson.viscoelastic import StandardSolid, crack_dissipation
 from validation.paper.claims import application, percent
 
 
-def _kappa(asymptote: float, reduced: float = 1e-6) -> float:
+def _kappa(asymptote: float) -> float:
     variance = elastic.stress_variance(0.01, contact_modulus=1e9)
-    area = elastic.contact_area(reduced * 1e9 * 0.1, stress_variance=variance)
-    return float(elastic.kappa(area, reduced_pressure=reduced)) / asymptote
-
-
-def _linear() -> float:
-    """Slope of A(sigma_0) at A/A0 = .1 below that at light load [%]."""
-    load = float(elastic.pressure_for_area(0.1, stress_variance=0.25))
-    return 100 * (1 - 0.1 / load / elastic.KAPPA_PERSSON)
+    area = elastic.contact_area(1e-6 * 1e9 * 0.1, stress_variance=variance)
+    return float(elastic.kappa(area, reduced_pressure=1e-6)) / asymptote
 
 
 def _patches(quantity: str, load: float = 3.4e-4) -> float:
@@ -43,19 +37,10 @@ def _patches(quantity: str, load: float = 3.4e-4) -> float:
     return (values[1] - values[0]) / math.log(loads[1] / loads[0])
 
 
-def _patch_definitions(load: float = 3.4e-4) -> float:
-    contact = ring_asperities(600.0, rms_height=1 / 600.0).contact_at(load, contact_modulus=1.0)
-    return float(contact.area / contact.density / contact.patch_area)
-
-
+#: For Greenwood and Williamson, at A/A0 = .001.
+_LIGHT = ring_asperities(600.0, rms_height=1 / 600.0).contact_at(3.4e-4, contact_modulus=1.0)
 #: The exact summits of one wavelength, in units of it and of h_rms.
 _SUMMITS = nayak_asperities(Moments(m0=1.0, m2=1.0, m4=1.0))
-
-
-def _archard() -> float:
-    return archard_hierarchy(
-        1.0, radii=[1e-2, 1e-4, 1e-6, 1e-8], densities=[1e9, 1e13, 1e17], contact_modulus=1e9
-    ).exponent
 
 
 def _books() -> float:
@@ -64,21 +49,13 @@ def _books() -> float:
     return float(solved.load_elastic[0] + 0.7 * solved.area[0])
 
 
-def _light_books() -> float:
-    """F / ((sigma_0 + sigma_a) A0) where A/A0 = .01, Eq. 42."""
-    held = adhesion_load(0.3, stress_variance=6366.0, tensile_limit=0.7)
-    return float(held.contact_force)
+_RUBBER = StandardSolid(relaxed=1e6, unrelaxed=1e9, time=1e-3)
 
 
 def _tolerant(rms_height: float) -> FlawTolerance:
     rough = SelfAffine.from_rms_height(rms_height, hurst=0.8, q_long=1e6, q_short=1e10)
     interface = Interface(work_of_adhesion=0.05)
     return optimal_modulus(rough, pressure=0.0, tensile_limit=5e7, interface=interface)
-
-
-def _rubber_factor() -> float:
-    rubber = StandardSolid(relaxed=1e6, unrelaxed=1e9, time=1e-3)
-    return crack_dissipation(1e4, loss_compliance=rubber.loss_compliance, relaxed=1e6, tip_radius=1e-9)
 
 
 def _killing(q_long: float) -> float:
@@ -107,22 +84,35 @@ def _edge_slope() -> float:
 GENERAL = application(
     "theories, spheres, grids",
     fixed={
-        "archard": _archard,
+        "archard": lambda: (
+            archard_hierarchy(
+                1.0, radii=[1e-2, 1e-4, 1e-6, 1e-8], densities=[1e9, 1e13, 1e17], contact_modulus=1e9
+            ).exponent
+        ),
         "ring_density": lambda: ring_asperities(1.0, rms_height=1.0).density,
         "gw_area": lambda: _patches("area"),
         "gw_patch": lambda: _patches("patch_area"),
-        "gw_patches": _patch_definitions,
+        "gw_patches": lambda: float(_LIGHT.area / _LIGHT.density / _LIGHT.patch_area),
         "summit_height": lambda: _SUMMITS.rms_height,
         "summit_curvature": lambda: math.sqrt(2) * _SUMMITS.radius,
         "kappa": lambda: _kappa(elastic.KAPPA_PERSSON),
         "bgt": lambda: _kappa(elastic.KAPPA_BGT),
-        "linear": _linear,
+        # The slope of A(sigma_0) at A/A0 = .1 below that at light load [%].
+        "linear": lambda: (
+            100
+            * (1 - 0.1 / float(elastic.pressure_for_area(0.1, stress_variance=0.25)) / elastic.KAPPA_PERSSON)
+        ),
         "books": _books,
-        "light_books": _light_books,
+        # F / ((sigma_0 + sigma_a) A0) where A/A0 = .01, Eq. 42.
+        "light_books": lambda: float(
+            adhesion_load(0.3, stress_variance=6366.0, tensile_limit=0.7).contact_force
+        ),
         "crossover": lambda: 1e6 * crossover_length(0.03, contact_modulus=1.1e11, atomic_distance=5e-10),
         "tolerant_smooth": lambda: float(_tolerant(1e-11).growth.max()),
         "tolerant_rough": lambda: float(_tolerant(1e-9).growth[0]),
-        "rubber": _rubber_factor,
+        "rubber": lambda: crack_dissipation(
+            1e4, loss_compliance=_RUBBER.loss_compliance, relaxed=1e6, tip_radius=1e-9
+        ),
         "killing": lambda: _killing(1e4),
         "setae": lambda: (
             fibre_modulus(1.5e9, radius=2.1e-6, length=106e-6, density=1.44e10, angle=0.75) / 1e6

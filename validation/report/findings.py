@@ -166,13 +166,13 @@ class Finding:
     def as_json(self) -> dict[str, Any]:
         """Return it as data, with its text for those who read."""
         record: dict[str, Any] = {"kind": self.kind, "text": self.text, "form": self.form}
+        plain = [
+            {n: value.as_json() for n, value in sorted(row.items())} for row in (self.values, *self.rows)
+        ]
         if self.values:
-            record["values"] = {name: value.as_json() for name, value in sorted(self.values.items())}
+            record["values"] = plain[0]
         if self.rows:
-            record["item"] = self.item
-            record["rows"] = [
-                {name: value.as_json() for name, value in sorted(row.items())} for row in self.rows
-            ]
+            record |= {"item": self.item, "rows": plain[1:]}
         if self.by:
             record |= {"by": self.by, "outcomes": list(self.outcomes)}
         return record
@@ -257,22 +257,13 @@ def _named(name: str, *forms: str) -> bool:
 
 def note(form: str, **values: Value | float | str) -> Finding:
     """Return what a reader should know, such as what of a scene is not used."""
-    return Finding(
-        kind="note",
-        form=form,
-        values={n: v if isinstance(v, Value) else Value(value=v) for n, v in values.items()},
-    )
+    return finding("note", form, **dict[str, Any](values))
 
 
 def of_one_surface(data: xr.Dataset) -> list[Finding]:
     """Return the note that a single surface says nothing of others; none where there are several."""
-    if data.sizes["surface"] > 1:
-        return []
-    return [
-        note(
-            "These are numbers of one surface: how much another of the same spectrum would differ is unknown."
-        )
-    ]
+    words = "These are numbers of one surface: how much another of the same spectrum would differ is unknown."
+    return [] if data.sizes["surface"] > 1 else [note(words)]
 
 
 def ranking(form: str, ranked: Mapping[str, Value]) -> Finding:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 import re
 import textwrap
+from collections import ChainMap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, cast
@@ -329,23 +330,16 @@ def _look(mark: _Mark, here: xr.Dataset, k: int, *, several: bool) -> dict[str, 
     """
     from validation.report.figure import COLOURS, STYLES, SYMBOLS
 
-    fixed = dict(quantity(mark.y).look)
     options: dict[str, Any] = {}
     for dim in _by(mark):
         if dim in here.coords and here[dim].ndim == 0:
             options |= named_at(here, dim).get("look", {})
     if options and len(_by(mark)) > 1:
         options["ls"] = STYLES[k % 4]
-    if several:
-        fixed.pop("color", None)
-    qualifiers = registry()["qualifiers"].values()
+    fixed = {n: v for n, v in quantity(mark.y).look.items() if not (several and n == "color")}
     named = [c.item() for c in here.coords.values() if c.ndim == 0 and c.dtype.kind in "OU"]
-    place = {
-        k: v
-        for qualifier in qualifiers
-        if qualifier["words"] in named
-        for k, v in qualifier.get("look", {}).items()
-    }
+    looks = [q.get("look", {}) for q in registry()["qualifiers"].values() if q["words"] in named]
+    place = dict(ChainMap(*reversed(looks)))
     return {"color": COLOURS[k % 8], "marker": SYMBOLS[k % 8], **place, **options, **fixed}
 
 

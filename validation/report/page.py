@@ -95,9 +95,7 @@ def page_of(data: xr.Dataset, views: Views, /, *, figures: bool = True, **rest: 
 
     Of the `rest`, fields of `Page`, notes and the summary are added to those of the findings.
     """
-    tables = [*([] if views.table is None else [views.table]), *views.more]
-    made = [(table, table.of(data)) for table in tables]
-    made = [(table, rows) for table, rows in made if rows.rows]
+    made = [(table, rows) for table in views.tables if (rows := table.of(data)).rows]
     drawn: tuple[Drawing, ...] = ()
     if figures:
         from validation.report.marks import draw
@@ -224,7 +222,6 @@ def render(page: Page, figures: Sequence[Mapping[str, Any]] = ()) -> str:
     if page.budget is not None:
         note = _BUDGET + _TREATED * (TREATMENT in page.budget.columns)
         budget = shown(page.budget, title="What is uncertain", note=note)
-    settings = json.dumps(page.settings, indent=2)
     template = environment.get_template("report.html.j2")
     # The one script that may run: the policy of the page names it by its hash.
     assert environment.loader is not None
@@ -234,7 +231,7 @@ def render(page: Page, figures: Sequence[Mapping[str, Any]] = ()) -> str:
         page=page,
         figures=figures,
         layout=layout(page.findings, page.tables, budget, figures),
-        settings=settings,
+        settings=json.dumps(page.settings, indent=2),
         script=Markup(script),
         script_hash=f"sha256-{digest}",
     )

@@ -174,20 +174,19 @@ def budget_table(data: xr.Dataset, names: Sequence[str]) -> ResultTable:
             places = [place for dim in dims for place in _all_words(here, dim, data)]
             row: dict[str, float | str] = {"number": ", ".join([quantity(name).title, *filter(None, places)])}
             row["value"] = value
-            shares = {str(s): _per_cent(float(e), value) for s, e in zip(SOURCES, error, strict=True)}
+            # Of zero only no error is a part.
+            parts = 100 * abs(error / value) if value else error.where(error == 0)
+            shares = dict(zip(SOURCES, map(float, parts), strict=True))
             entering = [share for s, share in shares.items() if s not in SPECTRAL]
             row["for this spectrum and period [%]"] = combined(*entering)
             row["for any [%]"] = combined(*shares.values())
             for source, share in shares.items():
-                entry = _ENTERS_NOT if source in error.attrs else share
-                row[f"{source} [%]"] = (
-                    _UNMEASURED if isinstance(entry, float) and math.isnan(entry) else entry
-                )
+                words = _ENTERS_NOT if source in error.attrs else _UNMEASURED
+                row[f"{source} [%]"] = words if source in error.attrs or math.isnan(share) else share
             if "treatment_spread" in data and name in ("area", "area_own"):
                 row[TREATMENT] = spread = 100 * float(here["treatment_spread"])
-                row["with treatment [%]"] = combined(
-                    spread, *(share for share in entering if not math.isnan(share))
-                )
+                measured = (share for share in entering if not math.isnan(share))
+                row["with treatment [%]"] = combined(spread, *measured)
             rows.append(row)
     return ResultTable.of_rows(rows)
 
@@ -199,11 +198,6 @@ def _all_words(here: xr.Dataset, dim: str, data: xr.Dataset) -> list[str]:
         return [place_words(here, dim, data)]
     there = [name for name in along if bool(here[name].notnull())]
     return [place_words(here[[name]], dim, data[[name]]) for name in there]
-
-
-def _per_cent(error: float, value: float) -> float:
-    """Return an error in per cent of a value; of zero only no error is a part."""
-    return 100 * abs(error / value) if value else (0.0 if error == 0 else math.nan)
 
 
 @dataclass(frozen=True, kw_only=True)
