@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.fft
@@ -136,11 +137,7 @@ class Search:
     def others(self) -> dict[str, tuple[Press, ...]]:
         """Solves of the other methods that the scene lists, by method."""
         names = [name for name in self.scene.methods.solvers if name != "bem"]
-        tables = {name: Methods(**{name: self.scene.methods.options(name)}) for name in names}
-        return {
-            name: solves_of(self.scene.model_copy(update={"methods": table, "ensemble": None}), self.problem)
-            for name, table in tables.items()
-        }
+        return {name: self._solves(**{name: self.scene.methods.options(name)}) for name in names}
 
     @cached_property
     def shared(self) -> tuple[Grid, ...]:
@@ -175,9 +172,7 @@ class Search:
         tried: set[tuple[Grid, ...]] = set()
         while True:
             chains = list(self._chains(single.finest))
-            usual = [
-                chain for chain in chains if self.problem.points_per_wave(chain.grids[-1]) >= _USUAL_LEVEL
-            ]
+            usual = [c for c in chains if self.problem.points_per_wave(c.grids[-1]) >= _USUAL_LEVEL]
             possible = any(self.bench.affordable(chain.seconds, chain.peak_bytes) for chain in usual)
             ladder = self._cheapest(usual if possible else chains, tried, share=_GRID_SHARE)
             tried.add(ladder.grids)
@@ -200,9 +195,8 @@ class Search:
                 return ensemble
             grid = ensemble.grid / ensemble.estimate.value
             if grid < _SPARE * self.target:
-                raise RunFailed(
-                    f"{self._known(ensemble)}; all solves are stored: run it again, or ask for less"
-                )
+                again = "all solves are stored: run it again, or ask for less"
+                raise RunFailed(f"{self._known(ensemble)}; {again}")
             self.doubt = max(self.doubt, grid / ladder.error) * self.doubt
 
     def beside(self) -> tuple[Beside, ...]:
@@ -247,9 +241,8 @@ class Search:
 
     def _watch(self, ensemble: MeanArea, solves: Sequence[Call]) -> None:
         seconds = sum(map(self.bench.seconds, solves))
-        surfaces = ensemble.surfaces + 2 * sum(
-            call["count"] for call in solves if call.measurement is area_pairs
-        )
+        pairs = sum(call["count"] for call in solves if call.measurement is area_pairs)
+        surfaces = ensemble.surfaces + 2 * pairs
         if self.bench.affordable(seconds) and surfaces <= _MOST_SURFACES:
             self._foretell(f"{surfaces} surfaces for the mean", seconds)
             return
@@ -259,9 +252,8 @@ class Search:
         )
 
     def _foretell(self, what: str, seconds: float) -> None:
-        least, most = (
-            significant(factor * seconds / self.bench.execution.workers, 2) for factor in _FORETOLD
-        )
+        each = seconds / self.bench.execution.workers
+        least, most = (significant(factor * each, 2) for factor in _FORETOLD)
         self.bench.progress.plan(f"{self.bench.wanted}: {what}, {least} to {most} s of solving")
 
     def _known(self, ensemble: MeanArea) -> str:
@@ -339,9 +331,12 @@ class Search:
         )
 
     def _jobs(self, grids: Sequence[Grid], shifts: int) -> tuple[Press, ...]:
-        method = BemOptions(grids=tuple(grids), shifts=shifts, tolerance=self.tolerance)
-        chosen = self.scene.model_copy(update={"methods": Methods(bem=method), "ensemble": None})
-        return solves_of(chosen, self.problem)
+        return self._solves(bem=BemOptions(grids=tuple(grids), shifts=shifts, tolerance=self.tolerance))
+
+    def _solves(self, **methods: Any) -> tuple[Press, ...]:
+        """List the solves of the scene's own surface by other methods than it lists."""
+        asked = {"methods": Methods(**methods), "ensemble": None}
+        return solves_of(self.scene.model_copy(update=asked), self.problem)
 
     def _solved(self, grids: Sequence[Grid], shifts: int) -> list[ContactAreas]:
         solves = self._jobs(grids, shifts)

@@ -54,12 +54,7 @@ def run_scene(
     """
     problem = problem or realise(scene)
     check_scene(scene, problem)
-    settings: dict[str, Any] = {
-        "scene": scene.model_dump(mode="json", exclude_none=True),
-        "written": scene.as_written,
-    }
-    if accurate is not None:
-        settings["accuracy"] = dict(accurate)
+    settings = asked_of(scene, **({} if accurate is None else {"accuracy": dict(accurate)}))
     bench = bench or Bench.at(folder / "solves")
     for grids, words in oblong_grids(scene, problem):
         bench.progress.note(f"{grids}: {words}")
@@ -81,6 +76,12 @@ def run_scene(
     kind = "run" if scene.methods.solvers else "theory"
     solves, shown = run_solves(scene, problem), {"report": report, "pictures": pictures}
     return solve_and_write(bench, folder, solves, measured, kind=kind, settings=settings, **shown)
+
+
+def asked_of(scene: Scene, **more: Any) -> dict[str, Any]:
+    """Return what a record says was asked: a scene in SI, as it was written, and what else."""
+    plain = scene.model_dump(mode="json", exclude_none=True)
+    return {"scene": plain, "written": scene.as_written, **more}
 
 
 def solve_and_write(
@@ -112,9 +113,8 @@ def solve_and_write(
     if results:
         data.attrs[SOLVES_MADE] = "\n".join(made_words(results.made()))
     record: dict[str, Any] = {"kind": kind, "name": settings["scene"]["name"], "settings": settings}
-    outputs = leave(
-        folder, data, partial(result_page, pictures=pictures), report=report, store=store.folder, **record
-    )
+    page = partial(result_page, pictures=pictures)
+    outputs = leave(folder, data, page, report=report, store=store.folder, **record)
     failures = data.failures.values.ravel().tolist() if "failures" in data else []
     return replace(
         outputs,

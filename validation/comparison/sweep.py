@@ -13,7 +13,7 @@ import xarray as xr
 
 from validation.comparison.explain import problems_of, solves_of_sweep
 from validation.comparison.numbers import scene_data
-from validation.comparison.run import solve_and_write
+from validation.comparison.run import asked_of, solve_and_write
 from validation.comparison.theory_alone import theory_data
 from validation.comparison.treatment import with_treatment
 from validation.errors import RunFailed
@@ -39,14 +39,11 @@ def run_sweep(
     """Run every scene of a sweep into one folder, as `run_scene` does one."""
     problems = cases or problems_of(sweep)
     solves = solves_of_sweep(sweep, problems)
-    settings = {
-        "scene": sweep.scenes[0].model_dump(mode="json", exclude_none=True),
-        "written": sweep.scenes[0].as_written,
-        "sweep": {"mode": sweep.mode, "keys": [dataclasses.asdict(key) for key in sweep.keys]},
-    }
+    keys = [dataclasses.asdict(key) for key in sweep.keys]
+    settings = asked_of(sweep.scenes[0], sweep={"mode": sweep.mode, "keys": keys})
 
     def measured(results: Solves) -> tuple[xr.Dataset, Sequence[Path]]:
-        each = (run_solves(*pair) for pair in zip(sweep.scenes, problems, strict=True))
+        each = map(run_solves, sweep.scenes, problems)
         counts = {"solves": len(solves), "asked": sum(map(len, each))}
         return sweep_data(sweep, problems, results).assign_attrs(counts), ()
 
@@ -70,8 +67,7 @@ def sweep_data(sweep: Sweep, cases: Sequence[ContactProblem], results: Solves) -
         data = gather(dict(zip(every, parts, strict=True)), **dict(zip(names, places, strict=True)))
     for key in sweep.keys:
         data[key.name].attrs.update(units=key.unit, long_name=key.key, key=key.key)
-    for key in sweep.keys if sweep.mode == "product" else ():
-        data = data.sortby(key.name) if key.numeric else data
+        data = data.sortby(key.name) if sweep.mode == "product" and key.numeric else data
     alike = {"title", "methods", "effects", "theory", "drawn", "adhesive", "doubts"}
     shared = {name: value for name, value in parts[0].attrs.items() if name in alike}
     told = {"mode": sweep.mode, "cases": len(parts), "keys": " ".join(names)}
@@ -95,13 +91,10 @@ def _case(scene: Scene, problem: ContactProblem, results: Solves) -> xr.Dataset:
 def _alike(parts: Sequence[xr.Dataset]) -> list[xr.Dataset]:
     """Give all cases the same dimensions and variables: what one of them lacks is NaN, or no words."""
     # Positions of the surface have names where cases have different numbers of them.
-    sizes = {part.sizes["shift"] for part in parts if "shift" in part.dims}
-    aligned = [
-        part.assign(shift=np.arange(part.sizes["shift"])) if len(sizes) > 1 and "shift" in part.dims else part
-        for part in parts
-    ]
+    if len({part.sizes["shift"] for part in parts if "shift" in part.dims}) > 1:
+        parts = [p.assign(shift=np.arange(p.sizes["shift"])) if "shift" in p.dims else p for p in parts]
     how: Any = {"data_vars": "all", "coords": "minimal", "compat": "override", "join": "outer"}
-    data = xr.concat(aligned, "case", combine_attrs="drop_conflicts", **how)
+    data = xr.concat(parts, "case", combine_attrs="drop_conflicts", **how)
     texts = [name for name, values in data.data_vars.items() if values.dtype.kind in "OU"]
     data = data.assign({name: data[name].where(data[name].notnull(), "").astype(str) for name in texts})
     return [data.isel(case=k) for k in range(len(parts))]
