@@ -12,7 +12,6 @@ import io
 import math
 import os
 import stat
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -77,12 +76,10 @@ def _spikes(heights: Array) -> tuple[str, ...]:
     with np.errstate(over="ignore"):
         low, middle, high = np.percentile(known[:: max(1, known.size // _SAMPLED)], (25, 50, 75))
         far = int(np.count_nonzero(np.abs(known - middle) > _FAR * (high - low)))
-    if not far or high == low:
-        return ()
-    return (
+    words = (
         f"{far} of {known.size} heights lie more than {_FAR:.0f} times the height of the middle half away "
-        "from it: spikes, or a damaged file",
     )
+    return (f"{words}from it: spikes, or a damaged file",) if far and high != low else ()
 
 
 def one_line(words: object) -> str:
@@ -119,16 +116,13 @@ def _refuse_links(data: bytes) -> None:
     elsewhere: list[str] = []
 
     def look(name: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset) and (item.is_virtual or item.external):
-            elsewhere.append(name)
-
-    def follow(name: str, link: Any) -> None:
-        if isinstance(link, h5py.ExternalLink):
+        outside = isinstance(item, h5py.Dataset) and (item.is_virtual or item.external)
+        if outside or isinstance(item, h5py.ExternalLink):
             elsewhere.append(name)
 
     with h5py.File(io.BytesIO(data)) as file:
         file.visititems(look)
-        file.visititems_links(follow)
+        file.visititems_links(look)
     if elsewhere:
         raise UsageError(
             f"its data set {one_line(elsewhere[0])[:80]!r} lies in another file (virtual or external "
@@ -161,8 +155,7 @@ def _read_npy(data: bytes) -> Raw:
 
     file = io.BytesIO(data)
     version = npy.read_magic(file)
-    readers: dict[tuple[int, int], Callable[..., Any]]
-    readers = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
+    readers: Any = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
     if version not in readers:
         raise ValueError(f"version {version} of .npy, in which names are written, not heights")
     shape, _, kind = readers[version](file)
