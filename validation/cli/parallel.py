@@ -104,12 +104,11 @@ def _solved(solve: Press, folder: Path, comm: Any) -> dict[str, Any]:
     if stored is not None:
         return stored
     rough = solve.problem.surface
-    surface = (
-        # Every process reads a measured surface; of a random one each makes its slab.
-        bem.SlabSurface.of(solve.height_field(), comm)
-        if isinstance(rough, FileSurface)
-        else bem.SlabSurface.random(shape=solve.grid, comm=comm, **waves_drawn(rough))
-    )
+    # Every process reads a measured surface; of a random one each makes its slab.
+    if isinstance(rough, FileSurface):
+        surface = bem.SlabSurface.of(solve.height_field(), comm)
+    else:
+        surface = bem.SlabSurface.random(shape=solve.grid, comm=comm, **waves_drawn(rough))
     model = ContactModel.filled(solve.problem.elastic, solve.effects)
     (load,) = solve.problem.load.values
     if solve.problem.load.key == "reduced_pressure":

@@ -89,16 +89,12 @@ def reference(
         record = {name: {**asdict(value), "persson": persson.get(name)} for name, value in values.items()}
         print_json(record)
         return
-    rows = [
-        (
-            name,
-            with_error(value.value, value.uncertainty),
-            f"{persson[name]:.4g}" if name in persson else "-",
-            f"{100 * round(value.interpolation / value.value, 6):.2g}",
-            value.meaning,
-        )
-        for name, value in values.items()
-    ]
+    rows = []
+    for name, value in values.items():
+        theory_words = f"{persson[name]:.4g}" if name in persson else "-"
+        share = f"{100 * round(value.interpolation / value.value, 6):.2g}"
+        number = with_error(value.value, value.uncertainty)
+        rows.append((name, number, theory_words, share, value.meaning))
     sized = (amplitudes, gradient) == ("exact", "surface")
     parts = "surfaces, grid, solver, size of the sample" if sized else "surfaces, grid, solver"
     lacking = "" if sized else "; what the size of the sample does is not in it"

@@ -84,17 +84,15 @@ def inspect(
 ) -> None:
     """Print size, tilt, missing points, edges, moments and C(q) of a surface."""
     facts = _inspected(source, length=length, unit=unit, tilt=tilt, missing=missing)
-    spectrum = facts.pop("spectrum")
     if as_json:
-        print_json({**facts, "spectrum": spectrum})
+        print_json(facts)
         return
+    spectrum = facts.pop("spectrum")
     for name, value in facts.items():
         of, unit = re.sub(r" \[.*\]", "", name), (re.findall(r"\[(1/m\^2|1/m|m)\]", name) or ["1"])[0]
         sizes = value if isinstance(value, tuple) else (value,)
-        words = " x ".join(
-            in_prefixed_unit(size, unit, 6) if isinstance(size, float) else str(size) for size in sizes
-        )
-        show(f"{name if unit == '1' else of}: {words}")
+        words = (in_prefixed_unit(size, unit, 6) if isinstance(size, float) else str(size) for size in sizes)
+        show(f"{name if unit == '1' else of}: {' x '.join(words)}")
     if not spectrum:
         return
     from rich.table import Table
@@ -151,11 +149,9 @@ def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatme
     from validation.scenes.tables import FileSurface
     from validation.units import plain_number
 
+    sizes = {"length": length, "unit": unit}
     table = {"kind": "file", "path": str(path), **treatment}
-    if length is not None:
-        table["length"] = plain_number(length)
-    if unit is not None:
-        table["unit"] = plain_number(unit)
+    table |= {key: plain_number(text) for key, text in sizes.items() if text is not None}
     try:
         return FileSurface.model_validate(sized({"surface": table}, Path(), str(path))["surface"])
     except ValidationError as error:
@@ -209,8 +205,7 @@ def _inspected(
         how = "spectral" if window == "none" else "differences"
         facts[f"h'_rms ({how})"] = windowed.rms_gradient
         facts[f"rms curvature [1/m] ({how})"] = math.sqrt(windowed.moments[2]) / 2
-        if window == "none":
-            facts["Nayak parameter"] = field.nayak
+        facts |= {"Nayak parameter": field.nayak} if window == "none" else {}
         steepest = f"mean square slope in the steepest 0.1 % (Gaussian: {GAUSSIAN_STEEP_SHARE:.2g})"
         facts |= {
             "kurtosis of heights (Gaussian: 3)": traits.kurtosis,

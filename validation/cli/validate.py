@@ -65,10 +65,9 @@ def validate(
         if names:
             raise UsageError(f"--method scores a solver by all rows; leave out {', '.join(names)}")
         limits: dict[str, Any] = {"tolerance": tolerance, "quick": quick, "seconds": seconds}
-        chosen = {name: chosen_solver(name) for name in method}
+        chosen, cards = {name: chosen_solver(name) for name in method}, []
         plain = re.sub(r"[^A-Za-z0-9._-]", "-", method[0])
         folder = prepare_folder(output or Path("results") / f"scorecard-{plain}")
-        cards = []
         for name, (solver, settings) in chosen.items():
             if not as_json:
                 typer.echo(f"{name}:")

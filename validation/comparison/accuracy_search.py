@@ -85,12 +85,21 @@ class Ladder:
 
 @dataclass(frozen=True, kw_only=True)
 class Single:
-    """The scene's own surface, solved."""
+    """The scene's own surface, solved on `shifts`^2 sub-grid shifts of each of its `grids`.
 
-    ladder: Ladder
+    The error is half of the 95 % interval, relative to the limit of A/A0.
+    """
+
+    grids: tuple[Grid, ...]
+    shifts: int
     area: float
     error: float
     finest: ContactAreas
+
+    @property
+    def located(self) -> bool:
+        """Whether the limit is of the area whose edge is located inside the cells, or corrected."""
+        return self.finest.subcell is not None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,7 +174,8 @@ class Search:
             # Where grids disagree by more than the law allows, they will again.
             self.doubt = max(self.doubt, _SPARE * error / ladder.error) if np.isfinite(error) else self.doubt
             if error <= self.target:
-                return Single(ladder=ladder, area=limit.value, error=error, finest=known)
+                grids, shifts = ladder.grids, ladder.shifts
+                return Single(grids=grids, shifts=shifts, area=limit.value, error=error, finest=known)
 
     def ensemble(self, single: Single) -> MeanArea:
         """Solve the pairs of surfaces whose controlled mean meets the accuracy at least cost."""

@@ -54,15 +54,8 @@ def run_views(data: xr.Dataset) -> Views:
                 *_GRID_ROWS,
                 # The best first: the last leave where there is no room for all.
                 *("area_located", "area_perimeter", "area_pixel", "kappa_perimeter", "area_plastic_pixel"),
-                *(
-                    "density_at_zero",
-                    "points_per_wave",
-                    "residual",
-                    "shifts",
-                    "unknowns",
-                    "seconds",
-                    "failure",
-                ),
+                *("density_at_zero", "points_per_wave", "residual", "shifts", "unknowns", "seconds"),
+                "failure",
             ),
             title="Every grid",
             note=_GRIDS,
