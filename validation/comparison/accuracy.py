@@ -16,8 +16,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from validation.comparison.accuracy_bench import Metered
-from validation.comparison.accuracy_search import Beside, Search, Single, grid_words
+from validation.comparison.accuracy_search import Beside, Metered, Search, Single, grid_words
 from validation.comparison.run import run_scene
 from validation.effects.base import effect_key
 from validation.errors import UsageError

@@ -1,4 +1,4 @@
-"""Claims of Persson (2006) about theories, spheres and grids, which belong to no application."""
+"""Claims of Persson (2006) about theories, spheres, grids, polished steel and roads."""
 
 from __future__ import annotations
 
@@ -14,12 +14,15 @@ from persson.capillary import maximum_height
 from persson.diffusion import solve_diffusion
 from persson.flaw_tolerance import FlawTolerance, optimal_modulus
 from persson.limits import critical_roughness
+from persson.percolation import SITE_THRESHOLD
+from persson.separation import macroasperity_magnification, macroasperity_pressure
 from persson.soft_structures import fibre_modulus
 from persson.spectrum import Moments, SelfAffine
 from persson.spheres import DoubleHertz, derjaguin_pull_off, jkr_pull_off
 from persson.tensile import adhesion_load
 from persson.viscoelastic import StandardSolid, crack_dissipation
-from validation.paper.claims import application, percent
+from validation.paper import systems as s
+from validation.paper.claims import Stated, application, percent
 
 
 def _kappa(asymptote: float) -> float:
@@ -134,5 +137,41 @@ GENERAL = application(
             "note": lambda: f"{_killing(1e5):.2f} um for q_0 = 1e5 1/m, {_killing(1e3):.1f} um for 1e3"
         },
         "derjaguin": {"stated": percent(4 / 3, 1e-4)},
+    },
+)
+
+
+def _pressure(load: float) -> float:
+    return macroasperity_pressure(
+        s.steel(smooth=True), pressure=load, contact_modulus=s.STEEL_MODULUS, q_reference=1e5
+    )
+
+
+STEEL = application(
+    "polished steel and roads",
+    fixed={
+        "roads": lambda: 2 * math.pi / 1000 * 100,
+        "magnification": lambda: macroasperity_magnification(
+            s.steel(smooth=True),
+            pressure=s.STEEL_PRESSURE,
+            contact_modulus=s.STEEL_MODULUS,
+            q_reference=1e5,
+        ),
+        "area_share": lambda: s.STEEL_PRESSURE / _pressure(s.STEEL_PRESSURE),
+        "pressure_share": lambda: _pressure(10e6) / _pressure(1e6),
+        "plastic_limit": lambda: (
+            float(s.yielded(s.steel(), s.STEEL_MODULUS, s.STEEL_PRESSURE, hardness=2e9).plastic)
+            * 2e9
+            / s.STEEL_PRESSURE
+        ),
+    },
+    more={
+        "area_share": {"stated": Stated(SITE_THRESHOLD, 0.0, SITE_THRESHOLD, "below it")},
+        "pressure_share": {
+            "note": lambda: (
+                f"{_pressure(1e6) / 1e6:.0f} and {_pressure(10e6) / 1e6:.0f} MPa, but "
+                f"{_pressure(100e6) / 1e6:.0f} at 100 MPa, where the contact is not light any more"
+            )
+        },
     },
 )
