@@ -10,7 +10,7 @@ import numpy as np
 from validation.audit.dataset import Result
 from validation.audit.ledger import Ledger
 from validation.audit.runs import Run, audit_run
-from validation.audit.stored import Array, Stored, wavevectors
+from validation.audit.stored import Stored, wavevectors
 from validation.audit.values import judge_shown, value_ledger
 
 
@@ -102,8 +102,9 @@ def judge_surfaces(run: Run, ledger: Ledger) -> None:
         ledger.number(place, "h'_rms of the surface pressed", *gradients, rtol=1e-8)
         still = run.solves.get((method, grid, (0.0, 0.0), k))
         if shift != (0.0, 0.0) and still is not None:
-            size = float(np.ptp(solve.h)) or 1.0
-            misfit = float(np.max(np.abs(solve.h - _moved(still, shift)))) / size
+            x, y = (np.exp(2j * np.pi * np.fft.fftfreq(n) * s) for n, s in zip(grid, shift, strict=True))
+            moved = np.fft.ifft2(np.fft.fft2(still.h) * x[:, None] * y[None, :]).real
+            misfit = float(np.max(np.abs(solve.h - moved))) / (float(np.ptp(solve.h)) or 1.0)
             ledger.number(place, "heights against those moved by the shift", misfit, 0.0, atol=1e-8)
     alike: dict[tuple[str, tuple[int, int]], list[bytes]] = {}
     for (method, grid, shift, _), solve in run.solves.items():
@@ -112,9 +113,3 @@ def judge_surfaces(run: Run, ledger: Ledger) -> None:
     for (method, grid), heights in alike.items():
         place = f"{method} {grid[0]}x{grid[1]}"
         ledger.same(place, "surfaces that differ", len(set(heights)), len(heights))
-
-
-def _moved(solve: Stored, shift: tuple[float, float]) -> Array:
-    """Heights at the points of a grid moved by parts of a cell."""
-    phase = [np.exp(2j * np.pi * np.fft.fftfreq(n) * s) for n, s in zip(solve.grid, shift, strict=True)]
-    return np.asarray(np.fft.ifft2(np.fft.fft2(solve.h) * phase[0][:, None] * phase[1][None, :]).real)

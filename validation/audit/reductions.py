@@ -87,12 +87,6 @@ def _paired(samples: tuple[Array, Array], variable: xr.Variable) -> tuple[Array,
     return (values[..., 0::2] + values[..., 1::2]) / 2, there[..., 0::2]
 
 
-def _mean(result: Result, name: str, variable: xr.Variable) -> Array | xr.Variable:
-    if "pairs" not in variable.attrs:
-        return _reduced("mean", result, name, variable)
-    return _mean_there(*_paired(_samples(result, variable), variable))
-
-
 def _mean_there(values: Array, there: Array) -> Array:
     """Mean over the last axis of what is there; NaN where one of it has no value."""
     count = there.sum(axis=-1)
@@ -277,7 +271,11 @@ REDUCTIONS: Mapping[str, Callable[[Result, str, xr.Variable], Array | xr.Variabl
     "line slope": _line,
     "max": partial(_reduced, "max"),
     "mean distance": _mean_distance,
-    "mean": _mean,
+    "mean": lambda result, name, one: (
+        _mean_there(*_paired(_samples(result, one), one))
+        if "pairs" in one.attrs
+        else _reduced("mean", result, name, one)
+    ),
     "polynomial limit": _polynomial,
     "power law": lambda result, name, one: _power(result, one)[2 if name.endswith("_factor") else 0],
     "read": from_solves.read,

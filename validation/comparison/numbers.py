@@ -77,7 +77,13 @@ def scene_data(
     data = beside_each_other(data, case.own)
     data = finest_of(cost_and_orders(data))
     data = in_numbers(data, case)
-    data = _beside_hertz(data, scene)
+    if radius := next(filter(None, (getattr(effect, "radius", None) for effect in scene.effects)), None):
+        force = data.pressure * data.nominal_area
+        contact = (3 * force * radius / (4 * data.contact_modulus)) ** (1 / 3)
+        peak = 1.5 * force / (math.pi * contact**2)
+        data = data.assign(ball_radius=radius, hertz_radius=contact, hertz_approach=contact**2 / radius)
+        data = data.assign(hertz_pressure=peak)
+        data = derive(data, hertz_share=f"contact_area / ({math.pi} * hertz_radius ** 2)")
     data = passing(data, case)
     data = below(data, scene, results)
     if failures:
@@ -143,21 +149,6 @@ def _on_grids(case: Case) -> xr.Dataset:
         data["area_plastic_pixel"] = each["plastic"].mean("shift")
     load = each["mean_pressure"].mean("shift") if scene.load.held else problem.pressure
     return data.assign(kappa_perimeter=data.area_perimeter / (load / float(data.pressure_scale)))
-
-
-def _beside_hertz(data: xr.Dataset, scene: Scene) -> xr.Dataset:
-    radius = next((r for effect in scene.effects if (r := getattr(effect, "radius", None))), None)
-    if radius is None:
-        return data
-    force = data.pressure * data.nominal_area
-    contact = (3 * force * radius / (4 * data.contact_modulus)) ** (1 / 3)
-    data = data.assign(
-        ball_radius=radius,
-        hertz_radius=contact,
-        hertz_approach=contact**2 / radius,
-        hertz_pressure=1.5 * force / (math.pi * contact**2),
-    )
-    return derive(data, hertz_share=f"contact_area / ({math.pi} * hertz_radius ** 2)")
 
 
 def limit_of(areas: Sequence[ContactAreas]) -> Limit:

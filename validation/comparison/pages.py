@@ -43,6 +43,9 @@ def result_page(result: Result, *, figures: bool = True, pictures: bool = False)
     if pictures and figures and result.kind == "run":
         picture, missing = _picture(result)
     settings = {key: value for key, value in result.settings.items() if key != "written"}
+    cited = [paper for method in scene.methods.chosen.values() for paper in method.cited(scene.effects)]
+    cited += [paper for effect in scene.effects for paper in effect.papers]
+    beside = {"perimeter": bool(scene.methods.solvers), "measured": scene.surface.kind == "file"}
     titles = {"effects_words": "Effects", "treatment": "The measured surface"}
     notes = {title: lines for n, title in titles.items() if (lines := data.attrs.get(n, "").splitlines())}
     return page_of(
@@ -56,7 +59,7 @@ def result_page(result: Result, *, figures: bool = True, pictures: bool = False)
         no_picture=missing,
         settings={**settings, "scene": scene.as_written},
         seeds=_seeds(scene, data),
-        papers=_papers(scene),
+        papers=(*cited, *(CITED_FOR[name] for name, used in beside.items() if used)),
         summary={"kind": result.kind, "name": result.name, **settings},
         data=None,
     )
@@ -88,13 +91,6 @@ def _lead(kind: str, data: xr.Dataset, scene: Scene) -> str:
         f"{float(data.reduced_pressure):.4g} (p0 = {in_shown_unit(data.pressure)}, E* = {modulus}"
         f"{' of the layer at the surface' * layered}, realised h'_rms = {float(data.rms_gradient):.4g})"
     )
-
-
-def _papers(scene: Scene) -> tuple[str, ...]:
-    cited = [paper for method in scene.methods.chosen.values() for paper in method.cited(scene.effects)]
-    cited += [paper for effect in scene.effects for paper in effect.papers]
-    beside = {"perimeter": bool(scene.methods.solvers), "measured": scene.surface.kind == "file"}
-    return (*cited, *(CITED_FOR[name] for name, used in beside.items() if used))
 
 
 def _seeds(scene: Scene, data: xr.Dataset) -> str:

@@ -75,17 +75,15 @@ def sweep_data(sweep: Sweep, cases: Sequence[ContactProblem], results: Solves) -
 
 
 def _case(scene: Scene, problem: ContactProblem, results: Solves) -> xr.Dataset:
-    if scene.methods.solvers:
-        solves, every = run_solves(scene, problem), results.failures
-        done = {solve: results[solve] for solve in solves if solve not in every}
-        failures = {s: every[s] for s in solves if s in every and not s.problem.variation}
-        try:
-            return with_treatment(scene_data(scene, problem, done, failures=failures), problem, done)
-        except RunFailed as error:
-            return xr.Dataset({"failures": str(error)})
-    alone = theory_data(scene, problem)
-    curves = [name for name in alone.data_vars if "wave" in alone[name].dims]
-    return alone.drop_vars(curves).isel(load=0).reset_coords(drop=False)
+    if not scene.methods.solvers:
+        return theory_data(scene, problem).drop_dims("wave").isel(load=0).reset_coords()
+    solves, every = run_solves(scene, problem), results.failures
+    done = {solve: results[solve] for solve in solves if solve not in every}
+    failures = {s: every[s] for s in solves if s in every and not s.problem.variation}
+    try:
+        return with_treatment(scene_data(scene, problem, done, failures=failures), problem, done)
+    except RunFailed as error:
+        return xr.Dataset({"failures": str(error)})
 
 
 def _alike(parts: Sequence[xr.Dataset]) -> list[xr.Dataset]:

@@ -167,9 +167,9 @@ def table(contacts: Iterable[Contact], *, along: str | None = None, limit: bool 
         raise UsageError(f"table: {wrong[0]!r}: give a list of contacts, as [press(...), press(...)]")
     inputs = [_said(contact) for contact in pressed_ones]
     known = dict.fromkeys(name for one in inputs for name in one)
-    telling = [
-        name for name in known if len({_close(one.get(name)) for one in inputs} - {None}) == len(inputs)
-    ]
+    # Without what rounding does, so that what is the same is one.
+    close = [{n: float(f"{v:.9g}") if isinstance(v, float) else v for n, v in one.items()} for one in inputs]
+    telling = [name for name in known if len({one.get(name) for one in close} - {None}) == len(inputs)]
     if along is None:
         along = next(iter(telling), "reduced_pressure")
     if along not in telling:
@@ -214,11 +214,6 @@ def _numbers(contact: Contact, *, limit: bool) -> xr.Dataset:
         over = Value(value=math.nan, error=math.nan)
     value, half = float(over.value), float(over.error or 0)
     return row.assign(limit=value, limit_error=half, kappa_limit=value / load, kappa_limit_error=half / load)
-
-
-def _close(value: Any) -> Any:
-    """Return a number without what rounding does, so that what is the same is one."""
-    return float(f"{value:.9g}") if isinstance(value, float) else value
 
 
 def _said(contact: Contact) -> dict[str, Any]:

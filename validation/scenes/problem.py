@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, RandomWaves, resolves
@@ -18,7 +18,6 @@ from validation.scenes.tabulated import read_spectrum
 from validation.scenes.topography.measured import Measured
 
 if TYPE_CHECKING:
-    from validation.scenes.scene import Scene
     from validation.scenes.topography.patch import Topography
 
 
@@ -244,7 +243,16 @@ class ContactProblem:
 _OF_THE_SURFACE = ("_waves", "measured", "field", "spectrum")
 
 
-def realise(scene: Scene, *, like: ContactProblem | None = None, surveyed: bool = False) -> ContactProblem:
+class _Scene(Protocol):
+    """What of a scene is made; all else in it is how it is solved."""
+
+    surface: Surface
+    solid: SolidSpec
+    load: Load
+    methods: Any
+
+
+def realise(scene: _Scene, *, like: ContactProblem | None = None, surveyed: bool = False) -> ContactProblem:
     """Return what a scene asks for, to be made once and handed down.
 
     What another scene made of the same surface, given as `like`, is not made again. A surface that is only
