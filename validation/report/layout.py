@@ -78,9 +78,9 @@ def layout(
         placed.insert(1, upright if upright.narrow else Placed(budget, len(budget.rows) < 5))
     beside: list[Placed] = []
     lines = 2 + sum(_SENTENCE * (1 + len(text) // _LINE) for text in findings)
+    room = _FIGURE + _HIGHER if figures and not figures[0]["wide"] else 0.0
     for one in sorted(placed[:2], key=lambda one: one.table is not budget):
-        room = bool(figures) and not figures[0]["wide"] and lines + one.lines <= _FIGURE + _HIGHER
-        if room and one.narrow:
+        if one.narrow and lines + one.lines <= room:
             beside.append(one)
             lines += one.lines
     rest = [one for one in placed if one not in beside]

@@ -194,19 +194,14 @@ def _align(panels: Sequence[Panel], places: Sequence[Axes]) -> None:
         if places[0].get_yscale() == "log":  # where the margin of a panel's own range is too narrow
             high *= (high.max() / low.min()) ** 0.03
         for on, panel in zip(places, panels, strict=True):
-            on.set_ylim(
-                low.min() if panel.bottom is None else panel.bottom,
-                high.max() if panel.top is None else panel.top,
-            )
+            bottom = low.min() if panel.bottom is None else panel.bottom
+            on.set_ylim(bottom, high.max() if panel.top is None else panel.top)
             on.yaxis.label.set_visible(on is places[0])
 
 
 def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
-    places = [
-        (mark, here, k)
-        for mark in panel.marks
-        for k, here in enumerate(_places(mark, data.isel(panel.at, missing_dims="ignore")))
-    ]
+    part = data.isel(panel.at, missing_dims="ignore")
+    places = [(mark, here, k) for mark in panel.marks for k, here in enumerate(_places(mark, part))]
     y = panel.y or panel.marks[0].y
     along = [here[m.x or panel.x] for m, here, _ in places if (m.x or panel.x) in here]
     scale_x = _scale(quantity_of(data, panel.x), along)
@@ -264,12 +259,7 @@ def _places(mark: _Mark, data: xr.Dataset) -> Iterable[xr.Dataset]:
 
 
 def _put(
-    mark: _Mark,
-    axes: Axes,
-    here: xr.Dataset,
-    x: str,
-    factors: tuple[float, float],
-    look: dict[str, Any],
+    mark: _Mark, axes: Axes, here: xr.Dataset, x: str, factors: tuple[float, float], look: dict[str, Any]
 ) -> Any:
     values, error = here[mark.y], total_error(here, mark.y)
     along: Any = here[x].values if x in here.variables else None
@@ -277,15 +267,10 @@ def _put(
         along = along * factors[0]
     if isinstance(mark, Image):
         rows = here[mark.rows]
+        up = rows.values * _scale(quantity(mark.rows), [rows])[0]
+        colours = values.transpose(*rows.dims, *here[x].dims).values * factors[1]
         ends = {"vmin": -look["most"], "vmax": look["most"]} if mark.symmetric else {}
-        image = axes.pcolormesh(
-            along,
-            rows.values * _scale(quantity(mark.rows), [rows])[0],
-            values.transpose(*rows.dims, *here[x].dims).values * factors[1],
-            cmap=mark.cmap,
-            rasterized=True,
-            **ends,
-        )
+        image = axes.pcolormesh(along, up, colours, cmap=mark.cmap, rasterized=True, **ends)
         if quantity(mark.rows).name == "y":  # a place, not a parameter
             axes.set_aspect("equal")
         return image
@@ -387,11 +372,9 @@ def _legend(canvas: Any, axes: Sequence[Axes]) -> None:
     # Of letters of 7 points, behind a sample of the line.
     widest = 0.051 * max(map(len, options)) + 0.45
     columns = min(len(options), max(1, int(canvas.get_figwidth() / widest)))
-    rows = -(-len(options) // columns)
-    canvas.set_figheight(canvas.get_figheight() + 0.17 * rows + 0.1)
-    canvas.legend(
-        options.values(), options, fontsize=7, ncols=columns, loc="outside lower center", frameon=False
-    )
+    canvas.set_figheight(canvas.get_figheight() + 0.17 * -(-len(options) // columns) + 0.1)
+    where: dict[str, Any] = {"loc": "outside lower center", "ncols": columns}
+    canvas.legend(options.values(), options, fontsize=7, frameon=False, **where)
 
 
 def _caption(text: str, drawn: Sequence[Drawn]) -> str:
@@ -399,10 +382,8 @@ def _caption(text: str, drawn: Sequence[Drawn]) -> str:
     for line in drawn:
         errors = optional(line.data, f"{line.mark.y}_error")
         if errors is not None and not isinstance(line.mark, Image):
-            shown = errors.sel(source=list(shown_sources(errors)))
-            there = (shown > 0).any([d for d in shown.dims if d != "source"])
-            names = ", ".join(there.source.values[there.values].tolist())
-            labels.setdefault(names, []).append(line.label)
+            shown = (s for s in shown_sources(errors) if bool((errors.sel(source=s) > 0).any()))
+            labels.setdefault(", ".join(shown), []).append(line.label)
     labels.pop("", None)
     if len(labels) < 2:
         return "".join([text, *(f" Bars: 95 % ({names})." for names in labels)])

@@ -173,9 +173,7 @@ def clear_page(folder: Path, *, keep: Collection[Path] = ()) -> None:
     names = ["report.html", "summary.json", "shown.json", *(f"{name}.csv" for name in tables.split())]
     earlier = [path for name in names for path in folder.glob(name)]
     if figures.is_dir() and not figures.is_symlink():
-        earlier += [
-            path for suffix in ("svg", "pdf", "csv", "nc", "png") for path in figures.glob(f"*.{suffix}")
-        ]
+        earlier += [p for suffix in ("svg", "pdf", "csv", "nc", "png") for p in figures.glob(f"*.{suffix}")]
         remove_drafts(figures)
     for path in set(earlier) - set(keep):
         path.unlink(missing_ok=True)
