@@ -363,17 +363,11 @@ def _of_solves(run: Run) -> Expected:
         means = {"area_pixel": "pixel", "area_perimeter": "perimeter", "density_at_zero": "density_at_zero"}
         if "hardness" in {effect["kind"] for effect in run.effects}:
             means["area_plastic_pixel"] = "plastic"
-        row = {
-            name: math.fsum(getattr(solve, of) for solve in solves) / len(solves)
-            for name, of in means.items()
-        }
+        row = {name: math.fsum(getattr(s, of) for s in solves) / len(solves) for name, of in means.items()}
         row |= {"density_at_zero": math.nan} if run.adhesive else {}
-        row |= {
-            "seconds": math.fsum(solve.cost["wall_seconds"] for solve in solves),
-            "unknowns": solves[0].cost["unknowns"],
-            "shifts": len(solves),
-            "resolved": float(run.resolved(solves[0])),
-        }
+        row |= {"shifts": len(solves), "resolved": float(run.resolved(solves[0]))}
+        row["seconds"] = math.fsum(solve.cost["wall_seconds"] for solve in solves)
+        row["unknowns"] = solves[0].cost["unknowns"]
         if not run.measured:
             load, residual = run.reduced_pressure or math.nan, max(run.residual(solve) for solve in solves)
             if run.holds_distance:

@@ -112,16 +112,12 @@ class Stored:
     @cached_property
     def roughness(self) -> tuple[float, float, float]:
         """(m0, m2, m4) of the heights without the ball they lie on."""
-        radii = [
-            effect.get("radius") for effect in self.recipe["effects"] if effect["kind"] == "free-boundary"
-        ]
-        if not any(radii):
+        free = (effect for effect in self.recipe["effects"] if effect["kind"] == "free-boundary")
+        radius = next((effect.get("radius") for effect in free), None)
+        if not radius:
             return self.moments
-        x, y = (
-            np.arange(n) * d - length / 2
-            for n, d, length in zip(self.grid, self.spacing, self.lengths, strict=True)
-        )
-        return moments(self.h + (x[:, None] ** 2 + y[None, :] ** 2) / (2 * radii[0]), self.lengths)
+        x, y = ((np.arange(n) - n / 2) * d for n, d in zip(self.grid, self.spacing, strict=True))
+        return moments(self.h + (x[:, None] ** 2 + y[None, :] ** 2) / (2 * radius), self.lengths)
 
     @cached_property
     def pixel(self) -> float:

@@ -88,7 +88,7 @@ def _prepared(
     from validation.comparison.explain import problems_of, solves_of_sweep
     from validation.comparison.run import run_scene
     from validation.comparison.sweep import run_sweep
-    from validation.execution.press import run_solves, solves_of
+    from validation.execution.press import run_solves
     from validation.scenes.checks import check_scene
     from validation.scenes.problem import realise
     from validation.scenes.sweep import Sweep
@@ -98,11 +98,8 @@ def _prepared(
         return partial(solves_of_sweep, loaded, cases), partial(run_sweep, loaded, folder, cases=cases)
     problem = realise(loaded)
     check_scene(loaded, problem)
-    if chosen is not None:
-        accurate = partial(run_accurate, loaded, folder, pictures=pictures, **chosen)
-        return partial(solves_of, loaded, problem), accurate
-    plain = partial(run_scene, loaded, folder, problem=problem, pictures=pictures)
-    return partial(run_solves, loaded, problem), plain
+    run = partial(run_scene, problem=problem) if chosen is None else partial(run_accurate, **chosen)
+    return partial(run_solves, loaded, problem), partial(run, loaded, folder, pictures=pictures)
 
 
 def _folders(

@@ -72,11 +72,6 @@ class Sweep:
         return self.scenes[0].name
 
     @property
-    def title(self) -> str:
-        """Title of the scene that is swept."""
-        return self.scenes[0].title
-
-    @property
     def run(self) -> RunOptions:
         """How the sweep is run."""
         return self.scenes[0].run

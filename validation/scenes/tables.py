@@ -80,16 +80,12 @@ class RandomSurface(Table):
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
+        period = min(self.length)
+        short, long = (f"{key} = {as_length(getattr(self, key))}" for key in ("lambda_short", "lambda_long"))
         if self.lambda_short >= self.lambda_long:
-            raise wrong(
-                f"lambda_short = {as_length(self.lambda_short)}: must be below "
-                f"lambda_long = {as_length(self.lambda_long)}"
-            )
-        if self.lambda_long > min(self.length) * (1 + 1e-12):
-            raise wrong(
-                f"lambda_long = {as_length(self.lambda_long)}: must not exceed the "
-                f"period {as_length(min(self.length))}"
-            )
+            raise wrong(f"{short}: must be below {long}")
+        if self.lambda_long > period * (1 + 1e-12):
+            raise wrong(f"{long}: must not exceed the period {as_length(period)}")
         return self
 
     @property
