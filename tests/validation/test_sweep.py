@@ -192,8 +192,8 @@ def test_a_zip_has_its_keys_along_one_dimension(small_scene, tmp_path):
 
 def test_solves_that_cases_share_are_done_once(small_scene):
     sweep = load_asked(small_scene, ["sweep.methods.bem.grids=[[12, 24], [12, 24, 48]]"])
-    explained = explain_sweep(sweep)
-    assert (explained.solves, explained.asked) == (12, 20)
+    explained = explain_sweep(sweep).summary()
+    assert (explained["solves"], explained["asked"]) == (12, 20)
     assert len(solves_of_sweep(sweep, problems_of(sweep))) == 12
 
 

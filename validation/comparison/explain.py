@@ -20,6 +20,7 @@ from validation.errors import UsageError
 from validation.execution.calibration import effect_costs
 from validation.execution.cost import transform_seconds
 from validation.execution.press import Press, run_solves
+from validation.execution.solve import Prediction
 from validation.measurements.measurement import has_square_cells
 from validation.report.quantities import as_length, in_prefixed_unit
 from validation.scenes.checks import check_scene
@@ -27,7 +28,7 @@ from validation.scenes.grids import affordable, usual_grids
 from validation.scenes.problem import ContactProblem, realise
 from validation.scenes.scene import Scene
 from validation.scenes.surfaces import Expected
-from validation.scenes.sweep import Sweep, SweptKey
+from validation.scenes.sweep import Sweep
 from validation.solvers import Solver, methods
 from validation.solvers.theory import theory_words
 from validation.units import alike
@@ -177,38 +178,41 @@ def solves_of_sweep(sweep: Sweep, cases: Sequence[ContactProblem]) -> tuple[Pres
 
 @dataclass(frozen=True, kw_only=True)
 class SweepExplanation:
-    """What a sweep runs: each of its `cases` by its values, and the `solves` they share of those `asked`."""
+    """What a sweep runs: each of its `cases`, and what the solves that they share will take."""
 
-    name: str
-    mode: str
-    keys: tuple[SweptKey, ...]
-    cases: tuple[tuple[str, Explanation], ...]
-    solves: int
-    asked: int
-    seconds: float
-    peak_bytes: int
+    sweep: Sweep
+    cases: tuple[Explanation, ...]
+    costs: tuple[Prediction, ...]
 
     def summary(self) -> dict[str, Any]:
         """Return everything as JSON-ready data."""
-        cases = [{"case": place, **case.summary()} for place, case in self.cases]
-        return {**vars(self), "keys": [asdict(key) for key in self.keys], "cases": cases}
+        return {
+            "name": self.sweep.name,
+            "mode": self.sweep.mode,
+            "keys": [asdict(key) for key in self.sweep.keys],
+            "cases": [{"case": self.sweep.place(k), **case.summary()} for k, case in enumerate(self.cases)],
+            "solves": len(self.costs),
+            "asked": sum(grid.solves for case in self.cases for grid in case.grids),
+            "seconds": sum(cost.seconds for cost in self.costs),
+            "peak_bytes": max((cost.peak_bytes for cost in self.costs), default=0),
+        }
 
     def parts(self) -> Iterator[Any]:
         """Yield what the command line prints, in order: the sum, then the first and the last case."""
-        joined = "every combination of" if self.mode == "product" else "side by side"
-        named = ", ".join(f"{key.key} ({len(key.values)} values)" for key in self.keys)
-        yield f"Sweep of scene {self.name}: {len(self.cases)} cases, {joined} {named}"
+        whole, last = self.summary(), len(self.cases) - 1
+        joined = "every combination of" if self.sweep.mode == "product" else "side by side"
+        named = ", ".join(f"{key.key} ({len(key.values)} values)" for key in self.sweep.keys)
+        yield f"Sweep of scene {self.sweep.name}: {len(self.cases)} cases, {joined} {named}"
         yield (
-            f"{self.solves} solves; {self.asked - self.solves} more are shared between cases: about "
-            f"{self.seconds:.2g} s one after the other and {self.peak_bytes / 2**20:.3g} MiB at most (meant "
-            "to be right within a factor of 2); start and page take seconds more."
+            f"{whole['solves']} solves; {whole['asked'] - whole['solves']} more are shared between cases: "
+            f"about {whole['seconds']:.2g} s one after the other and {whole['peak_bytes'] / 2**20:.3g} MiB "
+            "at most (meant to be right within a factor of 2); start and page take seconds more."
         )
-        ends = self.cases[:1] if len(self.cases) == 1 else (self.cases[0], self.cases[-1])
-        if len(self.cases) > 2:
+        if last > 1:
             yield "The first and the last of them:"
-        for place, case in ends:
-            yield f"\nCase {place}:"
-            yield from case.parts()
+        for k in sorted({0, last}):
+            yield f"\nCase {self.sweep.place(k)}:"
+            yield from self.cases[k].parts()
 
 
 def explain_sweep(sweep: Sweep) -> SweepExplanation:
@@ -216,21 +220,9 @@ def explain_sweep(sweep: Sweep) -> SweepExplanation:
 
     A UsageError for a scene that cannot be run, naming the values at which it cannot.
     """
-    cases = problems_of(sweep, surveyed=True)
-    solves = solves_of_sweep(sweep, cases)
-    pair = transform_seconds()
-    costs = [solve.predict(pair_seconds=pair) for solve in solves]
-    each = [explain(scene, case) for scene, case in zip(sweep.scenes, cases, strict=True)]
-    return SweepExplanation(
-        name=sweep.name,
-        mode=sweep.mode,
-        keys=sweep.keys,
-        cases=tuple((sweep.place(k), one) for k, one in enumerate(each)),
-        solves=len(solves),
-        asked=sum(grid.solves for one in each for grid in one.grids),
-        seconds=sum(cost.seconds for cost in costs),
-        peak_bytes=max((cost.peak_bytes for cost in costs), default=0),
-    )
+    problems, pair = problems_of(sweep, surveyed=True), transform_seconds()
+    costs = tuple(solve.predict(pair_seconds=pair) for solve in solves_of_sweep(sweep, problems))
+    return SweepExplanation(sweep=sweep, cases=tuple(map(explain, sweep.scenes, problems)), costs=costs)
 
 
 def judgements(scene: Scene, problem: ContactProblem) -> tuple[tuple[Judgement, ...], tuple[Judgement, ...]]:

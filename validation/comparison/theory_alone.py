@@ -79,8 +79,8 @@ def _at_load(answer: Answer, inputs: TheoryInputs, problem: ContactProblem) -> x
 def theory_views(data: xr.Dataset) -> Views:
     """Return what is shown of the theory alone."""
     line: Any = {"by": "load", "look": {"marker": ""}}
-    area = [Line(y="magnified_area", **line)]
-    area += [Line(y="magnified_area_plastic", by="load", look={"marker": "", "ls": ":"})]
+    yielded = Line(y="magnified_area_plastic", by="load", look={"marker": "", "ls": ":"})
+    area = [Line(y="magnified_area", **line), yielded]
     flat = Level(y="work", label="flat surfaces", look={"color": "#666666"})
     figures = [
         Figure(
