@@ -21,7 +21,6 @@ from validation.comparison.reductions import Case, Reading, grid_name, is_adhesi
 from validation.comparison.subsurface_stress import below
 from validation.comparison.transport import passing
 from validation.comparison.treatment import about
-from validation.effects.base import ContactModel
 from validation.errors import RunFailed
 from validation.execution.press import Press
 from validation.measurements.measurement import TOLERANCES_LEFT, limit_over, no_limit
@@ -408,9 +407,8 @@ def in_numbers(data: xr.Dataset, case: Case) -> xr.Dataset:
     some = bool(result.in_contact.any()) and not bool(result.in_contact.all())
     # The stiffness of a contact set is exact where points weigh alike on an elastic response.
     if some and result.weights is None and not is_adhesive(last.effects) and not last.solver.sinks:
-        response = ContactModel.filled(last.problem.elastic, last.effects).felt_response
         for row, result in zip(rows, results, strict=True):
-            stiffness = frozen_contact(result, response, tolerance=1e-6).stiffness
+            stiffness = frozen_contact(result, last.response, tolerance=1e-6).stiffness
             row["stiffness"] = stiffness * height / result.mean_pressure
     for name, value in rows[-1].items():
         data[name] = xr.DataArray(value)

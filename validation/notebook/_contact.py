@@ -15,7 +15,6 @@ from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.contact import ContactResult
 from validation.comparison.numbers import scene_data
 from validation.comparison.reductions import grid_name
-from validation.effects.base import ContactModel
 from validation.errors import NoLimit, UsageError
 from validation.execution.press import Press, solves_of
 from validation.notebook._tables import GridLike, as_html, checked, fast_grid, grids_of, map_of, on_places
@@ -191,8 +190,7 @@ class Contact:
             raise UsageError(
                 f"below: method {self.solve.method!r} meshes its body; write its own stress with to_vtu(...)"
             )
-        model = ContactModel.filled(self.problem.elastic, self.scene.effects)
-        return fields_below(self.result, model.felt_response, depths=depths)
+        return fields_below(self.result, self.solve.response, depths=depths)
 
     def to_vtu(self, path: str | Path) -> Path:
         """Write the stress in the solid for ParaView or pyvista: of the block, or else below the contact.
