@@ -8,7 +8,7 @@ from typing import Annotated, Self
 from pydantic import BeforeValidator, Field, StrictBool, model_validator
 
 from validation.report.quantities import as_length
-from validation.units import MOST_ITEMS, Pressure, Table, pair_of, quantity, wrong
+from validation.units import MOST_ITEMS, Pressure, Table, key, pair_of, quantity, wrong
 
 Resistivity = Annotated[float, quantity("ohm m", "resistivity", "1.7e-8 ohm m"), Field(gt=0)]
 Conductivity = Annotated[float, quantity("W/(m K)", "thermal conductivity", "400 W/(m K)"), Field(gt=0)]
@@ -19,37 +19,35 @@ Depth = Annotated[float, quantity("m", "length", "1 um"), Field(ge=0)]
 class Electrical(Table):
     """Electrical conductance of the contact: all current passes through the spots."""
 
-    resistivity: Annotated[tuple[Resistivity, Resistivity], BeforeValidator(pair_of)] = Field(
-        description='of the solid and of the rough body, or one for both, e.g. "1.7e-8 ohm m"'
+    resistivity: Annotated[tuple[Resistivity, Resistivity], BeforeValidator(pair_of)] = key(
+        'of the solid and of the rough body, or one for both, e.g. "1.7e-8 ohm m"'
     )
 
 
 class Thermal(Table):
     """Thermal conductance of the contact: all heat passes through the spots."""
 
-    conductivity: Annotated[tuple[Conductivity, Conductivity], BeforeValidator(pair_of)] = Field(
-        description='of the solid and of the rough body, or one for both, e.g. "400 W/(m K)"'
+    conductivity: Annotated[tuple[Conductivity, Conductivity], BeforeValidator(pair_of)] = key(
+        'of the solid and of the rough body, or one for both, e.g. "400 W/(m K)"'
     )
 
 
 class Leak(Table):
     """Flow of a thin viscous film through the gap."""
 
-    viscosity: Viscosity = Field(description='of the fluid, e.g. "1 mPa s"')
-    pressure_drop: Pressure = Field(description='of the fluid over one period, e.g. "0.1 MPa"')
+    viscosity: Viscosity = key('of the fluid, e.g. "1 mPa s"')
+    pressure_drop: Pressure = key('of the fluid over one period, e.g. "0.1 MPa"')
 
 
 class Subsurface(Table):
     """Displacement and stress of the solid below the contact."""
 
-    depths: Annotated[tuple[Depth, ...], Field(min_length=2, max_length=MOST_ITEMS)] | None = Field(
-        default=None,
-        description='distances from the surface, rising, e.g. ["0 um", "1 um"]; default: from half a cell '
+    depths: Annotated[tuple[Depth, ...], Field(min_length=2, max_length=MOST_ITEMS)] | None = key(
+        'distances from the surface, rising, e.g. ["0 um", "1 um"]; default: from half a cell '
         "to the period or the base, each a quarter deeper",
+        None,
     )
-    vtu: StrictBool = Field(
-        default=False, description="write displacement and stress as fields/...-below.vtu"
-    )
+    vtu: StrictBool = key("write displacement and stress as fields/...-below.vtu", False)
 
     @model_validator(mode="after")
     def _rising(self) -> Self:

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field, StrictBool, StrictInt, model_validator
 
 from validation.errors import UsageError
-from validation.units import Memory, Table, wrong
+from validation.units import Memory, Table, key, wrong
 
 
 def _inside(path: Path) -> Path:
@@ -32,18 +32,14 @@ class RunOptions(Table):
     a scheduler, and folders outside, are named on the command line alone.
     """
 
-    workers: Annotated[StrictInt, Field(ge=1, le=4096)] = Field(
-        default=1, description="local processes, e.g. 4; 1 runs everything in the process itself"
+    workers: Annotated[StrictInt, Field(ge=1, le=4096)] = key(
+        "local processes, e.g. 4; 1 runs everything in the process itself", 1
     )
-    memory: Memory | None = Field(default=None, description='memory for all solves, e.g. "4 GiB"')
-    store: Inside | None = Field(
-        default=None, description='folder of finished solves, shared between runs, e.g. "results/solves"'
-    )
-    output: Inside | None = Field(
-        default=None, description='results folder, e.g. "results/mine"; default: results/<name>'
-    )
-    quiet: StrictBool = Field(default=False, description="no progress bar")
-    pictures: StrictBool = Field(default=False, description="3-D pictures in the report")
+    memory: Memory | None = key('memory for all solves, e.g. "4 GiB"', None)
+    store: Inside | None = key('folder of finished solves, shared between runs, e.g. "results/solves"', None)
+    output: Inside | None = key('results folder, e.g. "results/mine"; default: results/<name>', None)
+    quiet: StrictBool = key("no progress bar", False)
+    pictures: StrictBool = key("3-D pictures in the report", False)
 
     @model_validator(mode="before")
     @classmethod

@@ -25,6 +25,7 @@ from validation.units import (
     Temperature,
     Tension,
     exactly_one,
+    key,
     quantity,
     unit,
     within,
@@ -48,13 +49,11 @@ def _one_line(text: str) -> str:
 class Title(Table):
     """What the scene is called. These keys stand above the first table."""
 
-    name: str = Field(
-        min_length=1,
-        pattern=NAME,
-        description='names the results folder, e.g. "mine"; default: that of the file',
+    name: str = key(
+        'names the results folder, e.g. "mine"; default: that of the file', min_length=1, pattern=NAME
     )
-    title: Annotated[str, AfterValidator(_one_line)] = Field(
-        default="", max_length=200, description='heads the report, e.g. "Ground steel on glass"'
+    title: Annotated[str, AfterValidator(_one_line)] = key(
+        'heads the report, e.g. "Ground steel on glass"', "", max_length=200
     )
 
 
@@ -65,17 +64,14 @@ class RandomSurface(Table):
     """What random periodic surfaces share: waves between lambda_long and lambda_short in one period."""
 
     kind: str
-    length: Lengths = Field(description='period L, or [Lx, Ly], e.g. "100 um"')
-    lambda_long: Length = Field(
-        description='longest wavelength of the self-affine range, or of all waves, e.g. "50 um"'
+    length: Lengths = key('period L, or [Lx, Ly], e.g. "100 um"')
+    lambda_long: Length = key('longest wavelength of the self-affine range, or of all waves, e.g. "50 um"')
+    lambda_short: Length = key('shortest wavelength, e.g. "5 um"')
+    amplitudes: Literal["exact", "gaussian"] = key(
+        "of the waves: those of C(q), or drawn about them", "exact"
     )
-    lambda_short: Length = Field(description='shortest wavelength, e.g. "5 um"')
-    amplitudes: Literal["exact", "gaussian"] = Field(
-        default="exact", description="of the waves: those of C(q), or drawn about them"
-    )
-    seed: Annotated[StrictInt, Field(ge=0, lt=2**63)] | None = Field(
-        default=None,
-        description="whole number that names the realisation, e.g. 7; every solver needs it, the theory none",
+    seed: Annotated[StrictInt, Field(ge=0, lt=2**63)] | None = key(
+        "whole number that names the realisation, e.g. 7; every solver needs it, the theory none", None
     )
 
     @model_validator(mode="after")
@@ -109,20 +105,18 @@ class SelfAffineSurface(RandomSurface):
 
     meant: ClassVar[Mapping[str, str]] = {"lay": "stretch", "anisotropy": "stretch"}
 
-    kind: Literal["self-affine"] = Field(description=_KIND)
-    hurst: Number = Field(ge=0, le=1, description="Hurst exponent H, in [0, 1], e.g. 0.8")
-    rms_gradient: Ratio | None = Field(
-        default=None, description="h'_rms of C(q), both directions together, e.g. 0.1"
+    kind: Literal["self-affine"] = key(_KIND)
+    hurst: Number = key("Hurst exponent H, in [0, 1], e.g. 0.8", ge=0, le=1)
+    rms_gradient: Ratio | None = key("h'_rms of C(q), both directions together, e.g. 0.1", None)
+    rms_height: Length | None = key('h_rms of C(q), e.g. "0.5 um"', None)
+    rolloff: Literal["sharp", "smooth", "plateau"] = key(
+        "C(q) beyond lambda_long: none, bent over smoothly, or constant", "sharp"
     )
-    rms_height: Length | None = Field(default=None, description='h_rms of C(q), e.g. "0.5 um"')
-    rolloff: Literal["sharp", "smooth", "plateau"] = Field(
-        default="sharp", description="C(q) beyond lambda_long: none, bent over smoothly, or constant"
-    )
-    stretch: Number | None = Field(
-        default=None,
+    stretch: Number | None = key(
+        "lay of a ground surface: waves along x are so many times longer than across, e.g. 4",
+        None,
         ge=1,
         le=50,
-        description="lay of a ground surface: waves along x are so many times longer than across, e.g. 4",
     )
 
     @model_validator(mode="after")
@@ -139,12 +133,12 @@ class SelfAffineSurface(RandomSurface):
 class CapillarySurface(RandomSurface):
     """Frozen capillary waves, C(q) ~ 1 / (q^2 + q^4/q_bend^2); `surfaces` equal ones add up, wave by wave."""
 
-    kind: Literal["capillary-waves"] = Field(description=_KIND)
-    temperature: Temperature = Field(description='at which they froze: the glass transition, e.g. "370 K"')
-    surface_tension: Tension = Field(description='of the melt, e.g. "0.04 J/m^2"')
-    lambda_bend: Length = Field(description="wavelength below which bending stiffness suppresses the waves")
-    surfaces: Annotated[StrictInt, Field(ge=1, le=1000)] = Field(
-        default=1, description="equal surfaces of the same material that touch, e.g. 2"
+    kind: Literal["capillary-waves"] = key(_KIND)
+    temperature: Temperature = key('at which they froze: the glass transition, e.g. "370 K"')
+    surface_tension: Tension = key('of the melt, e.g. "0.04 J/m^2"')
+    lambda_bend: Length = key("wavelength below which bending stiffness suppresses the waves")
+    surfaces: Annotated[StrictInt, Field(ge=1, le=1000)] = key(
+        "equal surfaces of the same material that touch, e.g. 2", 1
     )
 
 
@@ -161,16 +155,14 @@ class SpectrumSurface(RandomSurface):
     Between neighbours in the table C(q) is a power law.
     """
 
-    kind: Literal["spectrum"] = Field(description=_KIND)
-    path: Path = Field(description='file of two columns, q and C, relative to the scene file, e.g. "psd.csv"')
-    units: SpectrumUnits | None = Field(
-        default=None, description='units of the columns, e.g. ["1/um", "um^4"]; default: SI'
+    kind: Literal["spectrum"] = key(_KIND)
+    path: Path = key('file of two columns, q and C, relative to the scene file, e.g. "psd.csv"')
+    units: SpectrumUnits | None = key('units of the columns, e.g. ["1/um", "um^4"]; default: SI', None)
+    power: Literal["C", "areal-psd"] = key(
+        "the second column: C(q), or the areal PSD of other communities, (2 pi)^2 C", "C"
     )
-    power: Literal["C", "areal-psd"] = Field(
-        default="C", description="the second column: C(q), or the areal PSD of other communities, (2 pi)^2 C"
-    )
-    lambda_long: Length = Field(description='longest wave, e.g. "50 um"; default: that of the table')
-    lambda_short: Length = Field(description='shortest wave, e.g. "5 um"; default: that of the table')
+    lambda_long: Length = key('longest wave, e.g. "50 um"; default: that of the table')
+    lambda_short: Length = key('shortest wave, e.g. "5 um"; default: that of the table')
 
 
 def _one_of_unit(value: object) -> object:
@@ -184,48 +176,44 @@ class FileSurface(Table):
     They are levelled, filled and made periodic, in this order, as the table says.
     """
 
-    kind: Literal["file"] = Field(description=_KIND)
-    path: Path = Field(description='file of heights, relative to the scene file, e.g. "afm.txt"')
-    more_paths: tuple[Path, ...] = Field(
-        default=(),
-        description="files of further maps of the same surface, of the same size, which an ensemble presses, "
+    kind: Literal["file"] = key(_KIND)
+    path: Path = key('file of heights, relative to the scene file, e.g. "afm.txt"')
+    more_paths: tuple[Path, ...] = key(
+        "files of further maps of the same surface, of the same size, which an ensemble presses, "
         'too, e.g. ["b.txt"]; default: none',
+        (),
     )
-    second_path: Path | None = Field(
-        default=None,
-        description="file of the other body as it was measured, of the same size and points, which is turned "
+    second_path: Path | None = key(
+        "file of the other body as it was measured, of the same size and points, which is turned "
         'over along x and added, e.g. "seat.txt"; default: the other body is smooth',
+        None,
     )
-    length: Lengths = Field(description='size L, or [Lx, Ly], e.g. "100 um"; default: what the file says')
-    unit: Annotated[Length | None, BeforeValidator(_one_of_unit)] = Field(
-        default=None, description='unit of the heights, e.g. "nm"; default: what the file says'
+    length: Lengths = key('size L, or [Lx, Ly], e.g. "100 um"; default: what the file says')
+    unit: Annotated[Length | None, BeforeValidator(_one_of_unit)] = key(
+        'unit of the heights, e.g. "nm"; default: what the file says', None
     )
-    tilt: Literal["keep", "plane", "quadratic"] | None = Field(
-        default=None, description="what to take out before anything else; default: nothing"
+    tilt: Literal["keep", "plane", "quadratic"] | None = key(
+        "what to take out before anything else; default: nothing", None
     )
-    missing: Literal["refuse", "nearest", "harmonic"] = Field(
-        default="refuse", description="what to do with points without a height"
+    missing: Literal["refuse", "nearest", "harmonic"] = key(
+        "what to do with points without a height", "refuse"
     )
-    spikes: Literal["keep", "clip"] = Field(
-        default="keep",
-        description="what to do with heights more than 6 standard deviations of the middle half away, and "
+    spikes: Literal["keep", "clip"] = key(
+        "what to do with heights more than 6 standard deviations of the middle half away, and "
         "with single points that many steps above or below all their neighbours",
+        "keep",
     )
-    lambda_short: Length | None = Field(
-        default=None,
-        description='waves shorter than this are taken out as noise, e.g. "50 nm"; default: none',
+    lambda_short: Length | None = key(
+        'waves shorter than this are taken out as noise, e.g. "50 nm"; default: none', None
     )
-    edges: Literal["periodic", "tukey", "hann", "free"] | None = Field(
-        default=None,
-        description="taper that makes it periodic, not needed where opposite edges match; 'free' with the "
+    edges: Literal["periodic", "tukey", "hann", "free"] | None = key(
+        "taper that makes it periodic, not needed where opposite edges match; 'free' with the "
         "effect 'free-boundary': one patch with its edges",
+        None,
     )
-    margin: Ratio = Field(
-        default=0.1, gt=0, le=0.5, description="share of each side over which a tukey taper falls, e.g. 0.2"
-    )
-    treatment: bool | None = Field(
-        default=None,
-        description="whether a run also treats the map otherwise; default: where that is cheap",
+    margin: Ratio = key("share of each side over which a tukey taper falls, e.g. 0.2", 0.1, gt=0, le=0.5)
+    treatment: bool | None = key(
+        "whether a run also treats the map otherwise; default: where that is cheap", None
     )
 
     @model_validator(mode="after")
@@ -254,13 +242,13 @@ class SolidSpec(Table):
     with both roughnesses (Persson 2006, Eq. 5).
     """
 
-    young: Pressure = Field(description='Young\'s modulus, e.g. "1 GPa"')
-    poisson: Number = Field(gt=-1, le=0.5, description="Poisson ratio, in (-1, 0.5], e.g. 0.3")
-    second_young: Pressure | None = Field(
-        default=None, description='Young\'s modulus of the rough body, e.g. "200 GPa"; default: rigid'
+    young: Pressure = key('Young\'s modulus, e.g. "1 GPa"')
+    poisson: Number = key("Poisson ratio, in (-1, 0.5], e.g. 0.3", gt=-1, le=0.5)
+    second_young: Pressure | None = key(
+        'Young\'s modulus of the rough body, e.g. "200 GPa"; default: rigid', None
     )
-    second_poisson: Number | None = Field(
-        default=None, gt=-1, le=0.5, description="Poisson ratio of the rough body, in (-1, 0.5], e.g. 0.25"
+    second_poisson: Number | None = key(
+        "Poisson ratio of the rough body, in (-1, 0.5], e.g. 0.25", None, gt=-1, le=0.5
     )
 
     @model_validator(mode="after")
@@ -293,11 +281,11 @@ _OneOrSeveral = Annotated[
 class Ensemble(Table):
     """Further realisations of the same C(q), by boundary elements, for the scatter between surfaces."""
 
-    realisations: Annotated[StrictInt, Field(ge=2, le=_MOST_REALISATIONS)] = Field(
-        description="how many surfaces, that of the scene included, e.g. 8"
+    realisations: Annotated[StrictInt, Field(ge=2, le=_MOST_REALISATIONS)] = key(
+        "how many surfaces, that of the scene included, e.g. 8"
     )
-    grids: Annotated[Grids, Field(min_length=2)] = Field(
-        description="surface points, e.g. [32, 64]; default: 4 and 8 on the shortest wave"
+    grids: Annotated[Grids, Field(min_length=2)] = key(
+        "surface points, e.g. [32, 64]; default: 4 and 8 on the shortest wave"
     )
 
 
@@ -312,19 +300,14 @@ class Load(Table):
     loads may be given, and with adhesion a load may be 0.
     """
 
-    pressure: _OneOrSeveral[_Pressure] | None = Field(
-        default=None, description='nominal pressure p0, e.g. "10 MPa"'
+    pressure: _OneOrSeveral[_Pressure] | None = key('nominal pressure p0, e.g. "10 MPa"', None)
+    reduced_pressure: _OneOrSeveral[_Ratio] | None = key("p* = p0 / (E* h'_rms), e.g. 0.05", None)
+    force: Force | None = key('p0 times the nominal area, e.g. "10 mN"', None)
+    mean_gap: Annotated[float, quantity("m", "length", "50 nm"), Field(ge=0)] | None = key(
+        'mean gap that is held, e.g. "50 nm"', None
     )
-    reduced_pressure: _OneOrSeveral[_Ratio] | None = Field(
-        default=None, description="p* = p0 / (E* h'_rms), e.g. 0.05"
-    )
-    force: Force | None = Field(default=None, description='p0 times the nominal area, e.g. "10 mN"')
-    mean_gap: Annotated[float, quantity("m", "length", "50 nm"), Field(ge=0)] | None = Field(
-        default=None, description='mean gap that is held, e.g. "50 nm"'
-    )
-    offset: Annotated[float, quantity("m", "length", "400 nm")] | None = Field(
-        default=None,
-        description='distance of the mean planes before deformation that is held, e.g. "400 nm"; -approach',
+    offset: Annotated[float, quantity("m", "length", "400 nm")] | None = key(
+        'distance of the mean planes before deformation that is held, e.g. "400 nm"; -approach', None
     )
 
     @model_validator(mode="after")
