@@ -176,10 +176,8 @@ def _finest(data: xr.Dataset) -> xr.Dataset:
 
 def _findings(data: xr.Dataset) -> list[Finding]:
     """Say what was found, the most asked-for first; what finds no place among six stands in the tables."""
-    findings = (
-        [finding("refusal", "Not all solves succeeded: {failures}.", data)] if "failures" in data else []
-    )
-    findings += [*_area(data), *treatment_findings(data), *_theory(data)]
+    failed = [finding("refusal", "Not all solves succeeded: {failures}.", data)] if "failures" in data else []
+    findings = [*failed, *_area(data), *treatment_findings(data), *_theory(data)]
     if warnings := list(_warnings(data)):
         # One of several sentences, so that none is lost.
         form = " ".join(warning.form for warning in warnings)
@@ -214,10 +212,8 @@ def _area(data: xr.Dataset) -> Iterator[Finding]:
     yield finding("value", text, derived)
     if float(data.surfaces) > 1:
         which = "maps" if data.attrs.get("treatment") else "surfaces of this spectrum"
-        text = (
-            f"Over {{surfaces}} {which} the mean is A/A0 = {{area}}; single ones scatter by {{scatter:.2%}}."
-        )
-        yield finding("value", text, data)
+        text = f"Over {{surfaces}} {which} the mean is A/A0 = {{area}}; single ones scatter by "
+        yield finding("value", text + "{scatter:.2%}.", data)
     elif "treatment" in data.attrs and not data.attrs["treatment"]:
         yield note("One surface: without an ensemble the scatter between surfaces is unknown.")
 
@@ -257,13 +253,9 @@ def _edges(data: xr.Dataset) -> Iterator[Finding]:
         good = np.flatnonzero((here.resolved.values > 0) & here.area_pixel_off.notnull().values)
         if good.size > 1:
             first, last = (here.isel(grid=int(g)) for g in (good[0], good[-1]))
-            rows.append(
-                {
-                    "method": Value(value=_label(data, k)),
-                    "last": Value(value=float(last.area_pixel_off)),
-                    **{n: value_of(first, n) for n in ("grid", "area_pixel_off", "area_perimeter_off")},
-                }
-            )
+            row = {n: value_of(first, n) for n in ("grid", "area_pixel_off", "area_perimeter_off")}
+            row |= {"last": Value(value=float(last.area_pixel_off)), "method": Value(value=_label(data, k))}
+            rows.append(row)
     if rows:
         yield Finding(
             kind="value",

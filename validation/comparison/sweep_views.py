@@ -123,12 +123,10 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
     if "failures" in data:
-        yield note(
-            "In {failed} of {cases} cases solves failed: {why}.",
-            failed=float((data.failures != "").sum()),
-            cases=float(data.failures.size),
-            why="; ".join(dict.fromkeys(filter(None, data.failures.values.ravel().tolist()))),
-        )
+        why = list(filter(None, data.failures.values.ravel().tolist()))
+        count = {"failed": float(len(why)), "cases": float(data.failures.size)}
+        words = "; ".join(dict.fromkeys(why))
+        yield note("In {failed} of {cases} cases solves failed: {why}.", why=words, **count)
     for key in _varying(data):
         yield from _along(data, key)
     if "area_excess" in data and bool(data.area_excess.notnull().any()):
@@ -142,15 +140,9 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
             count=float(excess.notnull().sum()),
         )
     yield from treatment_findings(data)
-    if "no_limit" in data and bool((data.no_limit != "").any()):
-        why = next(str(words) for words in data.no_limit.values.ravel() if words)
-        missing = float((data.no_limit != "").sum())
-        yield note(
-            "In {missing} of {cases} cases the grids tell no limit: {why}.",
-            missing=missing,
-            cases=float(data.no_limit.size),
-            why=why,
-        )
+    if "no_limit" in data and (why := list(filter(None, data.no_limit.values.ravel().tolist()))):
+        count = {"missing": float(len(why)), "cases": float(data.no_limit.size)}
+        yield note("In {missing} of {cases} cases the grids tell no limit: {why}.", why=why[0], **count)
     if "area" in data and not _several(data) and not any(_is_seed(data, key) for key in _keys(data)):
         yield note("Every case is one surface: the scatter between surfaces is unknown.")
     if any(data[key].attrs["key"] == "surface.hurst" for key in _varying(data)):
@@ -163,12 +155,10 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
             "solid."
         )
     if int(data.attrs.get("solves", 0)):
-        shared = float(data.attrs["asked"] - data.attrs["solves"])
-        more = "; {shared} more were asked for by several cases and done once" if shared else ""
-        form = f"Cases: {{cases}}; solves: {{solves}}{more}."
-        yield finding(
-            "cost", form, cases=float(data.attrs["cases"]), solves=float(data.attrs["solves"]), shared=shared
-        )
+        cases, solves, asked = (float(data.attrs[name]) for name in ("cases", "solves", "asked"))
+        form = "Cases: {cases}; solves: {solves}"
+        form += "[; {shared} more were asked for by several cases and done once]."
+        yield finding("cost", form, cases=cases, solves=solves, shared=asked - solves or math.nan)
 
 
 def _is_seed(data: xr.Dataset, key: str) -> bool:

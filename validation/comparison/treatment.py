@@ -48,18 +48,15 @@ def with_treatment(
         return data
     rows = []
     for solve in (own, *others):
-        areas = areas_of_solve(solve, results[solve])
+        areas, field = areas_of_solve(solve, results[solve]), solve.problem.field
         area = areas.perimeter if areas.subcell is None else areas.subcell
-        rows.append((area, solve.problem.field.rms_gradient, solve.problem.field.rms_height))
-    changes = np.array(rows[1:]) / np.array(rows[0]) - 1
-    data = data.assign_coords(variation=[solve.problem.variation for solve in others]).assign(
-        {name: ("variation", values) for name, values in zip(_CHANGES, changes.T, strict=True)}
-    )
-    return data.assign(
-        solve_variation=("variation", [solve.key for solve in others]),
-        treatment_spread=xr.DataArray(float(np.sqrt(np.sum(changes[:, 0] ** 2)))),
-        treatment_grid=own.label,
-    )
+        rows.append((area, field.rms_gradient, field.rms_height))
+    changes = np.transpose(np.array(rows[1:]) / np.array(rows[0]) - 1)
+    made = zip((*_CHANGES, "solve_variation"), (*changes, [solve.key for solve in others]), strict=True)
+    data = data.assign_coords(variation=[solve.problem.variation for solve in others])
+    data = data.assign({name: ("variation", values) for name, values in made})
+    spread = float(np.sqrt(np.sum(changes[0] ** 2)))
+    return data.assign(treatment_spread=xr.DataArray(spread), treatment_grid=own.label)
 
 
 def treatment_table(data: xr.Dataset, *cases: str) -> Iterator[Table]:
@@ -100,8 +97,7 @@ def treatment_findings(data: xr.Dataset) -> Iterator[Finding]:
         case = data.isel(data.treatment_spread.argmax(...))
         worst = case.isel(variation=int(np.argmax(np.abs(case.treated_area_change.values))))
         form = f"Other treatments of the map move the area by {'at most ' * bool(data.treatment_spread.ndim)}"
-        form += "{treatment_spread:.2%} together, most of it "
-        form += "{variation}: {treated_area_change:+.2%}."
+        form += "{treatment_spread:.2%} together, most of it {variation}: {treated_area_change:+.2%}."
         yield finding("value", form, worst)
     elif "premise" in data.attrs:
         yield note(

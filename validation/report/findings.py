@@ -206,6 +206,7 @@ def finding(
         data = data.squeeze([dim for dim, n in data.sizes.items() if n == 1 and dim not in over])
     values = {n: v if isinstance(v, Value) else Value(value=v) for n, v in more.items()}
     form = _OPTIONAL.sub(lambda part: _said(part[1], data, values), form)
+    values = {n: value for n, value in values.items() if known(value.value) or _named(n, form, item, by)}
     here = {} if data is None else values_of(data, lambda name: _named(name, form, item, by))
     asked = {part[1] for text in (form, item) for part in Formatter().parse(text) if part[1]}
     if kind not in KINDS or ("verdict" in asked and not (by and KINDS[kind][0])):
@@ -219,8 +220,8 @@ def finding(
         for place in each(data[shown], *over):
             names = [str(n) for n, v in place.variables.items() if v.ndim == 0 and _named(str(n), item, by)]
             rows.append({n: value_of(place, n) for n in names if n not in here})
-    known = {*here, *values, *(rows[0] if rows else ()), "verdict", "each"}
-    absent = sorted({*asked, by} - known - {""}) if rows or not item else []
+    there = {*here, *values, *(rows[0] if rows else ()), "verdict", "each"}
+    absent = sorted({*asked, by} - there - {""}) if rows or not item else []
     if absent:
         raise UsageError(f"finding {form!r}: no single number {', '.join(absent)} at a place over {over}")
     return Finding(
@@ -277,15 +278,13 @@ def ranking(form: str, ranked: Mapping[str, Value]) -> Finding:
     'Distance to the simulation: Xu 0.130 +- 0.020 < Persson 0.300 +- 0.020.'
     """
     order = sorted(ranked.items(), key=lambda one: float(one[1].value))
-    sources = {value.sources for _, value in order}
-    text = ""
-    for k, (name, value) in enumerate(order):
-        if k:
-            last = order[k - 1][1]
+    sources, text, last = {value.sources for _, value in order}, "", None
+    for name, value in order:
+        if last is not None:
             error = math.hypot(last.error or 0.0, value.error or 0.0)
-            apart = float(value.value) - float(last.value) > error
-            text += " < " if apart else " = "
+            text += " < " if float(value.value) - float(last.value) > error else " = "
         text += f"{name} {replace(value, sources='') if len(sources) == 1 else value}"
+        last = value
     if len(sources) == 1 and any(sources):
         text += f" (95 %: {sources.pop()})"
     rows = tuple({"name": Value(value=name), "value": value} for name, value in order)
