@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     from fem_contact.patches import Patches
     from fem_contact.subsurface import Subsurface
-    from validation.report.drawing import Drawing
+    from validation.report.marks import Drawing
 
 #: Points per shortest wave of the grids that a limit is taken over unless some are given.
 _LADDER = (4.0, 6.0, 8.0)

@@ -45,7 +45,7 @@ _ROUNDING = 1e-24
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from validation.report.drawing import Drawing
+    from validation.report.marks import Drawing
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

@@ -6,19 +6,22 @@ marks. `draw` returns with the figure what was drawn of which slice, so that a t
 
 from __future__ import annotations
 
+import html
 import itertools
 import re
+import tempfile
 import textwrap
 from collections import ChainMap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import xarray as xr
 
 from validation.errors import UsageError
-from validation.report.drawing import Drawing, Drawn
+from validation.files import atomic_path
 from validation.report.estimates import each, optional, shown_sources, total_error
 from validation.report.quantities import (
     Quantity,
@@ -30,10 +33,12 @@ from validation.report.quantities import (
     registry,
     written_unit,
 )
+from validation.report.table import write_dataset
 from validation.report.words import mathtext
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Canvas
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,6 +118,40 @@ class Figure:
     height: float = 3.7
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Drawn:
+    """One thing that was drawn: artist, axes, mark, and the slice it shows."""
+
+    artist: Any
+    axes: Any
+    mark: Any
+    x: str
+    data: xr.Dataset
+    label: str
+    factors: tuple[float, float]
+    look: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Drawing:
+    """One figure of a report, called as its files: what is drawn, every number in it, and a caption."""
+
+    name: str
+    figure: Canvas
+    data: xr.Dataset
+    caption: str
+    drawn: tuple[Drawn, ...] = ()
+
+    def _repr_html_(self) -> str:
+        from validation.report.figure import embeddable, save_figure
+
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "figure.svg"
+            save_figure(self.figure, path)
+            svg = embeddable(path.read_text(encoding="utf-8"), self.name, words=self.caption)
+        return f"<figure>{svg}<figcaption>{html.escape(self.caption)}</figcaption></figure>"
+
+
 def against(x: str, *names: str, by: tuple[str, ...] | str = (), log: str = "") -> Panel:
     """Return the plainest panel: a line for each variable, or for each place along `by` in it."""
     return Panel(marks=[Line(y=name, by=by) for name in names], x=x, log=log)
@@ -171,6 +210,24 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawi
         caption=_caption(figure.caption, drawn),
         drawn=tuple(drawn),
     )
+
+
+def write_drawing(drawing: Drawing, folder: Path) -> tuple[Path, ...]:
+    """Write a figure and its data into a folder; return the files, SVG first."""
+    import netCDF4
+    from xarray.backends import NetCDF4DataStore
+
+    from validation.report.figure import save_figure
+
+    svg, pdf, table, data = (folder / f"{drawing.name}.{suffix}" for suffix in ("svg", "pdf", "csv", "nc"))
+    for path in (svg, pdf):
+        with atomic_path(path) as draft:
+            save_figure(drawing.figure, draft)
+    tables = write_dataset(drawing.data, table)
+    # Its own `to_netcdf` imports Dask for it, which takes as long as a figure.
+    with atomic_path(data) as draft, netCDF4.Dataset(draft, "w") as file:
+        drawing.data.dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]
+    return (svg, pdf, *tables, data)
 
 
 def _shows(panel: Panel, data: xr.Dataset) -> bool:
