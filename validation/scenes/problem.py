@@ -14,7 +14,6 @@ from validation.errors import UsageError
 from validation.report.quantities import as_length
 from validation.scenes import surfaces
 from validation.scenes.tables import FileSurface, Load, SolidSpec, SpectrumSurface, Surface
-from validation.scenes.tabulated import read_spectrum
 from validation.scenes.topography.measured import Measured
 
 if TYPE_CHECKING:
@@ -231,7 +230,7 @@ class ContactProblem:
             assert not isinstance(self.surface, FileSurface)
             surface["seed"] = self.surface.seed_of(self.realisation)
             if isinstance(self.surface, SpectrumSurface):
-                surface["path"] = read_spectrum(self.surface.path)[1]
+                surface["path"] = surfaces.read_spectrum(self.surface.path)[1]
             if surface.get("stretch") is None:  # what is not listed names no solve
                 surface.pop("stretch", None)
         solid = self.solid.model_dump(mode="json", exclude_none=True)

@@ -295,7 +295,7 @@ def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
     if not isinstance(surface, dict) or not isinstance(path, str):
         return data
     if surface.get("kind") == "spectrum":
-        from validation.scenes.tabulated import read_spectrum
+        from validation.scenes.surfaces import read_spectrum
 
         units = None
         with contextlib.suppress(ValidationError):  # which the scene is refused for
