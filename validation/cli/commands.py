@@ -10,8 +10,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from validation.cli.audit import audit
-from validation.cli.compare import compare
+from validation.cli.finished import audit, compare
 from validation.cli.options import examples, say
 from validation.cli.reference import reference
 from validation.cli.refusals import refusals_in_words
