@@ -162,9 +162,7 @@ def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatme
     raise UsageError("\n".join(f"{path}: {line}" for line in lines))
 
 
-def _inspected(
-    source: str, *, length: str | None, unit: str | None, tilt: str | None, missing: str
-) -> dict[str, Any]:
+def _inspected(source: str, **asked: Any) -> dict[str, Any]:
     from fem_contact.surface import Patch, measured_lay
     from fem_contact.surface.spectra import estimate_spectrum
     from validation.scenes.scene import builtin_scenes, load_scene
@@ -177,7 +175,7 @@ def _inspected(
     if source in builtin_scenes() or Path(source).suffix == ".toml":
         surface = load_scene(source).surface
     else:
-        surface = _file_surface(Path(source), length=length, unit=unit, tilt=tilt, missing=missing)
+        surface = _file_surface(Path(source), **asked)
     if surface.kind == "file":
         measured = Measured.read(surface)
         # Its numbers need heights everywhere, and are those of no plane.
@@ -187,7 +185,7 @@ def _inspected(
         facts |= {"slope along y": raw.slope[1], "share of a plane in the variance": raw.plane_share}
         facts |= {"edge jump over typical step": patch.edge_jump, "treatment": "; ".join(patch.history)}
         if measured.faults:
-            table = {"path": str(surface.path), "length": length, "unit": unit}
+            table = {"path": str(surface.path), "length": asked["length"], "unit": asked["unit"]}
             facts["before it is pressed"] = "\n".join(fault_lines(measured.faults, table))
         field = patch.height_field()
         window: Literal["none", "hann"] = "none" if patch.edge_jump < 4 else "hann"

@@ -26,6 +26,11 @@ if TYPE_CHECKING:
     from validation.cases.scorecard import Scorecard
 
 
+ToleranceOption = Annotated[
+    float, typer.Option(metavar="T", min=1e-12, max=1e-2, help="Of a scored solver: largest residual.")
+]
+
+
 def validate(
     names: Annotated[
         list[str] | None, typer.Argument(metavar="CASE", help="Cases to run; all if not given.")
@@ -42,9 +47,7 @@ def validate(
         float,
         typer.Option("--seconds", metavar="S", min=1.0, help="With --method: for all solves of a solver."),
     ] = 300.0,
-    tolerance: Annotated[
-        float, typer.Option(metavar="T", min=1e-12, max=1e-2, help="With --method: largest residual.")
-    ] = 1e-6,
+    tolerance: ToleranceOption = 1e-6,
     output: OutputOption = None,
     with_report: ReportOption = True,
     as_json: JsonOption = False,
@@ -145,9 +148,7 @@ def export(
     points: Annotated[
         int, typer.Option(metavar="N", min=16, max=128, help="Along a side of the coarsest grids.")
     ] = 16,
-    tolerance: Annotated[
-        float, typer.Option(metavar="T", min=1e-12, max=1e-2, help="Largest residual.")
-    ] = 1e-6,
+    tolerance: ToleranceOption = 1e-6,
 ) -> None:
     """Write numbered problems, and what to return for each.
 

@@ -39,10 +39,10 @@ def with_fields(
     if isinstance(problem.field, HeightField) and problem.field.rms_gradient > 0:
         radial = radial_spectrum(problem.field)
         nonzero = radial.power > 1e-12 * radial.power.max()
-        data = data.assign_coords(wavevector=("wavevector", radial.q[nonzero]))
-        data["power_spectrum"] = ("wavevector", radial.power[nonzero])
+        q = radial.q[nonzero]
+        data = data.assign_coords(wavevector=q).assign(power_spectrum=("wavevector", radial.power[nonzero]))
         if problem.spectrum is not None:
-            power = np.asarray(problem.spectrum(radial.q[nonzero]), dtype=float)
+            power = np.asarray(problem.spectrum(q), dtype=float)
             data["power_spectrum_told"] = ("wavevector", np.where(power > 0, power, np.nan))
     data = with_distribution(data, shown, scene, problem)
     return labelled(planes(data, scene, results))

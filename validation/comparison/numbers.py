@@ -185,7 +185,8 @@ def _own_area(data: xr.Dataset, case: Case) -> xr.Dataset:
         good = [reading.areas for reading in readings if case.problem.resolved_by(reading.solve.grid)]
         tolerance = float(case.scene.methods.options(method).tolerance)
         limits_by_method[method] = _value_of(good or [reading.areas for reading in readings], tolerance)
-    succeeded = [name for name in case.methods if any(reading.solve.method == name for reading in case.own)]
+    pressed = {reading.solve.method for reading in case.own}
+    succeeded = [name for name in case.methods if name in pressed]
     method = next((name for name in succeeded if not limits_by_method[name].why.item()), succeeded[0])
     every, first = gather(limits_by_method, solver=case.methods), limits_by_method[method]
     absent = _ABSENT if case.scene.methods.solvers[method].sinks else {**_ABSENT, **_HALF_SPACE}
@@ -212,10 +213,9 @@ def _beside_theory(data: xr.Dataset, case: Case) -> xr.Dataset:
         "area_other_energy": prediction.other,
         "stress_variance": prediction.stress_variance / case.modulus**2,
         "felt_modulus": 2 * math.sqrt(prediction.stress_variance) / gradient if gradient > 0 else math.nan,
+        "theory_note": prediction.note,
     }
-    return data.assign(
-        {n: v for n, v in predicted.items() if v is not None} | {"theory_note": prediction.note}
-    )
+    return data.assign({name: value for name, value in predicted.items() if value is not None})
 
 
 def _over_surfaces(data: xr.Dataset, case: Case, accurate: Mapping[str, Any] | None) -> xr.Dataset:
