@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from validation.execution.running import Execution
     from validation.execution.solve import Solve
     from validation.execution.store import Store
-    from validation.scenes.run_options import RunOptions
+    from validation.scenes.tables import RunOptions
 
 
 def scene_names(incomplete: str) -> list[str]:

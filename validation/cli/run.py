@@ -106,7 +106,7 @@ def _folders(
     scene: Scene | Sweep, output: Path | None, store: Path | None, *, accurate: bool
 ) -> tuple[Path, Path]:
     """Return the folders of results and of solves: the command line goes before the scene."""
-    from validation.scenes.run_options import not_led_out
+    from validation.scenes.tables import not_led_out
 
     how, results = scene.run, Path("results")
     plain = output or how.folder("output") or not_led_out(results / scene.name, of=results, option="--output")

@@ -78,7 +78,7 @@ def study(
     from validation.execution.bench import DEFAULT_STORE, Bench, PlannedOnly
     from validation.execution.store import Store
     from validation.files import prepare_folder
-    from validation.scenes.run_options import RunOptions
+    from validation.scenes.tables import RunOptions
     from validation.studies import find_study, studies
     from validation.studies._outputs import run_study
 

@@ -13,7 +13,7 @@ import xarray as xr
 from fem_contact.contact import ContactResult
 from validation.comparison.reductions import Case
 from validation.report.estimates import error_of, mean
-from validation.scenes.quantities import Leak
+from validation.scenes.tables import Leak
 
 _AXES: tuple[Literal["x", "y"], ...] = ("x", "y")
 #: What is asked of one result, and what a theory says of it: value, theory's value.

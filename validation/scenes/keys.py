@@ -11,9 +11,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from validation.effects import effect_kinds
-from validation.scenes.quantities import QUANTITIES
-from validation.scenes.run_options import RunOptions
-from validation.scenes.tables import SURFACES, Ensemble, Load, SolidSpec, Title
+from validation.scenes.tables import QUANTITIES, SURFACES, Ensemble, Load, RunOptions, SolidSpec, Title
 from validation.solvers import methods
 from validation.units import choices_of, example_of, unit_of
 

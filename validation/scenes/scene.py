@@ -22,15 +22,16 @@ from validation.errors import SceneError, UsageError, did_you_mean
 from validation.report.quantities import as_length
 from validation.scenes.grids import with_usual_grids
 from validation.scenes.mistakes import problems
-from validation.scenes.quantities import Quantities, Subsurface
-from validation.scenes.run_options import RunOptions
 from validation.scenes.tables import (
     NAME,
     Ensemble,
     FileSurface,
     Load,
+    Quantities,
+    RunOptions,
     SolidSpec,
     SpectrumUnits,
+    Subsurface,
     Surface,
     Title,
 )

@@ -16,9 +16,8 @@ import numpy as np
 from validation.errors import SceneError, UsageError, did_you_mean
 from validation.report.quantities import in_prefixed_unit
 from validation.scenes.keys import scene_keys
-from validation.scenes.run_options import RunOptions
 from validation.scenes.scene import Scene, checked_scene, parsed_toml, scene_text
-from validation.scenes.tables import LOADS
+from validation.scenes.tables import LOADS, RunOptions
 from validation.units import MOST_ITEMS, brief, plain_number, unit_of
 
 Value = float | int | str

@@ -1,13 +1,24 @@
-"""Tables of a scene: surfaces, the solid, the load."""
+"""Tables of a scene: surfaces, the solid, the load, what is read off, how it is run."""
 
 from __future__ import annotations
 
+import itertools
 import math
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar
 
-from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, StrictInt, Tag, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    StrictBool,
+    StrictInt,
+    Tag,
+    model_validator,
+)
 
 from fem_contact.solid import Solid, composite_modulus
 from validation.errors import UsageError, harmless
@@ -18,6 +29,7 @@ from validation.units import (
     Grids,
     Length,
     Lengths,
+    Memory,
     Number,
     Pressure,
     Ratio,
@@ -26,6 +38,7 @@ from validation.units import (
     Tension,
     exactly_one,
     key,
+    pair_of,
     quantity,
     unit,
     within,
@@ -337,3 +350,133 @@ class Load(Table):
         names = ("pressure", "reduced_pressure")
         values = self.model_dump(mode="json")
         return {name: value for name, value in values.items() if name in names or value is not None}
+
+
+Resistivity = Annotated[float, quantity("ohm m", "resistivity", "1.7e-8 ohm m"), Field(gt=0)]
+Conductivity = Annotated[float, quantity("W/(m K)", "thermal conductivity", "400 W/(m K)"), Field(gt=0)]
+Viscosity = Annotated[float, quantity("Pa s", "viscosity", "1 mPa s"), Field(gt=0)]
+Depth = Annotated[float, quantity("m", "length", "1 um"), Field(ge=0)]
+
+
+class Electrical(Table):
+    """Electrical conductance of the contact: all current passes through the spots."""
+
+    resistivity: Annotated[tuple[Resistivity, Resistivity], BeforeValidator(pair_of)] = key(
+        'of the solid and of the rough body, or one for both, e.g. "1.7e-8 ohm m"'
+    )
+
+
+class Thermal(Table):
+    """Thermal conductance of the contact: all heat passes through the spots."""
+
+    conductivity: Annotated[tuple[Conductivity, Conductivity], BeforeValidator(pair_of)] = key(
+        'of the solid and of the rough body, or one for both, e.g. "400 W/(m K)"'
+    )
+
+
+class Leak(Table):
+    """Flow of a thin viscous film through the gap."""
+
+    viscosity: Viscosity = key('of the fluid, e.g. "1 mPa s"')
+    pressure_drop: Pressure = key('of the fluid over one period, e.g. "0.1 MPa"')
+
+
+class Subsurface(Table):
+    """Displacement and stress of the solid below the contact."""
+
+    depths: Annotated[tuple[Depth, ...], Field(min_length=2, max_length=MOST_ITEMS)] | None = key(
+        'distances from the surface, rising, e.g. ["0 um", "1 um"]; default: from half a cell '
+        "to the period or the base, each a quarter deeper",
+        None,
+    )
+    vtu: StrictBool = key("write displacement and stress as fields/...-below.vtu", False)
+
+    @model_validator(mode="after")
+    def _rising(self) -> Self:
+        depths = self.depths or ()
+        if any(lower <= upper for upper, lower in itertools.pairwise(depths)):
+            raise wrong(f"depths = {', '.join(map(as_length, depths))}: must rise")
+        return self
+
+
+#: The tables there are, by name.
+QUANTITIES: dict[str, type[Table]] = {
+    "electrical": Electrical,
+    "thermal": Thermal,
+    "leak": Leak,
+    "subsurface": Subsurface,
+}
+
+
+class Quantities(Table):
+    """What is asked for beyond the area; a table that is not there costs nothing."""
+
+    electrical: Electrical | None = None
+    thermal: Thermal | None = None
+    leak: Leak | None = None
+    subsurface: Subsurface | None = None
+
+    @property
+    def passing(self) -> bool:
+        """Whether something shall pass through contact or gap."""
+        return any(table is not None for table in (self.electrical, self.thermal, self.leak))
+
+    @model_validator(mode="after")
+    def _something(self) -> Self:
+        if not any(getattr(self, name) is not None for name in QUANTITIES):
+            tables = ", ".join(f"[quantities.{name}]" for name in QUANTITIES)
+            raise wrong(f"give at least one of the tables {tables}")
+        return self
+
+
+def _inside(path: Path) -> Path:
+    """Refuse a folder outside the one a scene runs in: a scene may not choose what is written over."""
+    if path.is_absolute() or path.drive or ".." in path.parts:
+        raise wrong(
+            "must lie below the folder the scene runs in, such as 'results/mine'; any other is named on the "
+            "command line"
+        )
+    return path
+
+
+Inside = Annotated[Path, AfterValidator(_inside)]
+
+
+class RunOptions(Table):
+    """How a scene is run; nothing here changes a result. An option of the command line goes before these.
+
+    Where it runs beyond this machine and this folder is no matter of a scene, which may come from elsewhere:
+    a scheduler, and folders outside, are named on the command line alone.
+    """
+
+    workers: Annotated[StrictInt, Field(ge=1, le=4096)] = key(
+        "local processes, e.g. 4; 1 runs everything in the process itself", 1
+    )
+    memory: Memory | None = key('memory for all solves, e.g. "4 GiB"', None)
+    store: Inside | None = key('folder of finished solves, shared between runs, e.g. "results/solves"', None)
+    output: Inside | None = key('results folder, e.g. "results/mine"; default: results/<name>', None)
+    quiet: StrictBool = key("no progress bar", False)
+    pictures: StrictBool = key("3-D pictures in the report", False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _no_scheduler(cls, data: object) -> object:
+        if isinstance(data, dict) and "scheduler" in data:
+            raise wrong("scheduler: is chosen on the command line alone: --scheduler tcp://host:8786")
+        return data
+
+    def folder(self, key: Literal["output", "store"]) -> Path | None:
+        """Return a folder that the scene names, None if it does not; links may not lead outside, either."""
+        path: Path | None = getattr(self, key)
+        return None if path is None else not_led_out(path, of=Path(), option=f"--{key}")
+
+
+def not_led_out(path: Path, *, of: Path, option: str) -> Path:
+    """Refuse a folder that a link leads out of another; what came with a scene may hold such links."""
+    led = Path(os.path.realpath(path))  # of a link to itself, itself
+    if not led.is_relative_to(os.path.realpath(of)):
+        raise UsageError(
+            f"{str(path)!r} is a link that leads to {str(led)!r}; remove it, or say {option} {str(path)!r} "
+            "to follow it"
+        )
+    return path
