@@ -17,8 +17,7 @@ from validation.audit import audit
 from validation.audit.files import page_tables
 from validation.cli.commands import app
 from validation.comparison.explain import explain_sweep, problems_of, solves_of_sweep
-from validation.comparison.run import report_scene, run_scene
-from validation.comparison.sweep import run_sweep
+from validation.comparison.run import report_scene, run_scene, run_sweep
 from validation.comparison.sweep_views import sweep_views
 from validation.errors import RunFailed, SceneError, UsageError
 from validation.execution.bench import Bench

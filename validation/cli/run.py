@@ -86,8 +86,7 @@ def _prepared(
 ) -> tuple[Callable[[], Sequence[Solve]], Callable[..., Any]]:
     from validation.comparison.accuracy import run_accurate
     from validation.comparison.explain import problems_of, solves_of_sweep
-    from validation.comparison.run import run_scene
-    from validation.comparison.sweep import run_sweep
+    from validation.comparison.run import run_scene, run_sweep
     from validation.execution.press import run_solves
     from validation.scenes.checks import check_scene
     from validation.scenes.problem import realise
