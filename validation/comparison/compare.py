@@ -173,13 +173,12 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     data = xr.concat(parts, dim="result", combine_attrs=common, join="exact")
     data = data.assign_coords(result=list(results))
     values = [str(name) for name in names if not str(name).endswith("_error")]
+    errors = [f"{name}_error" for name in values if f"{name}_error" in data]
     first = data.isel(result=0, drop=True)
-    for name in values:
-        data[f"{name}_first"] = first[name]
-        if f"{name}_error" in data:
-            data[f"{name}_first_error"] = first[f"{name}_error"]
-    made = derive(data, **{f"{name}_apart": f"{name} - {name}_first" for name in values})
-    made = made.drop_vars([name for name in made.data_vars if str(name).endswith(("_first", "_first_error"))])
+    beside = {f"{name}_first": first[name] for name in values}
+    beside |= {f"{name.removesuffix('_error')}_first_error": first[name] for name in errors}
+    made = derive(data.assign(beside), **{f"{name}_apart": f"{name} - {name}_first" for name in values})
+    made = made.drop_vars(list(beside))
     # The first is no further from itself than nothing.
     apart = [name for name in made.data_vars if name not in data]
     return labelled(made.assign(made[apart].where(made.result != made.result[0], 0.0)))
