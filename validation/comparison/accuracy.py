@@ -79,16 +79,10 @@ class AccuracyResult(Single):
         numbers = {n: value for n, value in vars(self).items() if n not in ("finest", "ensemble")}
         numbers |= {"located": self.located, "beside": list(map(asdict, self.beside)), "mean": None}
         if (ensemble := self.ensemble) is not None:
-            numbers |= {
-                "surfaces": ensemble.surfaces,
-                "mean": ensemble.estimate.value,
-                "mean_error": ensemble.half_width / ensemble.estimate.value,
-                "statistical": ensemble.estimate.half_width / ensemble.estimate.value,
-                "scatter": ensemble.scatter,
-                "surface_grids": ensemble.grids,
-                "pairs": ensemble.pairs,
-                "unsolved": ensemble.unsolved,
-            }
+            mean = ensemble.estimate.value
+            numbers |= {n: getattr(ensemble, n) for n in ("surfaces", "scatter", "pairs", "unsolved")}
+            numbers |= {"mean": mean, "mean_error": ensemble.half_width / mean}
+            numbers |= {"statistical": ensemble.estimate.half_width / mean, "surface_grids": ensemble.grids}
         return dict(json_ready(numbers))
 
     def chosen(self, scene: Scene) -> Scene:

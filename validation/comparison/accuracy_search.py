@@ -401,10 +401,8 @@ class Search:
 
     def _planned(self, grids: tuple[Grid, ...], shifts: int, known: ContactAreas) -> Ladder:
         lengths = self.scene.surface.length
-        plan = [
-            PlannedGrid(spacing=(lengths[0] / nx, lengths[1] / ny), cells=nx * ny, solves=shifts * shifts)
-            for nx, ny in grids
-        ]
+        each = [((lengths[0] / nx, lengths[1] / ny), nx * ny) for nx, ny in grids]
+        plan = [PlannedGrid(spacing=spacing, cells=cells, solves=shifts**2) for spacing, cells in each]
         area = known.pixel if known.subcell is None else known.subcell
         claim = 2 * predicted_uncertainty(known, plan) / max(area, known.cell_share)
         for grid in grids:

@@ -175,17 +175,12 @@ def table(contacts: Iterable[Contact], *, along: str | None = None, limit: bool 
     if along not in telling:
         some = f"; {'these do' if telling else 'nor does any of'}: {', '.join(telling or known)}"
         raise UsageError(f"table: along = {along!r}: does not tell the contacts apart{some}")
-    values = [one[along] for one in inputs]
-    rows = xr.concat(
-        [_numbers(contact, limit=limit) for contact in pressed_ones], along, combine_attrs="drop"
-    )
+    parts = [_numbers(contact, limit=limit) for contact in pressed_ones]
+    rows = xr.concat(parts, along, combine_attrs="drop")
     # What else differs stands beside it.
-    others = {
-        name: (along, [one[name] for one in inputs])
-        for name in known
-        if name != along and all(name in one for one in inputs) and len({one[name] for one in inputs}) > 1
-    }
-    return rows.assign_coords({along: values, **others})
+    columns = {name: [one[name] for one in inputs] for name in known if all(name in one for one in inputs)}
+    others = {name: (along, column) for name, column in columns.items() if len(set(column)) > 1}
+    return rows.assign_coords({**others, along: [one[along] for one in inputs]})
 
 
 #: What a table calls the numbers of a run on one grid.
