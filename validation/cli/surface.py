@@ -93,17 +93,15 @@ def inspect(
         sizes = value if isinstance(value, tuple) else (value,)
         words = (in_prefixed_unit(size, unit, 6) if isinstance(size, float) else str(size) for size in sizes)
         show(f"{name if unit == '1' else of}: {' x '.join(words)}")
-    if not spectrum:
-        return
-    from rich.table import Table
+    if spectrum:
+        from rich.table import Table
 
-    table = Table(title="C(q), convention <h^2> = 2 pi int q C dq")
-    for column in ("q [1/m]", "wavelength", "C [m^4]", "waves"):
-        table.add_column(column, justify="right")
-    for ring in spectrum[:: max(1, len(spectrum) // 12)]:
-        q = ring["q_1/m"]
-        table.add_row(f"{q:.4g}", as_length(2 * math.pi / q, 4), f"{ring['C_m4']:.4g}", str(ring["waves"]))
-    show(table)
+        table = Table(title="C(q), convention <h^2> = 2 pi int q C dq")
+        for column in ("q [1/m]", "wavelength", "C [m^4]", "waves"):
+            table.add_column(column, justify="right")
+        for q, c, waves in (ring.values() for ring in spectrum[:: max(1, len(spectrum) // 12)]):
+            table.add_row(f"{q:.4g}", as_length(2 * math.pi / q, 4), f"{c:.4g}", str(waves))
+        show(table)
 
 
 @surface_app.command(

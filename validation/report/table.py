@@ -70,8 +70,8 @@ class Table:
 
         A UsageError for a name that the registry does not know, and for two of one title.
         """
-        made = [_place(column, data) for column in self.columns]
-        made = [(name, title, at) for name, title, at in made if name in data.variables]
+        every = (_place(column, data) for column in self.columns)
+        made = [(name, title, at) for name, title, at in every if name in data.variables]
         named: dict[str, str] = {}
         for name, title, _ in made:
             if named.setdefault(title, name) != name:
@@ -96,13 +96,11 @@ class Table:
 
     def as_json(self, data: xr.Dataset) -> dict[str, Any]:
         """Return which variables its columns are of, those that the dataset has."""
-        places = [_place(column, data) for column in self.columns]
-        there = [
-            {"name": name, "at": {dim: k % data.sizes[dim] for dim, k in at.items() if dim in data.dims}}
-            for name, _, at in places
-            if name in data.variables
-        ]
-        there = [one for k, one in enumerate(there) if one not in there[:k]]
+        there: list[dict[str, Any]] = []
+        for name, _, at in (_place(column, data) for column in self.columns):
+            place = {dim: k % data.sizes[dim] for dim, k in at.items() if dim in data.dims}
+            if name in data.variables and {"name": name, "at": place} not in there:
+                there.append({"name": name, "at": place})
         coordinates = sorted(str(name) for name in data.coords if not str(name).startswith("_"))
         attrs = {"sparse": True} if self.sparse else {}
         return {"rows": list(self.rows), "columns": there, "coordinates": coordinates, **attrs}
