@@ -206,7 +206,7 @@ SURVEYED_POINTS = 2**24
 def check_memory(surface: RandomSurface) -> None:
     """Refuse to resolve a surface that does not fit into memory, before anything of it is made."""
     grid = surface.resolving_grid
-    least = surface.lambda_short * math.sqrt(_share(grid))
+    least = surface.lambda_short * math.sqrt(_BYTES_PER_POINT * math.prod(grid) / _free_bytes())
     check_fits(
         grid,
         f"surface.lambda_short = {as_length(surface.lambda_short)}: resolving it",
@@ -216,20 +216,18 @@ def check_memory(surface: RandomSurface) -> None:
 
 def check_fits(grid: tuple[int, int], what: str, *, remedy: str) -> None:
     """Refuse a grid whose heights alone do not fit into memory."""
-    if _share(grid) > 1:
-        needed = _BYTES_PER_POINT * grid[0] * grid[1]
+    needed, free = _BYTES_PER_POINT * math.prod(grid), _free_bytes()
+    if needed > free:
         raise UsageError(
             f"{what} takes {grid[0]} x {grid[1]} points and {needed / 2**30:.3g} GiB, of which "
-            f"{needed / _share(grid) / 2**30:.3g} are free; {remedy}"
+            f"{free / 2**30:.3g} are free; {remedy}"
         )
 
 
-def _share(grid: tuple[int, int]) -> float:
-    """Memory for the heights of a grid over what is free for it."""
+def _free_bytes() -> float:
     import psutil
 
-    free = 0.9 * float(psutil.virtual_memory().available)
-    return _BYTES_PER_POINT * grid[0] * grid[1] / free
+    return 0.9 * float(psutil.virtual_memory().available)
 
 
 @dataclass(frozen=True, kw_only=True)
