@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import itertools
 import json
 import math
 from collections.abc import Callable, Iterator
@@ -64,15 +65,11 @@ def limits(solve: xr.Dataset, *, without: int = 0) -> list[tuple[float, float]]:
     _, shifts, loads = arrays["pixel"].shape
     found = []
     for load in range(loads):
-        areas: list[Any] = [
-            SimpleNamespace(
-                spacing=(1 / float(points[i]), float(points[i]) / float(cells[i])),
-                cells=int(cells[i]),
-                **{name: float(values[i, j, load]) for name, values in arrays.items()},
-            )
-            for i in grids
-            for j in range(shifts)
-        ]
+        areas: list[Any] = []
+        for i, j in itertools.product(grids, range(shifts)):
+            spacing = 1 / float(points[i]), float(points[i]) / float(cells[i])
+            numbers = {name: float(values[i, j, load]) for name, values in arrays.items()}
+            areas.append(SimpleNamespace(spacing=spacing, cells=int(cells[i]), **numbers))
         located = not any(math.isnan(area.subcell) for area in areas)
         found.append(limit_over(areas, located=located))
     return found

@@ -72,13 +72,13 @@ def _cases(asked: Mapping[str, Any]) -> Iterator[tuple[dict[str, Any], dict[str,
         values = [v if any(isinstance(x, str) for x in v) else sorted(v) for v in values]
     cases = list(zip(*values, strict=True)) if side_by_side else list(itertools.product(*values))
     for k, case in enumerate(cases):
-        here = copy.deepcopy(scene)
+        here, named = copy.deepcopy(scene), {key["name"]: x for key, x in zip(keys, case, strict=True)}
         for key, value in zip(keys, case, strict=True):
             _set(here, key["key"].split("."), value)
         at = {"case": k}
         if not side_by_side:
-            at = {key["name"]: v.index(x) for key, v, x in zip(keys, values, case, strict=True)}
-        yield here, at, ", ".join(f"{key['name']} = {value}" for key, value in zip(keys, case, strict=True))
+            at = {name: v.index(x) for (name, x), v in zip(named.items(), values, strict=True)}
+        yield here, at, ", ".join(f"{name} = {value}" for name, value in named.items())
 
 
 def _set(scene: dict[str, Any], path: list[str], value: Any) -> None:
@@ -149,15 +149,11 @@ class Run:
             asked = {key: value for key, value in asked.items() if key not in ("treatment", "more_paths")}
         else:
             k = surface.pop("seed") - asked.pop("seed")
-        same = (
-            surface == asked
-            and (solid, load) == (self.scene["solid"], self.scene["load"])
-            and recipe["effects"] == self.effects
-            and "inverted" not in recipe
-        )
+        said = surface, solid, load, recipe["effects"]
+        same = said == (asked, self.scene["solid"], self.scene["load"], self.effects)
         options = self.options.get(recipe["method"], {})
         same = same and all(options[key] == v for key, v in recipe["settings"].items() if key in options)
-        return k if same and k in range(self.realisations) else None
+        return k if same and "inverted" not in recipe and k in range(self.realisations) else None
 
     @cached_property
     def depth(self) -> float | None:

@@ -242,11 +242,8 @@ def judge_budget(result: Result, ledger: Ledger) -> None:
             # Of zero only no error is a part.
             shares = [100 * abs(half / value) if value else 0.0 if half == 0 else math.nan for half in halves]
             entering = [share for s, share in zip(SOURCES, shares, strict=True) if s not in _SPECTRAL]
-            cells: dict[str, Any] = {
-                "value": value,
-                "for this spectrum and period [%]": math.hypot(*entering),
-                "for any [%]": math.hypot(*shares),
-            }
+            cells: dict[str, Any] = {"value": value, "for any [%]": math.hypot(*shares)}
+            cells["for this spectrum and period [%]"] = math.hypot(*entering)
             for source, share in zip(SOURCES, shares, strict=True):
                 words = "does not enter" if source in error.attrs else "not measured"
                 cells[f"{source} [%]"] = words if source in error.attrs or math.isnan(share) else share

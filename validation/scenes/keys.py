@@ -96,8 +96,8 @@ def _facts(info: FieldInfo) -> tuple[str, str]:
 def key_lines(word: str = "") -> Iterator[str]:
     """Yield two lines for each key whose name or meaning has a word: its example, then what it means."""
     every = [(f"{key} = {example_of(info)}", *_facts(info)) for key, info in scene_keys({}).items()]
-    every += [("sweep.load.reduced_pressure = [0.01, 0.03, 0.1]", _SWEPT, "")]
-    every += [('sweep.mode = "product"', _MODE, "product")]
+    every.append(("sweep.load.reduced_pressure = [0.01, 0.03, 0.1]", _SWEPT, ""))
+    every.append(('sweep.mode = "product"', _MODE, "product"))
     for example, meaning, default in every:
         usual = default if default in ("", "required") else f"default: {default}"
         lines = example, f"    {'; '.join(filter(None, (meaning, usual)))}"
