@@ -121,12 +121,10 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         yield _at_one_load(data.isel(load=k), at=k)
     if data.sizes["load"] > 4:
         yield note(f"The table has {data.sizes['load'] - 4} more loads.")
-    drawn = (
-        "C(q) is estimated from the measured surface and has its gradient, h'_rms = {rms_gradient:.4} "
-        "({what})."
-        if data.attrs["drawn"]
-        else "No surface was drawn: h'_rms = {rms_gradient:.4}, and p*, are those of C(q) ({what})."
-    )
+    drawn = "No surface was drawn: h'_rms = {rms_gradient:.4}, and p*, are those of C(q) ({what})."
+    if data.attrs["drawn"]:
+        drawn = "C(q) is estimated from the measured surface and has its gradient, "
+        drawn += "h'_rms = {rms_gradient:.4} ({what})."
     yield finding("note", drawn, data, what=data.attrs["theory"])
     form = "No solver ran, so that the distance to the equations of elasticity is not measured; a grid that "
     form += "resolves these waves has at least {points} points along a side."

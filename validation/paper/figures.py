@@ -56,13 +56,8 @@ class PaperFigure:
             Panel(marks=[Line(y=f"{y}_{self.name}", **line)], x=f"{x}_{self.name}", log=log)
             for x, y, log in self.panels
         ]
-        return Figure(
-            name=self.name.replace("_", "-"),
-            caption=f"{self.title}.",
-            panels=panels,
-            width=5.2 * len(panels),
-            height=4.0,
-        )
+        name, sizes = self.name.replace("_", "-"), {"width": 5.2 * len(panels), "height": 4.0}
+        return Figure(name=name, caption=f"{self.title}.", panels=panels, **sizes)
 
 
 #: All calculated figures, in the order of the paper.
@@ -110,11 +105,8 @@ def _greenwood_williamson() -> Curves:
         ("Nayak's relations", nayak_asperities(Moments(m0=1 / q**2, m2=1.0, m4=q**2))),
     ):
         contact = bumps.contact(bumps.rms_height * np.linspace(4.5, 0.0, 80), contact_modulus=1.0)
-        curves[label] = {
-            "load_modulus": contact.pressure,
-            "area": contact.area,
-            "patch_mean": contact.patch_area,
-        }
+        load, area, patch = contact.pressure, contact.area, contact.patch_area
+        curves[label] = {"load_modulus": load, "area": area, "patch_mean": patch}
     return curves
 
 
@@ -208,11 +200,8 @@ def _rim_magnification() -> Curves:
     ):
         interface = Interface(work_of_adhesion=s.RIM_WORK, energy=energy)  # type: ignore[arg-type]
         answer = s.adhesive(s.rim(), s.RIM_MODULUS, s.RIM_PRESSURE, interface)
-        curves[label] = {
-            "magnification": answer.wavevectors / 1e5,
-            "area": answer.area,
-            "work_share": answer.work / s.RIM_WORK,
-        }
+        zeta, share = answer.wavevectors / 1e5, answer.work / s.RIM_WORK
+        curves[label] = {"magnification": zeta, "area": answer.area, "work_share": share}
     zeta = np.geomspace(1.0, 1e5, 150)
     area = s.area(s.rim(), s.RIM_MODULUS, s.RIM_PRESSURE, 1e5 * zeta)
     return {**curves, "without adhesion": {"magnification": zeta, "area": area}}
@@ -282,16 +271,12 @@ def _pyrex_yielding() -> Curves:
     spectrum = s.pyrex(surfaces=2)
     q = np.geomspace(spectrum.q_min * 1.001, spectrum.q_short, 240)
     areas = s.yielded(spectrum, s.PYREX_MODULUS, s.PYREX_PRESSURE, hardness=s.PYREX_HARDNESS, q=q)
+    elastic_area = s.area(spectrum, s.PYREX_MODULUS, s.PYREX_PRESSURE, q)
+    kept = np.where(areas.elastic > 1e-8, areas.elastic, np.nan)
+    hard = {"magnification": q / 1e6, "area_elastic": kept, "area_plastic": areas.plastic}
     return {
-        "infinite hardness": {
-            "magnification": q / 1e6,
-            "area_elastic": s.area(spectrum, s.PYREX_MODULUS, s.PYREX_PRESSURE, q),
-        },
-        "sigma_Y = 6 GPa": {
-            "magnification": q / 1e6,
-            "area_elastic": np.where(areas.elastic > 1e-8, areas.elastic, np.nan),
-            "area_plastic": areas.plastic,
-        },
+        "infinite hardness": {"magnification": q / 1e6, "area_elastic": elastic_area},
+        "sigma_Y = 6 GPa": hard,
     }
 
 

@@ -41,15 +41,10 @@ class Pyrex:
     @property
     def name(self) -> str:
         """In words."""
-        kinds = {
-            1.0: "one surface",
-            2.0: "two independent surfaces",
-            4.0: "two equal surfaces added coherently",
-        }
-        formula = "48" if self.energy == "improved" else "43"
+        two = {2.0: "two independent surfaces", 4.0: "two equal surfaces added coherently"}
         return (
-            f"{kinds[self.multiple]} (C x {self.multiple:g}), E = {self.young / 1e9:g} GPa, "
-            f"Delta gamma = {self.work:g} J/m^2, energy of Eq. {formula}"
+            f"{two.get(self.multiple, 'one surface')} (C x {self.multiple:g}), E = {self.young / 1e9:g} GPa, "
+            f"Delta gamma = {self.work:g} J/m^2, energy of Eq. {'48' if self.energy == 'improved' else '43'}"
         )
 
     @property
