@@ -67,10 +67,8 @@ def result_page(result: Result, *, figures: bool = True, pictures: bool = False)
 
 def _lead(kind: str, data: xr.Dataset, scene: Scene) -> str:
     if kind == "sweep":
-        swept = [
-            f"{quantity_of(data, name).symbol} ({data[name].size} values)"
-            for name in str(data.attrs["keys"]).split()
-        ]
+        keys = {name: data[name].size for name in str(data.attrs["keys"]).split()}
+        swept = (f"{quantity_of(data, name).symbol} ({size} values)" for name, size in keys.items())
         joined = " beside " if data.attrs["mode"] == "zip" else " times "
         return f"Swept: {joined.join(swept)}, {data.attrs['cases']} cases"
     modulus = in_shown_unit(data.contact_modulus)

@@ -79,13 +79,12 @@ def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
     yield Listing(names=names, title="Contact in numbers", note=_NOTE)
     yield from treatment_table(data)
     if "pressure_difference" in data:
-        apart = [method for k in data.solver.values[1:] if (method := find_method(str(k))).independent]
+        others = map(find_method, map(str, data.solver.values[1:]))
+        apart = " and ".join(method.label for method in others if method.independent)
         agreement = "They share a contact algorithm, so that agreement tests the discretisation alone."
         if apart:
-            agreement = (
-                f"{' and '.join(method.label for method in apart)} has a contact algorithm of its own, so "
-                "agreement tests both codes; the differences include that of the discretisations."
-            )
+            agreement = f"{apart} has a contact algorithm of its own, so agreement tests both codes; the "
+            agreement += "differences include that of the discretisations."
         differences = (f"{name}_difference" for name in ("pressure", "area_pixel", "area_perimeter"))
         yield Table(
             rows=_GRID_ROWS,
@@ -354,13 +353,11 @@ def pressure_figure(data: xr.Dataset) -> Figure:
             panels.append(Panel(marks=marks, x=f"stress_{name}", y=f"density_{name}"))
             continue
         # The tail of the theory may end hundreds of decades below what a simulation counts.
-        counted = data.density_wide.where(data.density_wide > 0)
-        bottom = top = None
+        counted, ends = data.density_wide.where(data.density_wide > 0), dict[str, Any]()
         if counted.notnull().any():
             most = max(float(data[y].max()) for y in ("density_wide", theory) if y in data)
-            bottom, top = float(counted.min()) / 10, 3 * most
-        wide = Panel(marks=marks, x=f"stress_{name}", y=f"density_{name}", log="y", bottom=bottom, top=top)
-        panels.append(wide)
+            ends = {"bottom": float(counted.min()) / 10, "top": 3 * most}
+        panels.append(Panel(marks=marks, x=f"stress_{name}", y=f"density_{name}", log="y", **ends))
     return Figure(
         name="pressure-distribution",
         caption="Distribution of contact pressure: left near zero on the coarsest and the finest grid, where "
