@@ -41,7 +41,7 @@ def found_in(package: str, base: type[T], *, group: str) -> tuple[type[T], ...]:
     A UsageError for an entry point whose name is taken. One that cannot be loaded or is no such class is a
     line on stderr, and all else works.
     """
-    kinds: list[type[T]] = []
+    kinds: dict[str, type[T]] = {}
     path = importlib.import_module(package).__path__
     for name in sorted(info.name for info in pkgutil.iter_modules(path)):
         module = importlib.import_module(f"{package}.{name}")
@@ -50,20 +50,18 @@ def found_in(package: str, base: type[T], *, group: str) -> tuple[type[T], ...]:
             if not inside or not issubclass(value, base) or value is base or inspect.isabstract(value):
                 continue
             if hasattr(value, "kind_name") or hasattr(value, "name"):
-                kinds.append(value)
-    taken = {_name(kind): kind for kind in kinds}
+                kinds[_name(value)] = value
     for where, _, value in entries(group):
         if not (inspect.isclass(value) and issubclass(value, base)):
             _warn(f"{where}: left out: must be a subclass of {base.__module__}.{base.__qualname__}")
             continue
-        other = taken.setdefault(_name(value), value)
+        other = kinds.setdefault(_name(value), value)
         if other is not value:
             raise UsageError(
                 f"{where}: the name {_name(value)!r} is that of {other.__module__}.{other.__qualname__}; "
                 "uninstall one of the two packages, or have it renamed"
             )
-        kinds.append(value)
-    return tuple(kinds)
+    return tuple(kinds.values())
 
 
 def entries(group: str) -> Iterator[tuple[str, str, Any]]:

@@ -354,6 +354,11 @@ Grids = Annotated[tuple[Grid, ...], BeforeValidator(grids_of), Field(max_length=
 Lengths = Annotated[tuple[Length, Length], BeforeValidator(pair_of)]
 
 
+def key(meaning: str, default: Any = ..., **limits: Any) -> Any:
+    """Return a key of a table: what it means, its default unless it is required, and its limits."""
+    return Field(default, description=meaning, **limits)
+
+
 class Table(BaseModel):
     """A table of the scene file: unknown keys are errors that name the known ones."""
 

@@ -14,8 +14,7 @@ import xarray as xr
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from validation.comparison import accuracy_search
 from validation.comparison.accuracy import parse_accuracy, reach
-from validation.comparison.accuracy_bench import Metered
-from validation.comparison.accuracy_search import Search
+from validation.comparison.accuracy_search import Metered, Search
 from validation.errors import RunFailed, SceneError, UsageError
 from validation.execution.bench import Bench
 from validation.execution.press import solves_of

@@ -24,8 +24,7 @@ from validation.audit.reading import judge_fields, judge_surfaces
 from validation.audit.runs import Run, audit_run
 from validation.cli.commands import app
 from validation.comparison.accuracy import run_accurate
-from validation.comparison.run import run_scene
-from validation.comparison.sweep import run_sweep
+from validation.comparison.run import run_scene, run_sweep
 from validation.errors import RunFailed, UsageError
 from validation.execution.results import read_results, write_results
 from validation.scenes.scene import load_scene

@@ -13,8 +13,7 @@ from typer.testing import CliRunner
 
 from validation.cli.commands import app
 from validation.comparison.compare import compare_folders, side_by_side
-from validation.comparison.run import run_scene
-from validation.comparison.sweep import run_sweep
+from validation.comparison.run import run_scene, run_sweep
 from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.execution.results import Result, read_results

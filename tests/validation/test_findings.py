@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from validation.comparison.numbers import scene_data
 from validation.comparison.run import run_scene
 from validation.comparison.run_views import run_views
+from validation.errors import UsageError
 from validation.execution.press import solves_of
 from validation.report.estimates import claim, derive
+from validation.report.findings import finding
 from validation.scenes.problem import realise
 from validation.scenes.scene import load_scene
 
@@ -102,3 +105,14 @@ def test_an_under_resolved_grid_is_named_and_in_no_limit(write_scene):
     assert "6 x 6" in _found(data, "Under-resolved").text
     fine = {solve: result for solve, result in results.items() if solve.grid != (6, 6)}
     assert float(scene_data(scene, realise(scene), fine).area_own) == float(data.area_own)
+
+
+def test_a_part_in_brackets_is_said_where_its_values_are():
+    data, form = (
+        xr.Dataset({"area": 0.1, "kappa": np.nan}),
+        "A/A0 = {area}[, kappa = {kappa}][ ({scatter:.2%})].",
+    )
+    assert finding("value", form, data).text == "A/A0 = 0.1."
+    assert finding("value", form, data, kappa=2.0).text == "A/A0 = 0.1, kappa = 2."
+    with pytest.raises(UsageError, match="no such quantity"):
+        finding("value", "[{no_such}]", data)

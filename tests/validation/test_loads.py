@@ -10,8 +10,7 @@ from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from persson.elastic import contact_area, stress_variance
 from validation.audit import audit
-from validation.comparison.run import run_scene
-from validation.comparison.sweep import run_sweep
+from validation.comparison.run import run_scene, run_sweep
 from validation.errors import SceneError, UsageError
 from validation.execution.press import solves_of
 from validation.scenes.checks import check_scene

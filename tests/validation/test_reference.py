@@ -23,9 +23,8 @@ from validation.measurements.ensemble import _Drawn, mean_area
 from validation.measurements.limits import limits_of
 from validation.measurements.measurement import grid_for, press_on_grids
 from validation.measurements.table_samples import QUANTITIES, at_loads, joined, with_size
-from validation.reference.alpha import at_equal_alpha
 from validation.reference.citable import ATTRIBUTES, as_csv
-from validation.reference.fit import FIT, fitted, fitted_area, nayak
+from validation.reference.fit import FIT, at_equal_alpha, fitted, fitted_area, nayak
 from validation.reference.interpolation import interpolated
 from validation.report.estimates import claim, total_error
 from validation.studies import reference as study

@@ -11,12 +11,11 @@ from validation.execution.results import Result, read_results
 from validation.paper import reproduce
 from validation.paper.claims import Application, Claim, Convention, Stated, application, judge, written
 from validation.paper.figures import FIGURES
-from validation.paper.general import GENERAL
+from validation.paper.general import GENERAL, STEEL
 from validation.paper.page import paper_dataset, paper_page
 from validation.paper.pmma import PMMA
 from validation.paper.pyrex import PYREX
 from validation.paper.rim import RIM
-from validation.paper.steel import STEEL
 
 #: The conventions under which the claims of each system agree best: a slow test sees that they do.
 JOINT = {

@@ -17,8 +17,7 @@ from validation.audit import audit
 from validation.audit.files import page_tables
 from validation.cli.commands import app
 from validation.comparison.explain import explain_sweep, problems_of, solves_of_sweep
-from validation.comparison.run import report_scene, run_scene
-from validation.comparison.sweep import run_sweep
+from validation.comparison.run import report_scene, run_scene, run_sweep
 from validation.comparison.sweep_views import sweep_views
 from validation.errors import RunFailed, SceneError, UsageError
 from validation.execution.bench import Bench
@@ -192,8 +191,8 @@ def test_a_zip_has_its_keys_along_one_dimension(small_scene, tmp_path):
 
 def test_solves_that_cases_share_are_done_once(small_scene):
     sweep = load_asked(small_scene, ["sweep.methods.bem.grids=[[12, 24], [12, 24, 48]]"])
-    explained = explain_sweep(sweep)
-    assert (explained.solves, explained.asked) == (12, 20)
+    explained = explain_sweep(sweep).summary()
+    assert (explained["solves"], explained["asked"]) == (12, 20)
     assert len(solves_of_sweep(sweep, problems_of(sweep))) == 12
 
 

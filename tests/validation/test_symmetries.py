@@ -9,8 +9,7 @@ import pytest
 from gold.asked import STUDIES
 
 from fem_contact.surface import random_surface
-from validation.comparison.run import run_scene
-from validation.comparison.sweep import run_sweep
+from validation.comparison.run import run_scene, run_sweep
 from validation.scenes.scene import load_scene
 from validation.scenes.sweep import load_asked
 from validation.studies import find_study

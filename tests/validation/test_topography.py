@@ -24,9 +24,8 @@ from validation.audit.files import page_tables
 from validation.audit.reading import audit
 from validation.cli.commands import app
 from validation.comparison.explain import explain
-from validation.comparison.run import run_scene
+from validation.comparison.run import run_scene, run_sweep
 from validation.comparison.run_views import run_views
-from validation.comparison.sweep import run_sweep
 from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.scenes.scene import load_scene

@@ -9,8 +9,7 @@ from small_scene import OBLONG
 from fem_contact import HalfSpace, flow_conductance, frozen_contact, open_gap
 from fem_contact.solid import Solid
 from validation.comparison.numbers import scene_data
-from validation.comparison.run import report_scene, run_scene
-from validation.comparison.sweep import run_sweep
+from validation.comparison.run import report_scene, run_scene, run_sweep
 from validation.errors import SceneError
 from validation.execution.press import solves_of
 from validation.scenes.problem import realise

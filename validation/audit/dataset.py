@@ -29,12 +29,7 @@ def ordered(variable: xr.Variable, dims: tuple[Any, ...]) -> Array:
 
 
 class Result:
-    """A results folder of a study.
-
-    Parameters
-    ----------
-    folder : Path
-    """
+    """A results folder of a study."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

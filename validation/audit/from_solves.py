@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import itertools
 import json
 import math
 from collections.abc import Callable, Iterator
@@ -64,15 +65,11 @@ def limits(solve: xr.Dataset, *, without: int = 0) -> list[tuple[float, float]]:
     _, shifts, loads = arrays["pixel"].shape
     found = []
     for load in range(loads):
-        areas: list[Any] = [
-            SimpleNamespace(
-                spacing=(1 / float(points[i]), float(points[i]) / float(cells[i])),
-                cells=int(cells[i]),
-                **{name: float(values[i, j, load]) for name, values in arrays.items()},
-            )
-            for i in grids
-            for j in range(shifts)
-        ]
+        areas: list[Any] = []
+        for i, j in itertools.product(grids, range(shifts)):
+            spacing = 1 / float(points[i]), float(points[i]) / float(cells[i])
+            numbers = {name: float(values[i, j, load]) for name, values in arrays.items()}
+            areas.append(SimpleNamespace(spacing=spacing, cells=int(cells[i]), **numbers))
         located = not any(math.isnan(area.subcell) for area in areas)
         found.append(limit_over(areas, located=located))
     return found
@@ -140,16 +137,9 @@ def read(result: Result, name: str, variable: xr.Variable) -> Array | None:
     tree = ast.parse(str(variable.attrs["expression"]), mode="eval")
 
     def read(solve: xr.Dataset) -> Any:
-        known = {
-            n: values.values.astype(float)
-            for n, values in solve.variables.items()
-            if values.dtype.kind in "fib"
-        }
-        known |= {
-            n: np.asarray(v, dtype=float)
-            for n, v in solve.attrs.items()
-            if isinstance(v, float | int | np.number)
-        }
+        numbers = {n: v.values for n, v in solve.variables.items() if v.dtype.kind in "fib"}
+        numbers |= {n: v for n, v in solve.attrs.items() if isinstance(v, float | int | np.number)}
+        known = {n: np.asarray(v, dtype=float) for n, v in numbers.items()}
         return value_of(tree, lambda of, _: known[of])
 
     return over_solves(result, variable, read)

@@ -10,7 +10,7 @@ import numpy as np
 from validation.audit.dataset import Result
 from validation.audit.ledger import Ledger
 from validation.audit.runs import Run, audit_run
-from validation.audit.stored import Array, Stored, wavevectors
+from validation.audit.stored import Stored, wavevectors
 from validation.audit.values import judge_shown, value_ledger
 
 
@@ -85,8 +85,7 @@ def _elastic_misfit(solve: Stored, depth: float, *, poisson: float) -> float:
         share = (2 * k * np.sinh(2 * d) - 4 * d) / (2 * k * np.cosh(2 * d) + 4 * d**2 + 1 + k**2)
     exact = np.fft.ifft2(2 * share * np.fft.fft2(solve.p) / (solve.modulus * q)).real
     size = float(np.max(np.abs(exact)))
-    u = solve.u - solve.u.mean()
-    return float(np.max(np.abs(u - exact))) / size if size else float(np.max(np.abs(u)))
+    return float(np.max(np.abs(solve.u - solve.u.mean() - exact))) / (size or 1.0)
 
 
 def judge_surfaces(run: Run, ledger: Ledger) -> None:
@@ -99,17 +98,13 @@ def judge_surfaces(run: Run, ledger: Ledger) -> None:
         if moments is None or not run.resolved(solve):
             continue
         place = f"{method} {grid[0]}x{grid[1]} {shift}, surface {k}"
-        ledger.number(
-            place,
-            "h'_rms of the surface pressed",
-            math.sqrt(solve.roughness[1]),
-            math.sqrt(moments[1]),
-            rtol=1e-8,
-        )
+        gradients = math.sqrt(solve.roughness[1]), math.sqrt(moments[1])
+        ledger.number(place, "h'_rms of the surface pressed", *gradients, rtol=1e-8)
         still = run.solves.get((method, grid, (0.0, 0.0), k))
         if shift != (0.0, 0.0) and still is not None:
-            size = float(np.ptp(solve.h)) or 1.0
-            misfit = float(np.max(np.abs(solve.h - _moved(still, shift)))) / size
+            x, y = (np.exp(2j * np.pi * np.fft.fftfreq(n) * s) for n, s in zip(grid, shift, strict=True))
+            moved = np.fft.ifft2(np.fft.fft2(still.h) * x[:, None] * y[None, :]).real
+            misfit = float(np.max(np.abs(solve.h - moved))) / (float(np.ptp(solve.h)) or 1.0)
             ledger.number(place, "heights against those moved by the shift", misfit, 0.0, atol=1e-8)
     alike: dict[tuple[str, tuple[int, int]], list[bytes]] = {}
     for (method, grid, shift, _), solve in run.solves.items():
@@ -118,9 +113,3 @@ def judge_surfaces(run: Run, ledger: Ledger) -> None:
     for (method, grid), heights in alike.items():
         place = f"{method} {grid[0]}x{grid[1]}"
         ledger.same(place, "surfaces that differ", len(set(heights)), len(heights))
-
-
-def _moved(solve: Stored, shift: tuple[float, float]) -> Array:
-    """Heights at the points of a grid moved by parts of a cell."""
-    phase = [np.exp(2j * np.pi * np.fft.fftfreq(n) * s) for n, s in zip(solve.grid, shift, strict=True)]
-    return np.asarray(np.fft.ifft2(np.fft.fft2(solve.h) * phase[0][:, None] * phase[1][None, :]).real)

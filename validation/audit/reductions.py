@@ -87,12 +87,6 @@ def _paired(samples: tuple[Array, Array], variable: xr.Variable) -> tuple[Array,
     return (values[..., 0::2] + values[..., 1::2]) / 2, there[..., 0::2]
 
 
-def _mean(result: Result, name: str, variable: xr.Variable) -> Array | xr.Variable:
-    if "pairs" not in variable.attrs:
-        return _reduced("mean", result, name, variable)
-    return _mean_there(*_paired(_samples(result, variable), variable))
-
-
 def _mean_there(values: Array, there: Array) -> Array:
     """Mean over the last axis of what is there; NaN where one of it has no value."""
     count = there.sum(axis=-1)
@@ -133,10 +127,6 @@ def _change(result: Result, name: str, variable: xr.Variable) -> xr.Variable:
 
 
 # ---- expressions ---
-
-
-def _expression(result: Result, name: str, variable: xr.Variable) -> xr.Variable:
-    return _evaluated(str(variable.attrs["expression"]), result.data)
 
 
 def _evaluated(expression: str, values: Variables) -> xr.Variable:
@@ -185,9 +175,9 @@ def _power(result: Result, variable: xr.Variable) -> tuple[Array, Array, Array]:
         slope = float(np.sum((u - u.mean()) * (v - v.mean()))) / spread
         rest = v - v.mean() - slope * (u - u.mean())
         free = u.size - 2
-        half = (
-            float(stdtrit(free, 0.975)) * math.sqrt(float(rest @ rest) / free / spread) if free else math.nan
-        )
+        half = math.nan
+        if free:
+            half = float(stdtrit(free, 0.975)) * math.sqrt(float(rest @ rest) / free / spread)
         found[(slice(None), *place)] = slope, half, math.exp(v.mean() - slope * u.mean())
     return found[0], found[1], found[2]
 
@@ -272,7 +262,7 @@ def _mean_distance(result: Result, name: str, variable: xr.Variable) -> Array:
 REDUCTIONS: Mapping[str, Callable[[Result, str, xr.Variable], Array | xr.Variable | None]] = {
     "change": _change,
     "drift": from_solves.drift,
-    "expression": _expression,
+    "expression": lambda result, _, one: _evaluated(str(one.attrs["expression"]), result.data),
     "finest profile": lambda result, name, one: from_solves.over_solves(
         result, one, lambda solve: solve[str(one.attrs["of"])].values[-1]
     ),
@@ -281,7 +271,11 @@ REDUCTIONS: Mapping[str, Callable[[Result, str, xr.Variable], Array | xr.Variabl
     "line slope": _line,
     "max": partial(_reduced, "max"),
     "mean distance": _mean_distance,
-    "mean": _mean,
+    "mean": lambda result, name, one: (
+        _mean_there(*_paired(_samples(result, one), one))
+        if "pairs" in one.attrs
+        else _reduced("mean", result, name, one)
+    ),
     "polynomial limit": _polynomial,
     "power law": lambda result, name, one: _power(result, one)[2 if name.endswith("_factor") else 0],
     "read": from_solves.read,

@@ -72,13 +72,13 @@ def _cases(asked: Mapping[str, Any]) -> Iterator[tuple[dict[str, Any], dict[str,
         values = [v if any(isinstance(x, str) for x in v) else sorted(v) for v in values]
     cases = list(zip(*values, strict=True)) if side_by_side else list(itertools.product(*values))
     for k, case in enumerate(cases):
-        here = copy.deepcopy(scene)
+        here, named = copy.deepcopy(scene), {key["name"]: x for key, x in zip(keys, case, strict=True)}
         for key, value in zip(keys, case, strict=True):
             _set(here, key["key"].split("."), value)
         at = {"case": k}
         if not side_by_side:
-            at = {key["name"]: v.index(x) for key, v, x in zip(keys, values, case, strict=True)}
-        yield here, at, ", ".join(f"{key['name']} = {value}" for key, value in zip(keys, case, strict=True))
+            at = {name: v.index(x) for (name, x), v in zip(named.items(), values, strict=True)}
+        yield here, at, ", ".join(f"{name} = {value}" for name, value in named.items())
 
 
 def _set(scene: dict[str, Any], path: list[str], value: Any) -> None:
@@ -98,14 +98,8 @@ def _set(scene: dict[str, Any], path: list[str], value: Any) -> None:
 class Run:
     """What the stored solves of one run say.
 
-    Parameters
-    ----------
-    scene : mapping
-        What was asked for, as result.json has it.
-    store : Path
-        Folder of its solves, which others may share.
-    data : mapping
-        Variables of the dataset of this scene, which name its solves.
+    Its scene is what was asked for, as result.json has it; the variables of its dataset name its solves, in a
+    store that others may share.
     """
 
     def __init__(self, scene: dict[str, Any], store: Path, data: Variables) -> None:
@@ -155,15 +149,11 @@ class Run:
             asked = {key: value for key, value in asked.items() if key not in ("treatment", "more_paths")}
         else:
             k = surface.pop("seed") - asked.pop("seed")
-        same = (
-            surface == asked
-            and (solid, load) == (self.scene["solid"], self.scene["load"])
-            and recipe["effects"] == self.effects
-            and "inverted" not in recipe
-        )
+        said = surface, solid, load, recipe["effects"]
+        same = said == (asked, self.scene["solid"], self.scene["load"], self.effects)
         options = self.options.get(recipe["method"], {})
         same = same and all(options[key] == v for key, v in recipe["settings"].items() if key in options)
-        return k if same and k in range(self.realisations) else None
+        return k if same and "inverted" not in recipe and k in range(self.realisations) else None
 
     @cached_property
     def depth(self) -> float | None:
@@ -198,10 +188,10 @@ class Run:
     @cached_property
     def surface_modulus(self) -> float:
         """E* [Pa] of the coating where there is one, to which p* and kappa refer."""
-        solid = self.scene["solid"]
-        for effect in self.scene.get("effects", ()):
+        for effect in self.effects:
             if effect["kind"] == "coating":
-                return float(effect["young"] / (1 - effect.get("poisson", solid["poisson"]) ** 2))
+                poisson = effect.get("poisson", self.scene["solid"]["poisson"])
+                return float(effect["young"] / (1 - poisson**2))
         return self.modulus
 
     def pressure(self, k: int = 0) -> float | None:
@@ -217,12 +207,9 @@ class Run:
                 solve for (name, _, _, m), solve in self.solves.items() if name == self.methods[0] and m == 0
             ]
             return max(solves, key=lambda solve: solve.p.size).mean_pressure
-        moments = self.moments(k)
-        return (
-            None
-            if moments is None
-            else float(np.ravel(load["reduced_pressure"])[0]) * self.modulus * math.sqrt(moments[1])
-        )
+        if (moments := self.moments(k)) is None:
+            return None
+        return float(np.ravel(load["reduced_pressure"])[0]) * self.modulus * math.sqrt(moments[1])
 
     @cached_property
     def reduced_pressure(self) -> float | None:
@@ -372,17 +359,11 @@ def _of_solves(run: Run) -> Expected:
         means = {"area_pixel": "pixel", "area_perimeter": "perimeter", "density_at_zero": "density_at_zero"}
         if "hardness" in {effect["kind"] for effect in run.effects}:
             means["area_plastic_pixel"] = "plastic"
-        row = {
-            name: math.fsum(getattr(solve, of) for solve in solves) / len(solves)
-            for name, of in means.items()
-        }
+        row = {name: math.fsum(getattr(s, of) for s in solves) / len(solves) for name, of in means.items()}
         row |= {"density_at_zero": math.nan} if run.adhesive else {}
-        row |= {
-            "seconds": math.fsum(solve.cost["wall_seconds"] for solve in solves),
-            "unknowns": solves[0].cost["unknowns"],
-            "shifts": len(solves),
-            "resolved": float(run.resolved(solves[0])),
-        }
+        row |= {"shifts": len(solves), "resolved": float(run.resolved(solves[0]))}
+        row["seconds"] = math.fsum(solve.cost["wall_seconds"] for solve in solves)
+        row["unknowns"] = solves[0].cost["unknowns"]
         if not run.measured:
             load, residual = run.reduced_pressure or math.nan, max(run.residual(solve) for solve in solves)
             if run.holds_distance:

@@ -80,13 +80,7 @@ def sealed_bytes(path: Path) -> bytes:
 
 
 class Stored:
-    """Fields of one solve.
-
-    Parameters
-    ----------
-    content : memoryview
-        Of its netCDF file.
-    """
+    """Fields of one solve, from the content of its netCDF file."""
 
     def __init__(self, content: memoryview) -> None:
         data = read_dataset(content)
@@ -118,16 +112,12 @@ class Stored:
     @cached_property
     def roughness(self) -> tuple[float, float, float]:
         """(m0, m2, m4) of the heights without the ball they lie on."""
-        radii = [
-            effect.get("radius") for effect in self.recipe["effects"] if effect["kind"] == "free-boundary"
-        ]
-        if not any(radii):
+        free = (effect for effect in self.recipe["effects"] if effect["kind"] == "free-boundary")
+        radius = next((effect.get("radius") for effect in free), None)
+        if not radius:
             return self.moments
-        x, y = (
-            np.arange(n) * d - length / 2
-            for n, d, length in zip(self.grid, self.spacing, self.lengths, strict=True)
-        )
-        return moments(self.h + (x[:, None] ** 2 + y[None, :] ** 2) / (2 * radii[0]), self.lengths)
+        x, y = ((np.arange(n) - n / 2) * d for n, d in zip(self.grid, self.spacing, strict=True))
+        return moments(self.h + (x[:, None] ** 2 + y[None, :] ** 2) / (2 * radius), self.lengths)
 
     @cached_property
     def pixel(self) -> float:
@@ -307,7 +297,6 @@ def _smoothed(values: Array) -> Array:
     weights = np.exp(-0.5 * (taps / 1.5) ** 2)
     weights /= weights.sum()
     for axis in (0, 1):
-        values = np.sum(
-            [w * np.roll(values, int(k), axis) for k, w in zip(taps, weights, strict=True)], axis=0
-        )
+        moved = [w * np.roll(values, int(k), axis) for k, w in zip(taps, weights, strict=True)]
+        values = np.sum(moved, axis=0)
     return values

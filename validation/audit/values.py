@@ -42,8 +42,13 @@ def judge_shown(result: Result, ledger: Ledger) -> None:
     for name, lines in result.tables.items():
         if name.startswith("data"):
             _spread_out(result, name, lines, ledger)
-    for name, data in result.figures.items():
-        _figure(result, name, data, ledger)
+    for file, data in result.figures.items():  # variables of the dataset
+        for name, variable in data.items():
+            place, whole = f"figures/{file}", result.data.get(name)
+            if whole is None:
+                ledger.unread.append(f"{place}: {name}")
+            elif variable.values.dtype.kind in "fiub" and variable.dims == whole.dims:
+                ledger.number(place, name, variable.values, whole.values, rtol=1e-12, atol=0.0)
     judge_page(result, ledger)
 
 
@@ -237,11 +242,8 @@ def judge_budget(result: Result, ledger: Ledger) -> None:
             # Of zero only no error is a part.
             shares = [100 * abs(half / value) if value else 0.0 if half == 0 else math.nan for half in halves]
             entering = [share for s, share in zip(SOURCES, shares, strict=True) if s not in _SPECTRAL]
-            cells: dict[str, Any] = {
-                "value": value,
-                "for this spectrum and period [%]": math.hypot(*entering),
-                "for any [%]": math.hypot(*shares),
-            }
+            cells: dict[str, Any] = {"value": value, "for any [%]": math.hypot(*shares)}
+            cells["for this spectrum and period [%]"] = math.hypot(*entering)
             for source, share in zip(SOURCES, shares, strict=True):
                 words = "does not enter" if source in error.attrs else "not measured"
                 cells[f"{source} [%]"] = words if source in error.attrs or math.isnan(share) else share
@@ -270,16 +272,6 @@ def _spread_out(result: Result, file: str, rows: list[list[str]], ledger: Ledger
         if expected.ndim and expected.size == len(lines) and variable.dims != (name,):
             found = np.array([as_number(line[k]) for line in lines])
             ledger.number(file, name, found, expected.ravel(), rtol=1e-12, atol=0.0)
-
-
-def _figure(result: Result, file: str, data: Variables, ledger: Ledger) -> None:
-    """Judge the data behind a figure: variables of the dataset."""
-    place = f"figures/{file}"
-    for name, variable in data.items():
-        if name not in result.data:
-            ledger.unread.append(f"{place}: {name}")
-        elif variable.values.dtype.kind in "fiub" and variable.dims == result.data[name].dims:
-            ledger.number(place, name, variable.values, result.data[name].values, rtol=1e-12, atol=0.0)
 
 
 def judge_page(result: Result, ledger: Ledger) -> None:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import importlib
 import json
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from validation.execution.running import Execution
     from validation.execution.solve import Solve
     from validation.execution.store import Store
-    from validation.scenes.run_options import RunOptions
+    from validation.scenes.tables import RunOptions
 
 
 def scene_names(incomplete: str) -> list[str]:
@@ -33,6 +34,16 @@ def key_names(incomplete: str) -> list[str]:
     from validation.scenes.keys import scene_keys
 
     return [f"{key}=" for key in scene_keys({}) if key.startswith(incomplete)]
+
+
+def named_by(module: str, listing: str) -> Callable[[str], list[str]]:
+    """Return what completes a name that a function of a module lists; it is imported when that is asked."""
+
+    def names(incomplete: str) -> list[str]:
+        every = getattr(importlib.import_module(module), listing)()
+        return [name for name in every if name.startswith(incomplete)]
+
+    return names
 
 
 def examples(*lines: str) -> str:
@@ -190,9 +201,7 @@ def print_plan(solves: Sequence[Solve], store: Store, *, as_json: bool) -> None:
     pair = transform_seconds()
     rows: list[dict[str, Any]] = []
     for solve in solves:
-        cost = solve.predict(pair_seconds=pair)
-        sizes = {"seconds": cost.seconds, "peak_bytes": cost.peak_bytes, "unknowns": cost.unknowns}
-        stored = os.path.exists(store.path(solve))
+        sizes, stored = vars(solve.predict(pair_seconds=pair)), os.path.exists(store.path(solve))
         rows.append({"key": solve.key, "solve": solve.describe(), **sizes, "stored": stored})
     if as_json:
         print_json(rows)

@@ -104,12 +104,11 @@ def _solved(solve: Press, folder: Path, comm: Any) -> dict[str, Any]:
     if stored is not None:
         return stored
     rough = solve.problem.surface
-    surface = (
-        # Every process reads a measured surface; of a random one each makes its slab.
-        bem.SlabSurface.of(solve.height_field(), comm)
-        if isinstance(rough, FileSurface)
-        else bem.SlabSurface.random(shape=solve.grid, comm=comm, **waves_drawn(rough))
-    )
+    # Every process reads a measured surface; of a random one each makes its slab.
+    if isinstance(rough, FileSurface):
+        surface = bem.SlabSurface.of(solve.height_field(), comm)
+    else:
+        surface = bem.SlabSurface.random(shape=solve.grid, comm=comm, **waves_drawn(rough))
     model = ContactModel.filled(solve.problem.elastic, solve.effects)
     (load,) = solve.problem.load.values
     if solve.problem.load.key == "reduced_pressure":
@@ -172,16 +171,10 @@ def _print(rows: list[dict[str, Any]], folder: Path, processes: int, *, as_json:
         return
     table = Table("grid", "A/A0 counted", "located", "pairs", "seconds", "MiB of a process", "processes")
     for row in rows:
-        located = row["areas"]["subcell"]
-        table.add_row(
-            "{} x {}".format(*row["grid"]),
-            f"{row['areas']['pixel']:.6g}",
-            "-" if located is None else f"{located:.6g}",
-            f"{row['pairs']:.1f}",
-            f"{row['seconds']:.2f}",
-            f"{row['peak_bytes'] / 2**20:.4g}",
-            str(row["processes"]),
-        )
+        pixel, located = row["areas"]["pixel"], row["areas"]["subcell"]
+        counted = f"{pixel:.6g}", "-" if located is None else f"{located:.6g}"
+        spent = f"{row['pairs']:.1f}", f"{row['seconds']:.2f}", f"{row['peak_bytes'] / 2**20:.4g}"
+        table.add_row("{} x {}".format(*row["grid"]), *counted, *spent, str(row["processes"]))
     show(table)
     claim = limit.doubt or f"{limit.value:.6g} +- {2 * limit.uncertainty:.2g} (95 %)"
     show(f"Limit of A/A0 over these grids: {claim}. Boundary elements alone. Fields: {folder}/*.h5")

@@ -70,10 +70,11 @@ class Bar(Progress, contextlib.AbstractContextManager["Bar"]):
         self._progress.start()
         for task in self._progress.task_ids:  # a study solves in several rounds: one bar for each
             self._progress.remove_task(task)
-        count = f"0 of {len(missing)}" if missing else f"all {stored} solves found,"
-        self._task = self._progress.add_task("getting ready" if missing else _AFTER, total=total, count=count)
-        if not missing:
-            self._progress.update(self._task, total=1, completed=1)
+        if missing:
+            self._task = self._progress.add_task("getting ready", total=total, count=f"0 of {len(missing)}")
+        else:
+            found = f"all {stored} solves found,"
+            self._task = self._progress.add_task(_AFTER, total=1, completed=1, count=found)
 
     def begin(self, solve: Solve) -> None:
         """Name the solve under way."""

@@ -8,18 +8,12 @@ from typing import Annotated, Any
 
 import typer
 
-from validation.cli.options import JsonOption, OutputOption, print_json
+from validation.cli.options import JsonOption, OutputOption, named_by, print_json
 from validation.errors import UsageError
 
 
 def _of(*choices: str) -> Any:
     return lambda incomplete: [word for word in choices if word.startswith(incomplete)]
-
-
-def _theory_names(incomplete: str) -> list[str]:
-    from validation.theories import theories
-
-    return [name for name in theories() if name.startswith(incomplete)]
 
 
 def reference(
@@ -50,7 +44,7 @@ def reference(
             "--theory",
             metavar="NAME",
             help="Score a theory on all cells; your own is module:function.",
-            autocompletion=_theory_names,
+            autocompletion=named_by("validation.theories", "theories"),
         ),
     ] = None,
     csv: Annotated[
@@ -88,28 +82,19 @@ def reference(
         raise UsageError(
             "reference: give --hurst, --bandwidth and --reduced-pressure; or a theory to score, --theory"
         )
-    values = lookup(
-        hurst=hurst,
-        bandwidth=bandwidth,
-        reduced_pressure=reduced_pressure,
-        amplitudes=amplitudes,
-        gradient=gradient,
-    )
-    persson = persson_theory(hurst=hurst, bandwidth=bandwidth, reduced_pressure=reduced_pressure)
+    point = {"hurst": hurst, "bandwidth": bandwidth, "reduced_pressure": reduced_pressure}
+    values = lookup(**point, amplitudes=amplitudes, gradient=gradient)
+    persson = persson_theory(**point)
     if as_json:
         record = {name: {**asdict(value), "persson": persson.get(name)} for name, value in values.items()}
         print_json(record)
         return
-    rows = [
-        (
-            name,
-            with_error(value.value, value.uncertainty),
-            f"{persson[name]:.4g}" if name in persson else "-",
-            f"{100 * round(value.interpolation / value.value, 6):.2g}",
-            value.meaning,
-        )
-        for name, value in values.items()
-    ]
+    rows = []
+    for name, value in values.items():
+        theory_words = f"{persson[name]:.4g}" if name in persson else "-"
+        share = f"{100 * round(value.interpolation / value.value, 6):.2g}"
+        number = with_error(value.value, value.uncertainty)
+        rows.append((name, number, theory_words, share, value.meaning))
     sized = (amplitudes, gradient) == ("exact", "surface")
     parts = "surfaces, grid, solver, size of the sample" if sized else "surfaces, grid, solver"
     lacking = "" if sized else "; what the size of the sample does is not in it"

@@ -27,17 +27,14 @@ def print_outputs(outputs: Outputs, *, as_json: bool = False, done: str = "Writt
     if as_json:
         print_json(outputs.data.to_dict() if outputs.result.kind == "study" else page.summary)
         return
-    width = terminal_width()
-    for line in sentence_lines(f"{page.title}: {page.lead}", width):
-        show(line)
+    _show_sentence(f"{page.title}: {page.lead}")
     for table in page.tables[:1]:
         if len(table.rows) <= _MANY_ROWS:
             print_table(table, elsewhere="In the files, not here")
         else:
             show(f"A table of {len(table.rows)} rows: see table.csv, or the page.")
     for finding in (*page.findings, *outputs.more):
-        for line in sentence_lines(f"- {finding}", width):
-            show(line)
+        _show_sentence(f"- {finding}")
     show(f"\n{done}")
     for path in outputs.files:
         show(f"  {path}")
@@ -45,11 +42,13 @@ def print_outputs(outputs: Outputs, *, as_json: bool = False, done: str = "Writt
 
 def print_table(table: WordTable, *, elsewhere: str = "Not shown") -> None:
     """Print a table and its note; say which of its columns found no place."""
-    width = terminal_width()
-    shown, left_out = page_table(table, width=width or WIDE)
+    shown, left_out = page_table(table, width=terminal_width() or WIDE)
     show(shown)
-    where = f"{elsewhere}: {'; '.join(left_out)}. " if left_out else ""
-    for line in sentence_lines(where + table.note, width):
+    _show_sentence((f"{elsewhere}: {'; '.join(left_out)}. " if left_out else "") + table.note)
+
+
+def _show_sentence(text: str) -> None:
+    for line in sentence_lines(text, terminal_width()):
         show(line)
 
 
@@ -74,19 +73,16 @@ def page_table(table: WordTable, *, width: int) -> tuple[Table, tuple[str, ...]]
     from rich.text import Text
 
     # By position: two columns, such as two uncertainties, may have one name.
-    widths = {
-        k: max(len(cell) for cell in (name, *(row[k] for row in table.rows)))
-        for k, name in enumerate(table.columns)
-    }
+    cells = zip(table.columns, *table.rows, strict=True)
+    # Each brings two blanks and an edge.
+    widths = {k: 3 + max(map(len, column)) for k, column in enumerate(cells)}
     left_out: list[str] = []
     for name in table.yielding:
-        # Every column brings two blanks and an edge.
-        if sum(3 + w for w in widths.values()) + 1 <= width:
+        if sum(widths.values()) < width:
             break
         left_out.append(name)
-        for k in [k for k in widths if table.columns[k] == name]:
-            del widths[k]
-    fits = sum(3 + w for w in widths.values()) + 1 <= width
+        widths = {k: w for k, w in widths.items() if table.columns[k] != name}
+    fits = sum(widths.values()) < width
     printed = rich.table.Table()
     for k in widths:
         side: Any = "left" if table.columns[k] in table.left else "right"

@@ -86,9 +86,8 @@ def _prepared(
 ) -> tuple[Callable[[], Sequence[Solve]], Callable[..., Any]]:
     from validation.comparison.accuracy import run_accurate
     from validation.comparison.explain import problems_of, solves_of_sweep
-    from validation.comparison.run import run_scene
-    from validation.comparison.sweep import run_sweep
-    from validation.execution.press import run_solves, solves_of
+    from validation.comparison.run import run_scene, run_sweep
+    from validation.execution.press import run_solves
     from validation.scenes.checks import check_scene
     from validation.scenes.problem import realise
     from validation.scenes.sweep import Sweep
@@ -98,18 +97,15 @@ def _prepared(
         return partial(solves_of_sweep, loaded, cases), partial(run_sweep, loaded, folder, cases=cases)
     problem = realise(loaded)
     check_scene(loaded, problem)
-    if chosen is not None:
-        accurate = partial(run_accurate, loaded, folder, pictures=pictures, **chosen)
-        return partial(solves_of, loaded, problem), accurate
-    plain = partial(run_scene, loaded, folder, problem=problem, pictures=pictures)
-    return partial(run_solves, loaded, problem), plain
+    run = partial(run_scene, problem=problem) if chosen is None else partial(run_accurate, **chosen)
+    return partial(run_solves, loaded, problem), partial(run, loaded, folder, pictures=pictures)
 
 
 def _folders(
     scene: Scene | Sweep, output: Path | None, store: Path | None, *, accurate: bool
 ) -> tuple[Path, Path]:
     """Return the folders of results and of solves: the command line goes before the scene."""
-    from validation.scenes.run_options import not_led_out
+    from validation.scenes.tables import not_led_out
 
     how, results = scene.run, Path("results")
     plain = output or how.folder("output") or not_led_out(results / scene.name, of=results, option="--output")

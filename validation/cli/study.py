@@ -18,12 +18,6 @@ if TYPE_CHECKING:
     from validation.studies import Study
 
 
-def _study_names(incomplete: str) -> list[str]:
-    from validation.studies import studies
-
-    return [name for name in studies() if name.startswith(incomplete)]
-
-
 class StudyCommand(TyperCommand):
     """Completes the options of the study that was named, too."""
 
@@ -33,21 +27,21 @@ class StudyCommand(TyperCommand):
 
         found = super().shell_complete(ctx, incomplete)
         chosen = studies().get(ctx.params.get("name", ""))
-        flags = chosen.options.flags() if chosen else ()
-        return found + [
-            SimpleNamespace(
-                value=flag, type="plain", help=""
-            )  # as click has them, which typer may hold inside
-            for flag in flags
-            if incomplete and flag.startswith(incomplete)
-        ]
+        flags = chosen.options.flags() if chosen and incomplete else ()
+        # As click has them, which typer may hold inside.
+        plain = {"type": "plain", "help": ""}
+        return found + [SimpleNamespace(value=f, **plain) for f in flags if f.startswith(incomplete)]
 
 
 def study(
     context: typer.Context,
     name: Annotated[
         str | None,
-        typer.Argument(metavar="NAME", help="A study; see --list.", autocompletion=_study_names),
+        typer.Argument(
+            metavar="NAME",
+            help="A study; see --list.",
+            autocompletion=options.named_by("validation.studies", "studies"),
+        ),
     ] = None,
     list_all: Annotated[bool, options.option("--list", help="List the studies.")] = False,
     scene: Annotated[
@@ -84,7 +78,7 @@ def study(
     from validation.execution.bench import DEFAULT_STORE, Bench, PlannedOnly
     from validation.execution.store import Store
     from validation.files import prepare_folder
-    from validation.scenes.run_options import RunOptions
+    from validation.scenes.tables import RunOptions
     from validation.studies import find_study, studies
     from validation.studies._outputs import run_study
 

@@ -84,28 +84,24 @@ def inspect(
 ) -> None:
     """Print size, tilt, missing points, edges, moments and C(q) of a surface."""
     facts = _inspected(source, length=length, unit=unit, tilt=tilt, missing=missing)
-    spectrum = facts.pop("spectrum")
     if as_json:
-        print_json({**facts, "spectrum": spectrum})
+        print_json(facts)
         return
+    spectrum = facts.pop("spectrum")
     for name, value in facts.items():
         of, unit = re.sub(r" \[.*\]", "", name), (re.findall(r"\[(1/m\^2|1/m|m)\]", name) or ["1"])[0]
         sizes = value if isinstance(value, tuple) else (value,)
-        words = " x ".join(
-            in_prefixed_unit(size, unit, 6) if isinstance(size, float) else str(size) for size in sizes
-        )
-        show(f"{name if unit == '1' else of}: {words}")
-    if not spectrum:
-        return
-    from rich.table import Table
+        words = (in_prefixed_unit(size, unit, 6) if isinstance(size, float) else str(size) for size in sizes)
+        show(f"{name if unit == '1' else of}: {' x '.join(words)}")
+    if spectrum:
+        from rich.table import Table
 
-    table = Table(title="C(q), convention <h^2> = 2 pi int q C dq")
-    for column in ("q [1/m]", "wavelength", "C [m^4]", "waves"):
-        table.add_column(column, justify="right")
-    for ring in spectrum[:: max(1, len(spectrum) // 12)]:
-        q = ring["q_1/m"]
-        table.add_row(f"{q:.4g}", as_length(2 * math.pi / q, 4), f"{ring['C_m4']:.4g}", str(ring["waves"]))
-    show(table)
+        table = Table(title="C(q), convention <h^2> = 2 pi int q C dq")
+        for column in ("q [1/m]", "wavelength", "C [m^4]", "waves"):
+            table.add_column(column, justify="right")
+        for q, c, waves in (ring.values() for ring in spectrum[:: max(1, len(spectrum) // 12)]):
+            table.add_row(f"{q:.4g}", as_length(2 * math.pi / q, 4), f"{c:.4g}", str(waves))
+        show(table)
 
 
 @surface_app.command(
@@ -151,11 +147,9 @@ def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatme
     from validation.scenes.tables import FileSurface
     from validation.units import plain_number
 
+    sizes = {"length": length, "unit": unit}
     table = {"kind": "file", "path": str(path), **treatment}
-    if length is not None:
-        table["length"] = plain_number(length)
-    if unit is not None:
-        table["unit"] = plain_number(unit)
+    table |= {key: plain_number(text) for key, text in sizes.items() if text is not None}
     try:
         return FileSurface.model_validate(sized({"surface": table}, Path(), str(path))["surface"])
     except ValidationError as error:
@@ -166,9 +160,7 @@ def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatme
     raise UsageError("\n".join(f"{path}: {line}" for line in lines))
 
 
-def _inspected(
-    source: str, *, length: str | None, unit: str | None, tilt: str | None, missing: str
-) -> dict[str, Any]:
+def _inspected(source: str, **asked: Any) -> dict[str, Any]:
     from fem_contact.surface import Patch, measured_lay
     from fem_contact.surface.spectra import estimate_spectrum
     from validation.scenes.scene import builtin_scenes, load_scene
@@ -181,7 +173,7 @@ def _inspected(
     if source in builtin_scenes() or Path(source).suffix == ".toml":
         surface = load_scene(source).surface
     else:
-        surface = _file_surface(Path(source), length=length, unit=unit, tilt=tilt, missing=missing)
+        surface = _file_surface(Path(source), **asked)
     if surface.kind == "file":
         measured = Measured.read(surface)
         # Its numbers need heights everywhere, and are those of no plane.
@@ -191,7 +183,7 @@ def _inspected(
         facts |= {"slope along y": raw.slope[1], "share of a plane in the variance": raw.plane_share}
         facts |= {"edge jump over typical step": patch.edge_jump, "treatment": "; ".join(patch.history)}
         if measured.faults:
-            table = {"path": str(surface.path), "length": length, "unit": unit}
+            table = {"path": str(surface.path), "length": asked["length"], "unit": asked["unit"]}
             facts["before it is pressed"] = "\n".join(fault_lines(measured.faults, table))
         field = patch.height_field()
         window: Literal["none", "hann"] = "none" if patch.edge_jump < 4 else "hann"
@@ -209,8 +201,7 @@ def _inspected(
         how = "spectral" if window == "none" else "differences"
         facts[f"h'_rms ({how})"] = windowed.rms_gradient
         facts[f"rms curvature [1/m] ({how})"] = math.sqrt(windowed.moments[2]) / 2
-        if window == "none":
-            facts["Nayak parameter"] = field.nayak
+        facts |= {"Nayak parameter": field.nayak} if window == "none" else {}
         steepest = f"mean square slope in the steepest 0.1 % (Gaussian: {GAUSSIAN_STEEP_SHARE:.2g})"
         facts |= {
             "kurtosis of heights (Gaussian: 3)": traits.kurtosis,

@@ -1,4 +1,4 @@
-"""The commands that hold the code and the paper against known numbers: `validate` and `reproduce`."""
+"""The commands that hold code and paper against known numbers: `validate`, `challenge`, `reproduce`."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from validation.cli.options import (
     OutputOption,
     QuietOption,
     ReportOption,
+    examples,
     option,
     print_json,
     say,
@@ -23,6 +24,11 @@ from validation.report.words import json_ready
 
 if TYPE_CHECKING:
     from validation.cases.scorecard import Scorecard
+
+
+ToleranceOption = Annotated[
+    float, typer.Option(metavar="T", min=1e-12, max=1e-2, help="Of a scored solver: largest residual.")
+]
 
 
 def validate(
@@ -41,9 +47,7 @@ def validate(
         float,
         typer.Option("--seconds", metavar="S", min=1.0, help="With --method: for all solves of a solver."),
     ] = 300.0,
-    tolerance: Annotated[
-        float, typer.Option(metavar="T", min=1e-12, max=1e-2, help="With --method: largest residual.")
-    ] = 1e-6,
+    tolerance: ToleranceOption = 1e-6,
     output: OutputOption = None,
     with_report: ReportOption = True,
     as_json: JsonOption = False,
@@ -65,10 +69,9 @@ def validate(
         if names:
             raise UsageError(f"--method scores a solver by all rows; leave out {', '.join(names)}")
         limits: dict[str, Any] = {"tolerance": tolerance, "quick": quick, "seconds": seconds}
-        chosen = {name: chosen_solver(name) for name in method}
+        chosen, cards = {name: chosen_solver(name) for name in method}, []
         plain = re.sub(r"[^A-Za-z0-9._-]", "-", method[0])
         folder = prepare_folder(output or Path("results") / f"scorecard-{plain}")
-        cards = []
         for name, (solver, settings) in chosen.items():
             if not as_json:
                 typer.echo(f"{name}:")
@@ -134,3 +137,40 @@ def reproduce(
         print_json(json_ready(claims.to_dataframe().reset_index().to_dict("records")))
         return
     print_outputs(outputs)
+
+
+challenge_app = typer.Typer(no_args_is_help=True, help="Score a solver in any language, by files.")
+
+
+@challenge_app.command(epilog=examples("fem-contact challenge export mine"))
+def export(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder to write the problems into.")],
+    points: Annotated[
+        int, typer.Option(metavar="N", min=16, max=128, help="Along a side of the coarsest grids.")
+    ] = 16,
+    tolerance: ToleranceOption = 1e-6,
+) -> None:
+    """Write numbered problems, and what to return for each.
+
+    Heights as .npy and text, every parameter with its unit.
+    """
+    from validation.cases.scorecard.challenge import export as write
+    from validation.files import prepare_folder
+
+    count = write(prepare_folder(folder), points=points, tolerance=tolerance)
+    typer.echo(
+        f"{folder}: {count} problems; their answers are scored by: fem-contact challenge score {folder}"
+    )
+
+
+@challenge_app.command(epilog=examples("fem-contact challenge score mine"))
+def score(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of problems, with answers to some.")],
+    as_json: JsonOption = False,
+) -> None:
+    """Score the answers of a folder, all or some; exit with 1 if a row fails."""
+    from validation.cases._result import write_scorecards
+    from validation.cases.scorecard.challenge import score_folder
+
+    card = score_folder(folder, tell=None if as_json else lambda line: say(line, prefix=""))
+    show_scorecards([card], write_scorecards(folder, [card]).files, as_json=as_json)

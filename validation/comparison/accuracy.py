@@ -16,9 +16,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from validation.arrays import Grid
-from validation.comparison.accuracy_bench import Metered
-from validation.comparison.accuracy_search import Beside, Search, grid_words
+from validation.comparison.accuracy_search import Beside, Metered, Search, Single, grid_words
 from validation.comparison.run import run_scene
 from validation.effects.base import effect_key
 from validation.errors import UsageError
@@ -57,49 +55,35 @@ def parse_accuracy(text: str) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
-class AccuracyResult:
-    """An accuracy that was asked for, and what became of it; every error is half of a 95 % interval.
+class AccuracyResult(Single):
+    """An accuracy that was asked for, and what became of it.
 
-    Errors are relative to their areas. `area` is the limit of A/A0 of the scene's surface over `grids`,
-    each on `shifts`^2 sub-grid shifts, of the area whose edge is `located` inside the cells or corrected; of
-    the `tolerance` of the solver seven times is counted as left in it. Of the `solves` done now,
+    Of the `tolerance` of the solver seven times is counted as left in the area. Of the `solves` done now,
     blocks of pairs counted as one, and the `seconds` spent, `solving_seconds` were predicted to be
     `predicted_seconds`; `reused` solves were found finished.
     """
 
     target: float
-    area: float
-    error: float
-    grids: tuple[Grid, ...]
-    shifts: int
-    located: bool = True
     tolerance: float
-    beside: tuple[Beside, ...] = ()
-    ensemble: MeanArea | None = None
+    beside: tuple[Beside, ...]
+    ensemble: MeanArea | None
     solves: int
     seconds: float
     solving_seconds: float
     predicted_seconds: float
     peak_bytes: int
-    reused: int = 0
+    reused: int
 
     def summary(self) -> dict[str, Any]:
         """Return everything as JSON-ready data."""
-        numbers = vars(self) | {"beside": [asdict(other) for other in self.beside], "mean": None}
-        ensemble = numbers.pop("ensemble")
-        if ensemble is not None:
-            numbers |= {
-                "surfaces": ensemble.surfaces,
-                "mean": ensemble.estimate.value,
-                "mean_error": ensemble.half_width / ensemble.estimate.value,
-                "statistical": ensemble.estimate.half_width / ensemble.estimate.value,
-                "scatter": ensemble.scatter,
-                "surface_grids": ensemble.grids,
-                "pairs": ensemble.pairs,
-                "unsolved": ensemble.unsolved,
-            }
-        record: dict[str, Any] = json_ready(numbers)
-        return record
+        numbers = {n: value for n, value in vars(self).items() if n not in ("finest", "ensemble")}
+        numbers |= {"located": self.located, "beside": list(map(asdict, self.beside)), "mean": None}
+        if (ensemble := self.ensemble) is not None:
+            mean = ensemble.estimate.value
+            numbers |= {n: getattr(ensemble, n) for n in ("surfaces", "scatter", "pairs", "unsolved")}
+            numbers |= {"mean": mean, "mean_error": ensemble.half_width / mean}
+            numbers |= {"statistical": ensemble.estimate.half_width / mean, "surface_grids": ensemble.grids}
+        return dict(json_ready(numbers))
 
     def chosen(self, scene: Scene) -> Scene:
         """Return the scene with the grids that were chosen for its own surface."""
@@ -162,14 +146,8 @@ def run_accurate(
     prepare_folder(folder)
     bench = bench or Bench.at(folder / "solves")
     reached = reach(scene, bench, target=target, time_limit=time_limit)
-    outputs = run_scene(
-        reached.chosen(scene),
-        folder,
-        bench=bench,
-        accurate=reached.summary(),
-        report=report,
-        pictures=pictures,
-    )
+    shown: dict[str, Any] = {"accurate": reached.summary(), "report": report, "pictures": pictures}
+    outputs = run_scene(reached.chosen(scene), folder, bench=bench, **shown)
     more = tuple(reached.sentences())
     return replace(outputs, more=more, solved=reached.solves, reused=reached.reused)
 
@@ -204,16 +182,11 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
     )
     search = Search(scene=scene, problem=problem, target=target, bench=metered)
     search.reserve()
-    single = search.own_surface()
+    single, account = search.own_surface(), metered.account
     beside = search.beside()
-    account = metered.account
     return AccuracyResult(
+        **vars(single),
         target=target,
-        area=single.area,
-        error=single.error,
-        grids=single.ladder.grids,
-        shifts=single.ladder.shifts,
-        located=single.finest.subcell is not None,
         tolerance=search.tolerance,
         beside=beside,
         ensemble=None if scene.ensemble is None else search.ensemble(single),

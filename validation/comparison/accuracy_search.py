@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import itertools
+import math
+import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.fft
@@ -13,12 +16,14 @@ import scipy.fft
 from fem_contact.area import ContactAreas
 from fem_contact.extrapolation import PlannedGrid, predicted_uncertainty, too_small
 from validation.arrays import Grid
-from validation.comparison.accuracy_bench import Metered
 from validation.errors import NoLimit, RunFailed, UsageError
-from validation.execution.cost import memory_words
+from validation.execution.attempt import warm_up
+from validation.execution.bench import Bench
+from validation.execution.cost import available_memory, memory_words, transform_seconds
 from validation.execution.measurement import Call
 from validation.execution.press import Press, solves_of
-from validation.execution.solve import Prediction
+from validation.execution.running import Solves
+from validation.execution.solve import Prediction, Solve
 from validation.measurements.ensemble import MeanArea, mean_area
 from validation.measurements.measurement import (
     TOLERANCES_LEFT,
@@ -66,6 +71,101 @@ _FORETOLD = (0.7, 2.0)
 _OBLONG = 0.02
 
 
+#: Seconds, taken and predicted, beside which those of a kind of solves tell little [s].
+_LITTLE = (0.1, 0.1)
+
+
+@dataclass(kw_only=True)
+class Account:
+    """What was spent so far: seconds, solves `found` finished and `done`; what is `reserved` for the last.
+
+    By the kind of solves, `alike` has the seconds that these took, and those that were predicted.
+    """
+
+    solving: float = 0.0
+    predicted: float = 0.0
+    found: set[Solve] = field(default_factory=set)
+    done: set[Solve] = field(default_factory=set)
+    reserved: float = 0.0
+    alike: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Metered(Bench):
+    """A bench that refuses what does not end within a time limit, `time_limit` seconds from `clock` on.
+
+    Messages begin with what is `wanted`; `pair` is the time of a pair of transforms on this machine [s].
+    """
+
+    wanted: str = ""
+    time_limit: float | None = None
+    pair: float = field(default_factory=transform_seconds)
+    clock: float = field(default_factory=time.perf_counter)
+    account: Account = field(default_factory=Account)
+
+    @property
+    def memory(self) -> int:
+        """Bytes that a solve may take."""
+        return available_memory() if self.execution.memory is None else self.execution.memory
+
+    @property
+    def spent(self) -> float:
+        """Seconds since the clock was started."""
+        return time.perf_counter() - self.clock
+
+    def seconds(self, solve: Solve) -> float:
+        """Predict what a solve takes, by what those of its kind took; else by the machine alone."""
+        taken, predicted = self.account.alike.get(_kind(solve), _LITTLE)
+        return solve.predict(pair_seconds=self.pair).seconds * taken / predicted
+
+    def affordable(self, seconds: float, peak_bytes: int = 0) -> bool:
+        """Whether solves of so many seconds in all would end in time, and the largest fits into memory."""
+        left = math.inf if self.time_limit is None else self.time_limit - self.spent - self.account.reserved
+        return seconds / self.execution.workers <= left and peak_bytes <= self.memory
+
+    def means(self) -> str:
+        """Say what memory and time are left."""
+        words = f"{memory_words(self.memory)} are free"
+        if self.time_limit is not None:
+            words += f" and {max(self.time_limit - self.spent, 0):.3g} s are left"
+        return words
+
+    def solve(self, solves: Iterable[Solve], *, despite_failures: bool = False) -> Solves:
+        """Solve what is not stored yet.
+
+        A RunFailed for solves that would not end in time, before they begin, and as `Bench.solve`.
+        """
+        wanted, account = tuple(solves), self.account
+        missing = [solve for solve in wanted if not self.store.path(solve).exists()]
+        # What is solved here, now or before, is not taken from the store.
+        account.found |= set(wanted) - set(missing) - account.done
+        account.done |= set(missing)
+        if not missing:
+            return super().solve(wanted, despite_failures=despite_failures)
+        if not self.affordable(sum(map(self.seconds, missing))):
+            raise RunFailed(
+                f"{self.wanted}: solves take longer here than predicted, {missing[0].describe()} would not "
+                f"end in time, and {self.means()}; all finished solves are stored: allow more with "
+                f"--time-limit"
+            )
+        warm_up(missing)  # not charged to the solves, whose time tells how fast the machine is
+        account.predicted += sum(map(self.seconds, missing)) / self.execution.workers
+        start = time.perf_counter()
+        results = super().solve(wanted, despite_failures=despite_failures)
+        account.solving += time.perf_counter() - start
+        for solve, made in zip(results.solves, results.made(), strict=True):
+            if solve in missing:
+                taken, predicted = account.alike.get(_kind(solve), _LITTLE)
+                predicted += solve.predict(pair_seconds=self.pair).seconds
+                account.alike[_kind(solve)] = taken + made.seconds, predicted
+        return results
+
+
+def _kind(solve: Solve) -> str:
+    """Name solves whose predictions are off by the same factor."""
+    return solve.describe().partition(", surface")[0]
+
+
 def grid_words(grids: Sequence[Grid]) -> str:
     """Name grids in words."""
     return ", ".join(f"{nx} x {ny}" for nx, ny in grids)
@@ -84,12 +184,21 @@ class Ladder:
 
 @dataclass(frozen=True, kw_only=True)
 class Single:
-    """The scene's own surface, solved."""
+    """The scene's own surface, solved on `shifts`^2 sub-grid shifts of each of its `grids`.
 
-    ladder: Ladder
+    The error is half of the 95 % interval, relative to the limit of A/A0.
+    """
+
+    grids: tuple[Grid, ...]
+    shifts: int
     area: float
     error: float
     finest: ContactAreas
+
+    @property
+    def located(self) -> bool:
+        """Whether the limit is of the area whose edge is located inside the cells, or corrected."""
+        return self.finest.subcell is not None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,11 +245,7 @@ class Search:
     def others(self) -> dict[str, tuple[Press, ...]]:
         """Solves of the other methods that the scene lists, by method."""
         names = [name for name in self.scene.methods.solvers if name != "bem"]
-        tables = {name: Methods(**{name: self.scene.methods.options(name)}) for name in names}
-        return {
-            name: solves_of(self.scene.model_copy(update={"methods": table, "ensemble": None}), self.problem)
-            for name, table in tables.items()
-        }
+        return {name: self._solves(**{name: self.scene.methods.options(name)}) for name in names}
 
     @cached_property
     def shared(self) -> tuple[Grid, ...]:
@@ -168,16 +273,15 @@ class Search:
             # Where grids disagree by more than the law allows, they will again.
             self.doubt = max(self.doubt, _SPARE * error / ladder.error) if np.isfinite(error) else self.doubt
             if error <= self.target:
-                return Single(ladder=ladder, area=limit.value, error=error, finest=known)
+                grids, shifts = ladder.grids, ladder.shifts
+                return Single(grids=grids, shifts=shifts, area=limit.value, error=error, finest=known)
 
     def ensemble(self, single: Single) -> MeanArea:
         """Solve the pairs of surfaces whose controlled mean meets the accuracy at least cost."""
         tried: set[tuple[Grid, ...]] = set()
         while True:
             chains = list(self._chains(single.finest))
-            usual = [
-                chain for chain in chains if self.problem.points_per_wave(chain.grids[-1]) >= _USUAL_LEVEL
-            ]
+            usual = [c for c in chains if self.problem.points_per_wave(c.grids[-1]) >= _USUAL_LEVEL]
             possible = any(self.bench.affordable(chain.seconds, chain.peak_bytes) for chain in usual)
             ladder = self._cheapest(usual if possible else chains, tried, share=_GRID_SHARE)
             tried.add(ladder.grids)
@@ -200,9 +304,8 @@ class Search:
                 return ensemble
             grid = ensemble.grid / ensemble.estimate.value
             if grid < _SPARE * self.target:
-                raise RunFailed(
-                    f"{self._known(ensemble)}; all solves are stored: run it again, or ask for less"
-                )
+                again = "all solves are stored: run it again, or ask for less"
+                raise RunFailed(f"{self._known(ensemble)}; {again}")
             self.doubt = max(self.doubt, grid / ladder.error) * self.doubt
 
     def beside(self) -> tuple[Beside, ...]:
@@ -247,9 +350,8 @@ class Search:
 
     def _watch(self, ensemble: MeanArea, solves: Sequence[Call]) -> None:
         seconds = sum(map(self.bench.seconds, solves))
-        surfaces = ensemble.surfaces + 2 * sum(
-            call["count"] for call in solves if call.measurement is area_pairs
-        )
+        pairs = sum(call["count"] for call in solves if call.measurement is area_pairs)
+        surfaces = ensemble.surfaces + 2 * pairs
         if self.bench.affordable(seconds) and surfaces <= _MOST_SURFACES:
             self._foretell(f"{surfaces} surfaces for the mean", seconds)
             return
@@ -259,9 +361,8 @@ class Search:
         )
 
     def _foretell(self, what: str, seconds: float) -> None:
-        least, most = (
-            significant(factor * seconds / self.bench.execution.workers, 2) for factor in _FORETOLD
-        )
+        each = seconds / self.bench.execution.workers
+        least, most = (significant(factor * each, 2) for factor in _FORETOLD)
         self.bench.progress.plan(f"{self.bench.wanted}: {what}, {least} to {most} s of solving")
 
     def _known(self, ensemble: MeanArea) -> str:
@@ -300,10 +401,8 @@ class Search:
 
     def _planned(self, grids: tuple[Grid, ...], shifts: int, known: ContactAreas) -> Ladder:
         lengths = self.scene.surface.length
-        plan = [
-            PlannedGrid(spacing=(lengths[0] / nx, lengths[1] / ny), cells=nx * ny, solves=shifts * shifts)
-            for nx, ny in grids
-        ]
+        each = [((lengths[0] / nx, lengths[1] / ny), nx * ny) for nx, ny in grids]
+        plan = [PlannedGrid(spacing=spacing, cells=cells, solves=shifts**2) for spacing, cells in each]
         area = known.pixel if known.subcell is None else known.subcell
         claim = 2 * predicted_uncertainty(known, plan) / max(area, known.cell_share)
         for grid in grids:
@@ -339,9 +438,12 @@ class Search:
         )
 
     def _jobs(self, grids: Sequence[Grid], shifts: int) -> tuple[Press, ...]:
-        method = BemOptions(grids=tuple(grids), shifts=shifts, tolerance=self.tolerance)
-        chosen = self.scene.model_copy(update={"methods": Methods(bem=method), "ensemble": None})
-        return solves_of(chosen, self.problem)
+        return self._solves(bem=BemOptions(grids=tuple(grids), shifts=shifts, tolerance=self.tolerance))
+
+    def _solves(self, **methods: Any) -> tuple[Press, ...]:
+        """List the solves of the scene's own surface by other methods than it lists."""
+        asked = {"methods": Methods(**methods), "ensemble": None}
+        return solves_of(self.scene.model_copy(update=asked), self.problem)
 
     def _solved(self, grids: Sequence[Grid], shifts: int) -> list[ContactAreas]:
         solves = self._jobs(grids, shifts)

@@ -59,12 +59,16 @@ def compare_folders(folders: Sequence[Path], output: Path, *, report: bool = Tru
     table = _table(data)
     short = ResultTable.of(table.columns, table.rows[:_ROWS])
     more = f"{len(table.rows) - _ROWS} more rows are in table.csv. " if len(table.rows) > _ROWS else ""
-    differences = WordTable(
-        title="Settings that differ",
-        columns=("setting", *results),
-        rows=tuple((key, *values) for key, values in differ.items()),
-        left=frozenset({"setting", *results}),
+    tables = [shown(short, title="Numbers side by side", note=more + _JOINT)]
+    if differ:
+        columns, rows = ("setting", *results), tuple((key, *values) for key, values in differ.items())
+        title = "Settings that differ"
+        tables.append(WordTable(title=title, columns=columns, rows=rows, left=frozenset(columns)))
+    flat = {label: _flat_settings(result) for label, result in results.items()}
+    seeds = (
+        f"{label}: {one.get('surface.seed') or one.get('seed') or 'none'}" for label, one in flat.items()
     )
+    labelled_folders = dict(zip(_labels(folders), map(str, folders), strict=True))
     page = page_of(
         data,
         Views(
@@ -76,25 +80,15 @@ def compare_folders(folders: Sequence[Path], output: Path, *, report: bool = Tru
         title=" beside ".join(results),
         lead=f"{len(results)} {kind}. What differs in what was asked, and in what came out; differences are "
         f"from {next(iter(results))}",
-        tables=(
-            shown(short, title="Numbers side by side", note=more + _JOINT),
-            *((differences,) if differ else ()),
-        ),
+        tables=tuple(tables),
         settings=settings,
-        seeds="; ".join(
-            f"{label}: {flat.get('surface.seed') or flat.get('seed') or 'none'}"
-            for label, flat in zip(results, map(_flat_settings, results.values()), strict=True)
-        ),
+        seeds="; ".join(seeds),
         papers=(),
         records={"table": table},
         data=None,
         summary={
             "kind": "compare",
-            "results": {
-                label: str(folder)
-                for label, folder in zip(_labels(folders), folders, strict=True)
-                if label in results
-            },
+            "results": {label: labelled_folders[label] for label in results},
             "differing": {key: list(values) for key, values in differ.items()},
             "not_compared": list(left_out),
         },
@@ -153,7 +147,11 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
 
     A UsageError where they share no place, or have different numbers of rows that nothing names.
     """
-    parts = [_numbers(result.data) for result in results.values()]
+    parts = []
+    for whole in (result.data.drop_dims(_FIELDS, errors="ignore") for result in results.values()):
+        numbers = [str(name) for name, values in whole.data_vars.items() if values.dtype.kind in "fiu"]
+        kept = [n for n in numbers if not n.startswith(_LEFT_OUT) and not n.endswith("_drift")]
+        parts.append(whole[kept])
     first = parts[0]
     names = [n for n in first.data_vars if all(n in part and part[n].dims == first[n].dims for part in parts)]
     placed = [_placed(part)[names].drop_attrs(deep=False) for part in parts]
@@ -175,28 +173,15 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     data = xr.concat(parts, dim="result", combine_attrs=common, join="exact")
     data = data.assign_coords(result=list(results))
     values = [str(name) for name in names if not str(name).endswith("_error")]
+    errors = [f"{name}_error" for name in values if f"{name}_error" in data]
     first = data.isel(result=0, drop=True)
-    for name in values:
-        data[f"{name}_first"] = first[name]
-        if f"{name}_error" in data:
-            data[f"{name}_first_error"] = first[f"{name}_error"]
-    made = derive(data, **{f"{name}_apart": f"{name} - {name}_first" for name in values})
-    made = made.drop_vars([name for name in made.data_vars if str(name).endswith(("_first", "_first_error"))])
+    beside = {f"{name}_first": first[name] for name in values}
+    beside |= {f"{name.removesuffix('_error')}_first_error": first[name] for name in errors}
+    made = derive(data.assign(beside), **{f"{name}_apart": f"{name} - {name}_first" for name in values})
+    made = made.drop_vars(list(beside))
     # The first is no further from itself than nothing.
     apart = [name for name in made.data_vars if name not in data]
     return labelled(made.assign(made[apart].where(made.result != made.result[0], 0.0)))
-
-
-def _numbers(data: xr.Dataset) -> xr.Dataset:
-    data = data.drop_dims(_FIELDS, errors="ignore")
-    names = [
-        str(name)
-        for name, values in data.data_vars.items()
-        if values.dtype.kind in "fiu"
-        and not str(name).startswith(_LEFT_OUT)
-        and not str(name).endswith("_drift")
-    ]
-    return data[names]
 
 
 def _placed(data: xr.Dataset) -> xr.Dataset:
@@ -204,12 +189,8 @@ def _placed(data: xr.Dataset) -> xr.Dataset:
     for dim in map(str, data.dims):
         coordinates = [str(n) for n, c in data.coords.items() if c.dims == (dim,)]
         if dim not in data.coords and coordinates:
-            values = data[coordinates[0]].values
-            data = (
-                data.drop_vars(coordinates)
-                .rename({dim: coordinates[0]})
-                .assign_coords({coordinates[0]: values})
-            )
+            name, values = coordinates[0], data[coordinates[0]].values
+            data = data.drop_vars(coordinates).rename({dim: name}).assign_coords({name: values})
     return data
 
 
@@ -289,17 +270,11 @@ def _table(data: xr.Dataset) -> ResultTable:
             for k, label in enumerate(data.result.values):
                 part = here.isel(result=k)
                 value, apart = value_of(part, name), value_of(part, f"{name}_apart")
-                rows.append(
-                    {
-                        "quantity": quantity_of(data, name).title,
-                        "where": place,
-                        "result": str(label),
-                        "value": value.value,
-                        **interval_cells("value", value),
-                        "less the first": apart.value if k else np.nan,
-                        **(interval_cells("less the first", apart) if k else {}),
-                    }
-                )
+                cells = {"quantity": quantity_of(data, name).title, "where": place, "result": str(label)}
+                apart_cells = interval_cells("less the first", apart) if k else {}
+                of_value = {"value": value.value, **interval_cells("value", value)}
+                off = {"less the first": apart.value if k else np.nan, **apart_cells}
+                rows.append({**cells, **of_value, **off})
     return ResultTable.of_rows(rows)
 
 
@@ -332,11 +307,8 @@ def _findings(data: xr.Dataset, results: Mapping[str, Result]) -> Iterator[Findi
     if not names:
         yield note("No number that they share has an interval: how far they are apart cannot be judged.")
     draws = ("surface.seed", "seed", "surface.hurst", "surface.lambda", "ensemble.")
-    if (
-        any(key.startswith(draws) for key in differences)
-        and "surfaces" in data
-        and bool((data.surfaces == 1).any())
-    ):
+    single = "surfaces" in data and bool((data.surfaces == 1).any())
+    if single and any(key.startswith(draws) for key in differences):
         yield note(
             "Their surfaces differ, and an interval of one surface is that of the grids: another draw of the "
             "same spectrum would differ, too, by how much an [ensemble] in every scene tells."
@@ -387,11 +359,8 @@ def _figures(data: xr.Dataset) -> Iterator[Figure]:
     made = 0
     for name in _compared(data):
         dims = [str(dim) for dim in data[name].dims if dim != "result"]
-        axes = [
-            dim
-            for dim in dims
-            if dim in data.coords and data[dim].dtype.kind in "fiu" and data.sizes[dim] > 1
-        ]
+        numeric = [dim for dim in dims if dim in data.coords and data[dim].dtype.kind in "fiu"]
+        axes = [dim for dim in numeric if data.sizes[dim] > 1]
         if made >= _FIGURES or f"{name}_error" not in data or len(dims) > 2 or (dims and not axes):
             continue
         rest = {dim: data.sizes[dim] // 2 for dim in dims if dim != axes[0]} if axes else {}

@@ -11,6 +11,7 @@ import numpy as np
 
 from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
+from validation.arrays import Grid
 from validation.comparison.finite_slopes import finite_slopes
 from validation.comparison.reductions import grid_name
 from validation.effects import effect_kinds
@@ -19,6 +20,7 @@ from validation.errors import UsageError
 from validation.execution.calibration import effect_costs
 from validation.execution.cost import transform_seconds
 from validation.execution.press import Press, run_solves
+from validation.execution.solve import Prediction
 from validation.measurements.measurement import has_square_cells
 from validation.report.quantities import as_length, in_prefixed_unit
 from validation.scenes.checks import check_scene
@@ -26,7 +28,7 @@ from validation.scenes.grids import affordable, usual_grids
 from validation.scenes.problem import ContactProblem, realise
 from validation.scenes.scene import Scene
 from validation.scenes.surfaces import Expected
-from validation.scenes.sweep import Sweep, SweptKey
+from validation.scenes.sweep import Sweep
 from validation.solvers import Solver, methods
 from validation.solvers.theory import theory_words
 from validation.units import alike
@@ -42,7 +44,7 @@ class PlannedGrid:
     """One line of an explanation: a method on a grid."""
 
     method: str
-    grid: tuple[int, int]
+    grid: Grid
     points_per_wave: float
     solves: int
     unknowns: int
@@ -83,15 +85,13 @@ class Explanation:
         for name, value in self.facts:
             yield f"  {name}: {value}"
         if self.grids:
-            table = Table(title="What will run")
-            table.add_column("method")
-            table.add_column("grid")
+            table = Table("method", "grid", title="What will run")
             for column in ("lambda_short/dx", "solves", "unknowns each", "seconds", "peak MiB"):
                 table.add_column(column, justify="right")
             for g in self.grids:
-                grid, sizes = grid_name(g.grid), (f"{g.seconds:.2g}", f"{g.peak_bytes / 2**20:.3g}")
-                waves = f"{g.points_per_wave:.3g}"
-                table.add_row(g.method, grid, waves, str(g.solves), f"{g.unknowns:,}", *sizes)
+                counts = f"{g.points_per_wave:.3g}", str(g.solves), f"{g.unknowns:,}"
+                sizes = f"{g.seconds:.2g}", f"{g.peak_bytes / 2**20:.3g}"
+                table.add_row(g.method, grid_name(g.grid), *counts, *sizes)
             yield table
             yield (
                 f"About {self.seconds:.2g} s of solving and {self.peak_bytes / 2**20:.0f} MiB at most on "
@@ -116,33 +116,20 @@ def explain(scene: Scene, problem: ContactProblem | None = None) -> Explanation:
     problem = problem or realise(scene, surveyed=True)
     try:
         check_scene(scene, problem)
-        return _explained(scene, problem)
+        groups: dict[tuple[str, Grid], list[Press]] = {}
+        for solve in run_solves(scene, problem):
+            groups.setdefault((solve.method, solve.grid), []).append(solve)
+        pair, facts = transform_seconds(), _facts(scene, problem)
+        grids = []
+        for (method, grid), solves in sorted(groups.items()):
+            cost, waves = solves[0].predict(pair_seconds=pair), problem.points_per_wave(grid)
+            sizes = {**vars(cost), "solves": len(solves), "seconds": cost.seconds * len(solves)}
+            grids.append(PlannedGrid(method=method, grid=grid, points_per_wave=waves, **sizes))
+        effects, left_out = judgements(scene, problem)
     except (fem_errors.InvalidInput, persson_errors.InvalidInput) as error:
         raise UsageError(str(error)) from None
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         raise UsageError(f"its numbers lie too far apart to compute with ({error})") from None
-
-
-def _explained(scene: Scene, problem: ContactProblem) -> Explanation:
-    pair = transform_seconds()
-    groups: dict[tuple[str, tuple[int, int]], list[Press]] = {}
-    for solve in run_solves(scene, problem):
-        groups.setdefault((solve.method, solve.grid), []).append(solve)
-    grids = []
-    for (method, grid), solves in groups.items():
-        cost = solves[0].predict(pair_seconds=pair)
-        grids.append(
-            PlannedGrid(
-                method=method,
-                grid=grid,
-                points_per_wave=problem.points_per_wave(grid),
-                solves=len(solves),
-                unknowns=cost.unknowns,
-                seconds=cost.seconds * len(solves),
-                peak_bytes=cost.peak_bytes,
-            )
-        )
-    effects, left_out = judgements(scene, problem)
     cost_words = ""
     if scene.effects and scene.methods.solvers:
         costs = effect_costs()
@@ -150,8 +137,8 @@ def _explained(scene: Scene, problem: ContactProblem) -> Explanation:
         cost_words = f"{factors} times ({costs.source})"
     return Explanation(
         name=scene.name,
-        facts=_facts(scene, problem),
-        grids=tuple(sorted(grids, key=lambda g: (g.method, g.grid))),
+        facts=facts,
+        grids=tuple(grids),
         effects=effects,
         left_out=left_out,
         costs=cost_words,
@@ -191,38 +178,41 @@ def solves_of_sweep(sweep: Sweep, cases: Sequence[ContactProblem]) -> tuple[Pres
 
 @dataclass(frozen=True, kw_only=True)
 class SweepExplanation:
-    """What a sweep runs: each of its `cases` by its values, and the `solves` they share of those `asked`."""
+    """What a sweep runs: each of its `cases`, and what the solves that they share will take."""
 
-    name: str
-    mode: str
-    keys: tuple[SweptKey, ...]
-    cases: tuple[tuple[str, Explanation], ...]
-    solves: int
-    asked: int
-    seconds: float
-    peak_bytes: int
+    sweep: Sweep
+    cases: tuple[Explanation, ...]
+    costs: tuple[Prediction, ...]
 
     def summary(self) -> dict[str, Any]:
         """Return everything as JSON-ready data."""
-        cases = [{"case": place, **case.summary()} for place, case in self.cases]
-        return {**vars(self), "keys": [asdict(key) for key in self.keys], "cases": cases}
+        return {
+            "name": self.sweep.name,
+            "mode": self.sweep.mode,
+            "keys": [asdict(key) for key in self.sweep.keys],
+            "cases": [{"case": self.sweep.place(k), **case.summary()} for k, case in enumerate(self.cases)],
+            "solves": len(self.costs),
+            "asked": sum(grid.solves for case in self.cases for grid in case.grids),
+            "seconds": sum(cost.seconds for cost in self.costs),
+            "peak_bytes": max((cost.peak_bytes for cost in self.costs), default=0),
+        }
 
     def parts(self) -> Iterator[Any]:
         """Yield what the command line prints, in order: the sum, then the first and the last case."""
-        joined = "every combination of" if self.mode == "product" else "side by side"
-        named = ", ".join(f"{key.key} ({len(key.values)} values)" for key in self.keys)
-        yield f"Sweep of scene {self.name}: {len(self.cases)} cases, {joined} {named}"
+        whole, last = self.summary(), len(self.cases) - 1
+        joined = "every combination of" if self.sweep.mode == "product" else "side by side"
+        named = ", ".join(f"{key.key} ({len(key.values)} values)" for key in self.sweep.keys)
+        yield f"Sweep of scene {self.sweep.name}: {len(self.cases)} cases, {joined} {named}"
         yield (
-            f"{self.solves} solves; {self.asked - self.solves} more are shared between cases: about "
-            f"{self.seconds:.2g} s one after the other and {self.peak_bytes / 2**20:.3g} MiB at most (meant "
-            "to be right within a factor of 2); start and page take seconds more."
+            f"{whole['solves']} solves; {whole['asked'] - whole['solves']} more are shared between cases: "
+            f"about {whole['seconds']:.2g} s one after the other and {whole['peak_bytes'] / 2**20:.3g} MiB "
+            "at most (meant to be right within a factor of 2); start and page take seconds more."
         )
-        ends = self.cases[:1] if len(self.cases) == 1 else (self.cases[0], self.cases[-1])
-        if len(self.cases) > 2:
+        if last > 1:
             yield "The first and the last of them:"
-        for place, case in ends:
-            yield f"\nCase {place}:"
-            yield from case.parts()
+        for k in sorted({0, last}):
+            yield f"\nCase {self.sweep.place(k)}:"
+            yield from self.cases[k].parts()
 
 
 def explain_sweep(sweep: Sweep) -> SweepExplanation:
@@ -230,21 +220,9 @@ def explain_sweep(sweep: Sweep) -> SweepExplanation:
 
     A UsageError for a scene that cannot be run, naming the values at which it cannot.
     """
-    cases = problems_of(sweep, surveyed=True)
-    solves = solves_of_sweep(sweep, cases)
-    pair = transform_seconds()
-    costs = [solve.predict(pair_seconds=pair) for solve in solves]
-    each = [explain(scene, case) for scene, case in zip(sweep.scenes, cases, strict=True)]
-    return SweepExplanation(
-        name=sweep.name,
-        mode=sweep.mode,
-        keys=sweep.keys,
-        cases=tuple((sweep.place(k), one) for k, one in enumerate(each)),
-        solves=len(solves),
-        asked=sum(grid.solves for one in each for grid in one.grids),
-        seconds=sum(cost.seconds for cost in costs),
-        peak_bytes=max((cost.peak_bytes for cost in costs), default=0),
-    )
+    problems, pair = problems_of(sweep, surveyed=True), transform_seconds()
+    costs = tuple(solve.predict(pair_seconds=pair) for solve in solves_of_sweep(sweep, problems))
+    return SweepExplanation(sweep=sweep, cases=tuple(map(explain, sweep.scenes, problems)), costs=costs)
 
 
 def judgements(scene: Scene, problem: ContactProblem) -> tuple[tuple[Judgement, ...], tuple[Judgement, ...]]:
@@ -254,26 +232,20 @@ def judgements(scene: Scene, problem: ContactProblem) -> tuple[tuple[Judgement, 
     for k, judgement in enumerate(listed):
         if judgement.negligible and scene.methods.solvers:
             costs = effect_costs()
-            cost_words = (
-                f"it costs {costs.factors[judgement.effect]:.2g} times the plain solve ({costs.source})"
-            )
-            listed[k] = replace(judgement, verdict=f"{judgement.verdict}; {cost_words}")
+            words = f"it costs {costs.factors[judgement.effect]:.2g} times the plain solve ({costs.source})"
+            listed[k] = replace(judgement, verdict=f"{judgement.verdict}; {words}")
     return tuple(listed), _left_out(scene, problem, rough)
 
 
 def roughness_of(problem: ContactProblem) -> Roughness:
     """Return what judgements need to know of a surface; of C(q) where none is made."""
     field: HeightField | Expected = problem.field
-    waves = {"longest": problem.longest, "shortest": problem.shortest}
-    if isinstance(field, Expected):
-        return Roughness(
-            modulus=problem.contact_modulus,
-            gradient=field.rms_gradient,
-            curvature=math.sqrt(3 * field.moments[2] / 8),
-            full_energy=0.25 * problem.contact_modulus * field.first_moment,
-            **waves,
-        )
-    return Roughness.of(field, modulus=problem.contact_modulus, **waves)
+    given = {"modulus": problem.contact_modulus, "longest": problem.longest, "shortest": problem.shortest}
+    if not isinstance(field, Expected):
+        return Roughness.of(field, **given)
+    energy = 0.25 * problem.contact_modulus * field.first_moment
+    curvature = math.sqrt(3 * field.moments[2] / 8)
+    return Roughness(gradient=field.rms_gradient, curvature=curvature, full_energy=energy, **given)
 
 
 def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]:
@@ -291,20 +263,18 @@ def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]
     if problem.topography is not None:
         facts += [("measured", words) for words in problem.topography.history]
     else:
-        assert problem.spectrum is not None
-        moments = problem.spectrum.moments()
-        height = as_length(moments.rms_height, 4)
+        moments = problem.spectrum_shape.moments()
+        words = f"h_rms = {as_length(moments.rms_height, 4)}, h'_rms = {moments.rms_gradient:.4g}"
         sizes = f"L/lambda_long = {min(problem.lengths) / problem.longest:.3g}, "
         sizes += f"lambda_long/lambda_short = {problem.longest / problem.shortest:.3g}"
-        facts.append(("integrals over C(q)", f"h_rms = {height}, h'_rms = {moments.rms_gradient:.4g}"))
-        facts.append(("bandwidth", sizes))
+        facts += [("integrals over C(q)", words), ("bandwidth", sizes)]
     if field.rms_gradient > 0:
         source = "of C(q)" if isinstance(field, Expected) else "realised"
         facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} ({source})"))
-        held = {key.replace("_", " "): as_length(v, 4) for key, v in problem.load.held.items()}
-        for key, distance in held.items():
-            facts.append(("load", f"{key} = {distance} is held; the load that takes follows from the solve"))
-        if not held:
+        for key, v in problem.load.held.items():
+            words = f"{key.replace('_', ' ')} = {as_length(v, 4)} is held; "
+            facts.append(("load", words + "the load that takes follows from the solve"))
+        if not problem.load.held:
             each = ", ".join(in_prefixed_unit(pressure, "Pa") for pressure in problem.pressures)
             reduced = ", ".join(f"{pressure / problem.pressure_scale:.4g}" for pressure in problem.pressures)
             force = problem.load.force
@@ -314,12 +284,10 @@ def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]
     facts += oblong_grids(scene, problem)
     for name, method in scene.methods.chosen.items():
         facts += method.facts(scene.methods.options(name), problem)
-    if scene.methods.options("theory") is not None:
+    if (theory := scene.methods.options("theory")) is not None:
         words = "Persson 2006, elastic, without adhesion: A/A0, P(sigma), kappa; milliseconds"
         if scene.effects:
-            words = theory_words(
-                TheoryInputs.by(problem.elastic, scene.effects), scene.methods.options("theory")
-            )
+            words = theory_words(TheoryInputs.by(problem.elastic, scene.effects), theory)
         facts.append(("theory", words))
     return tuple(facts)
 
@@ -354,15 +322,11 @@ def _left_out(scene: Scene, problem: ContactProblem, rough: Roughness) -> tuple[
     rivals = (kind for kind in effect_kinds().values() if kind.slot not in slots)
     items = [judgement for kind in rivals if (judgement := kind.unlisted(rough)) is not None]
     items.append(finite_slopes(rough, poisson=problem.elastic.poisson))
-
-    def without(what: str, first: str, verdict: str) -> Judgement:
-        return Judgement(effect=what, number=f"no [methods.{first}]", verdict=verdict)
-
+    what, verdict = "an independent solver", "the contact algorithm is not cross-checked"
+    able = [name for name, method in methods().items() if method.independent]
     if not scene.methods.solvers:
-        first = next(name for name, method in methods().items() if isinstance(method, Solver))
-        unknown = "how far the theory is from the equations of elasticity is not measured"
-        items.append(without("a solver", first, unknown))
-    elif not any(method.independent for method in scene.methods.solvers.values()):
-        first = next(name for name, method in methods().items() if method.independent)
-        items.append(without("an independent solver", first, "the contact algorithm is not cross-checked"))
+        what, able = "a solver", [name for name, method in methods().items() if isinstance(method, Solver)]
+        verdict = "how far the theory is from the equations of elasticity is not measured"
+    if not any(method.independent for method in scene.methods.solvers.values()):
+        items.append(Judgement(effect=what, number=f"no [methods.{able[0]}]", verdict=verdict))
     return tuple(items)

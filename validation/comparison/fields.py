@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -14,6 +14,7 @@ from fem_contact.surface import HeightField, radial_spectrum
 from validation.comparison.reductions import grid_name, own_solves
 from validation.comparison.subsurface_stress import planes
 from validation.execution.press import Press
+from validation.report.estimates import gather
 from validation.report.quantities import labelled
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
@@ -38,10 +39,10 @@ def with_fields(
     if isinstance(problem.field, HeightField) and problem.field.rms_gradient > 0:
         radial = radial_spectrum(problem.field)
         nonzero = radial.power > 1e-12 * radial.power.max()
-        data = data.assign_coords(wavevector=("wavevector", radial.q[nonzero]))
-        data["power_spectrum"] = ("wavevector", radial.power[nonzero])
+        q = radial.q[nonzero]
+        data = data.assign_coords(wavevector=q).assign(power_spectrum=("wavevector", radial.power[nonzero]))
         if problem.spectrum is not None:
-            power = np.asarray(problem.spectrum(radial.q[nonzero]), dtype=float)
+            power = np.asarray(problem.spectrum(q), dtype=float)
             data["power_spectrum_told"] = ("wavevector", np.where(power > 0, power, np.nan))
     data = with_distribution(data, shown, scene, problem)
     return labelled(planes(data, scene, results))
@@ -60,11 +61,10 @@ def with_maps(data: xr.Dataset, results: Mapping[Press, ContactResult]) -> xr.Da
     common = set.intersection(*grids) or grids[0]
     finest = max(common, key=lambda grid: grid[0] * grid[1])
     there = {solve.method: result for solve, result in results.items() if solve.grid == finest}
-    (nx, ny), first = finest, there[methods[0]]
-    maps = np.full((data.sizes["solver"], nx, ny), np.nan)
-    for k, name in enumerate(data.solver.values):
-        if name in there:
-            maps[k] = np.where(there[name].in_contact, there[name].pressure, np.nan)
+    first, maps = there[methods[0]], np.full((data.sizes["solver"], *finest), np.nan)
+    for name, result in there.items():
+        k = data.solver.values.tolist().index(name)
+        maps[k] = np.where(result.in_contact, result.pressure, np.nan)
     data = with_cells(data, finest, first.spacing).assign(
         heights=(MAPS, first.heights - first.heights.mean()), pressure_map=(("solver", *MAPS), maps)
     )
@@ -91,17 +91,22 @@ def with_distribution(
         groups.setdefault((solve.method, grid_name(solve.grid)), []).append(result)
     lowest = 0.0
     if data.attrs.get("adhesive"):
-        lowest = (
-            min(float(result.pressure[result.in_contact].min(initial=0.0)) for result in shown.values())
-            / unit
-        )
+        lowest = min(float(r.pressure[r.in_contact].min(initial=0.0)) for r in shown.values()) / unit
     finest = {method: (method, grid) for method, grid in groups}
     ends = [float(r.pressure.max()) / unit for key in finest.values() for r in groups[key]]
     if "stress_variance" in data and all(effect.slot != "pressure bound" for effect in scene.effects):
         spread = math.sqrt(float(data.stress_variance)) * float(data.contact_modulus) / unit
         ends.append(float(data.reduced_pressure) + 3 * spread)
     for name, top, keys in (("near", NEAR_ZERO, groups), ("wide", 1.02 * max(ends), finest.values())):
-        data = _binned(data, name, {key: groups[key] for key in keys}, (lowest, top), unit)
+        points = min(sum(np.count_nonzero(r.in_contact) for r in groups[key]) for key in keys)
+        edges = np.linspace(lowest, top, min(48, max(12, int(np.sqrt(points) / 2))) + 1)
+        parts = {}
+        for key in keys:
+            densities = [pressure_distribution(r, edges * unit).density for r in groups[key]]
+            parts[key] = xr.Dataset({f"density_{name}": (name, unit * np.mean(densities, axis=0))})
+        binned = gather(parts, solver=data.solver.values, grid=data.grid.values)
+        data = data.assign(binned.data_vars)
+        data = data.assign_coords({f"stress_{name}": (name, (edges[1:] + edges[:-1]) / 2)})
         if options is None:
             continue
         stress = np.linspace(lowest, top, _CURVE)
@@ -110,23 +115,3 @@ def with_distribution(
             data = data.assign_coords({f"stress_{name}_exact": (f"{name}_exact", stress)})
             data[f"density_{name}_persson"] = (f"{name}_exact", theory * unit)
     return data
-
-
-def _binned(
-    data: xr.Dataset,
-    name: str,
-    groups: Mapping[tuple[str, str], Sequence[ContactResult]],
-    ends: tuple[float, float],
-    unit: float,
-) -> xr.Dataset:
-    points = min(sum(np.count_nonzero(r.in_contact) for r in results) for results in groups.values())
-    bins = min(48, max(12, int(np.sqrt(points) / 2)))
-    edges = np.linspace(*ends, bins + 1)
-    over = np.full((data.sizes["solver"], data.sizes["grid"], bins), np.nan)
-    for (method, grid), results in groups.items():
-        place = list(data.solver.values).index(method), list(data.grid.values).index(grid)
-        over[place] = unit * np.mean(
-            [pressure_distribution(r, edges * unit).density for r in results], axis=0
-        )
-    data = data.assign_coords({f"stress_{name}": (name, (edges[1:] + edges[:-1]) / 2)})
-    return data.assign({f"density_{name}": (("solver", "grid", name), over)})

@@ -16,15 +16,16 @@ import xarray as xr
 from fem_contact.area import ContactAreas
 from fem_contact.contact import ContactResult
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS, Limit
-from validation.comparison.more_numbers import beside_each_other, cost_and_orders, finest_of, in_numbers
+from validation.arrays import Array
 from validation.comparison.reductions import Case, Reading, grid_name, is_adhesive, own_solves
 from validation.comparison.subsurface_stress import below
 from validation.comparison.transport import passing
-from validation.comparison.treatment import doubts_of
+from validation.comparison.treatment import about
 from validation.errors import RunFailed
 from validation.execution.press import Press
 from validation.measurements.common import LEAST_POINTS_PER_WAVE
 from validation.measurements.measurement import TOLERANCES_LEFT, limit_over, no_limit
+from validation.measurements.statistics import order_of_convergence, relative_distance
 from validation.report.estimates import NORMAL, derive, error_of, gather, mean, mean_of
 from validation.report.quantities import as_length, labelled
 from validation.scenes.problem import ContactProblem
@@ -36,6 +37,8 @@ from validation.solvers.theory import predict
 _TOO_FEW = "it needs two resolved grids of boundary elements with square cells, or three solves on two grids"
 _ABSENT = {"theory": "it is simulated"}
 _HALF_SPACE = {"depth": "boundary elements press a half-space"}
+#: Within which relative distance from the limit the cheapest solve is looked for.
+_CLOSE = 0.01
 
 
 def scene_data(
@@ -74,20 +77,20 @@ def scene_data(
     data = beside_each_other(data, case.own)
     data = finest_of(cost_and_orders(data))
     data = in_numbers(data, case)
-    data = _beside_hertz(data, scene)
+    if radius := next(filter(None, (getattr(effect, "radius", None) for effect in scene.effects)), None):
+        force = data.pressure * data.nominal_area
+        contact = (3 * force * radius / (4 * data.contact_modulus)) ** (1 / 3)
+        peak = 1.5 * force / (math.pi * contact**2)
+        data = data.assign(ball_radius=radius, hertz_radius=contact, hertz_approach=contact**2 / radius)
+        data = data.assign(hertz_pressure=peak)
+        data = derive(data, hertz_share=f"contact_area / ({math.pi} * hertz_radius ** 2)")
     data = passing(data, case)
     data = below(data, scene, results)
     if failures:
         data = data.assign(failures=case.failed)
-    treatment = () if problem.topography is None else problem.topography.history
-    return labelled(data, scene.given).assign_attrs(
-        title=scene.title or scene.name,
-        methods=" ".join(scene.methods.chosen),
-        effects=" ".join(effect.kind for effect in scene.effects),
-        adhesive=int(is_adhesive(scene.effects)),
-        treatment="\n".join(treatment),
-        **doubts_of(problem),
-    )
+    treatment = "" if problem.topography is None else "\n".join(problem.topography.history)
+    data = labelled(data, scene.given).assign_attrs(about(scene, problem))
+    return data.assign_attrs(adhesive=int(is_adhesive(scene.effects)), treatment=treatment)
 
 
 def _on_grids(case: Case) -> xr.Dataset:
@@ -148,21 +151,6 @@ def _on_grids(case: Case) -> xr.Dataset:
     return data.assign(kappa_perimeter=data.area_perimeter / (load / float(data.pressure_scale)))
 
 
-def _beside_hertz(data: xr.Dataset, scene: Scene) -> xr.Dataset:
-    radius = next((r for effect in scene.effects if (r := getattr(effect, "radius", None))), None)
-    if radius is None:
-        return data
-    force = data.pressure * data.nominal_area
-    contact = (3 * force * radius / (4 * data.contact_modulus)) ** (1 / 3)
-    data = data.assign(
-        ball_radius=radius,
-        hertz_radius=contact,
-        hertz_approach=contact**2 / radius,
-        hertz_pressure=1.5 * force / (math.pi * contact**2),
-    )
-    return derive(data, hertz_share=f"contact_area / ({math.pi} * hertz_radius ** 2)")
-
-
 def limit_of(areas: Sequence[ContactAreas]) -> Limit:
     """Limit over at least two grids: of the located area where there is one, else of the corrected."""
     return no_limit(_TOO_FEW) if len({area.spacing for area in areas}) < 2 else limit_over(areas)
@@ -200,7 +188,8 @@ def _own_area(data: xr.Dataset, case: Case) -> xr.Dataset:
         good = [reading.areas for reading in readings if case.problem.resolved_by(reading.solve.grid)]
         tolerance = float(case.scene.methods.options(method).tolerance)
         limits_by_method[method] = _value_of(good or [reading.areas for reading in readings], tolerance)
-    succeeded = [name for name in case.methods if any(reading.solve.method == name for reading in case.own)]
+    pressed = {reading.solve.method for reading in case.own}
+    succeeded = [name for name in case.methods if name in pressed]
     method = next((name for name in succeeded if not limits_by_method[name].why.item()), succeeded[0])
     every, first = gather(limits_by_method, solver=case.methods), limits_by_method[method]
     absent = _ABSENT if case.scene.methods.solvers[method].sinks else {**_ABSENT, **_HALF_SPACE}
@@ -227,10 +216,9 @@ def _beside_theory(data: xr.Dataset, case: Case) -> xr.Dataset:
         "area_other_energy": prediction.other,
         "stress_variance": prediction.stress_variance / case.modulus**2,
         "felt_modulus": 2 * math.sqrt(prediction.stress_variance) / gradient if gradient > 0 else math.nan,
+        "theory_note": prediction.note,
     }
-    return data.assign(
-        {n: v for n, v in predicted.items() if v is not None} | {"theory_note": prediction.note}
-    )
+    return data.assign({name: value for name, value in predicted.items() if value is not None})
 
 
 def _over_surfaces(data: xr.Dataset, case: Case, accurate: Mapping[str, Any] | None) -> xr.Dataset:
@@ -325,3 +313,110 @@ def _surfaces(case: Case) -> xr.Dataset | None:
             part["failure_each"] = failed.get(k, "")
         parts[k] = xr.Dataset(part, coords={"surface_grid": [grid_name(grid) for grid in grids]})
     return gather(parts, surface=range(len(parts)))
+
+
+def beside_each_other(data: xr.Dataset, readings: Sequence[Reading]) -> xr.Dataset:
+    """Put every other method beside the first, on the grids they share; how differences shrink with dx."""
+    methods, grids = data.solver.values.tolist(), data.grid.values.tolist()
+    if len(methods) < 2:
+        return data
+    still = {(r.solve.method, r.solve.grid): r for r in readings if r.pressure is not None}
+    names = [f"{name}_difference" for name in ("pressure", "area_pixel", "area_perimeter")]
+    # The first method is not beside itself; where all others failed, nothing else says what is asked.
+    cases = {(methods[0], grids[0]): xr.Dataset(dict.fromkeys(names, math.nan))}
+    for (method, grid), reading in still.items():
+        if method != methods[0] and (first := still.get((methods[0], grid))) is not None:
+            values = (
+                relative_distance(reading.pressure, first.pressure),
+                reading.areas.pixel / first.areas.pixel - 1,
+                reading.areas.perimeter / first.areas.perimeter - 1,
+            )
+            cases[method, grid_name(grid)] = xr.Dataset(dict(zip(names, values, strict=True)))
+    data = data.assign(gather(cases, solver=methods, grid=grids).data_vars)
+    for name in names[:2]:
+        made = {"reduction": "order", "of": name}
+        orders = [_order(data.spacing.values, row) for row in np.abs(data[name].values)]
+        data[f"{name}_order"] = ("solver", orders, made)
+    return data
+
+
+def _order(spacing: Array, values: Array) -> float:
+    """Power of dx with which something shrinks, where three grids tell."""
+    known = np.isfinite(values) & (values > 0)
+    return order_of_convergence(spacing[known], values[known]) if known.sum() > 2 else math.nan
+
+
+def cost_and_orders(data: xr.Dataset) -> xr.Dataset:
+    """Add how far every area is from the limit, what it took to come close, and how P(0+) falls with dx."""
+    limit = math.nan
+    if data.no_limit.item() == "" and 0 < data.area_own < 1 - 1e-12:
+        limit = float(data.area_own)
+    for name in ("pixel", "perimeter"):
+        data[f"area_{name}_off"] = data[f"area_{name}"] / limit - 1
+        data[f"deviation_{name}"] = np.maximum(abs(data[f"area_{name}_off"]), 1e-6)
+    if "area_persson_own" in data:
+        data["deviation_persson"] = np.maximum(abs(data.area_persson_own / limit - 1), 1e-6)
+    data["seconds_total"] = data.seconds.sum()
+    data["unknowns_largest"] = data.unknowns.max()
+    ways = {"perimeter": "corrected at its edge", "pixel": "points counted"}
+    near = xr.concat([abs(data[f"area_{way}_off"]) <= _CLOSE for way in ways], "way").transpose(..., "way")
+    seconds = data.seconds.where(near & (data.resolved > 0))
+    if bool(seconds.notnull().any()):
+        at = seconds.argmin(["solver", "grid", "way"])
+        way, here = list(ways)[int(at.pop("way"))], data.isel(at)
+        data = data.assign(
+            cheapest=f"{find_method(str(here.solver.item())).label} on {here.grid.item()}, {ways[way]}",
+            seconds_cheapest=float(here.seconds),
+            area_cheapest_off=float(here[f"area_{way}_off"]),
+        )
+    first = data.isel(solver=0)
+    cells = np.array([math.prod(map(int, str(g).split(" x "))) for g in data.grid.values])
+    enough = (data.resolved.values > 0) & (first.area_pixel.values * cells >= LEAST_CONTACT_POINTS)
+    density = np.where(enough, first.density_at_zero.values, math.nan)
+    return data.assign(density_at_zero_order=_order(data.spacing.values, density))
+
+
+def finest_of(data: xr.Dataset) -> xr.Dataset:
+    """Add what every method says on its finest resolved grid, or on its finest where none resolves."""
+    names = {"area_pixel", "area_perimeter", "area_plastic_pixel", "residual"} & set(data)
+    chosen = []
+    for solved in data.area_pixel.notnull().values:
+        resolved = np.flatnonzero(solved & (data.resolved.values > 0))
+        candidates = resolved if resolved.size else np.flatnonzero(solved)
+        # A method that failed on every grid has NaN on the last one, too.
+        chosen.append(int(candidates[-1]) if candidates.size else -1)
+    at = xr.DataArray(chosen, dims="solver")
+    values = {f"{name}_finest": data[name].isel(grid=at).drop_vars("grid") for name in sorted(names)}
+    return data.assign({**values, "grid_finest": ("solver", data.grid.values[chosen])})
+
+
+def in_numbers(data: xr.Dataset, case: Case) -> xr.Dataset:
+    """Add what one asks of a contact, on the finest resolved grid of the first method."""
+    from fem_contact.conductance import frozen_contact
+    from fem_contact.patches import find_patches
+
+    solves, height = case.ladder(case.own[0].solve.method)[-2:], case.problem.field.rms_height
+    results = [case.results[solve] for solve in solves]
+    rows = [
+        {
+            "mean_gap": float(np.mean(result.gap)),
+            "approach": -result.offset,
+            "largest_pressure": float(result.pressure.max()),
+            "patches": float(find_patches(result.in_contact, result.spacing).count),
+        }
+        for result in results
+    ]
+    last, result = solves[-1], results[-1]
+    some = bool(result.in_contact.any()) and not bool(result.in_contact.all())
+    # The stiffness of a contact set is exact where points weigh alike on an elastic response.
+    if some and result.weights is None and not is_adhesive(last.effects) and not last.solver.sinks:
+        for row, result in zip(rows, results, strict=True):
+            stiffness = frozen_contact(result, last.response, tolerance=1e-6).stiffness
+            row["stiffness"] = stiffness * height / result.mean_pressure
+    for name, value in rows[-1].items():
+        data[name] = xr.DataArray(value)
+        change = abs(value - rows[0][name]) if len(rows) > 1 else math.nan
+        data[f"{name}_error"] = error_of(data[name], grid=change, **_ABSENT)
+    if height > 0:
+        data = derive(data, gap="mean_gap / rms_height")
+    return derive(data, contact_area="area_own * nominal_area")

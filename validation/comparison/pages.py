@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
 
@@ -40,10 +38,14 @@ def result_page(result: Result, *, figures: bool = True, pictures: bool = False)
     if result.kind not in _VIEWS:
         raise UsageError(f"holds a {result.kind}, of which this makes no page")
     data, scene = result.data, Scene.model_validate(result.settings.get("written", result.settings["scene"]))
-    picture, missing = None, "not asked for" if result.kind == "run" else "no surface was pressed"
+    missing = {"run": "not asked for", "theory": "no surface was pressed", "sweep": ""}[result.kind]
+    picture = None
     if pictures and figures and result.kind == "run":
         picture, missing = _picture(result)
     settings = {key: value for key, value in result.settings.items() if key != "written"}
+    cited = [paper for method in scene.methods.chosen.values() for paper in method.cited(scene.effects)]
+    cited += [paper for effect in scene.effects for paper in effect.papers]
+    beside = {"perimeter": bool(scene.methods.solvers), "measured": scene.surface.kind == "file"}
     titles = {"effects_words": "Effects", "treatment": "The measured surface"}
     notes = {title: lines for n, title in titles.items() if (lines := data.attrs.get(n, "").splitlines())}
     return page_of(
@@ -54,10 +56,10 @@ def result_page(result: Result, *, figures: bool = True, pictures: bool = False)
         lead=_lead(result.kind, data, scene),
         notes=notes,
         pictures=() if picture is None else (picture,),
-        no_picture="" if result.kind == "sweep" else missing,
+        no_picture=missing,
         settings={**settings, "scene": scene.as_written},
         seeds=_seeds(scene, data),
-        papers=_papers(scene),
+        papers=(*cited, *(CITED_FOR[name] for name, used in beside.items() if used)),
         summary={"kind": result.kind, "name": result.name, **settings},
         data=None,
     )
@@ -65,10 +67,8 @@ def result_page(result: Result, *, figures: bool = True, pictures: bool = False)
 
 def _lead(kind: str, data: xr.Dataset, scene: Scene) -> str:
     if kind == "sweep":
-        swept = [
-            f"{quantity_of(data, name).symbol} ({data[name].size} values)"
-            for name in str(data.attrs["keys"]).split()
-        ]
+        keys = {name: data[name].size for name in str(data.attrs["keys"]).split()}
+        swept = (f"{quantity_of(data, name).symbol} ({size} values)" for name, size in keys.items())
         joined = " beside " if data.attrs["mode"] == "zip" else " times "
         return f"Swept: {joined.join(swept)}, {data.attrs['cases']} cases"
     modulus = in_shown_unit(data.contact_modulus)
@@ -80,26 +80,15 @@ def _lead(kind: str, data: xr.Dataset, scene: Scene) -> str:
     kinds = [effect.kind.replace("-", " ") for effect in scene.effects]
     effects = "effects: " + ", ".join(kinds) if kinds else "elastic, no adhesion"
     bodies = "Rigid rough" if scene.solid.second_young is None else "Elastic rough"
-    held = "".join(
-        f"{key.replace('_', ' ')} {as_length(value, 4)} held, " for key, value in scene.load.held.items()
-    )
+    held = "".join(f"{key.replace('_', ' ')} {as_length(v, 4)} held, " for key, v in scene.load.held.items())
     if scene.load.force is not None:
         held = f"force = {in_prefixed_unit(scene.load.force, 'N')}, "
-    pressure = in_shown_unit(data.pressure)
     layered = not np.isclose(data.contact_modulus, data.contact_modulus_below, rtol=1e-9)
-    layer = " of the layer at the surface" if layered else ""
     return (
         f"{bodies} surface on an elastic solid, frictionless, {effects}; {held}p* = "
-        f"{float(data.reduced_pressure):.4g} (p0 = {pressure}, E* = "
-        f"{modulus}{layer}, realised h'_rms = {float(data.rms_gradient):.4g})"
+        f"{float(data.reduced_pressure):.4g} (p0 = {in_shown_unit(data.pressure)}, E* = {modulus}"
+        f"{' of the layer at the surface' * layered}, realised h'_rms = {float(data.rms_gradient):.4g})"
     )
-
-
-def _papers(scene: Scene) -> tuple[str, ...]:
-    cited = [paper for method in scene.methods.chosen.values() for paper in method.cited(scene.effects)]
-    cited += [paper for effect in scene.effects for paper in effect.papers]
-    beside = {"perimeter": bool(scene.methods.solvers), "measured": scene.surface.kind == "file"}
-    return (*cited, *(CITED_FOR[name] for name, used in beside.items() if used))
 
 
 def _seeds(scene: Scene, data: xr.Dataset) -> str:
@@ -120,10 +109,15 @@ def _seeds(scene: Scene, data: xr.Dataset) -> str:
 def _picture(result: Result) -> tuple[Picture | None, str]:
     """Render the finest finite-element solve, or the finest of all, of the surface as it stands."""
     keys = result.data.solve.isel(shift=0)
-    groups: list[tuple[Any, ...]] = []
-    for m, name in enumerate(keys.solver.values):
-        for g, grid in enumerate(keys.grid.values):
-            if key := str(keys.values[m, g]):
-                groups.append(((result.store / f"{key}.vtu").exists(), g, key, f"{name} on {grid}"))
+    groups = [
+        (
+            (result.store / f"{key}.vtu").exists(),
+            g,
+            str(key),
+            f"{keys.solver[m].item()} on {keys.grid[g].item()}",
+        )
+        for (m, g), key in np.ndenumerate(keys.values)
+        if key
+    ]
     *_, key, label = max(groups)
     return render_stored(result.store / f"{key}.nc", label=label)

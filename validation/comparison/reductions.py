@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -14,7 +15,7 @@ from fem_contact.area import ContactAreas
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 from fem_contact.stress import density_at_zero
-from validation.arrays import Array, Grid
+from validation.arrays import Grid
 from validation.effects.base import Effect
 from validation.execution.press import Press
 from validation.measurements.measurement import areas_of_solve
@@ -46,7 +47,7 @@ class Reading:
     areas: ContactAreas
     numbers: xr.Dataset
     contact_modulus: float
-    pressure: Array | None = None
+    pressure: Any = None
 
     @classmethod
     def of(cls, solve: Press, result: ContactResult, *, shown: bool) -> Reading:

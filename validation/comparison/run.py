@@ -1,24 +1,27 @@
-"""Running a scene: check everything first, solve what is not stored yet, compare, write the results."""
+"""Running a scene or a sweep: check everything, solve what is not stored yet, compare, write the results."""
 
 from __future__ import annotations
 
+import dataclasses
+import itertools
 import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
-from validation.comparison.explain import oblong_grids
+from validation.comparison.explain import oblong_grids, problems_of, solves_of_sweep
 from validation.comparison.fields import with_fields
 from validation.comparison.numbers import scene_data
 from validation.comparison.pages import effects_words, result_page
 from validation.comparison.subsurface_stress import write_below
 from validation.comparison.theory_alone import theory_data
 from validation.comparison.treatment import with_treatment
+from validation.errors import RunFailed
 from validation.execution.bench import Bench
 from validation.execution.outputs import Outputs, leave, show
 from validation.execution.press import Press, run_solves
@@ -26,10 +29,13 @@ from validation.execution.provenance import SOLVES_MADE, made_words
 from validation.execution.results import clear_results, record_of
 from validation.execution.running import Solves
 from validation.files import atomic_path, locked, prepare_folder
+from validation.report.estimates import gather
 from validation.report.page import clear_page
+from validation.report.quantities import labelled
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import ContactProblem, realise
 from validation.scenes.scene import Scene
+from validation.scenes.sweep import Sweep
 
 
 def run_scene(
@@ -54,12 +60,7 @@ def run_scene(
     """
     problem = problem or realise(scene)
     check_scene(scene, problem)
-    settings: dict[str, Any] = {
-        "scene": scene.model_dump(mode="json", exclude_none=True),
-        "written": scene.as_written,
-    }
-    if accurate is not None:
-        settings["accuracy"] = dict(accurate)
+    settings = asked_of(scene, **({} if accurate is None else {"accuracy": dict(accurate)}))
     bench = bench or Bench.at(folder / "solves")
     for grids, words in oblong_grids(scene, problem):
         bench.progress.note(f"{grids}: {words}")
@@ -81,6 +82,35 @@ def run_scene(
     kind = "run" if scene.methods.solvers else "theory"
     solves, shown = run_solves(scene, problem), {"report": report, "pictures": pictures}
     return solve_and_write(bench, folder, solves, measured, kind=kind, settings=settings, **shown)
+
+
+def run_sweep(
+    sweep: Sweep,
+    folder: Path,
+    *,
+    bench: Bench | None = None,
+    cases: Sequence[ContactProblem] | None = None,
+    report: bool = True,
+) -> Outputs:
+    """Run every scene of a sweep into one folder, as `run_scene` does one."""
+    problems = cases or problems_of(sweep)
+    solves = solves_of_sweep(sweep, problems)
+    keys = [dataclasses.asdict(key) for key in sweep.keys]
+    settings = asked_of(sweep.scenes[0], sweep={"mode": sweep.mode, "keys": keys})
+
+    def measured(results: Solves) -> tuple[xr.Dataset, Sequence[Path]]:
+        each = map(run_solves, sweep.scenes, problems)
+        counts = {"solves": len(solves), "asked": sum(map(len, each))}
+        return sweep_data(sweep, problems, results).assign_attrs(counts), ()
+
+    bench = bench or Bench.at(folder / "solves")
+    return solve_and_write(bench, folder, solves, measured, kind="sweep", settings=settings, report=report)
+
+
+def asked_of(scene: Scene, **more: Any) -> dict[str, Any]:
+    """Return what a record says was asked: a scene in SI, as it was written, and what else."""
+    plain = scene.model_dump(mode="json", exclude_none=True)
+    return {"scene": plain, "written": scene.as_written, **more}
 
 
 def solve_and_write(
@@ -112,11 +142,10 @@ def solve_and_write(
     if results:
         data.attrs[SOLVES_MADE] = "\n".join(made_words(results.made()))
     record: dict[str, Any] = {"kind": kind, "name": settings["scene"]["name"], "settings": settings}
-    outputs = leave(
-        folder, data, partial(result_page, pictures=pictures), report=report, store=store.folder, **record
-    )
+    page = partial(result_page, pictures=pictures)
+    outputs = leave(folder, data, page, report=report, store=store.folder, **record)
     failures = data.failures.values.ravel().tolist() if "failures" in data else []
-    return replace(
+    return dataclasses.replace(
         outputs,
         files=(*outputs.files, *written, *([store.folder] if results else [])),
         solved=results.solved,
@@ -158,3 +187,50 @@ def _link_blocks(results: Solves, folder: Path) -> Iterator[Path]:
             with atomic_path(target) as draft:
                 shutil.copyfile(stored, draft)
         yield target
+
+
+def sweep_data(sweep: Sweep, cases: Sequence[ContactProblem], results: Solves) -> xr.Dataset:
+    """Gather the numbers of all cases over the swept keys, or over `case` where these run side by side."""
+    parts = _alike([_case(*pair, results) for pair in zip(sweep.scenes, cases, strict=True)])
+    if "contact_modulus" not in parts[0]:
+        raise RunFailed("; ".join(dict.fromkeys(part.failures.item() for part in parts)))
+    names = [key.name for key in sweep.keys]
+    parts = [part.drop_vars(names, errors="ignore") for part in parts]
+    if sweep.mode == "zip":
+        data = gather(dict(enumerate(parts, 1)), case=range(1, len(parts) + 1))
+        data = data.assign_coords({key.name: ("case", list(key.values)) for key in sweep.keys})
+    else:
+        places = [key.values for key in sweep.keys]
+        every = [place[0] if len(names) == 1 else place for place in itertools.product(*places)]
+        data = gather(dict(zip(every, parts, strict=True)), **dict(zip(names, places, strict=True)))
+    for key in sweep.keys:
+        data[key.name].attrs.update(units=key.unit, long_name=key.key, key=key.key)
+        data = data.sortby(key.name) if sweep.mode == "product" and key.numeric else data
+    alike = {"title", "methods", "effects", "theory", "drawn", "adhesive", "doubts"}
+    shared = {name: value for name, value in parts[0].attrs.items() if name in alike}
+    told = {"mode": sweep.mode, "cases": len(parts), "keys": " ".join(names)}
+    return labelled(data, sweep.given).assign_attrs(shared | told)
+
+
+def _case(scene: Scene, problem: ContactProblem, results: Solves) -> xr.Dataset:
+    if not scene.methods.solvers:
+        return theory_data(scene, problem).drop_dims("wave").isel(load=0).reset_coords()
+    solves, every = run_solves(scene, problem), results.failures
+    done = {solve: results[solve] for solve in solves if solve not in every}
+    failures = {s: every[s] for s in solves if s in every and not s.problem.variation}
+    try:
+        return with_treatment(scene_data(scene, problem, done, failures=failures), problem, done)
+    except RunFailed as error:
+        return xr.Dataset({"failures": str(error)})
+
+
+def _alike(parts: Sequence[xr.Dataset]) -> list[xr.Dataset]:
+    """Give all cases the same dimensions and variables: what one of them lacks is NaN, or no words."""
+    # Positions of the surface have names where cases have different numbers of them.
+    if len({part.sizes["shift"] for part in parts if "shift" in part.dims}) > 1:
+        parts = [p.assign(shift=np.arange(p.sizes["shift"])) if "shift" in p.dims else p for p in parts]
+    how: Any = {"data_vars": "all", "coords": "minimal", "compat": "override", "join": "outer"}
+    data = xr.concat(parts, "case", combine_attrs="drop_conflicts", **how)
+    texts = [name for name, values in data.data_vars.items() if values.dtype.kind in "OU"]
+    data = data.assign({name: data[name].where(data[name].notnull(), "").astype(str) for name in texts})
+    return [data.isel(case=k) for k in range(len(parts))]

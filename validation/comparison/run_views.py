@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,9 @@ _NOTE = "Of the scene's own surface, on the finest grid that resolves it; the in
 _NOTE += "from fields is the change from the grid before. A/A0 is the mean over the surfaces of an ensemble."
 _GRID_ROWS = ("solver", "grid")
 _MOST_FINDINGS = 6
+#: Questions that cards of runs, sweeps and the theory alone answer.
+HOW_LARGE, HOW_YIELDED = "How large is the contact? A/A0", "How much has yielded? A_pl/A0"
+HOW_FAR = "How far from Persson's theory?"
 _GRIDS = (
     "Counted: points of the contact set, mean over sub-grid positions; corrected: less the method's edge "
     "constant times edge length times dx; located: the edge placed inside the cells. kappa is the corrected "
@@ -50,15 +54,8 @@ def run_views(data: xr.Dataset) -> Views:
                 *_GRID_ROWS,
                 # The best first: the last leave where there is no room for all.
                 *("area_located", "area_perimeter", "area_pixel", "kappa_perimeter", "area_plastic_pixel"),
-                *(
-                    "density_at_zero",
-                    "points_per_wave",
-                    "residual",
-                    "shifts",
-                    "unknowns",
-                    "seconds",
-                    "failure",
-                ),
+                *("density_at_zero", "points_per_wave", "residual", "shifts", "unknowns", "seconds"),
+                "failure",
             ),
             title="Every grid",
             note=_GRIDS,
@@ -82,13 +79,12 @@ def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
     yield Listing(names=names, title="Contact in numbers", note=_NOTE)
     yield from treatment_table(data)
     if "pressure_difference" in data:
-        apart = [method for k in data.solver.values[1:] if (method := find_method(str(k))).independent]
+        others = map(find_method, map(str, data.solver.values[1:]))
+        apart = " and ".join(method.label for method in others if method.independent)
         agreement = "They share a contact algorithm, so that agreement tests the discretisation alone."
         if apart:
-            agreement = (
-                f"{' and '.join(method.label for method in apart)} has a contact algorithm of its own, so "
-                "agreement tests both codes; the differences include that of the discretisations."
-            )
+            agreement = f"{apart} has a contact algorithm of its own, so agreement tests both codes; the "
+            agreement += "differences include that of the discretisations."
         differences = (f"{name}_difference" for name in ("pressure", "area_pixel", "area_perimeter"))
         yield Table(
             rows=_GRID_ROWS,
@@ -125,18 +121,14 @@ def _label(data: xr.Dataset, k: int) -> str:
 
 
 def _cards(data: xr.Dataset) -> Iterator[Card]:
-    def told(form: str, at: xr.Dataset = data, **values: Any) -> Finding:
-        return finding("value", form, at, **values)
-
+    told = partial(finding, "value")
     several = float(data.surfaces) > 1
-    basis = (
-        f"mean over {data.surfaces.item():.0f} surfaces; this one {{area_own}}" if several else "{area_basis}"
-    )
-    yield Card("How large is the contact? A/A0", told("{area}"), told(basis + "; kappa = {kappa}"))
+    basis = "mean over {surfaces} surfaces; this one {area_own}" if several else "{area_basis}"
+    yield Card(HOW_LARGE, told("{area}", data), told(basis + "; kappa = {kappa}", data))
     area, answer = value_of(data, "area"), note("not measured")
     half = area.error if area.error is not None and np.isfinite(area.error) else None
     if "accuracy_asked" in data:
-        answer = told("asked {accuracy_asked:%}, reached {accuracy_reached:%~}")
+        answer = told("asked {accuracy_asked:%}, reached {accuracy_reached:%~}", data)
     elif half is not None and float(area.value):
         answer = note("+- {share:.2%}", share=half / float(area.value))
     scatter = (
@@ -147,35 +139,33 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
     if "treatment_spread" in data:  # the larger of the two is the answer
         if half is None or data.treatment_spread > half / float(area.value):
             held = f"{answer} ({held.removesuffix('; ')}); " if held else ""
-            answer = told("{treatment_spread:.2%} by treatment")
+            answer = told("{treatment_spread:.2%} by treatment", data)
             held += "other treatments of the map move the area so far; "
         else:
             held += "treatment of the map: {treatment_spread:.2%}; "
-    yield Card("How sure?", answer, told(held + scatter))
+    yield Card("How sure?", answer, told(held + scatter, data))
     if "area_excess" in data and np.isfinite(data.area_persson_own):
         basis = "theory: A/A0 = {area_persson:.4} with the realised gradient; p* = {reduced_pressure:.4}, "
         basis += "lambda_long/lambda_short = {bandwidth:.3}"
         basis += "; the +- leaves out the treatment of the map" * ("treatment_spread" in data)
         bandwidth = float(data.wave_long / data.wave_short)
-        yield Card(
-            "How far from Persson's theory?", told("{area_excess:+%}"), told(basis, bandwidth=bandwidth)
-        )
+        yield Card(HOW_FAR, told("{area_excess:+%}", data), told(basis, data, bandwidth=bandwidth))
     if "hertz_radius" in data:
         basis = (
             "R = {ball_radius:u}: Hertz a = {hertz_radius:u}, approach {hertz_approach:u}; here {approach:u}"
         )
-        yield Card("Beside a smooth ball (Hertz)", told("{hertz_share} of its area"), told(basis))
+        yield Card("Beside a smooth ball (Hertz)", told("{hertz_share} of its area", data), told(basis, data))
     if "area_plastic_pixel" in data:
-        predicted = "; theory: {area_plastic_persson:.4}" if "area_plastic_persson" in data else ""
-        at, basis = _finest(data), "{solver} on {grid}, points counted" + predicted
-        yield Card("How much has yielded? A_pl/A0", told("{area_plastic_pixel:.4}", at), told(basis, at))
+        at, basis = _finest(data), "{solver} on {grid}, points counted[; theory: {area_plastic_persson:.4}]"
+        yield Card(HOW_YIELDED, told("{area_plastic_pixel:.4}", at), told(basis, at))
     basis = "solves of this surface: {solves}, largest {unknowns_largest} unknowns"
     basis += "; without those of the mean" if several else ""
-    shown = told(basis, solves=float(data.shifts.sum()))
+    shown = told(basis, data, solves=float(data.shifts.sum()))
     spent = "{seconds_total:u}"
     if "wall_seconds" in data:
-        spent, shown = "{wall_seconds:u}", told("with all that was tried; {seconds_total:u} for this one")
-    yield Card("What did it cost?", told(spent), shown)
+        spent, basis = "{wall_seconds:u}", "with all that was tried; {seconds_total:u} for this one"
+        shown = told(basis, data)
+    yield Card("What did it cost?", told(spent, data), shown)
 
 
 def _finest(data: xr.Dataset) -> xr.Dataset:
@@ -185,18 +175,16 @@ def _finest(data: xr.Dataset) -> xr.Dataset:
 
 def _findings(data: xr.Dataset) -> list[Finding]:
     """Say what was found, the most asked-for first; what finds no place among six stands in the tables."""
-    findings = (
-        [finding("refusal", "Not all solves succeeded: {failures}.", data)] if "failures" in data else []
-    )
-    findings += [*_area(data), *treatment_findings(data), *_theory(data)]
+    failed = [finding("refusal", "Not all solves succeeded: {failures}.", data)] if "failures" in data else []
+    findings = [*failed, *_area(data), *treatment_findings(data), *_theory(data)]
     if warnings := list(_warnings(data)):
         # One of several sentences, so that none is lost.
         form = " ".join(warning.form for warning in warnings)
         findings.append(note(form, **{k: v for warning in warnings for k, v in warning.values.items()}))
     if "area_plastic_pixel" in data:
-        beside = "; {area_plastic_persson:.4} by the theory" if "area_plastic_persson" in data else ""
         text = "Yielded, A_pl/A0 = {area_plastic_pixel:.4} by {solver} on {grid} (points counted)"
-        findings.append(finding("share", f"{text}{beside}.", _finest(data)))
+        text += "[; {area_plastic_persson:.4} by the theory]."
+        findings.append(finding("share", text, _finest(data)))
     if "von_mises" in data:
         text = "The largest von Mises stress below the surface is {von_mises_reduced:.4} E* h'_rms "
         text += "({von_mises:u}), at a depth of {von_mises_depth_reduced:.3} lambda_short "
@@ -219,15 +207,12 @@ def _area(data: xr.Dataset) -> Iterator[Finding]:
         return
     derived = derive(data, kappa_own="area_own / reduced_pressure")
     text = "A/A0 = {area_own} for this surface ({area_basis}), kappa = {kappa_own} at p* = "
-    text += "{reduced_pressure:.4}."
-    no_limit = " No limit over the grids: {no_limit}." if str(data.no_limit.item()) else ""
-    yield finding("value", text + no_limit, derived)
+    text += "{reduced_pressure:.4}.[ No limit over the grids: {no_limit}.]"
+    yield finding("value", text, derived)
     if float(data.surfaces) > 1:
         which = "maps" if data.attrs.get("treatment") else "surfaces of this spectrum"
-        text = (
-            f"Over {{surfaces}} {which} the mean is A/A0 = {{area}}; single ones scatter by {{scatter:.2%}}."
-        )
-        yield finding("value", text, data)
+        text = f"Over {{surfaces}} {which} the mean is A/A0 = {{area}}; single ones scatter by "
+        yield finding("value", text + "{scatter:.2%}.", data)
     elif "treatment" in data.attrs and not data.attrs["treatment"]:
         yield note("One surface: without an ensemble the scatter between surfaces is unknown.")
 
@@ -238,11 +223,9 @@ def _theory(data: xr.Dataset) -> Iterator[Finding]:
     if not np.isfinite(data.area_persson_own):
         yield finding("refusal", "Persson's theory gives {theory_note}.", data)
         return
-    alone = ", {area_ensemble:.4} from C(q) alone" if "area_ensemble" in data else ""
-    part = " ({theory_note})" if str(data.theory_note.item()) else ""
-    other = ", {area_other_energy:.4} with another elastic energy" if "area_other_energy" in data else ""
-    form = "The area is {verdict} Persson's theory: {area_excess:+%} of A/A0 = {area_persson_own:.4} "
-    form += f"with the realised gradient{alone}{other}{part}."
+    form = "The area is {verdict} Persson's theory: {area_excess:+%} of A/A0 = {area_persson_own:.4} with "
+    form += "the realised gradient[, {area_ensemble:.4} from C(q) alone]"
+    form += "[, {area_other_energy:.4} with another elastic energy][ ({theory_note})]."
     yield finding("comparison", form, data, by="area_excess")
 
 
@@ -257,17 +240,10 @@ def _methods(data: xr.Dataset) -> Iterator[Finding]:
                 both = f"{_label(data, k)} and {_label(data, 0)}"
                 yield note(f"{both} share no grid: their pressures are not compared.")
             continue
-        at = here.isel(grid=int(shared[-1]))
-        order = ""
-        if np.isfinite(at.pressure_difference_order):
-            order = "; these shrink like dx^{pressure_difference_order:.3} and "
-            order += "dx^{area_pixel_difference_order:.3}"
-        yield finding(
-            "order",
-            f"{_label(data, k)} and {_label(data, 0)} on {{grid}} differ by {{pressure_difference:.2%}} in "
-            f"pressure (relative L2) and {{area_pixel_difference:.2%}} in counted area{order}.",
-            at,
-        )
+        form = f"{_label(data, k)} and {_label(data, 0)} on {{grid}} differ by {{pressure_difference:.2%}} "
+        form += "in pressure (relative L2) and {area_pixel_difference:.2%} in counted area[; these shrink "
+        form += "like dx^{pressure_difference_order:.3} and dx^{area_pixel_difference_order:.3}]."
+        yield finding("order", form, here.isel(grid=int(shared[-1])))
 
 
 def _edges(data: xr.Dataset) -> Iterator[Finding]:
@@ -276,13 +252,9 @@ def _edges(data: xr.Dataset) -> Iterator[Finding]:
         good = np.flatnonzero((here.resolved.values > 0) & here.area_pixel_off.notnull().values)
         if good.size > 1:
             first, last = (here.isel(grid=int(g)) for g in (good[0], good[-1]))
-            rows.append(
-                {
-                    "method": Value(value=_label(data, k)),
-                    "last": Value(value=float(last.area_pixel_off)),
-                    **{n: value_of(first, n) for n in ("grid", "area_pixel_off", "area_perimeter_off")},
-                }
-            )
+            row = {n: value_of(first, n) for n in ("grid", "area_pixel_off", "area_perimeter_off")}
+            row |= {"last": Value(value=float(last.area_pixel_off)), "method": Value(value=_label(data, k))}
+            rows.append(row)
     if rows:
         yield Finding(
             kind="value",
@@ -307,7 +279,7 @@ def _warnings(data: xr.Dataset) -> Iterator[Finding]:
             "note",
             "p* and kappa stand on E* = {contact_modulus:u} of the layer at the surface, and are no "
             "numbers of a homogeneous solid; below it E* = {contact_modulus_below:u}"
-            + (", and what the roughness feels is {felt_modulus:u}." if "felt_modulus" in data else "."),
+            "[, and what the roughness feels is {felt_modulus:u}].",
             data,
         )
     if "passing_note" in data:
@@ -381,13 +353,11 @@ def pressure_figure(data: xr.Dataset) -> Figure:
             panels.append(Panel(marks=marks, x=f"stress_{name}", y=f"density_{name}"))
             continue
         # The tail of the theory may end hundreds of decades below what a simulation counts.
-        counted = data.density_wide.where(data.density_wide > 0)
-        bottom = top = None
+        counted, ends = data.density_wide.where(data.density_wide > 0), dict[str, Any]()
         if counted.notnull().any():
             most = max(float(data[y].max()) for y in ("density_wide", theory) if y in data)
-            bottom, top = float(counted.min()) / 10, 3 * most
-        wide = Panel(marks=marks, x=f"stress_{name}", y=f"density_{name}", log="y", bottom=bottom, top=top)
-        panels.append(wide)
+            ends = {"bottom": float(counted.min()) / 10, "top": 3 * most}
+        panels.append(Panel(marks=marks, x=f"stress_{name}", y=f"density_{name}", log="y", **ends))
     return Figure(
         name="pressure-distribution",
         caption="Distribution of contact pressure: left near zero on the coarsest and the finest grid, where "

@@ -10,9 +10,7 @@ import numpy as np
 import xarray as xr
 
 from fem_contact.contact import ContactResult
-from fem_contact.response import Response
 from validation.comparison.reductions import grid_name, own_solves
-from validation.effects.base import ContactModel
 from validation.execution.press import Press
 from validation.report.estimates import gather
 from validation.scenes.scene import Scene
@@ -29,7 +27,7 @@ def below(data: xr.Dataset, scene: Scene, results: Mapping[Press, ContactResult]
     names = ("von_mises", "von_mises_depth", "von_mises_x", "von_mises_y")
     parts = {("", ""): xr.Dataset(dict.fromkeys(names, np.nan))}
     for solve in _pressed(scene, results):
-        point = strongest_point(results[solve], _response(solve), depths=depths)
+        point = strongest_point(results[solve], solve.response, depths=depths)
         values = (point.von_mises, point.depth, *point.place)
         parts[solve.method, grid_name(solve.grid)] = xr.Dataset(dict(zip(names, values, strict=True)))
     data = data.assign(gather(parts, solver=data.solver.values, grid=data.grid.values).data_vars)
@@ -46,10 +44,6 @@ def _pressed(scene: Scene, results: Mapping[Press, Any]) -> list[Press]:
     return [solve for solve in own_solves(scene, results) if solve.is_own and not solve.solver.sinks]
 
 
-def _response(solve: Press) -> Response:
-    return ContactModel.filled(solve.problem.elastic, solve.effects).felt_response
-
-
 def _finest(scene: Scene, results: Mapping[Press, Any]) -> list[Press]:
     return list({solve.method: solve for solve in _pressed(scene, results)}.values())
 
@@ -64,7 +58,7 @@ def write_below(scene: Scene, results: Mapping[Press, ContactResult], folder: Pa
     folder.mkdir(exist_ok=True)
     for solve in _finest(scene, results):
         target = folder / f"{solve.prefix}-below.vtu"
-        fields = fields_below(results[solve], _response(solve), depths=scene.subsurface.depths)
+        fields = fields_below(results[solve], solve.response, depths=scene.subsurface.depths)
         write_subsurface(target, fields)
         yield target
 
@@ -77,7 +71,7 @@ def planes(data: xr.Dataset, scene: Scene, results: Mapping[Press, ContactResult
 
     rows: dict[int, list[tuple[float, float, float]]] = {}
     for solve in _finest(scene, results):
-        under = planes_below(results[solve], _response(solve), depths=scene.subsurface.depths)
+        under = planes_below(results[solve], solve.response, depths=scene.subsurface.depths)
         # A logarithmic axis has no surface.
         rows[data.solver.values.tolist().index(solve.method)] = [
             (p.depth or np.nan, float(p.von_mises.max()), float(np.sqrt(np.mean(p.von_mises**2))))

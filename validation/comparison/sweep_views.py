@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from validation.arrays import Array
+from validation.comparison.run_views import HOW_FAR, HOW_LARGE
 from validation.comparison.treatment import treatment_findings, treatment_table
 from validation.report.estimates import derive, each, mean, power_law, sources_of, total_error
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Band, Figure, Line, Panel
-from validation.report.quantities import place_words, quantity_of
+from validation.report.quantities import in_shown_range, place_words, quantity_of
 from validation.report.table import Column, Table
 from validation.report.views import Card, Views
 from validation.solvers import find_method
@@ -88,8 +90,7 @@ def _varying(data: xr.Dataset) -> list[str]:
 
 def _ends(form: str, values: xr.DataArray, **more: Any) -> Finding:
     low, high = float(values.min()), float(values.max())
-    form = re.sub(r" to \{high[^}]*\}", "", form) if low == high else form
-    return finding("value", form, low=low, high=high, **more)
+    return finding("value", form, low=low, high=math.nan if high == low else high, **more)
 
 
 def _cards(data: xr.Dataset) -> Iterator[Card]:
@@ -100,57 +101,48 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
     if "area" in data:
         count = f"{float(data.surfaces.max()):.0f}"
         basis = f"means over {count} surfaces of each spectrum" if _several(data) else "one surface"
-    question = "How large is the contact? A/A0"
-    yield Card(question, f"{float(area.min()):.4g} to {float(area.max()):.4g}", basis)
+    yield Card(HOW_LARGE, in_shown_range(area), basis)
     if "area" in data and bool((data.area_error > 0).any()):
         held = dict.fromkeys(sources_of(here.area_error) for here in each(data, *_over(data)))
         share = total_error(data, "area") / data.area
         basis = f"95 %: {' or '.join(filter(None, held)) or 'all sources of this spectrum and period'}"
-        answer: Finding | str = _ends("+- {low:.2%} to {high:.2%}", share)
+        answer = _ends("+- {low:.2%}[ to {high:.2%}]", share)
         if "treatment_spread" in data and data.treatment_spread.max() > share.max():
             basis = f"{answer} ({basis}); other treatments of the map move the area so far"
-            answer = _ends("{low:.2%} to {high:.2%} by treatment", data.treatment_spread)
+            answer = _ends("{low:.2%}[ to {high:.2%}] by treatment", data.treatment_spread)
         yield Card("How sure?", answer, basis)
     if "scatter" in data and _several(data):
-        answer = _ends("{low:.2%} to {high:.2%}", data.scatter)
-        basis = "standard deviation of one over their mean"
-        yield Card("How far is one surface from another?", answer, basis)
+        answer = _ends("{low:.2%}[ to {high:.2%}]", data.scatter)
+        yield Card(
+            "How far is one surface from another?", answer, "standard deviation of one over their mean"
+        )
     if "area_excess" in data and bool(data.area_excess.notnull().any()):
-        answer = _ends("{low:+.3%} to {high:+.3%}", data.area_excess)
-        basis = "area over the theory with the realised gradient, less one"
-        yield Card("How far from Persson's theory?", answer, basis)
+        answer = _ends("{low:+.3%}[ to {high:+.3%}]", data.area_excess)
+        yield Card(HOW_FAR, answer, "area over the theory with the realised gradient, less one")
 
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
     if "failures" in data:
-        yield note(
-            "In {failed} of {cases} cases solves failed: {why}.",
-            failed=float((data.failures != "").sum()),
-            cases=float(data.failures.size),
-            why="; ".join(dict.fromkeys(filter(None, data.failures.values.ravel().tolist()))),
-        )
+        why = list(filter(None, data.failures.values.ravel().tolist()))
+        count = {"failed": float(len(why)), "cases": float(data.failures.size)}
+        words = "; ".join(dict.fromkeys(why))
+        yield note("In {failed} of {cases} cases solves failed: {why}.", why=words, **count)
     for key in _varying(data):
         yield from _along(data, key)
     if "area_excess" in data and bool(data.area_excess.notnull().any()):
         excess, error = data.area_excess, data.area_excess_error
         half = (error.sel(source=["surfaces", "grid", "solver"]) ** 2).sum("source") ** 0.5
         yield _ends(
-            "The area is {low:+.2%} to {high:+.2%} from Persson's theory; in {agree} of {count} cases the "
+            "The area is {low:+.2%}[ to {high:+.2%}] from Persson's theory; in {agree} of {count} cases the "
             "two agree within the 95 % interval.",
             excess,
             agree=float((abs(excess) <= half).sum()),
             count=float(excess.notnull().sum()),
         )
     yield from treatment_findings(data)
-    if "no_limit" in data and bool((data.no_limit != "").any()):
-        why = next(str(words) for words in data.no_limit.values.ravel() if words)
-        missing = float((data.no_limit != "").sum())
-        yield note(
-            "In {missing} of {cases} cases the grids tell no limit: {why}.",
-            missing=missing,
-            cases=float(data.no_limit.size),
-            why=why,
-        )
+    if "no_limit" in data and (why := list(filter(None, data.no_limit.values.ravel().tolist()))):
+        count = {"missing": float(len(why)), "cases": float(data.no_limit.size)}
+        yield note("In {missing} of {cases} cases the grids tell no limit: {why}.", why=why[0], **count)
     if "area" in data and not _several(data) and not any(_is_seed(data, key) for key in _keys(data)):
         yield note("Every case is one surface: the scatter between surfaces is unknown.")
     if any(data[key].attrs["key"] == "surface.hurst" for key in _varying(data)):
@@ -163,12 +155,10 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
             "solid."
         )
     if int(data.attrs.get("solves", 0)):
-        shared = float(data.attrs["asked"] - data.attrs["solves"])
-        more = "; {shared} more were asked for by several cases and done once" if shared else ""
-        form = f"Cases: {{cases}}; solves: {{solves}}{more}."
-        yield finding(
-            "cost", form, cases=float(data.attrs["cases"]), solves=float(data.attrs["solves"]), shared=shared
-        )
+        cases, solves, asked = (float(data.attrs[name]) for name in ("cases", "solves", "asked"))
+        form = "Cases: {cases}; solves: {solves}"
+        form += "[; {shared} more were asked for by several cases and done once]."
+        yield finding("cost", form, cases=cases, solves=solves, shared=asked - solves or math.nan)
 
 
 def _is_seed(data: xr.Dataset, key: str) -> bool:
@@ -186,13 +176,11 @@ def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
     fixed = f" (at {', '.join(places)})" if places else ""
     dim = str(here[key].dims[0])
     if _is_seed(data, key) and name == "area":
-        each = (
-            here[["area"]].rename({dim: "surface"}).rename(area="area_each").drop_vars(key, errors="ignore")
-        )
-        over = mean(each, "area")
-        scatter = float(each.area_each.std(ddof=1) / each.area_each.mean())
+        areas = here.area.rename({dim: "surface"}).drop_vars(key, errors="ignore")
+        over = mean(xr.Dataset({"area_each": areas}), "area")
         text = f"Over {{count}} surfaces{fixed} the mean is A/A0 = {{area}}; single ones scatter by "
         text += "{scatter:.2%}."
+        scatter = float(areas.std(ddof=1) / areas.mean())
         yield finding("value", text, over, count=float(here.sizes[dim]), scatter=scatter)
         return
     ordered = here.sortby(key) if _numeric(data, key) else here
@@ -251,68 +239,51 @@ def _figures(data: xr.Dataset) -> Iterator[Figure]:
     answer = _answer(data)
     kappa = "kappa" if answer == "area" else "kappa_ensemble"
     yielded = ("area_plastic_pixel_finest", "area_plastic_persson", "area_plastic_ensemble")
-    drawn = {"area": (answer, "area_persson"), "kappa": (kappa, "kappa_persson"), "plastic": yielded}
+    drawn = {
+        "area": ("Contact area", (answer, "area_persson")),
+        "kappa": ("Contact area over reduced load", (kappa, "kappa_persson")),
+        "plastic": ("Yielded area, points counted", yielded),
+    }
     for key in _varying(data):
-        for name, variables in drawn.items():
-            variables = tuple(v for v in variables if v in data and bool(data[v].notnull().any()))
+        for name, (words, listed) in drawn.items():
+            variables = [v for v in listed if v in data and bool(data[v].notnull().any())]
             if variables:
-                yield _figure(data, key, name, variables)
+                yield _figure(data, key, variables, name=name, words=words)
 
 
-def _figure(data: xr.Dataset, key: str, name: str, variables: tuple[str, ...]) -> Figure:
+def _figure(data: xr.Dataset, key: str, variables: Sequence[str], *, name: str, words: str) -> Figure:
     others = [other for other in _over(data) if other not in (key, "case") and data.sizes[other] > 1]
     at: dict[str, int] = {other: data.sizes[other] // 2 for other in others[1:]}
     marks: list[Any] = []
-    along = others[0] if others else ""
+    along, surfaces = next(iter(others), ""), "mean over surfaces" if _several(data) else "one surface"
     count = data.sizes[along] if along else 1
-    shown = (
-        np.unique(np.linspace(0, count - 1, min(count, _MOST_LINES)).round().astype(int)) if along else [0]
-    )
+    shown = np.unique(np.linspace(0, count - 1, min(count, _MOST_LINES)).round().astype(int))
     joined = not _numeric(data, key) or bool(np.all(np.diff(data[key].values) > 0))
-    band = name == "area" and "area_lowest" in data and not along
-    if band:
+    if name == "area" and "area_lowest" in data and not along:
         marks.append(Band(y="area_lowest", high="area_highest", label="single surfaces", at=at))
     for n, k in enumerate(shown):
         place = {**at, **({along: int(k)} if along else {}), "solver": 0}
         where = place_words(data.isel({along: int(k)}), along, data) if along else ""
         for variable in variables:
+            # The theory's, or a method's, and of how many surfaces.
+            whose = quantity_of(data, variable).which
+            if not whose and "solver" in data.coords:
+                whose = f"{find_method(str(data.solver.values[0])).label}, {surfaces}"
             look = {"color": f"C{n}"} if along else {}
-            label = ", ".join(filter(None, (_whose(data, variable), where)))
+            label = ", ".join(filter(None, (whose.removesuffix(", finest"), where)))
             marks.append(Line(y=variable, at=place, look=look, label=label, joined=joined))
     fixed = f", {', '.join(place_words(data.isel({o: k}), o, data) for o, k in at.items())}" if at else ""
     one = "" if _several(data) or "area" not in data else " One surface."
+    scaled = _numeric(data, key) and not quantity_of(data, key).linear
+    log = "x" * (scaled and _spans(data[key].values, _WIDE_X))
+    log += "y" * _spans(np.concatenate([data[v].values.ravel() for v in variables]), _WIDE_Y)
     return Figure(
         name=f"{name}-against-{key.replace('_', '-')}",
-        caption=f"{_WORDS[name]} against {quantity_of(data, key).words}{fixed}.{one}",
-        panels=[Panel(marks=marks, x=key, y=variables[0], log=_scales(data, key, variables))],
+        caption=f"{words} against {quantity_of(data, key).words}{fixed}.{one}",
+        panels=[Panel(marks=marks, x=key, y=variables[0], log=log)],
     )
 
 
-_WORDS = {
-    "area": "Contact area",
-    "kappa": "Contact area over reduced load",
-    "plastic": "Yielded area, points counted",
-}
-
-
-def _whose(data: xr.Dataset, variable: str) -> str:
-    """Say for a legend whose a variable is: the theory's, or a method's, and of how many surfaces."""
-    which = quantity_of(data, variable).which
-    if which or "solver" not in data.coords:
-        return which.removesuffix(", finest")
-    method = find_method(str(data.solver.values[0])).label
-    return f"{method}, mean over surfaces" if _several(data) else f"{method}, one surface"
-
-
-def _scales(data: xr.Dataset, key: str, variables: tuple[str, ...]) -> str:
-    """Return which axes are logarithmic: of keys and results that span enough, unless a key is never."""
-    spans: dict[str, tuple[Any, float]] = {
-        "y": (np.concatenate([data[v].values.ravel() for v in variables]), _WIDE_Y)
-    }
-    if _numeric(data, key) and not quantity_of(data, key).linear:
-        spans["x"] = (np.asarray(data[key].values, dtype=float), _WIDE_X)
-    return "".join(
-        axis
-        for axis, (v, least) in sorted(spans.items())
-        if np.nanmin(v) > 0 and np.nanmax(v) >= least * np.nanmin(v)
-    )
+def _spans(values: Array, least: float) -> bool:
+    """Whether numbers span enough for a logarithmic axis."""
+    return bool(np.nanmin(values) > 0 and np.nanmax(values) >= least * np.nanmin(values))

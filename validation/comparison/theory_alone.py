@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from validation.comparison.treatment import doubts, doubts_of
+from validation.comparison.run_views import HOW_LARGE, HOW_YIELDED
+from validation.comparison.treatment import about, doubts
 from validation.effects.base import TheoryInputs
 from validation.report.estimates import claim
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Level, Line, Panel
-from validation.report.quantities import in_shown_unit, labelled
+from validation.report.quantities import in_shown_range, labelled
 from validation.report.table import Listing, Table
 from validation.report.views import Card, Views
 from validation.scenes.problem import ContactProblem
@@ -50,14 +51,9 @@ def theory_data(scene: Scene, problem: ContactProblem) -> xr.Dataset:
     error = data.error_estimate if bool((data.error_estimate > 0).any()) else "it is a closed form"
     absent = {"surfaces": "it is of C(q)", "grid": "nothing is solved", "solver": "nothing is solved"}
     data = claim(data, "area_ensemble", theory=error, **absent)
-    return labelled(data, scene.given).assign_attrs(
-        title=scene.title or scene.name,
-        methods="theory",
-        effects=" ".join(effect.kind for effect in scene.effects),
-        theory=theory_words(inputs, scene.methods.options("theory")),
-        drawn=int(problem.has_heights),
-        **doubts_of(problem),
-    )
+    words = theory_words(inputs, scene.methods.options("theory"))
+    data = labelled(data, scene.given).assign_attrs(about(scene, problem))
+    return data.assign_attrs(theory=words, drawn=int(problem.has_heights))
 
 
 def _at_load(answer: Answer, inputs: TheoryInputs, problem: ContactProblem) -> xr.Dataset:
@@ -83,8 +79,8 @@ def _at_load(answer: Answer, inputs: TheoryInputs, problem: ContactProblem) -> x
 def theory_views(data: xr.Dataset) -> Views:
     """Return what is shown of the theory alone."""
     line: Any = {"by": "load", "look": {"marker": ""}}
-    area = [Line(y="magnified_area", **line)]
-    area += [Line(y="magnified_area_plastic", by="load", look={"marker": "", "ls": ":"})]
+    yielded = Line(y="magnified_area_plastic", by="load", look={"marker": "", "ls": ":"})
+    area = [Line(y="magnified_area", **line), yielded]
     flat = Level(y="work", label="flat surfaces", look={"color": "#666666"})
     figures = [
         Figure(
@@ -125,12 +121,10 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         yield _at_one_load(data.isel(load=k), at=k)
     if data.sizes["load"] > 4:
         yield note(f"The table has {data.sizes['load'] - 4} more loads.")
-    drawn = (
-        "C(q) is estimated from the measured surface and has its gradient, h'_rms = {rms_gradient:.4} "
-        "({what})."
-        if data.attrs["drawn"]
-        else "No surface was drawn: h'_rms = {rms_gradient:.4}, and p*, are those of C(q) ({what})."
-    )
+    drawn = "No surface was drawn: h'_rms = {rms_gradient:.4}, and p*, are those of C(q) ({what})."
+    if data.attrs["drawn"]:
+        drawn = "C(q) is estimated from the measured surface and has its gradient, "
+        drawn += "h'_rms = {rms_gradient:.4} ({what})."
     yield finding("note", drawn, data, what=data.attrs["theory"])
     form = "No solver ran, so that the distance to the equations of elasticity is not measured; a grid that "
     form += "resolves these waves has at least {points} points along a side."
@@ -142,41 +136,31 @@ def _at_one_load(here: xr.Dataset, *, at: int) -> Finding:
     if str(here.theory_note.item()):
         return finding("refusal", where + "the theory has no answer: {theory_note}.", here)
     area = float(here.area_ensemble)
-    if area == 0:
-        text = where + "nothing is in contact: the adhesive energy does not pay for the elastic deformation"
-    else:
-        area_words = "{area_ensemble}" if float(here.error_estimate) > 0 else "{area_ensemble:.4}"
-        text = where + f"A/A0 = {area_words} with all roughness"
-    if "area_plastic_ensemble" in here:
-        text += "; A_pl/A0 = {area_plastic_ensemble:.4} has yielded"
-    if "work_left" in here and np.isfinite(here.work_left) and area > 0:
-        left = float(here.work_left)
+    text = "nothing is in contact: the adhesive energy does not pay for the elastic deformation"
+    if area > 0:
+        text = f"A/A0 = {{area_ensemble{'' if here.error_estimate > 0 else ':.4'}}} with all roughness"
+    text += "[; A_pl/A0 = {area_plastic_ensemble:.4} has yielded]"
+    share = float(here.work_left / here.work) if "work_left" in here else math.nan
+    if area > 0:
         sticks = ", {share:.3%} of the work of adhesion"
         parts = ", below zero: as a whole the interface does not stick"
-        text += "; gamma_eff(1) = {work_left:u}" + (sticks if left > 0 else parts)
-    share = float(here.work_left / here.work) if "work_left" in here else math.nan
-    return finding("value", text + ".", here.assign_attrs(at={"load": at}), share=share)
+        text += f"[; gamma_eff(1) = {{work_left:u}}{sticks if share > 0 else parts}]"
+    return finding("value", f"{where}{text}.", here.assign_attrs(at={"load": at}), share=share)
 
 
 def _cards(data: xr.Dataset) -> Iterator[Card]:
     shown = data.isel(load=np.flatnonzero(data.theory_note.values == ""))
-    how_large = "How large is the contact? A/A0"
     if not shown.sizes["load"]:
-        yield Card(how_large, "no answer", finding("refusal", "{theory_note}", data.isel(load=0)))
+        yield Card(HOW_LARGE, "no answer", finding("refusal", "{theory_note}", data.isel(load=0)))
         return
-    loads = _between(shown.pressure)
-    yield Card(how_large, _between(shown.area_ensemble), f"at p0 = {loads}, with all roughness")
+    loads = in_shown_range(shown.pressure)
+    yield Card(HOW_LARGE, in_shown_range(shown.area_ensemble), f"at p0 = {loads}, with all roughness")
     if "area_plastic_ensemble" in data:
-        yielded = _between(shown.area_plastic_ensemble)
-        yield Card("How much has yielded? A_pl/A0", yielded, f"at p0 = {loads}")
+        yielded = in_shown_range(shown.area_plastic_ensemble)
+        yield Card(HOW_YIELDED, yielded, f"at p0 = {loads}")
     if "work_left" in data:
         basis = finding("value", "of {work:u}: gamma_eff(1)", data)
-        yield Card("How much adhesion is left?", _between(shown.work_left), basis)
+        yield Card("How much adhesion is left?", in_shown_range(shown.work_left), basis)
     error = float(shown.error_estimate.max())
     answer = note("+- {error:.1}", error=error) if error > 0 else note("closed form")
     yield Card("How sure?", answer, "of A/A0, by the theory's own estimate; no solver checks it")
-
-
-def _between(values: xr.DataArray) -> str:
-    low, high = (in_shown_unit(end) for end in (values.min(keep_attrs=True), values.max(keep_attrs=True)))
-    return low if low == high else f"{low} to {high}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Literal
@@ -11,9 +12,8 @@ import xarray as xr
 
 from fem_contact.contact import ContactResult
 from validation.comparison.reductions import Case
-from validation.report.estimates import error_of
-from validation.report.estimates import mean as mean_over
-from validation.scenes.quantities import Leak
+from validation.report.estimates import error_of, mean
+from validation.scenes.tables import Leak
 
 _AXES: tuple[Literal["x", "y"], ...] = ("x", "y")
 #: What is asked of one result, and what a theory says of it: value, theory's value.
@@ -54,7 +54,7 @@ def passing(data: xr.Dataset, case: Case) -> xr.Dataset:
             data[f"{name}_{beside}"] = theory
         if len(ensemble) > 1:
             data[f"{name}_each"] = ("surface", [read(results[solve])[0] for solve in ensemble])
-            data = mean_over(data.rename({name: f"{name}_own", f"{name}_error": f"{name}_own_error"}), name)
+            data = mean(data.rename({name: f"{name}_own", f"{name}_error": f"{name}_own_error"}), name)
             share = change / value if value and np.isfinite(value) else np.nan
             errors = data[f"{name}_error"]
             data[f"{name}_error"] = errors.where(errors.source != "grid", share * abs(data[name]))
@@ -73,18 +73,16 @@ def _conductance(resistivities: tuple[float, float], case: Case) -> _Read:
 
     def of(stiffness: float) -> float:
         if np.isinf(stiffness):
-            return float("inf")
+            return math.inf
         return contact_conductance(stiffness, contact_modulus=modulus, resistivities=resistivities)
 
     def read(result: ContactResult) -> tuple[float, float]:
-        theory = float("nan")
+        theory = math.nan
         if not case.scene.effects:
             scale = Scale(case.problem.own_spectrum, contact_modulus=modulus)
             theory = of(float(contact_stiffness(result.mean_pressure, scale=scale)))
-        if result.in_contact.all():
-            return float("inf"), theory
-        if not result.in_contact.any():
-            return 0.0, theory
+        if result.in_contact.all() or not result.in_contact.any():
+            return math.inf if result.in_contact.any() else 0.0, theory
         conducting = replace(result, at_bound=np.zeros(result.shape, dtype=bool))
         return of(frozen_contact(conducting, half_space).stiffness), theory
 

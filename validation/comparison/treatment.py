@@ -15,6 +15,7 @@ from validation.measurements.measurement import areas_of_solve
 from validation.report.findings import Finding, finding, note
 from validation.report.table import Table
 from validation.scenes.problem import ContactProblem
+from validation.scenes.scene import Scene
 from validation.scenes.topography.statistics import height_statistics
 
 #: What is said of a measured surface beside its moments.
@@ -47,18 +48,15 @@ def with_treatment(
         return data
     rows = []
     for solve in (own, *others):
-        areas = areas_of_solve(solve, results[solve])
+        areas, field = areas_of_solve(solve, results[solve]), solve.problem.field
         area = areas.perimeter if areas.subcell is None else areas.subcell
-        rows.append((area, solve.problem.field.rms_gradient, solve.problem.field.rms_height))
-    changes = np.array(rows[1:]) / np.array(rows[0]) - 1
-    data = data.assign_coords(variation=[solve.problem.variation for solve in others]).assign(
-        {name: ("variation", values) for name, values in zip(_CHANGES, changes.T, strict=True)}
-    )
-    return data.assign(
-        solve_variation=("variation", [solve.key for solve in others]),
-        treatment_spread=xr.DataArray(float(np.sqrt(np.sum(changes[:, 0] ** 2)))),
-        treatment_grid=own.label,
-    )
+        rows.append((area, field.rms_gradient, field.rms_height))
+    changes = np.transpose(np.array(rows[1:]) / np.array(rows[0]) - 1)
+    made = zip((*_CHANGES, "solve_variation"), (*changes, [solve.key for solve in others]), strict=True)
+    data = data.assign_coords(variation=[solve.problem.variation for solve in others])
+    data = data.assign({name: ("variation", values) for name, values in made})
+    spread = float(np.sqrt(np.sum(changes[0] ** 2)))
+    return data.assign(treatment_spread=xr.DataArray(spread), treatment_grid=own.label)
 
 
 def treatment_table(data: xr.Dataset, *cases: str) -> Iterator[Table]:
@@ -75,10 +73,15 @@ def treatment_table(data: xr.Dataset, *cases: str) -> Iterator[Table]:
         )
 
 
-def doubts_of(problem: ContactProblem) -> dict[str, str]:
-    """Return what makes a measured surface doubtful, as an attribute of a dataset; nothing of any other."""
+def about(scene: Scene, problem: ContactProblem) -> dict[str, str]:
+    """Return what a dataset says of its scene: title, methods, effects, and what makes a map doubtful."""
     found = () if problem.measured is None else problem.measured.doubts
-    return {"doubts": "; ".join(found)} if found else {}
+    return {
+        "title": scene.title or scene.name,
+        "methods": " ".join(scene.methods.chosen),
+        "effects": " ".join(effect.kind for effect in scene.effects),
+        **({"doubts": "; ".join(found)} if found else {}),
+    }
 
 
 def doubts(data: xr.Dataset) -> Iterator[Finding]:
@@ -94,8 +97,7 @@ def treatment_findings(data: xr.Dataset) -> Iterator[Finding]:
         case = data.isel(data.treatment_spread.argmax(...))
         worst = case.isel(variation=int(np.argmax(np.abs(case.treated_area_change.values))))
         form = f"Other treatments of the map move the area by {'at most ' * bool(data.treatment_spread.ndim)}"
-        form += "{treatment_spread:.2%} together, most of it "
-        form += "{variation}: {treated_area_change:+.2%}."
+        form += "{treatment_spread:.2%} together, most of it {variation}: {treated_area_change:+.2%}."
         yield finding("value", form, worst)
     elif "premise" in data.attrs:
         yield note(

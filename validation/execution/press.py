@@ -24,6 +24,7 @@ from validation.solvers import find_solver
 from validation.solvers.base import Job, Settings, Shift, Size, Solved, Solver
 
 if TYPE_CHECKING:
+    from fem_contact.response import Response
     from fem_contact.surface import HeightField
 
 
@@ -56,6 +57,11 @@ class Press(Solve):
     def is_own(self) -> bool:
         """Whether it presses the scene's own surface where it stands."""
         return self.realisation == 0 and self.shift == (0.0, 0.0) and not self.problem.variation
+
+    @property
+    def response(self) -> Response:
+        """What answers to pressure: the solid with its layers."""
+        return ContactModel.filled(self.problem.elastic, self.effects).felt_response
 
     @cached_property
     def recipe(self) -> dict[str, Any]:

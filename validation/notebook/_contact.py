@@ -15,8 +15,6 @@ from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.contact import ContactResult
 from validation.comparison.numbers import scene_data
 from validation.comparison.reductions import grid_name
-from validation.comparison.treatment import doubts_of
-from validation.effects.base import ContactModel
 from validation.errors import NoLimit, UsageError
 from validation.execution.press import Press, solves_of
 from validation.notebook._tables import GridLike, as_html, checked, fast_grid, grids_of, map_of, on_places
@@ -36,7 +34,7 @@ if TYPE_CHECKING:
 
     from fem_contact.patches import Patches
     from fem_contact.subsurface import Subsurface
-    from validation.report.drawing import Drawing
+    from validation.report.marks import Drawing
 
 #: Points per shortest wave of the grids that a limit is taken over unless some are given.
 _LADDER = (4.0, 6.0, 8.0)
@@ -46,14 +44,7 @@ _LADDER = (4.0, 6.0, 8.0)
 class Contact:
     """A surface pressed on a grid, and everything that a report says of it.
 
-    Attributes
-    ----------
-    scene : Scene
-        What was asked for.
-    problem : ContactProblem
-        Its surface, solid and load.
-    solved : mapping
-        What each solve gave.
+    `scene` is what was asked for, `problem` its surface, solid and load, `solved` what each solve gave.
     """
 
     scene: Scene
@@ -131,8 +122,7 @@ class Contact:
         if grids is None and len({solve.grid for solve in self.solved}) > 1:
             data = self.data
         else:
-            on = map(self._grid, _LADDER) if grids is None else grids_of("limit: grids", grids)
-            data = self._on(list(on)).data
+            data = self._on(None if grids is None else grids_of("limit: grids", grids)).data
         if why := str(data.no_limit.item()):
             raise NoLimit(why)
         return value_of(data, "area_own")
@@ -145,8 +135,7 @@ class Contact:
         """
         if not isinstance(method, str) or method == self.solve.method:
             raise UsageError(f"against: it was pressed by {self.solve.method!r}; name another method")
-        other = {method: {"grids": [self.solve.grid]}}
-        data = pressed(self._methods(other), self.problem, done=self.solved).data
+        data = self._by({**dict(self.scene.methods), method: {"grids": [self.solve.grid]}}).data
         names = ["pressure_difference", "area_pixel_difference", "area_perimeter_difference"]
         return data[names].sel(solver=method, grid=grid_name(self.solve.grid))
 
@@ -201,8 +190,7 @@ class Contact:
             raise UsageError(
                 f"below: method {self.solve.method!r} meshes its body; write its own stress with to_vtu(...)"
             )
-        model = ContactModel.filled(self.problem.elastic, self.scene.effects)
-        return fields_below(self.result, model.felt_response, depths=depths)
+        return fields_below(self.result, self.solve.response, depths=depths)
 
     def to_vtu(self, path: str | Path) -> Path:
         """Write the stress in the solid for ParaView or pyvista: of the block, or else below the contact.
@@ -238,34 +226,30 @@ class Contact:
         own = {self.solve: self.result}
         match what if isinstance(what, str) else None:
             case "pressure":
-                data = fields.with_maps(self.data, own)
-                return draw(run_views.maps_figure(data), labelled(data), axes=ax)
+                data = labelled(fields.with_maps(self.data, own))
+                return draw(run_views.maps_figure(data), data, axes=ax)
             case "gap":
-                result = self.result
-                data = on_places(self.data, result.spacing, gap_map=result.gap)
+                data = on_places(self.data, self.result.spacing, gap_map=self.result.gap)
                 return draw(map_of("gap_map", "Gap between the surfaces."), data, axes=ax)
             case "distribution":
-                data = fields.with_distribution(self.data, own, self.scene, self._loaded)
-                return draw(run_views.pressure_figure(labelled(data)), labelled(data), axes=ax)
+                data = labelled(fields.with_distribution(self.data, own, self.scene, self._loaded))
+                return draw(run_views.pressure_figure(data), data, axes=ax)
             case "grids":
-                data = self._on([self._grid(n) for n in _LADDER]).data
-                return draw(run_views.area_figure(), data, axes=ax)
+                return draw(run_views.area_figure(), self._on().data, axes=ax)
         raise UsageError(f"plot: {what!r} is not drawn; one of: 'pressure', 'gap', 'distribution', 'grids'")
 
-    def _grid(self, points_per_wave: float) -> tuple[int, int]:
-        return fast_grid(self.problem.lengths, self.problem.shortest, points_per_wave)
-
-    def _on(self, grids: Sequence[GridLike]) -> Contact:
-        """Press on other grids; those that are solved are not solved again."""
-        name = self.solve.method
+    def _on(self, grids: Sequence[GridLike] | None = None) -> Contact:
+        """Press on other grids, if not given on 4, 6, 8 points per wave."""
+        name, problem = self.solve.method, self.problem
+        usual = [fast_grid(problem.lengths, problem.shortest, points) for points in _LADDER]
         options = self.scene.methods.options(name).model_dump(exclude_unset=True)
-        methods = {name: {**options, "grids": list(grids)}}
-        return pressed(self._methods(methods, alone=True), self.problem, done=self.solved)
+        return self._by({name: {**options, "grids": usual if grids is None else grids}})
 
-    def _methods(self, methods: Mapping[str, Any], *, alone: bool = False) -> Scene:
-        kept = {} if alone else dict(self.scene.methods)
-        theory = {"theory": self.scene.methods.options("theory")}
-        return checked(Scene, "press", {**dict(self.scene), "methods": {**kept, **theory, **methods}})
+    def _by(self, methods: Mapping[str, Any]) -> Contact:
+        """Press by other methods; what is solved is not solved again."""
+        theory = self.scene.methods.options("theory")
+        asked = {**dict(self.scene), "methods": {"theory": theory, **methods}}
+        return pressed(checked(Scene, "press", asked), self.problem, done=self.solved)
 
     @property
     def _facts(self) -> dict[str, str]:
@@ -278,7 +262,9 @@ class Contact:
         }
         if theory is not None:
             facts["A/A0, Persson"] = significant(theory.area) if theory.answers else theory.note
-        return {**facts, "residual": f"{self.result.residuals.worst:.1e}", **doubts_of(self.problem)}
+        measured = self.problem.measured
+        doubts = {} if measured is None or not measured.doubts else {"doubts": "; ".join(measured.doubts)}
+        return {**facts, "residual": f"{self.result.residuals.worst:.1e}", **doubts}
 
     def __repr__(self) -> str:
         return "<contact: " + ", ".join(f"{name} = {value}" for name, value in self._facts.items()) + ">"
@@ -288,17 +274,7 @@ class Contact:
 
 
 def pressed(scene: Scene, problem: ContactProblem, *, done: Mapping[Press, Solved]) -> Contact:
-    """Solve what a scene asks for, in this process; what is done is not done again.
-
-    Raises
-    ------
-    UsageError
-        For what cannot be pressed.
-    FemContactError
-        When a solve fails.
-    """
+    """Solve what a scene asks for, in this process; what is done is not done again."""
     check_scene(scene, problem)
-    solves = solves_of(scene, problem)
-    return Contact(
-        scene=scene, problem=problem, solved={solve: done.get(solve) or solve.do() for solve in solves}
-    )
+    solved = {solve: done.get(solve) or solve.do() for solve in solves_of(scene, problem)}
+    return Contact(scene=scene, problem=problem, solved=solved)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from inspect import signature
 from typing import Any
 
@@ -21,7 +22,7 @@ from validation.notebook._surface import Surface
 from validation.notebook._tables import GridLike, Quantity, checked, fast_grid, grids_of
 from validation.report.values import Value
 from validation.scenes.checks import check_scene
-from validation.scenes.problem import ContactProblem
+from validation.scenes.problem import realise
 from validation.scenes.scene import Scene
 from validation.scenes.tables import RandomSurface
 from validation.solvers import methods
@@ -86,8 +87,8 @@ def press(
     FemContactError
         When the solve fails.
     """
-    second = {"second_young": second_young, "second_poisson": second_poisson}
-    tables, listed = _tables(surface, solid, young=young, poisson=poisson, **second), _effects(effects)
+    body = {"young": young, "poisson": poisson, "second_young": second_young}
+    tables = _tables(surface, solid, **body, second_poisson=second_poisson)
     load = {"pressure": pressure, "reduced_pressure": reduced_pressure, "force": force}
     load |= {"mean_gap": mean_gap, "offset": offset}
     if any(np.ndim(value) for value in load.values()):  # type: ignore[arg-type]
@@ -103,20 +104,11 @@ def press(
         points = grids_of("press: grids", grids)
         if grid is not None:
             raise UsageError("press: grid and grids: give one of them")
-    chosen = {**(options or {}), "grids": points}
+    listed = _effects(effects)
     known = all(effect_kinds()[effect["kind"]].has_theory() for effect in listed)
-    scene = checked(
-        Scene,
-        "press",
-        {
-            **tables,
-            "load": load,
-            "methods": {method: chosen, **({"theory": {}} if known else {})},
-            "effects": listed,
-        },
-    )
-    problem = ContactProblem(surface=scene.surface, solid=scene.solid, load=scene.load, given=surface.given)
-    return pressed(scene, problem, done={})
+    chosen = {method: {**(options or {}), "grids": points}, **({"theory": {}} if known else {})}
+    scene = checked(Scene, "press", {**tables, "load": load, "methods": chosen, "effects": listed})
+    return pressed(scene, replace(realise(scene), given=surface.given), done={})
 
 
 def theory(
@@ -136,13 +128,11 @@ def theory(
     Parameters are those of `press`; a load may be a list. The dataset, over `load`, has A/A0, the yielded
     part of it, and the error that the theory estimates of itself; NaN where it has no answer.
     """
-    second = {"second_young": second_young, "second_poisson": second_poisson}
-    tables, listed = _tables(surface, solid, young=young, poisson=poisson, **second), _effects(effects)
+    body = {"young": young, "poisson": poisson, "second_young": second_young}
+    tables, listed = _tables(surface, solid, **body, second_poisson=second_poisson), _effects(effects)
     load = {"pressure": pressure, "reduced_pressure": reduced_pressure}
     scene = checked(Scene, "theory", {**tables, "load": load, "methods": {"theory": {}}, "effects": listed})
-    problem = ContactProblem(
-        surface=scene.surface, solid=scene.solid, load=scene.load, given=surface.given, drawn=False
-    )
+    problem = replace(realise(scene), given=surface.given)
     check_scene(scene, problem)
     data = theory_data(scene, problem).set_coords("reduced_pressure")
     names = {"area_ensemble": "area", "area_plastic_ensemble": "area_plastic"}
@@ -177,25 +167,20 @@ def table(contacts: Iterable[Contact], *, along: str | None = None, limit: bool 
         raise UsageError(f"table: {wrong[0]!r}: give a list of contacts, as [press(...), press(...)]")
     inputs = [_said(contact) for contact in pressed_ones]
     known = dict.fromkeys(name for one in inputs for name in one)
-    telling = [
-        name for name in known if len({_close(one.get(name)) for one in inputs} - {None}) == len(inputs)
-    ]
+    # Without what rounding does, so that what is the same is one.
+    close = [{n: float(f"{v:.9g}") if isinstance(v, float) else v for n, v in one.items()} for one in inputs]
+    telling = [name for name in known if len({one.get(name) for one in close} - {None}) == len(inputs)]
     if along is None:
         along = next(iter(telling), "reduced_pressure")
     if along not in telling:
         some = f"; {'these do' if telling else 'nor does any of'}: {', '.join(telling or known)}"
         raise UsageError(f"table: along = {along!r}: does not tell the contacts apart{some}")
-    values = [one[along] for one in inputs]
-    rows = xr.concat(
-        [_numbers(contact, limit=limit) for contact in pressed_ones], along, combine_attrs="drop"
-    )
+    parts = [_numbers(contact, limit=limit) for contact in pressed_ones]
+    rows = xr.concat(parts, along, combine_attrs="drop")
     # What else differs stands beside it.
-    others = {
-        name: (along, [one[name] for one in inputs])
-        for name in known
-        if name != along and all(name in one for one in inputs) and len({one[name] for one in inputs}) > 1
-    }
-    return rows.assign_coords({along: values, **others})
+    columns = {name: [one[name] for one in inputs] for name in known if all(name in one for one in inputs)}
+    others = {name: (along, column) for name, column in columns.items() if len(set(column)) > 1}
+    return rows.assign_coords({**others, along: [one[along] for one in inputs]})
 
 
 #: What a table calls the numbers of a run on one grid.
@@ -216,21 +201,14 @@ def _numbers(contact: Contact, *, limit: bool) -> xr.Dataset:
     row = data[list(columns)].rename(columns).reset_coords(drop=True)
     if "persson" in row:
         row["persson_kappa"] = row.persson / load
-    if limit:
-        try:
-            over = contact.limit()
-        except NoLimit:
-            over = Value(value=math.nan, error=math.nan)
-        value, half = float(over.value), float(over.error or 0)
-        row = row.assign(
-            limit=value, limit_error=half, kappa_limit=value / load, kappa_limit_error=half / load
-        )
-    return row
-
-
-def _close(value: Any) -> Any:
-    """Return a number without what rounding does, so that what is the same is one."""
-    return float(f"{value:.9g}") if isinstance(value, float) else value
+    if not limit:
+        return row
+    try:
+        over = contact.limit()
+    except NoLimit:
+        over = Value(value=math.nan, error=math.nan)
+    value, half = float(over.value), float(over.error or 0)
+    return row.assign(limit=value, limit_error=half, kappa_limit=value / load, kappa_limit_error=half / load)
 
 
 def _said(contact: Contact) -> dict[str, Any]:
@@ -243,16 +221,8 @@ def _said(contact: Contact) -> dict[str, Any]:
     return loads
 
 
-def _tables(
-    surface: object, solid: object, *, young: Quantity | None, poisson: float | None, **second: Any
-) -> dict[str, Any]:
-    """Return name, surface and solid as a scene has them.
-
-    Raises
-    ------
-    UsageError
-        For what is no surface or no solid, with what to write instead.
-    """
+def _tables(surface: object, solid: object, **body: Any) -> dict[str, Any]:
+    """Return name, surface and solid as a scene has them; of what is none, what to write instead."""
     if not isinstance(surface, Surface):
         what, remedy = type(surface).__name__, "write self_affine(...) or measured(...)"
         if isinstance(surface, np.ndarray):
@@ -262,16 +232,15 @@ def _tables(
         elif isinstance(surface, HeightField):
             remedy = "write measured(field)"
         raise UsageError(f"surface: found {what}; {remedy}")
-    tables: dict[str, Any] = {"name": "notebook", "surface": surface.table}
-    if solid is None:
-        return {**tables, "solid": {"young": young, "poisson": poisson, **second}}
-    if not isinstance(solid, Solid):
+    if isinstance(solid, Solid):
+        if body["young"] is not None or body["poisson"] is not None:
+            raise UsageError("solid: given twice; leave young and poisson out, or the Solid")
+        body |= {"young": solid.young, "poisson": solid.poisson}
+    elif solid is not None:
         what = type(solid).__name__
         remedy = "give its Solid, half_space.solid" if hasattr(solid, "solid") else "give a Solid"
         raise UsageError(f'solid: found {what}; {remedy}, or young="1 GPa", poisson=0.3')
-    if young is not None or poisson is not None:
-        raise UsageError("solid: given twice; leave young and poisson out, or the Solid")
-    return {**tables, "solid": {"young": solid.young, "poisson": solid.poisson, **second}}
+    return {"name": "notebook", "surface": surface.table, "solid": body}
 
 
 def _effects(effects: Mapping[str, Any]) -> list[dict[str, Any]]:

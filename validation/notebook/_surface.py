@@ -36,6 +36,7 @@ from validation.scenes.topography.measured import Measured
 from validation.scenes.topography.patch import Topography
 from validation.scenes.topography.raw import check_shape, real
 from validation.scenes.topography.statistics import height_statistics
+from validation.scenes.topography.writing import heights_over_places
 from validation.units import metres, sides_of, unit_of
 
 #: Share of the largest power below which there is rounding, and no wave.
@@ -44,19 +45,12 @@ _ROUNDING = 1e-24
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from validation.report.drawing import Drawing
+    from validation.report.marks import Drawing
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Surface:
-    """A rough surface: the table of a scene, and the heights where they were given.
-
-    Attributes
-    ----------
-    table : SelfAffineSurface or FileSurface
-    given : Measured or None
-        Heights of a measured surface; None for a random one.
-    """
+    """A rough surface: the table of a scene, and the heights of a measured one, as they were given."""
 
     table: SurfaceTable
     given: Measured | None = None
@@ -67,19 +61,12 @@ class Surface:
         if grid is not None:
             given = self.given is not None
             field = field.resampled(pair(grid)) if given else surfaces.height_field(self.table, pair(grid))
-        axes = {
-            name: (name, np.arange(n) * step, {"units": "m"})
-            for name, n, step in zip("xy", field.shape, field.spacing, strict=True)
-        }
-        attrs = {"units": "m", "long_name": "height, positive towards the elastic body"}
-        return xr.DataArray(field.heights, dims=("x", "y"), coords=axes, name="heights", attrs=attrs)
+        return heights_over_places(field)
 
     @cached_property
     def field(self) -> HeightField:
         """Heights on the smallest grid that resolves them, or as they were measured."""
-        if self.given is not None:
-            return self.given.field
-        return surfaces.height_field(self.table, None)
+        return surfaces.height_field(self.table) if self.given is None else self.given.field
 
     @property
     def rms_height(self) -> float:
@@ -123,11 +110,9 @@ class Surface:
         """Draw the map of the heights; with `ax` into axes of matplotlib."""
         from validation.report.marks import draw
 
-        field = self.field
-        table = self.table
+        field, table = self.field, self.table
         if not isinstance(table, FileSurface):  # finer than it takes to resolve it
-            grid = fast_grid(field.lengths, table.lambda_short, 8.0)
-            field = surfaces.height_field(table, grid)
+            field = surfaces.height_field(table, fast_grid(field.lengths, table.lambda_short, 8.0))
         data = on_places(xr.Dataset(), field.spacing, heights=field.heights - field.heights.mean())
         return draw(map_of("heights", "Heights of the rough surface.", cmap="gray"), data, axes=ax)
 
@@ -207,9 +192,8 @@ def self_affine(
         "rms_height": rms_height,
         "seed": seed,
     }
-    return Surface(
-        table=checked(SelfAffineSurface, "self_affine", {"kind": "self-affine", **options, **others})
-    )
+    table = {"kind": "self-affine", **options, **others}
+    return Surface(table=checked(SelfAffineSurface, "self_affine", table))
 
 
 def measured(
@@ -242,8 +226,9 @@ def measured(
         raise UsageError(f"measured: more_paths is of an ensemble, which a scene has; press each map: {each}")
     if not treatment.keys() <= FileSurface.model_fields.keys():
         checked(FileSurface, "measured", {"kind": "file", **treatment})  # which names the unknown key
+    options = {"kind": "file", "length": length, "unit": unit, **treatment}
     if isinstance(heights, (str, os.PathLike)):
-        options = {"kind": "file", "path": str(heights), "length": length, "unit": unit, **treatment}
+        options["path"] = str(heights)
         try:
             tables = sized(plain({"surface": options}), Path(), "measured")
         except SceneError as error:  # what else is wrong is told when it is pressed
@@ -262,13 +247,8 @@ def measured(
     single = length is not None and np.ndim(length) == 0 and sides_of(length) is None
     if single and nx != ny:
         raise UsageError(f"measured: one length for {nx} x {ny} points; give both sides, as length=(Lx, Ly)")
-    options = {
-        "kind": "file",
-        "path": words,
-        "length": own_length if length is None else length,
-        "unit": own_unit if unit is None else unit,
-        **treatment,
-    }
+    options |= {"path": words, "length": own_length if length is None else length}
+    options["unit"] = own_unit if unit is None else unit
     in_memory = checked(FileSurface, "measured", options)
     assert in_memory.unit is not None
     raw = Topography(
@@ -276,9 +256,7 @@ def measured(
         lengths=in_memory.length,
         history=(f"{words}: {nx} x {ny} points",),
         unit=in_memory.unit,
-        digest=hashlib.sha256(
-            repr(values.shape).encode() + np.ascontiguousarray(values).tobytes()
-        ).hexdigest(),
+        digest=hashlib.sha256(repr(values.shape).encode() + values.tobytes()).hexdigest(),
     )
     return Surface(table=in_memory, given=_Measured.of(in_memory, raw))
 

@@ -91,12 +91,10 @@ def shown(value: Any, unit: str = "1") -> str:
 
 def as_html(title: str, facts: Mapping[str, str]) -> str:
     """Return a small table of facts."""
-    rows = "".join(
-        f"<tr><th style='text-align:left'>{html.escape(name)}</th>"
-        f"<td style='text-align:left'>{html.escape(value)}</td></tr>"
-        for name, value in facts.items()
-    )
-    return f"<table><caption>{html.escape(title)}</caption>{rows}</table>"
+    left = "style='text-align:left'"
+    cells = ((html.escape(name), html.escape(value)) for name, value in facts.items())
+    rows = (f"<tr><th {left}>{name}</th><td {left}>{value}</td></tr>" for name, value in cells)
+    return f"<table><caption>{html.escape(title)}</caption>{''.join(rows)}</table>"
 
 
 def on_places(data: xr.Dataset, spacing: tuple[float, float], **maps: Any) -> xr.Dataset:

@@ -141,31 +141,30 @@ def judge(application: Application, *, tell: Callable[[str], None] | None = None
             values.append([float(claim.value(convention.value)) for convention in conventions])
     agree = [[claim.agrees(value) for value in known] for claim, known in zip(claims, values, strict=True)]
     scores = [sum(column) for column in zip(*agree, strict=True)]
-    best = scores.index(max(scores))
-    return tuple(_row(claim, application, known, best) for claim, known in zip(claims, values, strict=True))
-
-
-def _row(claim: Claim, application: Application, known: list[float], best: int) -> ClaimRow:
-    inferred = best > 0 and not claim.fixed
-    verdict, reason = "reproduced", claim.choice
-    if not claim.agrees(known[best]):
-        verdict, reason = "not reproduced", claim.failure
-    elif inferred:
-        verdict = "reproduced under the joint convention"
-    elif claim.choice:
-        verdict = "reproduced with a choice"
-    agreement = ", which agrees, too" if claim.agrees(known[0]) else ""
-    literally = f"literally {known[0]:.4g}{agreement}" if inferred else ""
-    note = claim.note() if callable(claim.note) else claim.note
-    return ClaimRow(
-        claim=claim.text,
-        application=application.name,
-        section=claim.section,
-        stated=claim.stated,
-        computed=known[best],
-        literal=known[0],
-        convention=("" if claim.fixed else application.conventions[best].name) or "as stated",
-        verdict=verdict,
-        reason=reason,
-        note="; ".join(filter(None, (literally, note))),
-    )
+    best, rows = scores.index(max(scores)), []
+    for claim, known in zip(claims, values, strict=True):
+        inferred = best > 0 and not claim.fixed
+        verdict, reason = "reproduced", claim.choice
+        if not claim.agrees(known[best]):
+            verdict, reason = "not reproduced", claim.failure
+        elif inferred:
+            verdict = "reproduced under the joint convention"
+        elif claim.choice:
+            verdict = "reproduced with a choice"
+        agreement = ", which agrees, too" if claim.agrees(known[0]) else ""
+        literally = f"literally {known[0]:.4g}{agreement}" if inferred else ""
+        note = claim.note() if callable(claim.note) else claim.note
+        row = ClaimRow(
+            claim=claim.text,
+            application=application.name,
+            section=claim.section,
+            stated=claim.stated,
+            computed=known[best],
+            literal=known[0],
+            convention=("" if claim.fixed else conventions[best].name) or "as stated",
+            verdict=verdict,
+            reason=reason,
+            note="; ".join(filter(None, (literally, note))),
+        )
+        rows.append(row)
+    return tuple(rows)

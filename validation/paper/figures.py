@@ -44,31 +44,20 @@ class PaperFigure:
         for name in names:
             table = np.full((len(curves), longest), np.nan)
             for row, values in zip(table, curves.values(), strict=True):
-                if name in values:
-                    row[: np.size(values[name])] = values[name]
+                row[: np.size(values.get(name, ()))] = values.get(name, ())
             made[f"{name}_{self.name}"] = (dims, table)
         return xr.Dataset(made, coords={dims[0]: list(curves)})
 
     def declared(self) -> Figure:
         """Return what is drawn of them."""
         curve = f"curve_{self.name}"
+        line: dict[str, Any] = {"by": curve, "label": f"{{{curve}}}", "look": {"marker": "", "lw": 1.6}}
         panels = [
-            Panel(
-                marks=[
-                    Line(y=f"{y}_{self.name}", by=curve, label=f"{{{curve}}}", look={"marker": "", "lw": 1.6})
-                ],
-                x=f"{x}_{self.name}",
-                log=log,
-            )
+            Panel(marks=[Line(y=f"{y}_{self.name}", **line)], x=f"{x}_{self.name}", log=log)
             for x, y, log in self.panels
         ]
-        return Figure(
-            name=self.name.replace("_", "-"),
-            caption=f"{self.title}.",
-            panels=panels,
-            width=5.2 * len(panels),
-            height=4.0,
-        )
+        name, sizes = self.name.replace("_", "-"), {"width": 5.2 * len(panels), "height": 4.0}
+        return Figure(name=name, caption=f"{self.title}.", panels=panels, **sizes)
 
 
 #: All calculated figures, in the order of the paper.
@@ -116,11 +105,8 @@ def _greenwood_williamson() -> Curves:
         ("Nayak's relations", nayak_asperities(Moments(m0=1 / q**2, m2=1.0, m4=q**2))),
     ):
         contact = bumps.contact(bumps.rms_height * np.linspace(4.5, 0.0, 80), contact_modulus=1.0)
-        curves[label] = {
-            "load_modulus": contact.pressure,
-            "area": contact.area,
-            "patch_mean": contact.patch_area,
-        }
+        load, area, patch = contact.pressure, contact.area, contact.patch_area
+        curves[label] = {"load_modulus": load, "area": area, "patch_mean": patch}
     return curves
 
 
@@ -132,12 +118,10 @@ def _greenwood_williamson() -> Curves:
 )
 def _polished_steel() -> Curves:
     load, zeta = np.geomspace(1e-4, 1.0, 120), np.geomspace(1.0, 1e5, 200)
+    magnified = s.area(s.steel(), 1.0, 1e-3, zeta * 1e5)
     return {
         "full magnification": {"load_modulus": load, "area": s.area(s.steel(), 1.0, load)},
-        "sigma_0 / E* = 0.001": {
-            "magnification": zeta,
-            "area": s.area(s.steel(), 1.0, 1e-3, zeta * 1e5),
-        },
+        "sigma_0 / E* = 0.001": {"magnification": zeta, "area": magnified},
     }
 
 
@@ -194,13 +178,11 @@ def _against_roughness(
 )
 def _rim_roughness() -> Curves:
     ratios = np.concatenate([np.linspace(0.05, 0.3, 4), np.linspace(0.34, 0.58, 9), [0.8, 1.0]])
-    old, improved = (
-        _against_roughness(
-            s.rim, ratios, s.RIM_MODULUS, Interface(work_of_adhesion=s.RIM_WORK, energy=energy)
-        )
-        for energy in ("old", "improved")
-    )
-    return {"old energy, Eq. 43": old, "improved energy, Eqs. 44-50": improved}
+    old, improved = (Interface(work_of_adhesion=s.RIM_WORK, energy=energy) for energy in ("old", "improved"))
+    return {
+        "old energy, Eq. 43": _against_roughness(s.rim, ratios, s.RIM_MODULUS, old),
+        "improved energy, Eqs. 44-50": _against_roughness(s.rim, ratios, s.RIM_MODULUS, improved),
+    }
 
 
 @_figure(
@@ -218,11 +200,8 @@ def _rim_magnification() -> Curves:
     ):
         interface = Interface(work_of_adhesion=s.RIM_WORK, energy=energy)  # type: ignore[arg-type]
         answer = s.adhesive(s.rim(), s.RIM_MODULUS, s.RIM_PRESSURE, interface)
-        curves[label] = {
-            "magnification": answer.wavevectors / 1e5,
-            "area": answer.area,
-            "work_share": answer.work / s.RIM_WORK,
-        }
+        zeta, share = answer.wavevectors / 1e5, answer.work / s.RIM_WORK
+        curves[label] = {"magnification": zeta, "area": answer.area, "work_share": share}
     zeta = np.geomspace(1.0, 1e5, 150)
     area = s.area(s.rim(), s.RIM_MODULUS, s.RIM_PRESSURE, 1e5 * zeta)
     return {**curves, "without adhesion": {"magnification": zeta, "area": area}}
@@ -233,12 +212,10 @@ def _against_pressure(
 ) -> Curves:
     """A/A0 at nominal pressures [Pa], with adhesion and without; the modulus is E* [Pa]."""
     adhesive = np.array([s.adhesive(spectrum, modulus, float(p), interface).real_area for p in pressure])
+    plain = s.area(spectrum, modulus, pressure)
     return {
         f"with adhesion{label}": {"pressure_nominal": pressure, "area": adhesive},
-        f"without adhesion{label}": {
-            "pressure_nominal": pressure,
-            "area": s.area(spectrum, modulus, pressure),
-        },
+        f"without adhesion{label}": {"pressure_nominal": pressure, "area": plain},
     }
 
 
@@ -260,7 +237,7 @@ def _pmma_pressure() -> Curves:
 
 @_figure("pyrex_spectra", "Pyrex, two surfaces, Sec. 10.2", ("wavevector", "power_spectrum", "xy"))
 def _pyrex_spectra() -> Curves:
-    before, after = s.pyrex(surfaces=2), smoothed_pyrex(4.0)
+    before, after = s.pyrex(surfaces=2), smoothed_pyrex()
     return {
         "as cast": _spectrum(before, _waves(before)),
         "smoothed by yielding at 20 MPa": _spectrum(after, np.asarray(after.wavevectors)),
@@ -275,16 +252,13 @@ def _pyrex_spectra() -> Curves:
 )
 def _pyrex_roughness() -> Curves:
     interface = Interface(work_of_adhesion=s.PYREX_WORK, energy="old")
-    after = smoothed_pyrex(4.0)
+    after = smoothed_pyrex()
     ratios = np.concatenate([np.linspace(0.2, 0.8, 5), np.linspace(0.86, 1.0, 8), [1.2]])
-    return {
-        "original surface": _against_roughness(
-            lambda r: s.pyrex(r, surfaces=2), ratios, s.PYREX_MODULUS, interface
-        ),
-        "smoothed surface": _against_roughness(
-            lambda r: after.scaled(r * r), np.linspace(0.2, 1.6, 12), s.PYREX_MODULUS, interface
-        ),
+    made: dict[str, tuple[Callable[[float], Spectrum], Array]] = {
+        "original surface": (lambda r: s.pyrex(r, surfaces=2), ratios),
+        "smoothed surface": (lambda r: after.scaled(r * r), np.linspace(0.2, 1.6, 12)),
     }
+    return {name: _against_roughness(*how, s.PYREX_MODULUS, interface) for name, how in made.items()}
 
 
 @_figure(
@@ -297,16 +271,12 @@ def _pyrex_yielding() -> Curves:
     spectrum = s.pyrex(surfaces=2)
     q = np.geomspace(spectrum.q_min * 1.001, spectrum.q_short, 240)
     areas = s.yielded(spectrum, s.PYREX_MODULUS, s.PYREX_PRESSURE, hardness=s.PYREX_HARDNESS, q=q)
+    elastic_area = s.area(spectrum, s.PYREX_MODULUS, s.PYREX_PRESSURE, q)
+    kept = np.where(areas.elastic > 1e-8, areas.elastic, np.nan)
+    hard = {"magnification": q / 1e6, "area_elastic": kept, "area_plastic": areas.plastic}
     return {
-        "infinite hardness": {
-            "magnification": q / 1e6,
-            "area_elastic": s.area(spectrum, s.PYREX_MODULUS, s.PYREX_PRESSURE, q),
-        },
-        "sigma_Y = 6 GPa": {
-            "magnification": q / 1e6,
-            "area_elastic": np.where(areas.elastic > 1e-8, areas.elastic, np.nan),
-            "area_plastic": areas.plastic,
-        },
+        "infinite hardness": {"magnification": q / 1e6, "area_elastic": elastic_area},
+        "sigma_Y = 6 GPa": hard,
     }
 
 
@@ -317,13 +287,8 @@ def _coarse_grid() -> Curves:
     # Cut at zero, and scaled to carry the same load.
     gaussian = np.exp(-((stress - 1.0) ** 2) / 4) / math.sqrt(4 * math.pi)
     load = 0.5 * math.erfc(-0.5) + math.exp(-0.25) / math.sqrt(math.pi)
-    return {
-        "exact": {"stress_over_load": stress, "density_over_load": exact},
-        "finite at sigma = 0, same load": {
-            "stress_over_load": stress,
-            "density_over_load": gaussian / load,
-        },
-    }
+    densities = {"exact": exact, "finite at sigma = 0, same load": gaussian / load}
+    return {name: {"stress_over_load": stress, "density_over_load": d} for name, d in densities.items()}
 
 
 @_figure(

@@ -1,4 +1,4 @@
-"""Claims of Persson (2006) about theories, spheres and grids, which belong to no application."""
+"""Claims of Persson (2006) about theories, spheres, grids, polished steel and roads."""
 
 from __future__ import annotations
 
@@ -14,25 +14,21 @@ from persson.capillary import maximum_height
 from persson.diffusion import solve_diffusion
 from persson.flaw_tolerance import FlawTolerance, optimal_modulus
 from persson.limits import critical_roughness
+from persson.percolation import SITE_THRESHOLD
+from persson.separation import macroasperity_magnification, macroasperity_pressure
 from persson.soft_structures import fibre_modulus
 from persson.spectrum import Moments, SelfAffine
 from persson.spheres import DoubleHertz, derjaguin_pull_off, jkr_pull_off
 from persson.tensile import adhesion_load
 from persson.viscoelastic import StandardSolid, crack_dissipation
-from validation.paper.claims import application, percent
+from validation.paper import systems as s
+from validation.paper.claims import Stated, application, percent
 
 
 def _kappa(asymptote: float) -> float:
-    reduced = 1e-6
     variance = elastic.stress_variance(0.01, contact_modulus=1e9)
-    area = elastic.contact_area(reduced * 1e9 * 0.1, stress_variance=variance)
-    return float(elastic.kappa(area, reduced_pressure=reduced)) / asymptote
-
-
-def _linear() -> float:
-    """Slope of A(sigma_0) at A/A0 = .1 below that at light load [%]."""
-    load = float(elastic.pressure_for_area(0.1, stress_variance=0.25))
-    return 100 * (1 - 0.1 / load / elastic.KAPPA_PERSSON)
+    area = elastic.contact_area(1e-6 * 1e9 * 0.1, stress_variance=variance)
+    return float(elastic.kappa(area, reduced_pressure=1e-6)) / asymptote
 
 
 def _patches(quantity: str, load: float = 3.4e-4) -> float:
@@ -44,19 +40,10 @@ def _patches(quantity: str, load: float = 3.4e-4) -> float:
     return (values[1] - values[0]) / math.log(loads[1] / loads[0])
 
 
-def _patch_definitions(load: float = 3.4e-4) -> float:
-    contact = ring_asperities(600.0, rms_height=1 / 600.0).contact_at(load, contact_modulus=1.0)
-    return float(contact.area / contact.density / contact.patch_area)
-
-
+#: For Greenwood and Williamson, at A/A0 = .001.
+_LIGHT = ring_asperities(600.0, rms_height=1 / 600.0).contact_at(3.4e-4, contact_modulus=1.0)
 #: The exact summits of one wavelength, in units of it and of h_rms.
 _SUMMITS = nayak_asperities(Moments(m0=1.0, m2=1.0, m4=1.0))
-
-
-def _archard() -> float:
-    return archard_hierarchy(
-        1.0, radii=[1e-2, 1e-4, 1e-6, 1e-8], densities=[1e9, 1e13, 1e17], contact_modulus=1e9
-    ).exponent
 
 
 def _books() -> float:
@@ -65,21 +52,13 @@ def _books() -> float:
     return float(solved.load_elastic[0] + 0.7 * solved.area[0])
 
 
-def _light_books() -> float:
-    """F / ((sigma_0 + sigma_a) A0) where A/A0 = .01, Eq. 42."""
-    held = adhesion_load(0.3, stress_variance=6366.0, tensile_limit=0.7)
-    return float(held.contact_force)
+_RUBBER = StandardSolid(relaxed=1e6, unrelaxed=1e9, time=1e-3)
 
 
 def _tolerant(rms_height: float) -> FlawTolerance:
     rough = SelfAffine.from_rms_height(rms_height, hurst=0.8, q_long=1e6, q_short=1e10)
     interface = Interface(work_of_adhesion=0.05)
     return optimal_modulus(rough, pressure=0.0, tensile_limit=5e7, interface=interface)
-
-
-def _rubber_factor() -> float:
-    rubber = StandardSolid(relaxed=1e6, unrelaxed=1e9, time=1e-3)
-    return crack_dissipation(1e4, loss_compliance=rubber.loss_compliance, relaxed=1e6, tip_radius=1e-9)
 
 
 def _killing(q_long: float) -> float:
@@ -89,14 +68,11 @@ def _killing(q_long: float) -> float:
     return critical_roughness(rough, contact_modulus=1e6 / 0.75, interface=interface, tolerance=0.02)
 
 
-def cut_gaussian_ratio() -> float:
+def _cut_gaussian() -> float:
     """Area of a Gaussian cut at zero stress and rescaled to the same load, over the exact area."""
-    variance = 2.0
-    exact = float(elastic.contact_area(1.0, stress_variance=variance))
-    t = 1 / math.sqrt(2 * variance)
-    share = 0.5 * math.erfc(-t)
-    load = share + math.sqrt(variance / (2 * math.pi)) * math.exp(-t * t)
-    return share / load / exact
+    share = 0.5 * math.erfc(-0.5)
+    load = share + math.sqrt(1 / math.pi) * math.exp(-0.25)
+    return share / load / float(elastic.contact_area(1.0, stress_variance=2.0))
 
 
 def _edge_slope() -> float:
@@ -108,27 +84,40 @@ def _edge_slope() -> float:
 GENERAL = application(
     "theories, spheres, grids",
     fixed={
-        "archard": _archard,
+        "archard": lambda: (
+            archard_hierarchy(
+                1.0, radii=[1e-2, 1e-4, 1e-6, 1e-8], densities=[1e9, 1e13, 1e17], contact_modulus=1e9
+            ).exponent
+        ),
         "ring_density": lambda: ring_asperities(1.0, rms_height=1.0).density,
         "gw_area": lambda: _patches("area"),
         "gw_patch": lambda: _patches("patch_area"),
-        "gw_patches": _patch_definitions,
+        "gw_patches": lambda: float(_LIGHT.area / _LIGHT.density / _LIGHT.patch_area),
         "summit_height": lambda: _SUMMITS.rms_height,
         "summit_curvature": lambda: math.sqrt(2) * _SUMMITS.radius,
         "kappa": lambda: _kappa(elastic.KAPPA_PERSSON),
         "bgt": lambda: _kappa(elastic.KAPPA_BGT),
-        "linear": _linear,
+        # The slope of A(sigma_0) at A/A0 = .1 below that at light load [%].
+        "linear": lambda: (
+            100
+            * (1 - 0.1 / float(elastic.pressure_for_area(0.1, stress_variance=0.25)) / elastic.KAPPA_PERSSON)
+        ),
         "books": _books,
-        "light_books": _light_books,
+        # F / ((sigma_0 + sigma_a) A0) where A/A0 = .01, Eq. 42.
+        "light_books": lambda: float(
+            adhesion_load(0.3, stress_variance=6366.0, tensile_limit=0.7).contact_force
+        ),
         "crossover": lambda: 1e6 * crossover_length(0.03, contact_modulus=1.1e11, atomic_distance=5e-10),
         "tolerant_smooth": lambda: float(_tolerant(1e-11).growth.max()),
         "tolerant_rough": lambda: float(_tolerant(1e-9).growth[0]),
-        "rubber": _rubber_factor,
+        "rubber": lambda: crack_dissipation(
+            1e4, loss_compliance=_RUBBER.loss_compliance, relaxed=1e6, tip_radius=1e-9
+        ),
         "killing": lambda: _killing(1e4),
         "setae": lambda: (
             fibre_modulus(1.5e9, radius=2.1e-6, length=106e-6, density=1.44e10, angle=0.75) / 1e6
         ),
-        "cut_gaussian": lambda: 100 * (cut_gaussian_ratio() - 1),
+        "cut_gaussian": lambda: 100 * (_cut_gaussian() - 1),
         "range_1e8": lambda: 2 * maximum_height(1e8),
         "range_1e4": lambda: 2 * maximum_height(1e4),
         "peak_1e8": lambda: maximum_height(1e8),
@@ -145,5 +134,41 @@ GENERAL = application(
             "note": lambda: f"{_killing(1e5):.2f} um for q_0 = 1e5 1/m, {_killing(1e3):.1f} um for 1e3"
         },
         "derjaguin": {"stated": percent(4 / 3, 1e-4)},
+    },
+)
+
+
+def _pressure(load: float) -> float:
+    return macroasperity_pressure(
+        s.steel(smooth=True), pressure=load, contact_modulus=s.STEEL_MODULUS, q_reference=1e5
+    )
+
+
+STEEL = application(
+    "polished steel and roads",
+    fixed={
+        "roads": lambda: 2 * math.pi / 1000 * 100,
+        "magnification": lambda: macroasperity_magnification(
+            s.steel(smooth=True),
+            pressure=s.STEEL_PRESSURE,
+            contact_modulus=s.STEEL_MODULUS,
+            q_reference=1e5,
+        ),
+        "area_share": lambda: s.STEEL_PRESSURE / _pressure(s.STEEL_PRESSURE),
+        "pressure_share": lambda: _pressure(10e6) / _pressure(1e6),
+        "plastic_limit": lambda: (
+            float(s.yielded(s.steel(), s.STEEL_MODULUS, s.STEEL_PRESSURE, hardness=2e9).plastic)
+            * 2e9
+            / s.STEEL_PRESSURE
+        ),
+    },
+    more={
+        "area_share": {"stated": Stated(SITE_THRESHOLD, 0.0, SITE_THRESHOLD, "below it")},
+        "pressure_share": {
+            "note": lambda: (
+                f"{_pressure(1e6) / 1e6:.0f} and {_pressure(10e6) / 1e6:.0f} MPa, but "
+                f"{_pressure(100e6) / 1e6:.0f} at 100 MPa, where the contact is not light any more"
+            )
+        },
     },
 )

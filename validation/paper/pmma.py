@@ -39,21 +39,7 @@ def _figure() -> str:
 def _crossing() -> float:
     """Wavevector [1/m] beyond which C(q) of PMMA is above that of polished steel."""
     plastic, steel = s.pmma(), s.steel()
-    return math.exp(
-        brentq(
-            lambda x: math.log(float(plastic(math.exp(x)) / steel(math.exp(x)))), math.log(1e6), math.log(7e9)
-        )
-    )
-
-
-def _strongest() -> float:
-    stress = detachment_stress(
-        s.PMMA_WORK,
-        contact_modulus=s.PMMA_MODULUS,
-        wavevector=7e9,
-        interface=Interface(work_of_adhesion=s.PMMA_WORK),
-    )
-    return float(stress) / 1e9
+    return 10 ** brentq(lambda x: math.log(float(plastic(10**x) / steel(10**x))), 6, math.log10(7e9))
 
 
 PMMA = application(
@@ -64,7 +50,17 @@ PMMA = application(
     ),
     fixed={
         "work": lambda: 2 * math.sqrt(0.04 * 0.02),
-        "detachment": _strongest,
+        "detachment": lambda: (
+            1e-9
+            * float(
+                detachment_stress(
+                    s.PMMA_WORK,
+                    contact_modulus=s.PMMA_MODULUS,
+                    wavevector=7e9,
+                    interface=Interface(work_of_adhesion=s.PMMA_WORK),
+                )
+            )
+        ),
         "local_shear": lambda: (
             float(local_shear_stress(50e6 * 30e6 / 300e6, pressure=30e6, hardness=300e6)) / 50e6
         ),

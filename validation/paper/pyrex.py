@@ -41,15 +41,10 @@ class Pyrex:
     @property
     def name(self) -> str:
         """In words."""
-        kinds = {
-            1.0: "one surface",
-            2.0: "two independent surfaces",
-            4.0: "two equal surfaces added coherently",
-        }
-        formula = "48" if self.energy == "improved" else "43"
+        two = {2.0: "two independent surfaces", 4.0: "two equal surfaces added coherently"}
         return (
-            f"{kinds[self.multiple]} (C x {self.multiple:g}), E = {self.young / 1e9:g} GPa, "
-            f"Delta gamma = {self.work:g} J/m^2, energy of Eq. {formula}"
+            f"{two.get(self.multiple, 'one surface')} (C x {self.multiple:g}), E = {self.young / 1e9:g} GPa, "
+            f"Delta gamma = {self.work:g} J/m^2, energy of Eq. {'48' if self.energy == 'improved' else '43'}"
         )
 
     @property
@@ -97,9 +92,8 @@ _SETS = (
 
 
 def _critical(pyrex: Pyrex) -> float:
-    return critical_roughness(
-        pyrex.spectrum, contact_modulus=pyrex.modulus, interface=pyrex.interface, tolerance=0.008
-    )
+    asked = {"contact_modulus": pyrex.modulus, "tolerance": 0.008}
+    return critical_roughness(pyrex.spectrum, interface=pyrex.interface, **asked)
 
 
 def _half_yielded(pyrex: Pyrex) -> float:
@@ -109,9 +103,9 @@ def _half_yielded(pyrex: Pyrex) -> float:
     return float(np.interp(0.5, share, q)) / 1e6
 
 
-def smoothed_pyrex(multiple: float) -> Tabulated:
-    """Pyrex after squeezing with 20 MPa (Sec. 10.2)."""
-    return Pyrex(multiple=multiple, energy="old").squeezed.spectrum
+def smoothed_pyrex() -> Tabulated:
+    """Pyrex, two equal surfaces, after squeezing with 20 MPa (Sec. 10.2)."""
+    return Pyrex(multiple=4.0, energy="old").squeezed.spectrum
 
 
 def _rms(q_min: float) -> float:
@@ -130,17 +124,9 @@ def _after(pyrex: Pyrex, force: float) -> float:
 
 
 def _line() -> str:
+    given = {"radius": _RADIUS, "hardness": s.PYREX_HARDNESS, "work_of_adhesion": 2 * s.PYREX_WORK}
     forces = [
-        float(
-            yielded_pull_off(
-                _FORCE,
-                radius=_RADIUS,
-                contact_modulus=each / 2 / 0.96,
-                hardness=s.PYREX_HARDNESS,
-                work_of_adhesion=2 * s.PYREX_WORK,
-            )
-        )
-        for each in (32e9, 64e9)
+        float(yielded_pull_off(_FORCE, contact_modulus=young / 2 / 0.96, **given)) for young in (32e9, 64e9)
     ]
     return (
         "the line of the figure, Eq. 56 with gamma_sl = 0.43, is at "

@@ -12,12 +12,11 @@ from typing import Any
 from validation.execution.outputs import Outputs, leave
 from validation.paper.claims import judge
 from validation.paper.figures import FIGURES
-from validation.paper.general import GENERAL
+from validation.paper.general import GENERAL, STEEL
 from validation.paper.page import paper_dataset, paper_page
 from validation.paper.pmma import PMMA
 from validation.paper.pyrex import PYREX
 from validation.paper.rim import RIM
-from validation.paper.steel import STEEL
 
 KIND = "paper"
 #: In the order of the table.

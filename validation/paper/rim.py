@@ -62,10 +62,6 @@ def _onset(rim: Rim) -> float:
     return float(state.wavevectors[np.argmax(state.area > 1.1 * plain)] / 1e5)
 
 
-def _macroscopic(rim: Rim) -> float:
-    return s.adhesive(s.rim(), s.RIM_MODULUS, 0.0, rim.interface).macroscopic_work / s.RIM_WORK
-
-
 def _critical() -> float:
     interface = Rim(energy="as_printed", area="star").interface
     return critical_roughness(s.rim(), contact_modulus=s.RIM_MODULUS, interface=interface, tolerance=0.02)
@@ -74,14 +70,12 @@ def _critical() -> float:
 def _seals() -> str:
     """Say of each reading whether the rim seals; the thresholds are those of contacts without adhesion."""
     low, high = COMPUTED_THRESHOLDS
-
-    def verdict(area: float) -> str:
-        return "seals" if area > high else "leaks" if area < low else "not decided"
-
-    problem = (
-        f"{c.name} {c.value.pressed.real_area:.4f}: {verdict(c.value.pressed.real_area)}" for c in _READINGS
-    )
-    return f"thresholds of {low:g} to {high:g}, without adhesion; " + ", ".join(problem)
+    verdicts = []
+    for reading in _READINGS:
+        area = reading.value.pressed.real_area
+        verdict = "seals" if area > high else "leaks" if area < low else "not decided"
+        verdicts.append(f"{reading.name} {area:.4f}: {verdict}")
+    return f"thresholds of {low:g} to {high:g}, without adhesion; " + ", ".join(verdicts)
 
 
 #: The literal reading first.
@@ -90,10 +84,6 @@ _READINGS: tuple[Convention, ...] = tuple(
     for area, words in _AREAS.items()
     for energy, formula in _ENERGIES.items()
 )
-
-
-def _each_reading() -> str:
-    return "each reading: " + ", ".join(f"{c.name} {c.value.pressed.real_area:.4f}" for c in _READINGS)
 
 
 RIM = application(
@@ -110,14 +100,20 @@ RIM = application(
         "area": lambda rim: rim.pressed.real_area,
         "area_gain": _gain,
         "onset": _onset,
-        "free_work": _macroscopic,
+        "free_work": lambda rim: (
+            s.adhesive(s.rim(), s.RIM_MODULUS, 0.0, rim.interface).macroscopic_work / s.RIM_WORK
+        ),
         "friction": lambda rim: 0.05 * 0.25e6 * rim.pressed.real_area / 1e3,
         "site_threshold": lambda rim: rim.pressed.real_area,
         "computed_thresholds": lambda rim: rim.pressed.real_area,
         "energy_share": lambda rim: float(rim.pressed.energy_share[-1] / rim.pressed.area[-1]),
     },
     more={
-        "area": {"note": _each_reading},
+        "area": {
+            "note": lambda: (
+                "each reading: " + ", ".join(f"{c.name} {c.value.pressed.real_area:.4f}" for c in _READINGS)
+            )
+        },
         "free_work": {"note": lambda: f"without load contact is lost from h/h_0 = {_critical():.2f} on"},
         "site_threshold": {"stated": Stated(SITE_THRESHOLD, SITE_THRESHOLD, 1.0, "above it")},
         "computed_thresholds": {

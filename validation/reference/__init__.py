@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from importlib import resources
 from typing import TYPE_CHECKING
 
@@ -112,14 +111,8 @@ def lookup(
     except UsageError as error:
         raise UsageError(f"{error} (amplitudes = {amplitudes})") from None
     area = values.pop("area")
-    kappa = replace(
-        area,
-        quantity="kappa",
-        meaning=quantity("kappa").meaning,
-        value=area.value / reduced_pressure,
-        uncertainty=area.uncertainty / reduced_pressure,
-        interpolation=area.interpolation / reduced_pressure,
-    )
+    over = {n: getattr(area, n) / reduced_pressure for n in ("value", "uncertainty", "interpolation")}
+    kappa = ReferenceValue(quantity="kappa", meaning=quantity("kappa").meaning, **over)
     return {"area": area, "kappa": kappa, **values}
 
 

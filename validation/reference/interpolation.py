@@ -59,8 +59,26 @@ def interpolated(data: xr.Dataset, name: str, point: Mapping[str, float]) -> Ref
                 f"{axis} = {value!r}: the table of {_AXES[axis]} goes from {low:g} to {high:g}, "
                 "and is not extrapolated"
             )
-    return _looked_up(
-        _whole_part(data, **{axis: point[axis] for axis in ("hurst", "bandwidth")}), name, point
+    data = _whole_part(data, hurst=point["hurst"], bandwidth=point["bandwidth"])
+    values = data[name].transpose(*_AXES).values
+    # Over a theory little is left that bends.
+    over = _theory(name, *(tuple(data[axis].values.tolist()) for axis in _AXES))
+    at = float(_theory(name, *((float(point[axis]),) for axis in _AXES)).item())
+    ratio = name == "area"
+    shown = values / over if ratio else np.log(values / over)
+    smooth, straight = _both(data, shown, point)
+    value = at * (smooth if ratio else float(np.exp(smooth)))
+    error = total_error(data, name)
+    assert error is not None
+    relative = error.transpose(*_AXES).values / values
+    apart = max(abs(smooth - straight), _curvature(data, shown, point))
+    interpolation = _SAFETY * (at if ratio else value) * apart
+    return ReferenceValue(
+        quantity=name,
+        meaning=quantity(name).meaning,
+        value=value,
+        uncertainty=float(np.hypot(value * _both(data, relative, point)[1], interpolation)),
+        interpolation=interpolation,
     )
 
 
@@ -71,23 +89,18 @@ def _whole_part(data: xr.Dataset, *, hurst: float, bandwidth: float) -> xr.Datas
     needed = there[np.ix_(rows, columns)]
     if not needed.all():
         i, j = np.argwhere(~needed)[0]
+        cells = [
+            f"H = {h:g} at {', '.join(f'{b:g}' for b in data.bandwidth.values[has])}"
+            for h, has in zip(data.hurst.values, there, strict=True)
+            if has.any()
+        ]
         raise UsageError(
             f"hurst = {hurst:g}, bandwidth = {bandwidth:g}: the table has no cell at H = "
             f"{float(data.hurst[rows[i]]):g}, lambda_long/lambda_short = "
-            f"{float(data.bandwidth[columns[j]]):g}, and is not extrapolated; it has {_cells(data, there)}"
+            f"{float(data.bandwidth[columns[j]]):g}, and is not extrapolated; it has {'; '.join(cells)}"
         )
     nodes = there[rows].all(axis=0)
     return data.isel(bandwidth=nodes).isel(hurst=there[:, nodes].all(axis=1))
-
-
-def _cells(data: xr.Dataset, there: Array) -> str:
-    """Say which spectra the table has."""
-    rows = [
-        (f"H = {h:g}", ", ".join(f"{b:g}" for b in data.bandwidth.values[has]))
-        for h, has in zip(data.hurst.values, there, strict=True)
-        if has.any()
-    ]
-    return "; ".join(f"{hurst} at {bandwidths}" for hurst, bandwidths in rows)
 
 
 def _around(nodes: Array, at: float) -> list[int]:
@@ -97,29 +110,6 @@ def _around(nodes: Array, at: float) -> list[int]:
         return [int(close[0])]
     above = int(np.searchsorted(nodes, at))
     return [above - 1, above]
-
-
-def _looked_up(data: xr.Dataset, name: str, point: Mapping[str, float]) -> ReferenceValue:
-    values = data[name].transpose(*_AXES).values
-    # Over a theory little is left that bends.
-    over = _theory(name, *(tuple(data[axis].values.tolist()) for axis in _AXES))
-    at = float(_theory(name, *((float(point[axis]),) for axis in _AXES)).item())
-    ratio = name == "area"
-    shown = values / over if ratio else np.log(values / over)
-    smooth, straight = _both(data, shown, point)
-    value = at * (smooth if ratio else float(np.exp(smooth)))
-    scale = at if ratio else value
-    error = total_error(data, name)
-    assert error is not None
-    relative = error.transpose(*_AXES).values / values
-    interpolation = _SAFETY * scale * max(abs(smooth - straight), _curvature(data, shown, point))
-    return ReferenceValue(
-        quantity=name,
-        meaning=quantity(name).meaning,
-        value=value,
-        uncertainty=float(np.hypot(value * _both(data, relative, point)[1], interpolation)),
-        interpolation=interpolation,
-    )
 
 
 def _theory(

@@ -54,8 +54,9 @@ def fit(law: str, alpha: Array, distance: Array, half_width: Array, *, at: Array
     for _ in range(2):  # among all exponents, then closely about those that were best
         exponents = np.geomspace(low, high, 1 if law == "logarithm" else _TRIED)
         laws = (law, "power") if law == "saturation" else (law,)
-        found = [_best_of(name, exponents, samples, (alpha, error), at) for name in laws]
-        best = _least([best, *found])
+        every = [best, *(_best_of(name, exponents, samples, (alpha, error), at) for name in laws)]
+        least = np.argmin([rows[:, 1] for rows in every], axis=0)
+        best = np.stack(every)[least, np.arange(_SAMPLES)]
         step = (high / low) ** (1 / _TRIED)
         low, high = np.percentile(best[:, 0], (0.5, 99.5)) * (1 / step, step)
     ends = np.percentile(best[1:, 2:], (2.5, 97.5), axis=0)
@@ -78,12 +79,6 @@ def _best_of(law: str, exponents: Array, samples: Array, data: tuple[Array, Arra
     which, sample = np.argmin(misses, axis=0), np.arange(len(samples))
     values = np.einsum("sc,smc->sm", constants[which, sample], _designs(law, at, exponents)[which])
     return np.column_stack([exponents[which], misses[which, sample], values])
-
-
-def _least(found: list[Array]) -> Array:
-    """Return for each sample the first row with the least chi^2."""
-    every = np.stack(found)
-    return np.asarray(every[np.argmin(every[:, :, 1], axis=0), np.arange(every.shape[1])])
 
 
 def _designs(law: str, alpha: Array, exponents: Array) -> Array:

@@ -170,23 +170,19 @@ def error_of(value: xr.DataArray, **sources: xr.DataArray | float | str) -> xr.D
     That is half the width of the 95 % interval, or a text: why the source does not enter. Others are not
     measured.
     """
+    if unknown := sources.keys() - set(SOURCES):
+        others = ", ".join(sorted(unknown))
+        raise UsageError(f"no source of errors is called {others}; they are: {', '.join(SOURCES)}")
     parts, why = [], {}
     for source in SOURCES:
-        share = sources.pop(source, math.nan)
+        share = sources.get(source, math.nan)
         if isinstance(share, str):
-            why[source] = f"does not enter: {share}"
-            share = 0.0
+            why[source], share = f"does not enter: {share}", 0.0
         if isinstance(share, xr.DataArray) and share.dims != value.dims:
             share = (xr.zeros_like(value, dtype=float) + share).transpose(*value.dims)
         parts.append(np.broadcast_to(np.asarray(share, dtype=float), value.shape))
-    if sources:
-        raise UsageError(
-            f"no source of errors is called {', '.join(sources)}; they are: {', '.join(SOURCES)}"
-        )
-    dims = (*value.dims, "source")
-    stack = np.stack(parts, axis=-1)
-    coords = {**{n: c for n, c in value.coords.items() if n not in ("source",)}, "source": list(SOURCES)}
-    return xr.DataArray(np.abs(stack), dims=dims, coords=coords, attrs=why)
+    coords = {**value.coords, "source": list(SOURCES)}
+    return xr.DataArray(np.abs(np.stack(parts, -1)), coords, (*value.dims, "source"), attrs=why)
 
 
 def _of(data: xr.Dataset, name: str, who: str, along: str = "") -> xr.DataArray:
@@ -336,10 +332,8 @@ def mean_of(
     no interval. Where not all are `there`, the mean is over those that are.
     """
     if pairs:
-        first, second = (
-            values.isel({over: slice(k, None, 2)}).drop_vars(over, errors="ignore") for k in (0, 1)
-        )
-        values = (first + second) / 2
+        values, second = (values.isel({over: slice(k, None, 2)}) for k in (0, 1))
+        values = (values.drop_vars(over, errors="ignore") + second.drop_vars(over, errors="ignore")) / 2
         if there is not None:
             there = there.isel({over: slice(0, None, 2)}).drop_vars(over, errors="ignore")
     if values.sizes[over] < 2:

@@ -19,7 +19,8 @@ import xarray as xr
 
 from validation.errors import UsageError
 from validation.report.estimates import each
-from validation.report.values import Value, value_of, values_of
+from validation.report.quantities import quantity
+from validation.report.values import Value, known, value_of, values_of
 
 
 def _sign(value: Value) -> str:
@@ -165,13 +166,13 @@ class Finding:
     def as_json(self) -> dict[str, Any]:
         """Return it as data, with its text for those who read."""
         record: dict[str, Any] = {"kind": self.kind, "text": self.text, "form": self.form}
+        plain = [
+            {n: value.as_json() for n, value in sorted(row.items())} for row in (self.values, *self.rows)
+        ]
         if self.values:
-            record["values"] = {name: value.as_json() for name, value in sorted(self.values.items())}
+            record["values"] = plain[0]
         if self.rows:
-            record["item"] = self.item
-            record["rows"] = [
-                {name: value.as_json() for name, value in sorted(row.items())} for row in self.rows
-            ]
+            record |= {"item": self.item, "rows": plain[1:]}
         if self.by:
             record |= {"by": self.by, "outcomes": list(self.outcomes)}
         return record
@@ -197,7 +198,8 @@ def finding(
     """Return a finding whose values are those of a dataset that its forms name; see `Finding`.
 
     Its attributes and its numbers without dimensions are values, those that `item` names are rows, one at
-    each of their places. Of `more` values plain numbers are exact.
+    each of their places. Of `more` values plain numbers are exact. A part of the form in brackets is left
+    out where a value that it names is not there.
     """
     over: tuple[str, ...] = ()
     if data is not None:
@@ -208,6 +210,8 @@ def finding(
     said = {} if data is None else {n: v for n, v in data.attrs.items() if n not in data.variables}
     values = {n: _exact(v) for n, v in said.items() if _named(n, form, item)}
     values |= {n: _exact(v) for n, v in more.items()}
+    form = _OPTIONAL.sub(lambda part: _said(part[1], data, values), form)
+    values = {n: value for n, value in values.items() if known(value.value) or _named(n, form, item, by)}
     here = {} if data is None else values_of(data, lambda name: _named(name, form, item, by))
     asked = {part[1] for text in (form, item) for part in Formatter().parse(text) if part[1]}
     if kind not in KINDS or ("verdict" in asked and not (by and KINDS[kind][0])):
@@ -221,8 +225,8 @@ def finding(
         for place in each(data[shown], *over):
             names = [str(n) for n, v in place.variables.items() if v.ndim == 0 and _named(str(n), item, by)]
             rows.append({n: value_of(place, n) for n in names if n not in here})
-    known = {*here, *values, *(rows[0] if rows else ()), "verdict", "each"}
-    absent = sorted({*asked, by} - known - {""}) if rows or not item else []
+    there = {*here, *values, *(rows[0] if rows else ()), "verdict", "each"}
+    absent = sorted({*asked, by} - there - {""}) if rows or not item else []
     if absent:
         raise UsageError(f"finding {form!r}: no single number {', '.join(absent)} at a place over {over}")
     return Finding(
@@ -234,6 +238,23 @@ def finding(
         by=by,
         words=words or {},
     )
+
+
+#: A part of a form in brackets, with values in it.
+_OPTIONAL = re.compile(r"\[([^][]*\{[^][]*)\]")
+
+
+def _said(part: str, data: xr.Dataset | None, values: Mapping[str, Value]) -> str:
+    for name in filter(None, (name for _, name, *_ in Formatter().parse(part))):
+        if name in values:
+            there = known(values[name].value)
+        elif there := data is not None and name in data.variables:
+            there = known(data[name].item())
+        else:
+            quantity(name)  # what is no quantity at all is refused
+        if not there:
+            return ""
+    return part
 
 
 def _named(name: str, *forms: str) -> bool:
@@ -248,18 +269,13 @@ def _exact(value: Any) -> Value:
 
 def note(form: str, **values: Value | float | str) -> Finding:
     """Return what a reader should know, such as what of a scene is not used."""
-    return Finding(kind="note", form=form, values={n: _exact(v) for n, v in values.items()})
+    return finding("note", form, **dict[str, Any](values))
 
 
 def of_one_surface(data: xr.Dataset) -> list[Finding]:
     """Return the note that a single surface says nothing of others; none where there are several."""
-    if data.sizes["surface"] > 1:
-        return []
-    return [
-        note(
-            "These are numbers of one surface: how much another of the same spectrum would differ is unknown."
-        )
-    ]
+    words = "These are numbers of one surface: how much another of the same spectrum would differ is unknown."
+    return [] if data.sizes["surface"] > 1 else [note(words)]
 
 
 def ranking(form: str, ranked: Mapping[str, Value]) -> Finding:
@@ -273,15 +289,13 @@ def ranking(form: str, ranked: Mapping[str, Value]) -> Finding:
     'Distance to the simulation: Xu 0.130 +- 0.020 < Persson 0.300 +- 0.020.'
     """
     order = sorted(ranked.items(), key=lambda one: float(one[1].value))
-    sources = {value.sources for _, value in order}
-    text = ""
-    for k, (name, value) in enumerate(order):
-        if k:
-            last = order[k - 1][1]
+    sources, text, last = {value.sources for _, value in order}, "", None
+    for name, value in order:
+        if last is not None:
             error = math.hypot(last.error or 0.0, value.error or 0.0)
-            apart = float(value.value) - float(last.value) > error
-            text += " < " if apart else " = "
+            text += " < " if float(value.value) - float(last.value) > error else " = "
         text += f"{name} {replace(value, sources='') if len(sources) == 1 else value}"
+        last = value
     if len(sources) == 1 and any(sources):
         text += f" (95 %: {sources.pop()})"
     rows = tuple({"name": Value(value=name), "value": value} for name, value in order)

@@ -6,18 +6,22 @@ marks. `draw` returns with the figure what was drawn of which slice, so that a t
 
 from __future__ import annotations
 
+import html
 import itertools
 import re
+import tempfile
 import textwrap
+from collections import ChainMap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import xarray as xr
 
 from validation.errors import UsageError
-from validation.report.drawing import Drawing, Drawn
+from validation.files import atomic_path
 from validation.report.estimates import each, optional, shown_sources, total_error
 from validation.report.quantities import (
     Quantity,
@@ -29,10 +33,12 @@ from validation.report.quantities import (
     registry,
     written_unit,
 )
+from validation.report.table import write_dataset
 from validation.report.words import mathtext
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Canvas
 
 
 @dataclass(frozen=True)
@@ -114,6 +120,40 @@ class Figure:
     height: float = 3.7
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Drawn:
+    """One thing that was drawn: artist, axes, mark, and the slice it shows."""
+
+    artist: Any
+    axes: Any
+    mark: Any
+    x: str
+    data: xr.Dataset
+    label: str
+    factors: tuple[float, float]
+    look: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Drawing:
+    """One figure of a report, called as its files: what is drawn, every number in it, and a caption."""
+
+    name: str
+    figure: Canvas
+    data: xr.Dataset
+    caption: str
+    drawn: tuple[Drawn, ...] = ()
+
+    def _repr_html_(self) -> str:
+        from validation.report.figure import embeddable, save_figure
+
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "figure.svg"
+            save_figure(self.figure, path)
+            svg = embeddable(path.read_text(encoding="utf-8"), self.name, words=self.caption)
+        return f"<figure>{svg}<figcaption>{html.escape(self.caption)}</figcaption></figure>"
+
+
 def against(x: str, *marks: _Mark | str, by: tuple[str, ...] | str = (), **axes: Any) -> Panel:
     """Return a panel of marks; a name alone is a line of that variable, or one for each place along `by`."""
     lines = [Line(mark, by=by) if isinstance(mark, str) else mark for mark in marks]
@@ -175,6 +215,24 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawi
     )
 
 
+def write_drawing(drawing: Drawing, folder: Path) -> tuple[Path, ...]:
+    """Write a figure and its data into a folder; return the files, SVG first."""
+    import netCDF4
+    from xarray.backends import NetCDF4DataStore
+
+    from validation.report.figure import save_figure
+
+    svg, pdf, table, data = (folder / f"{drawing.name}.{suffix}" for suffix in ("svg", "pdf", "csv", "nc"))
+    for path in (svg, pdf):
+        with atomic_path(path) as draft:
+            save_figure(drawing.figure, draft)
+    tables = write_dataset(drawing.data, table)
+    # Its own `to_netcdf` imports Dask for it, which takes as long as a figure.
+    with atomic_path(data) as draft, netCDF4.Dataset(draft, "w") as file:
+        drawing.data.dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]
+    return (svg, pdf, *tables, data)
+
+
 def _shows(panel: Panel, data: xr.Dataset) -> bool:
     """Whether a panel has anything to show; on a logarithmic axis that is a positive number."""
     part = data.isel(panel.at, missing_dims="ignore")
@@ -196,19 +254,14 @@ def _align(panels: Sequence[Panel], places: Sequence[Axes]) -> None:
         if places[0].get_yscale() == "log":  # where the margin of a panel's own range is too narrow
             high *= (high.max() / low.min()) ** 0.03
         for on, panel in zip(places, panels, strict=True):
-            on.set_ylim(
-                low.min() if panel.bottom is None else panel.bottom,
-                high.max() if panel.top is None else panel.top,
-            )
+            bottom = low.min() if panel.bottom is None else panel.bottom
+            on.set_ylim(bottom, high.max() if panel.top is None else panel.top)
             on.yaxis.label.set_visible(on is places[0])
 
 
 def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
-    places = [
-        (mark, here, k)
-        for mark in panel.marks
-        for k, here in enumerate(_places(mark, data.isel(panel.at, missing_dims="ignore")))
-    ]
+    part = data.isel(panel.at, missing_dims="ignore")
+    places = [(mark, here, k) for mark in panel.marks for k, here in enumerate(_places(mark, part))]
     y = panel.y or panel.marks[0].y
     along = [here[m.x or panel.x] for m, here, _ in places if (m.x or panel.x) in here]
     scale_x = _scale(quantity_of(data, panel.x), along)
@@ -266,12 +319,7 @@ def _places(mark: _Mark, data: xr.Dataset) -> Iterable[xr.Dataset]:
 
 
 def _put(
-    mark: _Mark,
-    axes: Axes,
-    here: xr.Dataset,
-    x: str,
-    factors: tuple[float, float],
-    look: dict[str, Any],
+    mark: _Mark, axes: Axes, here: xr.Dataset, x: str, factors: tuple[float, float], look: dict[str, Any]
 ) -> Any:
     values, error = here[mark.y], total_error(here, mark.y)
     along: Any = here[x].values if x in here.variables else None
@@ -279,15 +327,10 @@ def _put(
         along = along * factors[0]
     if isinstance(mark, Image):
         rows = here[mark.rows]
+        up = rows.values * _scale(quantity(mark.rows), [rows])[0]
+        colours = values.transpose(*rows.dims, *here[x].dims).values * factors[1]
         ends = {"vmin": -look["most"], "vmax": look["most"]} if mark.symmetric else {}
-        image = axes.pcolormesh(
-            along,
-            rows.values * _scale(quantity(mark.rows), [rows])[0],
-            values.transpose(*rows.dims, *here[x].dims).values * factors[1],
-            cmap=mark.cmap,
-            rasterized=True,
-            **ends,
-        )
+        image = axes.pcolormesh(along, up, colours, cmap=mark.cmap, rasterized=True, **ends)
         if quantity(mark.rows).name == "y":  # a place, not a parameter
             axes.set_aspect("equal")
         return image
@@ -332,23 +375,16 @@ def _look(mark: _Mark, here: xr.Dataset, k: int, *, several: bool) -> dict[str, 
     """
     from validation.report.figure import COLOURS, STYLES, SYMBOLS
 
-    fixed = dict(quantity(mark.y).look)
     options: dict[str, Any] = {}
     for dim in _by(mark):
         if dim in here.coords and here[dim].ndim == 0:
             options |= named_at(here, dim).get("look", {})
     if options and len(_by(mark)) > 1:
         options["ls"] = STYLES[k % 4]
-    if several:
-        fixed.pop("color", None)
-    qualifiers = registry()["qualifiers"].values()
+    fixed = {n: v for n, v in quantity(mark.y).look.items() if not (several and n == "color")}
     named = [c.item() for c in here.coords.values() if c.ndim == 0 and c.dtype.kind in "OU"]
-    place = {
-        k: v
-        for qualifier in qualifiers
-        if qualifier["words"] in named
-        for k, v in qualifier.get("look", {}).items()
-    }
+    looks = [q.get("look", {}) for q in registry()["qualifiers"].values() if q["words"] in named]
+    place = dict(ChainMap(*reversed(looks)))
     return {"color": COLOURS[k % 8], "marker": SYMBOLS[k % 8], **place, **options, **fixed}
 
 
@@ -400,11 +436,9 @@ def _legend(canvas: Any, axes: Sequence[Axes]) -> None:
     # Of letters of 7 points, behind a sample of the line.
     widest = 0.051 * max(map(len, options)) + 0.45
     columns = min(len(options), max(1, int(canvas.get_figwidth() / widest)))
-    rows = -(-len(options) // columns)
-    canvas.set_figheight(canvas.get_figheight() + 0.17 * rows + 0.1)
-    canvas.legend(
-        options.values(), options, fontsize=7, ncols=columns, loc="outside lower center", frameon=False
-    )
+    canvas.set_figheight(canvas.get_figheight() + 0.17 * -(-len(options) // columns) + 0.1)
+    where: dict[str, Any] = {"loc": "outside lower center", "ncols": columns}
+    canvas.legend(options.values(), options, fontsize=7, frameon=False, **where)
 
 
 def _caption(text: str, drawn: Sequence[Drawn]) -> str:
@@ -412,10 +446,8 @@ def _caption(text: str, drawn: Sequence[Drawn]) -> str:
     for line in drawn:
         errors = optional(line.data, f"{line.mark.y}_error")
         if errors is not None and not isinstance(line.mark, Image):
-            shown = errors.sel(source=list(shown_sources(errors)))
-            there = (shown > 0).any([d for d in shown.dims if d != "source"])
-            names = ", ".join(there.source.values[there.values].tolist())
-            labels.setdefault(names, []).append(line.label)
+            shown = (s for s in shown_sources(errors) if bool((errors.sel(source=s) > 0).any()))
+            labels.setdefault(", ".join(shown), []).append(line.label)
     labels.pop("", None)
     if len(labels) < 2:
         return "".join([text, *(f" Bars: 95 % ({names})." for names in labels)])

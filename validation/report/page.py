@@ -6,7 +6,7 @@ import base64
 import hashlib
 import json
 import platform
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import metadata
 from pathlib import Path
@@ -16,8 +16,7 @@ import xarray as xr
 
 from validation.errors import harmless
 from validation.files import atomic_path, digest_of, remove_drafts, write_json, write_record
-from validation.report.drawing import Drawing, write_drawing
-from validation.report.layout import layout
+from validation.report.marks import Drawing, draw, write_drawing
 from validation.report.papers import cited
 from validation.report.table import (
     TREATMENT,
@@ -45,6 +44,16 @@ _BUDGET = (
 _TREATED = (
     " Treatment is no part of the intervals: how far other treatments of the map move the area, together."
 )
+
+
+#: Characters of a table, and of a sentence, in half of a page of 1400 pixels.
+_HALF, _LINE = 76, 68
+#: Lines of a table that are as high as the first figure, and by how many what is beside it may be higher.
+_FIGURE, _HIGHER = 20.0, 6.0
+#: Rows from which on a table is folded.
+_FOLDED = 40
+#: Lines of a table for its title and its note, and for a line of a sentence.
+_AROUND, _SENTENCE = 4.5, 0.85
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,13 +104,9 @@ def page_of(data: xr.Dataset, views: Views, /, *, figures: bool, **rest: Any) ->
 
     Of the `rest`, fields of `Page`, notes and the summary are added to those of the findings.
     """
-    tables = [*([] if views.table is None else [views.table]), *views.more]
-    made = [(table, table.of(data)) for table in tables]
-    made = [(table, rows) for table, rows in made if rows.rows]
+    made = [(table, rows) for table in views.tables if (rows := table.of(data)).rows]
     drawn: tuple[Drawing, ...] = ()
     if figures:
-        from validation.report.marks import draw
-
         every = (draw(figure, data) for figure in views.figures)
         drawn = tuple(drawing for drawing in every if drawing.drawn)
     numbers = {
@@ -175,9 +180,7 @@ def clear_page(folder: Path, *, keep: Collection[Path] = ()) -> None:
     names = ["report.html", "summary.json", "shown.json", *(f"{name}.csv" for name in tables.split())]
     earlier = [path for name in names for path in folder.glob(name)]
     if figures.is_dir() and not figures.is_symlink():
-        earlier += [
-            path for suffix in ("svg", "pdf", "csv", "nc", "png") for path in figures.glob(f"*.{suffix}")
-        ]
+        earlier += [p for suffix in ("svg", "pdf", "csv", "nc", "png") for p in figures.glob(f"*.{suffix}")]
         remove_drafts(figures)
     for path in set(earlier) - set(keep):
         path.unlink(missing_ok=True)
@@ -205,6 +208,81 @@ def _embedded(drawing: Drawing, files: tuple[Path, ...]) -> dict[str, Any]:
     }
 
 
+@dataclass(frozen=True)
+class Placed:
+    """A table on a page; where it is `turned`, its rows stand side by side."""
+
+    table: WordTable
+    turned: bool
+
+    @property
+    def narrow(self) -> bool:
+        """Whether half a page holds it: titles and long cells break between words."""
+        rows = [[len(cell.replace("+- ", "+-")) for cell in row] for row in self.table.rows]
+        if len(rows) > _FOLDED:
+            return False
+        if self.turned:
+            return 20 + sum(2 + max([min(20, first), *others]) for first, *others in rows) <= _HALF
+        titles = (max([6, *map(len, title.split())]) for title in self.table.columns)
+        widths: list[int] = [max(column) for column in zip(titles, *rows, strict=True)]
+        return sum(2 + min(36, width) for width in widths) <= _HALF
+
+    @property
+    def lines(self) -> float:
+        """How high it is, in lines of a table."""
+        return _AROUND + len(self.table.columns if self.turned else self.table.rows)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Layout:
+    """Tables `beside` the first figure, `across` the page and in `columns` with the `narrow` figures."""
+
+    beside: tuple[Placed, ...]
+    across: tuple[Placed, ...]
+    columns: tuple[Placed, ...]
+    narrow: tuple[Mapping[str, Any], ...]
+    wide: tuple[Mapping[str, Any], ...]
+
+    @property
+    def even(self) -> bool:
+        """Whether neither column is longer by a third of a figure."""
+        heights = [*(one.lines for one in self.columns), *(_FIGURE for _ in self.narrow)]
+        splits = (sum(heights[:k]) - sum(heights[k:]) for k in range(len(heights) + 1))
+        return min(map(abs, splits)) < _FIGURE / 3
+
+
+def layout(
+    findings: Iterable[str],
+    tables: Sequence[WordTable],
+    budget: WordTable | None,
+    figures: Sequence[Mapping[str, Any]],
+) -> Layout:
+    """Place what a page shows so that no half of it stays empty.
+
+    The budget and the first table stand below the findings, where half a page holds them and there is room
+    beside the first figure.
+    """
+    placed = [Placed(table, len(table.columns) > 12 and len(table.rows) < 9) for table in tables]
+    if budget is not None:
+        upright = Placed(budget, False)
+        placed.insert(1, upright if upright.narrow else Placed(budget, len(budget.rows) < 5))
+    beside: list[Placed] = []
+    lines = 2 + sum(_SENTENCE * (1 + len(text) // _LINE) for text in findings)
+    room = _FIGURE + _HIGHER if figures and not figures[0]["wide"] else 0.0
+    for one in sorted(placed[:2], key=lambda one: one.table is not budget):
+        if one.narrow and lines + one.lines <= room:
+            beside.append(one)
+            lines += one.lines
+    rest = [one for one in placed if one not in beside]
+    return Layout(
+        beside=tuple(beside),
+        across=tuple(one for one in rest if not one.narrow),
+        columns=tuple(one for one in rest if one.narrow),
+        narrow=tuple(figure for figure in figures[1:] if not figure["wide"]),
+        wide=tuple(figure for figure in figures[1:] if figure["wide"]),
+    )
+
+
 def render(page: Page, figures: Sequence[Mapping[str, Any]] = ()) -> str:
     """Return the page as HTML, with figures as they were written."""
     import jinja2
@@ -224,7 +302,6 @@ def render(page: Page, figures: Sequence[Mapping[str, Any]] = ()) -> str:
     if page.budget is not None:
         note = _BUDGET + _TREATED * (TREATMENT in page.budget.columns)
         budget = shown(page.budget, title="What is uncertain", note=note)
-    settings = json.dumps(page.settings, indent=2)
     template = environment.get_template("report.html.j2")
     # The one script that may run: the policy of the page names it by its hash.
     assert environment.loader is not None
@@ -234,7 +311,7 @@ def render(page: Page, figures: Sequence[Mapping[str, Any]] = ()) -> str:
         page=page,
         figures=figures,
         layout=layout(page.findings, page.tables, budget, figures),
-        settings=settings,
+        settings=json.dumps(page.settings, indent=2),
         script=Markup(script),
         script_hash=f"sha256-{digest}",
     )

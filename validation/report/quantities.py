@@ -82,11 +82,10 @@ def quantity(name: str) -> Quantity:
             continue
         qualified = _qualifiers("_".join(parts[cut:]), qualifiers)
         if qualified is not None:
-            look: dict[str, Any] = {}
-            for qualifier in qualified:
-                look |= qualifiers[qualifier].get("look", {})
-            words = [qualifiers[qualifier]["words"] for qualifier in qualified]
-            return Quantity(name=start, which=", ".join(words), look=look, **known[start])
+            named = [qualifiers[qualifier] for qualifier in qualified]
+            look = {key: value for one in named for key, value in one.get("look", {}).items()}
+            which = ", ".join(one["words"] for one in named)
+            return Quantity(name=start, which=which, look=look, **known[start])
     raise UsageError(
         f"{name!r}: no such quantity in docs/glossary.md; add it to validation/report/quantities.toml"
     )
@@ -106,9 +105,8 @@ def quantity_of(data: xr.Dataset, name: str) -> Quantity:
     else:
         if "key" not in attrs or registered.unit == attrs["units"]:
             return registered
-    return Quantity(
-        name=name, symbol=name.replace("_", " "), words=attrs["long_name"], unit=attrs["units"], look={}
-    )
+    about = {"words": attrs["long_name"], "unit": attrs["units"]}
+    return Quantity(name=name, symbol=name.replace("_", " "), look={}, **about)
 
 
 def _qualifiers(text: str, known: Mapping[str, Any]) -> list[str] | None:
@@ -156,6 +154,12 @@ def in_shown_unit(number: xr.DataArray) -> str:
     value, plain = float(number), quantity(str(number.name)).unit
     factor, unit = shown_unit(number, plain, abs(value))
     return four_digits(value * factor) + ("" if unit == "1" else f" {unit}")
+
+
+def in_shown_range(numbers: xr.DataArray) -> str:
+    """Return the least and the largest of several, or the one number where they are alike."""
+    ends = numbers.min(keep_attrs=True), numbers.max(keep_attrs=True)
+    return " to ".join(dict.fromkeys(map(in_shown_unit, ends)))
 
 
 def prefixed_unit(unit: str, largest: float) -> tuple[float, str]:
@@ -209,11 +213,8 @@ def place_words(here: xr.Dataset, dim: str, data: xr.Dataset) -> str:
 
     The coordinate is that of its name, or else the first along it.
     """
-    names = (
-        [dim]
-        if dim in data.coords
-        else [str(n) for n, c in data.coords.items() if c.dims == (dim,) and not str(n).startswith("_")]
-    )
+    along = [str(n) for n, c in data.coords.items() if c.dims == (dim,) and not str(n).startswith("_")]
+    names = [dim] if dim in data.coords else along
     if not names:
         return ""
     item = here[names[0]].item()

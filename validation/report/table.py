@@ -24,7 +24,7 @@ from validation.report.quantities import (
     shown_unit,
     written_unit,
 )
-from validation.report.values import Value, combined, value_of
+from validation.report.values import Value, combined, known, value_of
 from validation.report.words import with_error
 
 #: How variables of single surfaces end.
@@ -71,8 +71,8 @@ class Table:
 
         A UsageError for a name that the registry does not know, and for two of one title.
         """
-        made = [_place(column, data) for column in self.columns]
-        made = [(name, title, at) for name, title, at in made if name in data.variables]
+        every = (_place(column, data) for column in self.columns)
+        made = [(name, title, at) for name, title, at in every if name in data.variables]
         named: dict[str, str] = {}
         for name, title, _ in made:
             if named.setdefault(title, name) != name:
@@ -90,20 +90,18 @@ class Table:
             values = {k: v for k, v in row.items() if k not in places and not k.endswith(SOURCES_OF)}
             there = any(isinstance(v, str) or not math.isnan(v) for v in values.values())
             titles = [t for n, t, _ in made if n in data.data_vars and set(data[n].dims) >= set(self.rows)]
-            if there and (not self.sparse or any(_known(row[title]) for title in titles)):
+            if there and (not self.sparse or any(known(row[title]) for title in titles)):
                 rows.append(row)
         written = {title: unit for name, title, _ in made if (unit := written_unit(data[name]))}
         return replace(ResultTable.of_rows(rows), units=written)
 
     def as_json(self, data: xr.Dataset) -> dict[str, Any]:
         """Return which variables its columns are of, those that the dataset has."""
-        places = [_place(column, data) for column in self.columns]
-        there = [
-            {"name": name, "at": {dim: k % data.sizes[dim] for dim, k in at.items() if dim in data.dims}}
-            for name, _, at in places
-            if name in data.variables
-        ]
-        there = [one for k, one in enumerate(there) if one not in there[:k]]
+        there: list[dict[str, Any]] = []
+        for name, _, at in (_place(column, data) for column in self.columns):
+            place = {dim: k % data.sizes[dim] for dim, k in at.items() if dim in data.dims}
+            if name in data.variables and {"name": name, "at": place} not in there:
+                there.append({"name": name, "at": place})
         coordinates = sorted(str(name) for name in data.coords if not str(name).startswith("_"))
         attrs = {"sparse": True} if self.sparse else {}
         return {"rows": list(self.rows), "columns": there, "coordinates": coordinates, **attrs}
@@ -125,7 +123,7 @@ class Listing:
             if name not in data.variables or data[name].ndim:
                 continue
             value, what = value_of(data, name), quantity_of(data, name)
-            if not _known(value.value):
+            if not known(value.value):
                 continue
             size = abs(value.value) if isinstance(value.value, float) else 0.0
             factor, unit = shown_unit(data[name], what.unit, size)
@@ -146,10 +144,6 @@ def interval_cells(title: str, value: Value) -> dict[str, float | str]:
     if value.error is None:
         return {}
     return {f"{title} {INTERVAL}": value.error, f"{title} {SOURCES_OF}": value.sources}
-
-
-def _known(value: float | str) -> bool:
-    return bool(value) if isinstance(value, str) else not math.isnan(value)
 
 
 def _place(column: str | Column, data: xr.Dataset) -> tuple[str, str, Mapping[str, int]]:
@@ -179,20 +173,19 @@ def budget_table(data: xr.Dataset, names: Sequence[str]) -> ResultTable:
             places = [place for dim in dims for place in _all_words(here, dim, data)]
             row: dict[str, float | str] = {"number": ", ".join([quantity(name).title, *filter(None, places)])}
             row["value"] = value
-            shares = {str(s): _per_cent(float(e), value) for s, e in zip(SOURCES, error, strict=True)}
+            # Of zero only no error is a part.
+            parts = 100 * abs(error / value) if value else error.where(error == 0)
+            shares = dict(zip(SOURCES, map(float, parts), strict=True))
             entering = [share for s, share in shares.items() if s not in SPECTRAL]
             row["for this spectrum and period [%]"] = combined(*entering)
             row["for any [%]"] = combined(*shares.values())
             for source, share in shares.items():
-                entry = _ENTERS_NOT if source in error.attrs else share
-                row[f"{source} [%]"] = (
-                    _UNMEASURED if isinstance(entry, float) and math.isnan(entry) else entry
-                )
+                words = _ENTERS_NOT if source in error.attrs else _UNMEASURED
+                row[f"{source} [%]"] = words if source in error.attrs or math.isnan(share) else share
             if "treatment_spread" in data and name in ("area", "area_own"):
                 row[TREATMENT] = spread = 100 * float(here["treatment_spread"])
-                row["with treatment [%]"] = combined(
-                    spread, *(share for share in entering if not math.isnan(share))
-                )
+                measured = (share for share in entering if not math.isnan(share))
+                row["with treatment [%]"] = combined(spread, *measured)
             rows.append(row)
     return ResultTable.of_rows(rows)
 
@@ -204,11 +197,6 @@ def _all_words(here: xr.Dataset, dim: str, data: xr.Dataset) -> list[str]:
         return [place_words(here, dim, data)]
     there = [name for name in along if bool(here[name].notnull())]
     return [place_words(here[[name]], dim, data[[name]]) for name in there]
-
-
-def _per_cent(error: float, value: float) -> float:
-    """Return an error in per cent of a value; of zero only no error is a part."""
-    return 100 * abs(error / value) if value else (0.0 if error == 0 else math.nan)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -65,12 +65,8 @@ class Value:
         number = Value(value=factor * value, error=factor * self.error if self.error else self.error)
         text = f"{number:{spec}}"
         bare = unit == "1" or "(" in text or "+-" not in text
-        parts = [text if bare else f"({text})", unit if unit != "1" else "", self._held]
-        return " ".join(filter(None, parts))
-
-    @property
-    def _held(self) -> str:
-        return f"({self.sources})" if self.sources else ""
+        held = f"({self.sources})" if self.sources else ""
+        return " ".join(filter(None, (text if bare else f"({text})", unit if unit != "1" else "", held)))
 
     def __format__(self, spec: str) -> str:
         """Return it in words: ``%`` in per cent, ``+`` with sign, ``~`` without error.
@@ -109,16 +105,18 @@ class Value:
             number, power = text.partition(" +- ")[0].removeprefix("("), text.partition(")")[2]
             return sign + number + power + unit
         text = f"({sign}{text}){unit}" if unit else sign + text
-        return f"{text} {self._held}".rstrip()
+        return f"{text} ({self.sources})" if self.sources else text
 
     def as_json(self) -> dict[str, Any]:
         """Return it as data: value, error if it has one, and where it was read."""
-        record: dict[str, Any] = {"value": self.value}
-        if self.error is not None:
-            record["error"] = self.error
-        if self.sources:
-            record["sources"] = self.sources
-        return record | ({"name": self.name, "at": dict(self.at or {})} if self.name else {})
+        record = {"value": self.value, "error": self.error, "sources": self.sources or None}
+        place = {"name": self.name, "at": dict(self.at or {})} if self.name else {}
+        return {name: part for name, part in record.items() if part is not None} | place
+
+
+def known(value: float | str) -> bool:
+    """Whether there is a number, or a text that is not empty."""
+    return bool(value) if isinstance(value, str) else not math.isnan(value)
 
 
 def combined(*errors: float) -> float:

@@ -41,11 +41,13 @@ class Views:
     cards: Sequence[Card] = ()
     more: Sequence[Table | Listing] = ()
 
+    @property
+    def tables(self) -> list[Table | Listing]:
+        """All tables."""
+        return [*([] if self.table is None else [self.table]), *self.more]
+
     def as_json(self, data: xr.Dataset) -> dict[str, Any]:
         """Return what is shown as data: findings, and which variables tables and budget are of."""
         record: dict[str, Any] = {"findings": [finding.as_json() for finding in self.findings]}
-        tables = [*([] if self.table is None else [self.table]), *self.more]
-        record["tables"] = {table.file: table.as_json(data) for table in tables}
-        if self.budget:
-            record["budget"] = list(self.budget)
-        return record
+        record["tables"] = {table.file: table.as_json(data) for table in self.tables}
+        return record | ({"budget": list(self.budget)} if self.budget else {})

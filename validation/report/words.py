@@ -13,24 +13,29 @@ if TYPE_CHECKING:
     from markupsafe import Markup
 
 _GREEK = {"kappa": "κ", "sigma": "σ", "gamma": "γ", "lambda": "λ", "zeta": "ζ", "alpha": "α"}
-_APART = r"(?<![\w-])(?:{})(?![\w-])"
-#: How symbols of the field are typed (in text that was made safe for HTML), and how they are set.
-_SYMBOLS = (
-    (r"h(?:&#39;|')_?rms(?![\w-])", "h\u2032<sub>rms</sub>"),
-    (r"\bh_rms(?![\w-])", "h<sub>rms</sub>"),
-    (r"\blambda_(short|long)(?![\w-])", r"λ<sub>\1</sub>"),
-    (r"\bq_(short|long)(?![\w-])", r"q<sub>\1</sub>"),
-    (r"\b([AU])_(pl|el|full|limit)(?![\w-])", r"\1<sub>\2</sub>"),
-    (r"\bgamma_eff(?![\w-])", "γ<sub>eff</sub>"),
-    (r"\b([Ap])0(?![\w-])", r"\1<sub>0</sub>"),
-    (r"\b([Ah])_0(?![\w-])", r"\1<sub>0</sub>"),
-    (r"\b(sigma|zeta)_(\w)(?![\w-])", lambda found: f"{_GREEK[found[1]]}<sub>{found[2]}</sub>"),
-    (r"\bDelta gamma(?![\w-])", "Δγ"),
-    (r"\bdx(?![\w-])", "Δx"),
-    (r"(?<=[\w)])\^\(?(-?[\d./]*\d)\)?", r"<sup>\1</sup>"),
-    (_APART.format("|".join(_GREEK)), lambda found: _GREEK[found[0]]),
-    (r"\+- ?", "±\u00a0"),
-    (r"(?<=\d) %", "\u00a0%"),
+_NAMES, _END = "|".join(_GREEK), r"(?![\w-])"
+#: How symbols of the field are typed, and how pages (text that was made safe for HTML) and figures set them.
+_SYMBOLS: tuple[tuple[str, Any, str | None], ...] = (
+    (rf"\bE\* ?h'_?rms{_END}", None, r"$E^*h'_{rms}$"),
+    (rf"\bh(?:&#39;|')_?rms{_END}", "h\u2032<sub>rms</sub>", r"$h'_{rms}$"),
+    (rf"\bh_rms{_END}", "h<sub>rms</sub>", r"$h_{rms}$"),
+    (rf"\blambda_(short|long){_END}", r"λ<sub>\1</sub>", r"$\\lambda_{\1}$"),
+    (rf"\bq_(short|long){_END}", r"q<sub>\1</sub>", r"$q_{\1}$"),
+    (rf"\bgamma_eff{_END}", "γ<sub>eff</sub>", r"$\\gamma_{eff}$"),
+    (rf"\bA/A0{_END}", None, "$A/A_0$"),
+    (rf"\b([Ap])_bem{_END}", None, r"$\1_{BEM}$"),
+    (rf"\b([AU])_(pl|el|full|limit){_END}", r"\1<sub>\2</sub>", r"$\1_{\2}$"),
+    (rf"\b([Ap])0{_END}", r"\1<sub>0</sub>", r"$\1_0$"),
+    (rf"\b([Ah])_0{_END}", r"\1<sub>0</sub>", None),
+    (r"\bp\*", None, "$p^*$"),
+    (rf"\bDelta gamma{_END}", "Δγ", r"$\\Delta\\gamma$"),
+    (rf"\b(sigma|zeta)_(\w){_END}", lambda found: f"{_GREEK[found[1]]}<sub>{found[2]}</sub>", r"$\\\1_{\2}$"),
+    (rf"\bdx{_END}", "Δx", r"$\\Delta x$"),
+    (r"(?<=[\w)}$])\^\(?(-?[\d./]*\d)\)?", r"<sup>\1</sup>", r"$^{\1}$"),
+    (rf"(?<![\w-])({_NAMES}){_END}", lambda found: _GREEK[found[0]], None),
+    (rf"(?<![\w$\\{{(-])({_NAMES}|mu|nu){_END}", None, r"$\\\1$"),
+    (r"\+- ?", "±\u00a0", None),
+    (r"(?<=\d) %", "\u00a0%", None),
 )
 
 
@@ -47,36 +52,14 @@ def json_ready(value: Any) -> Any:
     return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
-#: The same symbols, as figures set them.
-_DRAWN = (
-    (r"\bE\* ?h'_?rms(?![\w-])", r"$E^*h'_{rms}$"),
-    (r"\bh'_?rms(?![\w-])", r"$h'_{rms}$"),
-    (r"\bh_rms(?![\w-])", r"$h_{rms}$"),
-    (r"\blambda_(short|long)(?![\w-])", r"$\\lambda_{\1}$"),
-    (r"\bq_(short|long)(?![\w-])", r"$q_{\1}$"),
-    (r"\bgamma_eff(?![\w-])", r"$\\gamma_{eff}$"),
-    (r"\bA/A0(?![\w-])", "$A/A_0$"),
-    (r"\b([Ap])_bem(?![\w-])", r"$\1_{BEM}$"),
-    (r"\bdx(?![\w-])", r"$\\Delta x$"),
-    (r"\b([AU])_(pl|el|full|limit)(?![\w-])", r"$\1_{\2}$"),
-    (r"\b([Ap])0(?![\w-])", r"$\1_0$"),
-    (r"\bp\*", "$p^*$"),
-    (r"\bh'_?rms\(zeta\)", r"$h'_{rms}(\\zeta)$"),
-    (r"(?<![\w$\\{(-])(kappa|sigma|gamma|lambda|zeta|alpha|mu|nu)(?![\w-])", r"$\\\1$"),
-    (r"\b(zeta|sigma)_(\w)\b", r"$\\\1_{\2}$"),
-    (r"\bDelta gamma(?![\w-])", r"$\\Delta\\gamma$"),
-    (r"(?<=[\w)}$])\^\(?(-?[\d./]*\d)\)?", r"$^{\1}$"),
-)
-
-
 def mathtext(text: str) -> str:
     """Return a label of a figure with the symbols of the field as in a book.
 
     >>> mathtext("p* = p0 / (E* h'_rms)")
     "$p^*$ = $p_0$ / ($E^*h'_{rms}$)"
     """
-    for typed, drawn in _DRAWN:
-        text = re.sub(typed, drawn, text)
+    for typed, _, drawn in _SYMBOLS:
+        text = text if drawn is None else re.sub(typed, drawn, text)
     return text
 
 
@@ -91,8 +74,8 @@ def mathematics(text: str) -> Markup:
     from markupsafe import Markup, escape
 
     safe = str(escape(harmless(text)))
-    for typed, printed in _SYMBOLS:
-        safe = re.sub(typed, printed, safe)
+    for typed, printed, _ in _SYMBOLS:
+        safe = safe if printed is None else re.sub(typed, printed, safe)
     # Nothing but the tags above was added to what `escape` made safe.
     return Markup(safe)
 

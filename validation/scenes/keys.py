@@ -11,9 +11,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from validation.effects import effect_kinds
-from validation.scenes.quantities import QUANTITIES
-from validation.scenes.run_options import RunOptions
-from validation.scenes.tables import SURFACES, Ensemble, Load, SolidSpec, Title
+from validation.scenes.tables import QUANTITIES, SURFACES, Ensemble, Load, RunOptions, SolidSpec, Title
 from validation.solvers import methods
 from validation.units import choices_of, example_of, unit_of
 
@@ -98,8 +96,8 @@ def _facts(info: FieldInfo) -> tuple[str, str]:
 def key_lines(word: str) -> Iterator[str]:
     """Yield two lines for each key whose name or meaning has a word: its example, then what it means."""
     every = [(f"{key} = {example_of(info)}", *_facts(info)) for key, info in scene_keys({}).items()]
-    every += [("sweep.load.reduced_pressure = [0.01, 0.03, 0.1]", _SWEPT, "")]
-    every += [('sweep.mode = "product"', _MODE, "product")]
+    every.append(("sweep.load.reduced_pressure = [0.01, 0.03, 0.1]", _SWEPT, ""))
+    every.append(('sweep.mode = "product"', _MODE, "product"))
     for example, meaning, default in every:
         usual = default if default in ("", "required") else f"default: {default}"
         lines = example, f"    {'; '.join(filter(None, (meaning, usual)))}"

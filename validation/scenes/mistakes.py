@@ -56,13 +56,6 @@ _KINDS: dict[str, Mapping[str, Any]] = {"surface": SURFACES, "effects": effect_k
 _TAGS = {*SURFACES, *effect_kinds(), "one", "several"}
 
 
-def _keys(location: tuple[str | int, ...]) -> list[str]:
-    """Keys that lead to a mistake, as the file has them."""
-    parts = [str(part) for part in location]
-    place = {"surface": 1, "effects": 2, "load": 2}.get(parts[0] if parts else "", len(parts))
-    return parts[:place] + [part for k, part in enumerate(parts[place:]) if k or part not in _TAGS]
-
-
 def _written(location: list[str]) -> str:
     """Write the keys that lead to a mistake for a reader, who counts from one.
 
@@ -78,12 +71,15 @@ def _written(location: list[str]) -> str:
 
 def _problem(item: Any) -> str:
     """One line for one error of the schema: key = value: what is allowed."""
-    location = _keys(item["loc"])
+    # Keys that lead to it, as the file has them.
+    parts = [str(part) for part in item["loc"]]
+    place = {"surface": 1, "effects": 2, "load": 2}.get(parts[0] if parts else "", len(parts))
+    location = parts[:place] + [part for k, part in enumerate(parts[place:]) if k or part not in _TAGS]
     key, kind, value = _written(location), _written([*location, "kind"]), item["input"]
     if item["type"] == "missing":
-        surface, *tags = [str(part) for part in item["loc"]][:2]
+        surface, *tags = parts[:2]
         keys = scene_keys({"surface": {"kind": tags[0]}} if surface == "surface" and tags else {})
-        effect = [str(part) for part in item["loc"] if location[0] == "effects" and part in effect_kinds()]
+        effect = [part for part in parts if location[0] == "effects" and part in effect_kinds()]
         full = ".".join(["effects", *effect[:1], location[-1]] if effect else location)
         info = next((keys[name] for name in keys if name == full or name.endswith(f".{full}")), None)
         named = (info and info.description) or f"the table [{'.'.join(location)}] is required"

@@ -14,14 +14,9 @@ from validation.errors import UsageError
 from validation.report.quantities import as_length
 from validation.scenes import surfaces
 from validation.scenes.tables import FileSurface, Load, SolidSpec, SpectrumSurface, Surface
-from validation.scenes.tabulated import read_spectrum
 from validation.scenes.topography.measured import Measured
 
 if TYPE_CHECKING:
-    from persson.capillary import CapillaryWaves
-    from persson.spectrum import SelfAffine
-    from persson.stretched import Stretched
-    from persson.tabulated import Tabulated
     from validation.scenes.topography.patch import Topography
 
 
@@ -49,9 +44,7 @@ class ContactProblem:
     variation: str = ""
 
     def __reduce__(self) -> Any:
-        return partial(
-            ContactProblem, **{field.name: getattr(self, field.name) for field in fields(self)}
-        ), ()
+        return partial(ContactProblem, **{f.name: getattr(self, f.name) for f in fields(self)}), ()
 
     def further(self, realisation: int) -> ContactProblem:
         """Return another realisation of the same spectrum; the same value for its own."""
@@ -104,13 +97,13 @@ class ContactProblem:
         return HeightField(heights=-field.heights, lengths=field.lengths) if self.inverted else field
 
     @cached_property
-    def spectrum(self) -> SelfAffine | Stretched | CapillaryWaves | Tabulated | None:
+    def spectrum(self) -> surfaces.AnySpectrum | None:
         """C(q) of the scene, estimated for a measured patch with tapered edges; None for one period."""
         period = isinstance(self.surface, FileSurface) and self.surface.edges not in ("tukey", "hann")
         return None if period else self.spectrum_shape
 
     @cached_property
-    def spectrum_shape(self) -> SelfAffine | Stretched | CapillaryWaves | Tabulated:
+    def spectrum_shape(self) -> surfaces.AnySpectrum:
         """C(q) whose scale may be another: for a measured surface an estimate, whatever its edges."""
         if isinstance(self.surface, FileSurface):
             assert self.measured is not None
@@ -118,7 +111,7 @@ class ContactProblem:
         return surfaces.spectrum_of(self.surface)
 
     @cached_property
-    def own_spectrum(self) -> SelfAffine | Stretched | CapillaryWaves | Tabulated:
+    def own_spectrum(self) -> surfaces.AnySpectrum:
         """C(q), scaled to the gradient of this surface; that of the scene where no surface is drawn."""
         shape = self.spectrum_shape
         return shape.scaled(float(self.field.rms_gradient**2 / shape.m2())) if self.has_heights else shape
@@ -164,7 +157,7 @@ class ContactProblem:
         if self.load.pressure is not None:
             return self.load.values
         if self.load.force is not None:
-            return (self.load.force / (self.lengths[0] * self.lengths[1]),)
+            return (self.load.force / math.prod(self.lengths),)
         return tuple(value * self.contact_modulus * self.field.rms_gradient for value in self.load.values)
 
     @property
@@ -232,8 +225,8 @@ class ContactProblem:
                 surface["heights"] = "over the mean plane"
             if surface["spikes"] == "clip":  # solves of before knew only what is far from all heights
                 surface["clipped"] = "single points too"
-            surface["second_path"] = self.measured.raw.second_digest or None
-            surface["more_paths"] = self.realisation  # which of the maps it is
+            second = self.measured.raw.second_digest or None
+            surface |= {"second_path": second, "more_paths": self.realisation}  # which of the maps it is
             usual = {"treatment": surface["treatment"], "spikes": "keep"}
             usual |= {"lambda_short": None, "second_path": None, "more_paths": 0}
             surface = {k: v for k, v in surface.items() if k not in usual or v != usual[k]}
@@ -241,15 +234,12 @@ class ContactProblem:
             assert not isinstance(self.surface, FileSurface)
             surface["seed"] = self.surface.seed_of(self.realisation)
             if isinstance(self.surface, SpectrumSurface):
-                surface["path"] = read_spectrum(self.surface.path)[1]
+                surface["path"] = surfaces.read_spectrum(self.surface.path)[1]
             if surface.get("stretch") is None:  # what is not listed names no solve
                 surface.pop("stretch", None)
-        recipe = {
-            "surface": surface,
-            "solid": self.solid.model_dump(mode="json", exclude_none=True),
-            "load": self.load.recipe,
-        }
-        return recipe | {"inverted": True} if self.inverted else recipe
+        solid = self.solid.model_dump(mode="json", exclude_none=True)
+        inverted = {"inverted": True} if self.inverted else {}
+        return {"surface": surface, "solid": solid, "load": self.load.recipe, **inverted}
 
 
 #: What is made of the surface alone, whatever the solid and the load.

@@ -22,16 +22,16 @@ from validation.errors import SceneError, UsageError, did_you_mean
 from validation.report.quantities import as_length
 from validation.scenes.grids import with_usual_grids
 from validation.scenes.mistakes import problems
-from validation.scenes.quantities import Quantities, Subsurface
-from validation.scenes.run_options import RunOptions
 from validation.scenes.tables import (
     NAME,
     Ensemble,
     FileSurface,
     Load,
+    Quantities,
+    RunOptions,
     SolidSpec,
-    SpectrumSurface,
     SpectrumUnits,
+    Subsurface,
     Surface,
     Title,
 )
@@ -183,15 +183,14 @@ class Scene(Title):
         load, height = self.load, getattr(self.surface, "rms_height", None)
         pressure = load.pressure[0] if isinstance(load.pressure, tuple) else load.pressure
         work = next((effect.work for effect in self.effects if hasattr(effect, "work")), None)
-        return {
-            **dict.fromkeys(
-                ("pressure", "largest_pressure", "pressure_map", "pressure_map_difference"), pressure
-            ),
-            **dict.fromkeys(("contact_modulus", "contact_modulus_below", "felt_modulus"), self.solid.young),
-            **dict.fromkeys(("rms_height", "rms_height_spectrum"), height),
-            **dict.fromkeys(("work", "work_left"), work),
-            "mean_gap": load.mean_gap or height,
-        }
+        shown = (
+            (pressure, "pressure", "largest_pressure", "pressure_map", "pressure_map_difference"),
+            (self.solid.young, "contact_modulus", "contact_modulus_below", "felt_modulus"),
+            (height, "rms_height", "rms_height_spectrum"),
+            (work, "work", "work_left"),
+            (load.mean_gap or height, "mean_gap"),
+        )
+        return {name: value for value, *names in shown for name in names}
 
     @property
     def subsurface(self) -> Subsurface | None:
@@ -206,10 +205,8 @@ class Scene(Title):
 
 def builtin_scenes() -> tuple[str, ...]:
     """Names of the scenes that come with the package."""
-    folder = resources.files("validation.scenes") / "library"
-    return tuple(
-        sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml"))
-    )
+    names = (entry.name for entry in (resources.files("validation.scenes") / "library").iterdir())
+    return tuple(sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml")))
 
 
 def scene_text(scene: str) -> tuple[str, Path]:
@@ -225,10 +222,10 @@ def scene_text(scene: str) -> tuple[str, Path]:
             raise SceneError(scene, [f"cannot be read: {error.strerror}"]) from None
         except ValueError:  # a zero byte in the name
             raise SceneError(scene, ["is no name of a file"]) from None
-    if scene in builtin_scenes():
+    known = builtin_scenes()
+    if scene in known:
         entry = resources.files("validation.scenes") / "library" / f"{scene}.toml"
         return entry.read_text(encoding="utf-8"), Path()
-    known = builtin_scenes()
     hint = did_you_mean(scene, known)
     raise SceneError(scene, [f"no such scene{hint}; give a .toml file or one of: {', '.join(known)}"])
 
@@ -280,16 +277,16 @@ def checked_scene(data: Mapping[str, Any], folder: Path, scene: str, *, grids_ch
         raise SceneError(scene, [*others, *faults]) from None
     except UsageError as error:
         raise SceneError(scene, [str(error), *faults]) from None
-    if isinstance(checked.surface, FileSurface | SpectrumSurface):
-        # Absolute, because a worker may stand in another folder.
-        named = {key: getattr(checked.surface, key, None) for key in ("path", "second_path")}
-        paths: dict[str, Any] = {
-            k: (folder / path).resolve() for k, path in named.items() if path is not None
-        }
-        if more := getattr(checked.surface, "more_paths", ()):
-            paths["more_paths"] = tuple((folder / path).resolve() for path in more)
-        checked = checked.model_copy(update={"surface": checked.surface.model_copy(update=paths)})
-    return checked
+    # Absolute, because a worker may stand in another folder.
+    paths: dict[str, Any] = {}
+    for key in ("path", "second_path", "more_paths"):
+        path = getattr(checked.surface, key, None)
+        if isinstance(path, tuple):
+            paths[key] = tuple((folder / one).resolve() for one in path)
+        elif path is not None:
+            paths[key] = (folder / path).resolve()
+    surface = checked.surface.model_copy(update=paths)
+    return checked.model_copy(update={"surface": surface}) if paths else checked
 
 
 def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
@@ -299,7 +296,7 @@ def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
     if not isinstance(surface, dict) or not isinstance(path, str):
         return data
     if surface.get("kind") == "spectrum":
-        from validation.scenes.tabulated import read_spectrum
+        from validation.scenes.surfaces import read_spectrum
 
         units = None
         with contextlib.suppress(ValidationError):  # which the scene is refused for
@@ -332,12 +329,9 @@ def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
     ]
     if missing:
         # All faults at once: none of the others needs size or unit.
-        patch = Topography(heights=says.heights, lengths=(1.0, 1.0))
-        fields = FileSurface.model_fields
-        faults = patch.faults(
-            **{key: surface.get(key, fields[key].default) for key in ("tilt", "missing", "edges")}
-        )
-        if faults:
+        patch, fields = Topography(heights=says.heights, lengths=(1.0, 1.0)), FileSurface.model_fields
+        asked = {key: surface.get(key, fields[key].default) for key in ("tilt", "missing", "edges")}
+        if faults := patch.faults(**asked):
             sides = "..." if len({*says.heights.shape}) == 1 else ["...", "..."]
             blank = {k: v for k, v in (("length", sides), ("unit", "...")) if known[k] is None}
             lines = fault_lines(faults, {**surface, **blank})

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias, overload
+
+import numpy as np
 
 from fem_contact.surface import HeightField, RandomWaves, random_waves
 from validation.errors import UsageError
@@ -18,8 +22,9 @@ from validation.scenes.tables import (
     SpectrumSurface,
     Surface,
 )
-from validation.scenes.tabulated import spectrum_between
+from validation.scenes.topography.formats import bytes_of, one_line
 from validation.scenes.topography.measured import Measured
+from validation.scenes.topography.text import read_columns
 
 if TYPE_CHECKING:
     from persson.capillary import CapillaryWaves
@@ -27,12 +32,14 @@ if TYPE_CHECKING:
     from persson.stretched import Stretched
     from persson.tabulated import Tabulated
 
+    AnySpectrum: TypeAlias = SelfAffine | Stretched | CapillaryWaves | Tabulated
+
 
 @overload
 def spectrum_of(surface: SelfAffineSurface) -> SelfAffine | Stretched: ...
 @overload
-def spectrum_of(surface: RandomSurface) -> SelfAffine | Stretched | CapillaryWaves | Tabulated: ...
-def spectrum_of(surface: RandomSurface) -> SelfAffine | Stretched | CapillaryWaves | Tabulated:
+def spectrum_of(surface: RandomSurface) -> AnySpectrum: ...
+def spectrum_of(surface: RandomSurface) -> AnySpectrum:
     """C(q) of a random surface, as its scene says; with a lay, averaged over directions."""
     if isinstance(surface, SpectrumSurface):
         return spectrum_between(surface)
@@ -75,6 +82,60 @@ def spectrum_of(surface: RandomSurface) -> SelfAffine | Stretched | CapillaryWav
     )
 
 
+def read_spectrum(
+    path: Path, *, units: tuple[float, float] | None = None, power: str = "C"
+) -> tuple[Tabulated, str]:
+    """Return C(q) of a file where it is above 0, and the SHA-256 of its bytes.
+
+    A UsageError for a file that holds no C(q).
+    """
+    from persson.tabulated import Tabulated
+
+    name = f"surface.path = {str(path)!r}"
+    try:
+        data = bytes_of(str(path))
+        table = read_columns(data)
+    except OSError as error:
+        raise UsageError(f"{name}: cannot be read: {one_line(error.strerror or error)}") from None
+    except (UsageError, ValueError) as error:
+        raise UsageError(f"{name}: is no table of q and C ({one_line(error)})") from None
+    if table.shape[1] != 2:
+        raise UsageError(f"{name}: must have two columns, q and C; it has {table.shape[1]}")
+    for bad, words in (
+        (~np.isfinite(table).all(axis=1), "must be finite"),
+        (table[:, 0] <= 0, "q must be positive"),
+        (np.diff(table[:, 0], prepend=-np.inf) <= 0, "q must rise from row to row"),
+        (table[:, 1] < 0, "C must not be negative"),
+    ):
+        if bad.any():
+            row = int(np.argmax(bad))
+            q, c = table[row]
+            raise UsageError(f"{name}: row {row + 1} has q, C = {q:g}, {c:g}; {words}")
+    rough = np.flatnonzero(table[:, 1])
+    if rough.size < 2 or rough.size <= rough[-1] - rough[0]:
+        raise UsageError(f"{name}: C must be above 0 in two rows or more, without a gap between them")
+    q, c = (table[rough] * (units or (1.0, 1.0))).T
+    made = Tabulated if power == "C" else Tabulated.from_areal_psd
+    return made(wavevectors=q, power=c), hashlib.sha256(data).hexdigest()
+
+
+def spectrum_between(surface: SpectrumSurface) -> Tabulated:
+    """Return C(q) of a surface from lambda_long to lambda_short; a UsageError beyond its table."""
+    from persson.tabulated import Tabulated
+
+    whole, _ = read_spectrum(surface.path, units=surface.units, power=surface.power)
+    q, edge = whole.wavevectors, 1e-9
+    low, high = 2 * math.pi / surface.lambda_long, 2 * math.pi / surface.lambda_short
+    if low < q[0] * (1 - edge) or high > q[-1] * (1 + edge):
+        raise UsageError(
+            f"surface: waves of {as_length(surface.lambda_short)} to {as_length(surface.lambda_long)}; "
+            f"the table has those of {as_length(2 * math.pi / q[-1])} to {as_length(2 * math.pi / q[0])}"
+        )
+    inside = (q > low * (1 + edge)) & (q < high * (1 - edge))
+    q = np.concatenate([[low], q[inside], [high]])
+    return Tabulated(wavevectors=q, power=whole(np.clip(q, whole.q_min, whole.q_short)))
+
+
 def waves_of(surface: RandomSurface, realisation: int) -> RandomWaves:
     """Draw the waves of one realisation; realisation k is the surface of seed + k."""
     return random_waves(**waves_drawn(surface, realisation))
@@ -108,10 +169,9 @@ def sampled(
     field = waves.on(grid, under_resolved=True)
     if shift == (0.0, 0.0):
         return field
-    resolving = surface.resolving_grid
-    if all(n >= least for n, least in zip(grid, resolving, strict=True)):
+    factors = [-(-least // n) for n, least in zip(grid, surface.resolving_grid, strict=True)]
+    if factors == [1, 1]:
         return field.shifted(shift)
-    factors = tuple(-(-least // n) for n, least in zip(grid, resolving, strict=True))
     fine = waves.on((grid[0] * factors[0], grid[1] * factors[1]), under_resolved=True)
     moved = fine.shifted((shift[0] * factors[0], shift[1] * factors[1]))
     return HeightField(heights=moved.heights[:: factors[0], :: factors[1]], lengths=field.lengths)
@@ -146,7 +206,7 @@ SURVEYED_POINTS = 2**24
 def check_memory(surface: RandomSurface) -> None:
     """Refuse to resolve a surface that does not fit into memory, before anything of it is made."""
     grid = surface.resolving_grid
-    least = surface.lambda_short * math.sqrt(_share(grid))
+    least = surface.lambda_short * math.sqrt(_BYTES_PER_POINT * math.prod(grid) / _free_bytes())
     check_fits(
         grid,
         f"surface.lambda_short = {as_length(surface.lambda_short)}: resolving it",
@@ -156,20 +216,18 @@ def check_memory(surface: RandomSurface) -> None:
 
 def check_fits(grid: tuple[int, int], what: str, *, remedy: str) -> None:
     """Refuse a grid whose heights alone do not fit into memory."""
-    if _share(grid) > 1:
-        needed = _BYTES_PER_POINT * grid[0] * grid[1]
+    needed, free = _BYTES_PER_POINT * math.prod(grid), _free_bytes()
+    if needed > free:
         raise UsageError(
             f"{what} takes {grid[0]} x {grid[1]} points and {needed / 2**30:.3g} GiB, of which "
-            f"{needed / _share(grid) / 2**30:.3g} are free; {remedy}"
+            f"{free / 2**30:.3g} are free; {remedy}"
         )
 
 
-def _share(grid: tuple[int, int]) -> float:
-    """Memory for the heights of a grid over what is free for it."""
+def _free_bytes() -> float:
     import psutil
 
-    free = 0.9 * float(psutil.virtual_memory().available)
-    return _BYTES_PER_POINT * grid[0] * grid[1] / free
+    return 0.9 * float(psutil.virtual_memory().available)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,34 +239,24 @@ class Expected:
     """
 
     moments: tuple[float, float, float]
+    rms_height: float  # [m]
+    rms_gradient: float
+    nayak: float
     first_moment: float
     shape: tuple[int, int]
-
-    @property
-    def rms_height(self) -> float:
-        """h_rms [m]."""
-        return math.sqrt(self.moments[0])
-
-    @property
-    def rms_gradient(self) -> float:
-        """h'_rms [-]."""
-        return math.sqrt(self.moments[1])
-
-    @property
-    def nayak(self) -> float:
-        """Nayak parameter alpha = (3/2) m0 m4 / m2^2."""
-        m0, m2, m4 = self.moments
-        return 1.5 * m0 * m4 / m2**2
 
 
 def expected(surface: RandomSurface) -> Expected:
     """Return what C(q) gives in place of a surface."""
-    import numpy as np
-
     spectrum = spectrum_of(surface)
     moments = spectrum.moments()
     q = np.geomspace(spectrum.q_min, spectrum.q_short, 4001)
     first = 2 * math.pi * float(np.trapezoid(q**3 * spectrum(q), np.log(q)))
     return Expected(
-        moments=(moments.m0, moments.m2, moments.m4), first_moment=first, shape=surface.resolving_grid
+        moments=(moments.m0, moments.m2, moments.m4),
+        rms_height=moments.rms_height,
+        rms_gradient=moments.rms_gradient,
+        nayak=moments.nayak,
+        first_moment=first,
+        shape=surface.resolving_grid,
     )

@@ -16,9 +16,8 @@ import numpy as np
 from validation.errors import SceneError, UsageError, did_you_mean
 from validation.report.quantities import in_prefixed_unit
 from validation.scenes.keys import scene_keys
-from validation.scenes.run_options import RunOptions
 from validation.scenes.scene import Scene, checked_scene, parsed_toml, scene_text
-from validation.scenes.tables import LOADS
+from validation.scenes.tables import LOADS, RunOptions
 from validation.units import MOST_ITEMS, brief, plain_number, unit_of
 
 Value = float | int | str
@@ -72,11 +71,6 @@ class Sweep:
         return self.scenes[0].name
 
     @property
-    def title(self) -> str:
-        """Title of the scene that is swept."""
-        return self.scenes[0].title
-
-    @property
     def run(self) -> RunOptions:
         """How the sweep is run."""
         return self.scenes[0].run
@@ -95,9 +89,8 @@ class Sweep:
 
     def place(self, case: int) -> str:
         """Say where a case stands, such as "young = 2 GPa, seed = 7"."""
-        places: Any = (
-            np.unravel_index(case, self.shape) if self.mode == "product" else [case] * len(self.keys)
-        )
+        zipped = self.mode == "zip"
+        places: Any = [case] * len(self.keys) if zipped else np.unravel_index(case, self.shape)
         pairs = zip(self.keys, places, strict=True)
         return ", ".join(f"{key.name} = {value_words(key.values[k], key.unit)}" for key, k in pairs)
 
@@ -279,18 +272,16 @@ def _expanded(
     data: dict[str, Any], mode: Mode, lists: Mapping[str, list[Any]], *, folder: Path, scene: str
 ) -> Sweep:
     """Make and check every scene; the first that cannot be run is refused, with the values it stands at."""
-    each = list(
-        itertools.product(*lists.values()) if mode == "product" else zip(*lists.values(), strict=True)
-    )
+    joined: Any = itertools.product if mode == "product" else zip
     scenes = []
-    for values in each:
-        here = copy.deepcopy(data)
-        for key, value in zip(lists, values, strict=True):
+    for values in joined(*lists.values()):
+        here, placed = copy.deepcopy(data), dict(zip(lists, values, strict=True))
+        for key, value in placed.items():
             _put(here, key, value)
         try:
             scenes.append(checked_scene(here, folder, scene))
         except SceneError as error:
-            at = ", ".join(f"{key} = {brief(value)}" for key, value in zip(lists, values, strict=True))
+            at = ", ".join(f"{key} = {brief(value)}" for key, value in placed.items())
             # One sentence about a swept value says enough of where it is.
             known = [
                 words if "\n" in words or any(key in words for key in lists) else f"{words} ([sweep] at {at})"
@@ -316,17 +307,10 @@ def _swept(scenes: Sequence[Scene], mode: Mode, lists: Mapping[str, list[Any]]) 
         values = tuple(_said(scenes[k * step], key) for k in range(len(lists[key])))
         if any(isinstance(value, str) for value in values):
             values = tuple(map(str, values))
-        info = known[key]
         clear = last.count(word) == 1 and word not in _TAKEN
-        keys.append(
-            SweptKey(
-                key=key,
-                name=word if clear else "_".join(key.split(".")[-2:]),
-                unit="1" if isinstance(values[0], str) else unit_of(info),
-                meaning=info.description or key,
-                values=values,
-            )
-        )
+        name = word if clear else "_".join(key.split(".")[-2:])
+        unit, meaning = "1" if isinstance(values[0], str) else unit_of(known[key]), known[key].description
+        keys.append(SweptKey(key=key, name=name, unit=unit, meaning=meaning or key, values=values))
     return tuple(keys)
 
 

@@ -1,13 +1,24 @@
-"""Tables of a scene: surfaces, the solid, the load."""
+"""Tables of a scene: surfaces, the solid, the load, what is read off, how it is run."""
 
 from __future__ import annotations
 
+import itertools
 import math
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar
 
-from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, StrictInt, Tag, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    StrictBool,
+    StrictInt,
+    Tag,
+    model_validator,
+)
 
 from fem_contact.solid import Solid, composite_modulus
 from validation.errors import UsageError, harmless
@@ -18,6 +29,7 @@ from validation.units import (
     Grids,
     Length,
     Lengths,
+    Memory,
     Number,
     Pressure,
     Ratio,
@@ -25,6 +37,8 @@ from validation.units import (
     Temperature,
     Tension,
     exactly_one,
+    key,
+    pair_of,
     quantity,
     unit,
     within,
@@ -48,13 +62,11 @@ def _one_line(text: str) -> str:
 class Title(Table):
     """What the scene is called. These keys stand above the first table."""
 
-    name: str = Field(
-        min_length=1,
-        pattern=NAME,
-        description='names the results folder, e.g. "mine"; default: that of the file',
+    name: str = key(
+        'names the results folder, e.g. "mine"; default: that of the file', min_length=1, pattern=NAME
     )
-    title: Annotated[str, AfterValidator(_one_line)] = Field(
-        default="", max_length=200, description='heads the report, e.g. "Ground steel on glass"'
+    title: Annotated[str, AfterValidator(_one_line)] = key(
+        'heads the report, e.g. "Ground steel on glass"', "", max_length=200
     )
 
 
@@ -65,31 +77,24 @@ class RandomSurface(Table):
     """What random periodic surfaces share: waves between lambda_long and lambda_short in one period."""
 
     kind: str
-    length: Lengths = Field(description='period L, or [Lx, Ly], e.g. "100 um"')
-    lambda_long: Length = Field(
-        description='longest wavelength of the self-affine range, or of all waves, e.g. "50 um"'
+    length: Lengths = key('period L, or [Lx, Ly], e.g. "100 um"')
+    lambda_long: Length = key('longest wavelength of the self-affine range, or of all waves, e.g. "50 um"')
+    lambda_short: Length = key('shortest wavelength, e.g. "5 um"')
+    amplitudes: Literal["exact", "gaussian"] = key(
+        "of the waves: those of C(q), or drawn about them", "exact"
     )
-    lambda_short: Length = Field(description='shortest wavelength, e.g. "5 um"')
-    amplitudes: Literal["exact", "gaussian"] = Field(
-        default="exact", description="of the waves: those of C(q), or drawn about them"
-    )
-    seed: Annotated[StrictInt, Field(ge=0, lt=2**63)] | None = Field(
-        default=None,
-        description="whole number that names the realisation, e.g. 7; every solver needs it, the theory none",
+    seed: Annotated[StrictInt, Field(ge=0, lt=2**63)] | None = key(
+        "whole number that names the realisation, e.g. 7; every solver needs it, the theory none", None
     )
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
+        period = min(self.length)
+        short, long = (f"{key} = {as_length(getattr(self, key))}" for key in ("lambda_short", "lambda_long"))
         if self.lambda_short >= self.lambda_long:
-            raise wrong(
-                f"lambda_short = {as_length(self.lambda_short)}: must be below "
-                f"lambda_long = {as_length(self.lambda_long)}"
-            )
-        if self.lambda_long > min(self.length) * (1 + 1e-12):
-            raise wrong(
-                f"lambda_long = {as_length(self.lambda_long)}: must not exceed the "
-                f"period {as_length(min(self.length))}"
-            )
+            raise wrong(f"{short}: must be below {long}")
+        if self.lambda_long > period * (1 + 1e-12):
+            raise wrong(f"{long}: must not exceed the period {as_length(period)}")
         return self
 
     @property
@@ -113,20 +118,18 @@ class SelfAffineSurface(RandomSurface):
 
     meant: ClassVar[Mapping[str, str]] = {"lay": "stretch", "anisotropy": "stretch"}
 
-    kind: Literal["self-affine"] = Field(description=_KIND)
-    hurst: Number = Field(ge=0, le=1, description="Hurst exponent H, in [0, 1], e.g. 0.8")
-    rms_gradient: Ratio | None = Field(
-        default=None, description="h'_rms of C(q), both directions together, e.g. 0.1"
+    kind: Literal["self-affine"] = key(_KIND)
+    hurst: Number = key("Hurst exponent H, in [0, 1], e.g. 0.8", ge=0, le=1)
+    rms_gradient: Ratio | None = key("h'_rms of C(q), both directions together, e.g. 0.1", None)
+    rms_height: Length | None = key('h_rms of C(q), e.g. "0.5 um"', None)
+    rolloff: Literal["sharp", "smooth", "plateau"] = key(
+        "C(q) beyond lambda_long: none, bent over smoothly, or constant", "sharp"
     )
-    rms_height: Length | None = Field(default=None, description='h_rms of C(q), e.g. "0.5 um"')
-    rolloff: Literal["sharp", "smooth", "plateau"] = Field(
-        default="sharp", description="C(q) beyond lambda_long: none, bent over smoothly, or constant"
-    )
-    stretch: Number | None = Field(
-        default=None,
+    stretch: Number | None = key(
+        "lay of a ground surface: waves along x are so many times longer than across, e.g. 4",
+        None,
         ge=1,
         le=50,
-        description="lay of a ground surface: waves along x are so many times longer than across, e.g. 4",
     )
 
     @model_validator(mode="after")
@@ -143,12 +146,12 @@ class SelfAffineSurface(RandomSurface):
 class CapillarySurface(RandomSurface):
     """Frozen capillary waves, C(q) ~ 1 / (q^2 + q^4/q_bend^2); `surfaces` equal ones add up, wave by wave."""
 
-    kind: Literal["capillary-waves"] = Field(description=_KIND)
-    temperature: Temperature = Field(description='at which they froze: the glass transition, e.g. "370 K"')
-    surface_tension: Tension = Field(description='of the melt, e.g. "0.04 J/m^2"')
-    lambda_bend: Length = Field(description="wavelength below which bending stiffness suppresses the waves")
-    surfaces: Annotated[StrictInt, Field(ge=1, le=1000)] = Field(
-        default=1, description="equal surfaces of the same material that touch, e.g. 2"
+    kind: Literal["capillary-waves"] = key(_KIND)
+    temperature: Temperature = key('at which they froze: the glass transition, e.g. "370 K"')
+    surface_tension: Tension = key('of the melt, e.g. "0.04 J/m^2"')
+    lambda_bend: Length = key("wavelength below which bending stiffness suppresses the waves")
+    surfaces: Annotated[StrictInt, Field(ge=1, le=1000)] = key(
+        "equal surfaces of the same material that touch, e.g. 2", 1
     )
 
 
@@ -165,16 +168,14 @@ class SpectrumSurface(RandomSurface):
     Between neighbours in the table C(q) is a power law.
     """
 
-    kind: Literal["spectrum"] = Field(description=_KIND)
-    path: Path = Field(description='file of two columns, q and C, relative to the scene file, e.g. "psd.csv"')
-    units: SpectrumUnits | None = Field(
-        default=None, description='units of the columns, e.g. ["1/um", "um^4"]; default: SI'
+    kind: Literal["spectrum"] = key(_KIND)
+    path: Path = key('file of two columns, q and C, relative to the scene file, e.g. "psd.csv"')
+    units: SpectrumUnits | None = key('units of the columns, e.g. ["1/um", "um^4"]; default: SI', None)
+    power: Literal["C", "areal-psd"] = key(
+        "the second column: C(q), or the areal PSD of other communities, (2 pi)^2 C", "C"
     )
-    power: Literal["C", "areal-psd"] = Field(
-        default="C", description="the second column: C(q), or the areal PSD of other communities, (2 pi)^2 C"
-    )
-    lambda_long: Length = Field(description='longest wave, e.g. "50 um"; default: that of the table')
-    lambda_short: Length = Field(description='shortest wave, e.g. "5 um"; default: that of the table')
+    lambda_long: Length = key('longest wave, e.g. "50 um"; default: that of the table')
+    lambda_short: Length = key('shortest wave, e.g. "5 um"; default: that of the table')
 
 
 def _one_of_unit(value: object) -> object:
@@ -188,48 +189,44 @@ class FileSurface(Table):
     They are levelled, filled and made periodic, in this order, as the table says.
     """
 
-    kind: Literal["file"] = Field(description=_KIND)
-    path: Path = Field(description='file of heights, relative to the scene file, e.g. "afm.txt"')
-    more_paths: tuple[Path, ...] = Field(
-        default=(),
-        description="files of further maps of the same surface, of the same size, which an ensemble presses, "
+    kind: Literal["file"] = key(_KIND)
+    path: Path = key('file of heights, relative to the scene file, e.g. "afm.txt"')
+    more_paths: tuple[Path, ...] = key(
+        "files of further maps of the same surface, of the same size, which an ensemble presses, "
         'too, e.g. ["b.txt"]; default: none',
+        (),
     )
-    second_path: Path | None = Field(
-        default=None,
-        description="file of the other body as it was measured, of the same size and points, which is turned "
+    second_path: Path | None = key(
+        "file of the other body as it was measured, of the same size and points, which is turned "
         'over along x and added, e.g. "seat.txt"; default: the other body is smooth',
+        None,
     )
-    length: Lengths = Field(description='size L, or [Lx, Ly], e.g. "100 um"; default: what the file says')
-    unit: Annotated[Length | None, BeforeValidator(_one_of_unit)] = Field(
-        default=None, description='unit of the heights, e.g. "nm"; default: what the file says'
+    length: Lengths = key('size L, or [Lx, Ly], e.g. "100 um"; default: what the file says')
+    unit: Annotated[Length | None, BeforeValidator(_one_of_unit)] = key(
+        'unit of the heights, e.g. "nm"; default: what the file says', None
     )
-    tilt: Literal["keep", "plane", "quadratic"] | None = Field(
-        default=None, description="what to take out before anything else; default: nothing"
+    tilt: Literal["keep", "plane", "quadratic"] | None = key(
+        "what to take out before anything else; default: nothing", None
     )
-    missing: Literal["refuse", "nearest", "harmonic"] = Field(
-        default="refuse", description="what to do with points without a height"
+    missing: Literal["refuse", "nearest", "harmonic"] = key(
+        "what to do with points without a height", "refuse"
     )
-    spikes: Literal["keep", "clip"] = Field(
-        default="keep",
-        description="what to do with heights more than 6 standard deviations of the middle half away, and "
+    spikes: Literal["keep", "clip"] = key(
+        "what to do with heights more than 6 standard deviations of the middle half away, and "
         "with single points that many steps above or below all their neighbours",
+        "keep",
     )
-    lambda_short: Length | None = Field(
-        default=None,
-        description='waves shorter than this are taken out as noise, e.g. "50 nm"; default: none',
+    lambda_short: Length | None = key(
+        'waves shorter than this are taken out as noise, e.g. "50 nm"; default: none', None
     )
-    edges: Literal["periodic", "tukey", "hann", "free"] | None = Field(
-        default=None,
-        description="taper that makes it periodic, not needed where opposite edges match; 'free' with the "
+    edges: Literal["periodic", "tukey", "hann", "free"] | None = key(
+        "taper that makes it periodic, not needed where opposite edges match; 'free' with the "
         "effect 'free-boundary': one patch with its edges",
+        None,
     )
-    margin: Ratio = Field(
-        default=0.1, gt=0, le=0.5, description="share of each side over which a tukey taper falls, e.g. 0.2"
-    )
-    treatment: bool | None = Field(
-        default=None,
-        description="whether a run also treats the map otherwise; default: where that is cheap",
+    margin: Ratio = key("share of each side over which a tukey taper falls, e.g. 0.2", 0.1, gt=0, le=0.5)
+    treatment: bool | None = key(
+        "whether a run also treats the map otherwise; default: where that is cheap", None
     )
 
     @model_validator(mode="after")
@@ -258,13 +255,13 @@ class SolidSpec(Table):
     with both roughnesses (Persson 2006, Eq. 5).
     """
 
-    young: Pressure = Field(description='Young\'s modulus, e.g. "1 GPa"')
-    poisson: Number = Field(gt=-1, le=0.5, description="Poisson ratio, in (-1, 0.5], e.g. 0.3")
-    second_young: Pressure | None = Field(
-        default=None, description='Young\'s modulus of the rough body, e.g. "200 GPa"; default: rigid'
+    young: Pressure = key('Young\'s modulus, e.g. "1 GPa"')
+    poisson: Number = key("Poisson ratio, in (-1, 0.5], e.g. 0.3", gt=-1, le=0.5)
+    second_young: Pressure | None = key(
+        'Young\'s modulus of the rough body, e.g. "200 GPa"; default: rigid', None
     )
-    second_poisson: Number | None = Field(
-        default=None, gt=-1, le=0.5, description="Poisson ratio of the rough body, in (-1, 0.5], e.g. 0.25"
+    second_poisson: Number | None = key(
+        "Poisson ratio of the rough body, in (-1, 0.5], e.g. 0.25", None, gt=-1, le=0.5
     )
 
     @model_validator(mode="after")
@@ -297,11 +294,11 @@ _OneOrSeveral = Annotated[
 class Ensemble(Table):
     """Further realisations of the same C(q), by boundary elements, for the scatter between surfaces."""
 
-    realisations: Annotated[StrictInt, Field(ge=2, le=_MOST_REALISATIONS)] = Field(
-        description="how many surfaces, that of the scene included, e.g. 8"
+    realisations: Annotated[StrictInt, Field(ge=2, le=_MOST_REALISATIONS)] = key(
+        "how many surfaces, that of the scene included, e.g. 8"
     )
-    grids: Annotated[Grids, Field(min_length=2)] = Field(
-        description="surface points, e.g. [32, 64]; default: 4 and 8 on the shortest wave"
+    grids: Annotated[Grids, Field(min_length=2)] = key(
+        "surface points, e.g. [32, 64]; default: 4 and 8 on the shortest wave"
     )
 
 
@@ -316,19 +313,14 @@ class Load(Table):
     loads may be given, and with adhesion a load may be 0.
     """
 
-    pressure: _OneOrSeveral[_Pressure] | None = Field(
-        default=None, description='nominal pressure p0, e.g. "10 MPa"'
+    pressure: _OneOrSeveral[_Pressure] | None = key('nominal pressure p0, e.g. "10 MPa"', None)
+    reduced_pressure: _OneOrSeveral[_Ratio] | None = key("p* = p0 / (E* h'_rms), e.g. 0.05", None)
+    force: Force | None = key('p0 times the nominal area, e.g. "10 mN"', None)
+    mean_gap: Annotated[float, quantity("m", "length", "50 nm"), Field(ge=0)] | None = key(
+        'mean gap that is held, e.g. "50 nm"', None
     )
-    reduced_pressure: _OneOrSeveral[_Ratio] | None = Field(
-        default=None, description="p* = p0 / (E* h'_rms), e.g. 0.05"
-    )
-    force: Force | None = Field(default=None, description='p0 times the nominal area, e.g. "10 mN"')
-    mean_gap: Annotated[float, quantity("m", "length", "50 nm"), Field(ge=0)] | None = Field(
-        default=None, description='mean gap that is held, e.g. "50 nm"'
-    )
-    offset: Annotated[float, quantity("m", "length", "400 nm")] | None = Field(
-        default=None,
-        description='distance of the mean planes before deformation that is held, e.g. "400 nm"; -approach',
+    offset: Annotated[float, quantity("m", "length", "400 nm")] | None = key(
+        'distance of the mean planes before deformation that is held, e.g. "400 nm"; -approach', None
     )
 
     @model_validator(mode="after")
@@ -358,3 +350,133 @@ class Load(Table):
         names = ("pressure", "reduced_pressure")
         values = self.model_dump(mode="json")
         return {name: value for name, value in values.items() if name in names or value is not None}
+
+
+Resistivity = Annotated[float, quantity("ohm m", "resistivity", "1.7e-8 ohm m"), Field(gt=0)]
+Conductivity = Annotated[float, quantity("W/(m K)", "thermal conductivity", "400 W/(m K)"), Field(gt=0)]
+Viscosity = Annotated[float, quantity("Pa s", "viscosity", "1 mPa s"), Field(gt=0)]
+Depth = Annotated[float, quantity("m", "length", "1 um"), Field(ge=0)]
+
+
+class Electrical(Table):
+    """Electrical conductance of the contact: all current passes through the spots."""
+
+    resistivity: Annotated[tuple[Resistivity, Resistivity], BeforeValidator(pair_of)] = key(
+        'of the solid and of the rough body, or one for both, e.g. "1.7e-8 ohm m"'
+    )
+
+
+class Thermal(Table):
+    """Thermal conductance of the contact: all heat passes through the spots."""
+
+    conductivity: Annotated[tuple[Conductivity, Conductivity], BeforeValidator(pair_of)] = key(
+        'of the solid and of the rough body, or one for both, e.g. "400 W/(m K)"'
+    )
+
+
+class Leak(Table):
+    """Flow of a thin viscous film through the gap."""
+
+    viscosity: Viscosity = key('of the fluid, e.g. "1 mPa s"')
+    pressure_drop: Pressure = key('of the fluid over one period, e.g. "0.1 MPa"')
+
+
+class Subsurface(Table):
+    """Displacement and stress of the solid below the contact."""
+
+    depths: Annotated[tuple[Depth, ...], Field(min_length=2, max_length=MOST_ITEMS)] | None = key(
+        'distances from the surface, rising, e.g. ["0 um", "1 um"]; default: from half a cell '
+        "to the period or the base, each a quarter deeper",
+        None,
+    )
+    vtu: StrictBool = key("write displacement and stress as fields/...-below.vtu", False)
+
+    @model_validator(mode="after")
+    def _rising(self) -> Self:
+        depths = self.depths or ()
+        if any(lower <= upper for upper, lower in itertools.pairwise(depths)):
+            raise wrong(f"depths = {', '.join(map(as_length, depths))}: must rise")
+        return self
+
+
+#: The tables there are, by name.
+QUANTITIES: dict[str, type[Table]] = {
+    "electrical": Electrical,
+    "thermal": Thermal,
+    "leak": Leak,
+    "subsurface": Subsurface,
+}
+
+
+class Quantities(Table):
+    """What is asked for beyond the area; a table that is not there costs nothing."""
+
+    electrical: Electrical | None = None
+    thermal: Thermal | None = None
+    leak: Leak | None = None
+    subsurface: Subsurface | None = None
+
+    @property
+    def passing(self) -> bool:
+        """Whether something shall pass through contact or gap."""
+        return any(table is not None for table in (self.electrical, self.thermal, self.leak))
+
+    @model_validator(mode="after")
+    def _something(self) -> Self:
+        if not any(getattr(self, name) is not None for name in QUANTITIES):
+            tables = ", ".join(f"[quantities.{name}]" for name in QUANTITIES)
+            raise wrong(f"give at least one of the tables {tables}")
+        return self
+
+
+def _inside(path: Path) -> Path:
+    """Refuse a folder outside the one a scene runs in: a scene may not choose what is written over."""
+    if path.is_absolute() or path.drive or ".." in path.parts:
+        raise wrong(
+            "must lie below the folder the scene runs in, such as 'results/mine'; any other is named on the "
+            "command line"
+        )
+    return path
+
+
+Inside = Annotated[Path, AfterValidator(_inside)]
+
+
+class RunOptions(Table):
+    """How a scene is run; nothing here changes a result. An option of the command line goes before these.
+
+    Where it runs beyond this machine and this folder is no matter of a scene, which may come from elsewhere:
+    a scheduler, and folders outside, are named on the command line alone.
+    """
+
+    workers: Annotated[StrictInt, Field(ge=1, le=4096)] = key(
+        "local processes, e.g. 4; 1 runs everything in the process itself", 1
+    )
+    memory: Memory | None = key('memory for all solves, e.g. "4 GiB"', None)
+    store: Inside | None = key('folder of finished solves, shared between runs, e.g. "results/solves"', None)
+    output: Inside | None = key('results folder, e.g. "results/mine"; default: results/<name>', None)
+    quiet: StrictBool = key("no progress bar", False)
+    pictures: StrictBool = key("3-D pictures in the report", False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _no_scheduler(cls, data: object) -> object:
+        if isinstance(data, dict) and "scheduler" in data:
+            raise wrong("scheduler: is chosen on the command line alone: --scheduler tcp://host:8786")
+        return data
+
+    def folder(self, key: Literal["output", "store"]) -> Path | None:
+        """Return a folder that the scene names, None if it does not; links may not lead outside, either."""
+        path: Path | None = getattr(self, key)
+        return None if path is None else not_led_out(path, of=Path(), option=f"--{key}")
+
+
+def not_led_out(path: Path, *, of: Path, option: str) -> Path:
+    """Refuse a folder that a link leads out of another; what came with a scene may hold such links."""
+    led = Path(os.path.realpath(path))  # of a link to itself, itself
+    if not led.is_relative_to(os.path.realpath(of)):
+        raise UsageError(
+            f"{str(path)!r} is a link that leads to {str(led)!r}; remove it, or say {option} {str(path)!r} "
+            "to follow it"
+        )
+    return path

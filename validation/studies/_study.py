@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from validation.execution.bench import Bench
-    from validation.report.drawing import Drawing
+    from validation.report.marks import Drawing
     from validation.report.table import ResultTable
     from validation.report.views import Views
 

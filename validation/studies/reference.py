@@ -20,8 +20,8 @@ from validation.measurements.common import Ladder, Rising, RisingOrNone, base_ca
 from validation.measurements.limits import solved
 from validation.measurements.table_samples import QUANTITIES, SampledSpectrum, joined, with_size
 from validation.measurements.theory import VARIANTS, with_variants
-from validation.reference.alpha import at_equal_alpha
 from validation.reference.citable import citable
+from validation.reference.fit import at_equal_alpha
 from validation.report.estimates import claim, derive, gather, total_error
 from validation.report.views import Figure, Finding, Line, Table, Views, against, finding, panels_along
 from validation.studies._options import Periods, Seed, StudyOptions

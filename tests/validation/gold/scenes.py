@@ -12,8 +12,7 @@ from gold.make import Record, of_dataset
 from validation.comparison.accuracy import run_accurate
 from validation.comparison.compare import compare_folders
 from validation.comparison.pages import result_page
-from validation.comparison.run import run_scene
-from validation.comparison.sweep import run_sweep
+from validation.comparison.run import run_scene, run_sweep
 from validation.execution.bench import Bench
 from validation.execution.results import read_results
 from validation.scenes.sweep import Sweep, load_asked

@@ -12,20 +12,19 @@ import io
 import math
 import os
 import stat
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from validation.arrays import Array
 from validation.errors import UsageError, harmless
-from validation.scenes.topography.netcdf import read_netcdf
 from validation.scenes.topography.raw import (
     MOST_BYTES,
     MOST_POINTS,
     FileSays,
     Raw,
     check_shape,
+    even_steps,
     plain_attribute,
     real,
 )
@@ -77,12 +76,10 @@ def _spikes(heights: Array) -> tuple[str, ...]:
     with np.errstate(over="ignore"):
         low, middle, high = np.percentile(known[:: max(1, known.size // _SAMPLED)], (25, 50, 75))
         far = int(np.count_nonzero(np.abs(known - middle) > _FAR * (high - low)))
-    if not far or high == low:
-        return ()
-    return (
+    words = (
         f"{far} of {known.size} heights lie more than {_FAR:.0f} times the height of the middle half away "
-        "from it: spikes, or a damaged file",
     )
+    return (f"{words}from it: spikes, or a damaged file",) if far and high != low else ()
 
 
 def one_line(words: object) -> str:
@@ -119,16 +116,13 @@ def _refuse_links(data: bytes) -> None:
     elsewhere: list[str] = []
 
     def look(name: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset) and (item.is_virtual or item.external):
-            elsewhere.append(name)
-
-    def follow(name: str, link: Any) -> None:
-        if isinstance(link, h5py.ExternalLink):
+        outside = isinstance(item, h5py.Dataset) and (item.is_virtual or item.external)
+        if outside or isinstance(item, h5py.ExternalLink):
             elsewhere.append(name)
 
     with h5py.File(io.BytesIO(data)) as file:
         file.visititems(look)
-        file.visititems_links(follow)
+        file.visititems_links(look)
     if elsewhere:
         raise UsageError(
             f"its data set {one_line(elsewhere[0])[:80]!r} lies in another file (virtual or external "
@@ -139,7 +133,7 @@ def _refuse_links(data: bytes) -> None:
 def _read(path: str, data: bytes) -> Raw:
     suffix = os.path.splitext(path)[1].lower()
     if suffix in (".npy", ".nc"):
-        return _read_npy(data) if suffix == ".npy" else read_netcdf(data)
+        return _read_npy(data) if suffix == ".npy" else _read_netcdf(data)
     try:
         raw = read_text(data)  # whatever the suffix: .tsv, .prn, none
     except ValueError as error:
@@ -161,8 +155,7 @@ def _read_npy(data: bytes) -> Raw:
 
     file = io.BytesIO(data)
     version = npy.read_magic(file)
-    readers: dict[tuple[int, int], Callable[..., Any]]
-    readers = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
+    readers: Any = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
     if version not in readers:
         raise ValueError(f"version {version} of .npy, in which names are written, not heights")
     shape, _, kind = readers[version](file)
@@ -173,6 +166,87 @@ def _read_npy(data: bytes) -> Raw:
         raise ValueError(f"{there} bytes of heights where {announced} are announced")
     file.seek(0)
     return Raw(heights=real(np.load(file, allow_pickle=False)))
+
+
+#: What the map of a netCDF file is called. Its units, positions and fill values are not known to
+#: SurfaceTopography.
+_NAMES = ("heights", "height", "h", "z")
+
+
+def _read_netcdf(data: bytes) -> Raw:
+    """Read the map called heights, height, h or z, or the only two-dimensional one; x and y give the size."""
+    import netCDF4
+
+    try:
+        with netCDF4.Dataset("heights.nc", memory=data) as file:
+            return _read_maps(file)
+    except (OSError, RuntimeError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise UsageError(
+            f"cannot be read: it is damaged, cut short or no netCDF (its library says {str(reason)[:80]!r})"
+        ) from None
+
+
+def _read_maps(file: Any) -> Raw:
+    maps = {name: v for name, v in file.variables.items() if v.ndim == 2 and name.lower() != "mask"}
+    named = [name for name in _NAMES if name in maps] or list(maps)
+    if not named or (len(named) > 1 and named[0] not in _NAMES):
+        raise ValueError(f"no variable 'heights' among {', '.join(list(file.variables)[:8]) or 'none'}")
+    variable = maps[named[0]]
+    check_shape(variable.shape)
+    real(np.empty(0, variable.dtype))
+    for key in {"scale_factor", "add_offset"} & set(variable.ncattrs()):
+        # The library would leave the heights unscaled, with a warning that nobody reads.
+        _number(variable.getncattr(key), f"{key!r} of {variable.name!r}")
+    values = np.ma.asarray(variable[...])
+    heights = np.where(np.ma.getmaskarray(values), np.nan, real(values.data))
+    mask = file.variables.get("mask")
+    if mask is not None and mask.shape == variable.shape and np.dtype(mask.dtype).kind in "biu":
+        heights = np.where(np.ma.getdata(mask[...]) != 0, np.nan, heights)
+    unit = _unit_of(variable)
+    axes = [_axis(file.variables[name]) for name in variable.dimensions if name in file.variables]
+    if len(axes) < 2:
+        return Raw(heights=heights, unit=unit)
+    (lx, x_unit, x_said, dx), (ly, y_unit, y_said, dy) = axes
+    heights = heights[:: -1 if dx < 0 else 1, :: -1 if dy < 0 else 1]
+    # SurfaceTopography says one unit for all, on the axes.
+    if unit is None and x_said and y_said and x_unit == y_unit:
+        unit = x_unit
+    # Positions without a unit may be plain numbers of points.
+    if x_unit is None or y_unit is None:
+        return Raw(heights=heights, unit=unit)
+    return Raw(heights=heights, lengths=(lx, ly), length_units=(x_unit, y_unit), unit=unit)
+
+
+def _number(value: Any, what: str) -> float:
+    array = np.asarray(value)
+    if array.size != 1 or array.dtype.kind not in "iuf" or not np.isfinite(array).all():
+        raise ValueError(f"{what} is no number")
+    return float(array.reshape(-1)[0])
+
+
+def _unit_of(variable: Any) -> str | None:
+    key = next((key for key in ("units", "unit") if key in variable.ncattrs()), None)
+    return key and plain_attribute(variable.getncattr(key), f"{key!r} of {variable.name!r}")
+
+
+def _axis(position: Any) -> tuple[float, str | None, bool, float]:
+    """Return length and unit of an axis, whether it says its length itself, and its step."""
+    name = position.name
+    if position.ndim != 1 or np.dtype(position.dtype).kind not in "biuf":
+        raise ValueError(f"{name!r} holds no positions")
+    x = np.ma.filled(np.ma.asarray(position[...]).astype(float), np.nan)
+    try:
+        step = even_steps(x, name)
+    except ValueError as error:
+        raise ValueError(f"{error}; interpolate the heights onto an even grid") from None
+    length = abs(step) * x.size
+    if "length" not in position.ncattrs():
+        return length, _unit_of(position), False, step
+    declared = _number(position.getncattr("length"), f"'length' of {name!r}")
+    if not abs(declared - length) <= 0.02 * length:
+        raise ValueError(f"'length' of {name!r} is {declared:.6g}, its positions say {length:.6g}")
+    return declared, _unit_of(position), True, step
 
 
 #: Formats of SurfaceTopography that may leave the size to be given, and know their own bytes; others that

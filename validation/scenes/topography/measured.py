@@ -132,10 +132,9 @@ class Measured:
     @property
     def shortest(self) -> float:
         """Shortest wave [m]: two of its points, or what is left where shorter ones were taken out."""
-        nx, ny = self.raw.heights.shape
-        lx, ly = self.raw.lengths
-        spacing = float(max(lx / nx, ly / ny))
-        return max(2 * spacing, self.surface.lambda_short or 0.0)
+        raw = self.raw
+        spacing = max(length / n for length, n in zip(raw.lengths, raw.heights.shape, strict=True))
+        return max(2 * float(spacing), self.surface.lambda_short or 0.0)
 
     @property
     def variations(self) -> dict[str, Measured]:
@@ -157,9 +156,8 @@ class Measured:
             changes["quadratic taken out"] = {"tilt": "quadratic"}
         elif surface.tilt == "quadratic" or surface.edges not in (None, "periodic"):
             changes["plane taken out"] = {"tilt": "plane"}
-        cases = {
-            name: replace(self, surface=surface.model_copy(update=change)) for name, change in changes.items()
-        }
+        others = {name: surface.model_copy(update=change) for name, change in changes.items()}
+        cases = {name: replace(self, surface=other) for name, other in others.items()}
         # Without a plane a period may be none.
         return {name: case for name, case in cases.items() if not case.faults}
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -79,15 +79,9 @@ class Topography:
     @property
     def edge_jump(self) -> float:
         """Root mean square step between opposite edges over that between neighbours; about 1 if periodic."""
-        h = self.heights
-        jumps, steps = [], []
-        for axis in (0, 1):
-            rows = np.moveaxis(h, axis, 0)
-            if rows.shape[0] > 2:
-                jumps.append(rms(rows[0] - rows[-1]))
-                steps.append(rms(np.diff(rows, axis=0)))
-        ratios = [jump / step for jump, step in zip(jumps, steps, strict=True) if step > 0]
-        return max(ratios, default=0.0)
+        both = (rows for rows in (self.heights, self.heights.T) if rows.shape[0] > 2)
+        steps = ((rms(rows[0] - rows[-1]), rms(np.diff(rows, axis=0))) for rows in both)
+        return max((jump / step for jump, step in steps if step > 0), default=0.0)
 
     def levelled(self, tilt: Tilt) -> Topography:
         """Take the least-squares plane or quadratic of the known points out."""
@@ -98,7 +92,7 @@ class Topography:
             heights -= coefficient * term
         sx, sy = self.slope
         words = f"{tilt} taken out (slope {sx:.3g} along x, {sy:.3g} along y)"
-        return replace(self, heights=heights, history=(*self.history, words))
+        return self._with(words, heights=heights)
 
     def faults(
         self, *, tilt: Tilt | None, missing: Missing, edges: Edges | None, **others: object
@@ -144,7 +138,7 @@ class Topography:
         else:
             heights = _harmonic(self.heights)
         words = f"{count} missing points ({100 * count / self.heights.size:.2g} %) filled: {missing}"
-        return replace(self, heights=heights, history=(*self.history, words))
+        return self._with(words, heights=heights)
 
     def clipped(self) -> Topography:
         """Bring heights far from all others back to that distance, and single points to their neighbours.
@@ -169,7 +163,7 @@ class Topography:
         if not count:
             return self
         words = f"{count} heights more than {_CLIPPED:g} standard deviations away clipped"
-        return replace(self, heights=heights, history=(*self.history, words))
+        return self._with(words, heights=heights)
 
     def smoothed(self, shortest: float | None) -> Topography:
         """Take waves shorter than this [m] out of one period."""
@@ -179,7 +173,7 @@ class Topography:
         waves = np.fft.fft2(self.heights)
         waves[np.hypot(q[0][:, None], q[1]) * shortest > 1 + 1e-9] = 0
         words = f"waves shorter than {as_length(shortest, 4)} taken out"
-        return replace(self, heights=np.fft.ifft2(waves).real, history=(*self.history, words))
+        return self._with(words, heights=np.fft.ifft2(waves).real)
 
     def made_periodic(self, edges: Edges | None, *, margin: float = 0.1) -> Topography:
         """Bring opposite edges together by a taper, or take the patch as one period, or with its edges."""
@@ -187,18 +181,20 @@ class Topography:
             return self
         if edges == "periodic":
             words = f"taken as periodic (edges differ by {self.edge_jump:.3g} typical steps)"
-            return replace(self, history=(*self.history, words))
+            return self._with(words)
         if edges == "free":
-            return replace(self, history=(*self.history, "pressed as one patch, with its edges"))
+            return self._with("pressed as one patch, with its edges")
         nx, ny = self.heights.shape
-        weights = window_weights((nx, ny), window=edges, margin=margin)
-        mean = float(np.mean(self.heights))
-        before = rms(self.heights - mean)
-        tapered = weights * (self.heights - mean)
+        level = self.heights - float(np.mean(self.heights))
+        tapered = window_weights((nx, ny), window=edges, margin=margin) * level
         share = f" over {100 * margin:.3g} % of each side" if edges == "tukey" else ""
-        after = f"h_rms {as_length(before, 4)} before, {as_length(rms(tapered), 4)} after"
+        after = f"h_rms {as_length(rms(level), 4)} before, {as_length(rms(tapered), 4)} after"
         words = f"made periodic: {edges} taper{share} ({after})"
-        return replace(self, heights=tapered, history=(*self.history, words))
+        return self._with(words, heights=tapered)
+
+    def _with(self, words: str, **done: Any) -> Topography:
+        """Write down what was done."""
+        return replace(self, history=(*self.history, words), **done)
 
     def height_field(self) -> HeightField:
         """Return the heights as one period of a surface."""

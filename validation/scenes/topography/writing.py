@@ -5,10 +5,21 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 
 from fem_contact.surface import HeightField
 from validation.errors import UsageError
 from validation.files import atomic_path
+
+
+def heights_over_places(field: HeightField) -> xr.DataArray:
+    """Return heights [m] over x and y [m]."""
+    axes = {
+        axis: (axis, np.arange(n) * step, {"units": "m"})
+        for axis, n, step in zip("xy", field.shape, field.spacing, strict=True)
+    }
+    about = {"units": "m", "long_name": "height, positive towards the elastic body"}
+    return xr.DataArray(field.heights, dims=("x", "y"), coords=axes, name="heights", attrs=about)
 
 
 def write_topography(path: Path, field: HeightField) -> None:
@@ -28,15 +39,9 @@ def write_topography(path: Path, field: HeightField) -> None:
             header = f"heights [m], rows along x, columns along y; size {size}"
             np.savetxt(draft, field.heights, fmt="%.17g", header=header)
         elif suffix == ".nc":
-            import xarray as xr
-
-            about = {"units": "m", "long_name": "heights, positive towards the elastic body"}
-            positions = {
-                axis: (axis, np.arange(count) * step, {"units": "m"})
-                for axis, count, step in zip("xy", field.shape, field.spacing, strict=True)
-            }
-            data = xr.Dataset({"heights": (("x", "y"), field.heights, about)}, positions)
-            data.to_netcdf(draft, encoding={"heights": {"fletcher32": True}}, engine="netcdf4")
+            heights_over_places(field).to_netcdf(
+                draft, encoding={"heights": {"fletcher32": True}}, engine="netcdf4"
+            )
         else:
             try:
                 from SurfaceTopography import Topography

@@ -1,4 +1,4 @@
-"""The command `fem-contact audit`."""
+"""The commands that read finished results: `audit` and `compare`."""
 
 from __future__ import annotations
 
@@ -8,14 +8,16 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
-from validation.cli.options import FolderArgument, JsonOption, option, print_json, show
+import typer
+
+from validation.cli import options
 from validation.errors import RunFailed, UsageError
 
 
 def audit(
-    folder: FolderArgument,
-    list_all: Annotated[bool, option("--list", help="Name the numbers that agree, too.")] = False,
-    as_json: JsonOption = False,
+    folder: options.FolderArgument,
+    list_all: Annotated[bool, options.option("--list", help="Name the numbers that agree, too.")] = False,
+    as_json: options.JsonOption = False,
 ) -> None:
     """Compute every number of a result again from its fields, by other code.
 
@@ -33,18 +35,42 @@ def audit(
         why = f"no {absent} in it" if isinstance(error, (FileNotFoundError, KeyError)) else error
         raise UsageError(f"{folder}: cannot be audited: {why}; run it again, or name a result") from None
     if as_json:
-        print_json({"entries": [asdict(entry) for entry in ledger.entries], "unread": ledger.unread})
+        options.print_json({"entries": [asdict(entry) for entry in ledger.entries], "unread": ledger.unread})
     else:
         for entry in ledger.entries if list_all else ledger.wrong:
-            show(str(entry))
+            options.show(str(entry))
         for line in dict.fromkeys(ledger.unread):
-            show(f"not judged: {line}")
+            options.show(f"not judged: {line}")
         agreeing = Counter(entry.place for entry in ledger.entries if entry.agrees)
         files = {place: n for place, n in agreeing.items() if re.search(r"\.(json|csv|nc|html)\b", place)}
         rest = sum(agreeing.values()) - sum(files.values())
         for place, count in {**files, **({"fields of the solves": rest} if rest else {})}.items():
-            show(f"{place}: {count} agree")
+            options.show(f"{place}: {count} agree")
     if ledger.wrong:
         raise RunFailed(
             f"{len(ledger.wrong)} of {len(ledger.entries)} numbers disagree with the stored fields"
         )
+
+
+def compare(
+    folders: Annotated[
+        list[Path], typer.Argument(metavar="DIR DIR...", help="Results folders of one kind; the first leads.")
+    ],
+    output: options.OutputOption = None,
+    with_report: options.ReportOption = True,
+    as_json: options.JsonOption = False,
+) -> None:
+    """Put finished runs or studies side by side: what differs, and by how much.
+
+    Differences are told in uncertainties. The first folder is what the others are compared with. Runs
+    are compared with runs, sweeps with sweeps, and a study with the same study of other options.
+    """
+    from validation.cli.progress import under_way
+    from validation.cli.results import print_outputs
+    from validation.comparison.compare import compare_folders
+
+    names = "-".join(re.sub(r"[^A-Za-z0-9._-]", "-", folder.resolve().name) for folder in folders)
+    target = output or Path("results") / f"compare-{names[:80]}"
+    with under_way("comparing, drawing figures", quiet=as_json):
+        outputs = compare_folders(folders, target, report=with_report)
+    print_outputs(outputs, as_json=as_json)
