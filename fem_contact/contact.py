@@ -292,14 +292,14 @@ def measure_residuals(
     if at_bound is not None and not (isinstance(at_bound, np.ndarray) and at_bound.dtype == np.bool_):
         raise InvalidInput(f"at_bound = {shown(at_bound)}: must be an array of bool")
     # NaN is let through, for it makes the residual NaN.
-    pressure, gap = doubles("pressure", pressure, unit="Pa"), doubles("gap", gap, unit="m")
+    pressure, gap = doubles("pressure", pressure), doubles("gap", gap)
     weights = None if weights is None else doubles("weights", weights)
-    heights = doubles("heights", heights, unit="m")
+    heights = doubles("heights", heights)
     longest = max(pair("lengths", lengths, positive, what="two positive periods (Lx, Ly) in m"))
-    contact_modulus = positive("contact_modulus", contact_modulus, unit="Pa")
+    contact_modulus = positive("contact_modulus", contact_modulus)
     rms_gradient = non_negative("rms_gradient", rms_gradient)
     if target_pressure is not None:
-        target_pressure = finite("target_pressure", target_pressure, unit="Pa")
+        target_pressure = finite("target_pressure", target_pressure)
     with np.errstate(all="ignore"):
         return residuals_of(
             residual_sums(pressure, gap, at_bound=at_bound, weights=weights),

@@ -243,7 +243,7 @@ def render_section(
     if position is None:
         peak = np.unravel_index(int(np.argmax(solution.contact.pressure)), solution.contact.shape)
         position = float(peak[across]) * solution.contact.spacing[across]
-    position = finite("position", position, unit="m")
+    position = finite("position", position)
     if not 0 <= position <= solution.contact.lengths[across]:
         raise InvalidInput(
             f"position = {position!r}: must lie in the period, 0 to {solution.contact.lengths[across]:.6g} m"

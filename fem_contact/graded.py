@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem_contact._checks import array, instance, listed, positive, positives, whole
+from fem_contact._checks import array, instance, listed, positive_fields, positives, whole
 from fem_contact._types import Array
 from fem_contact.errors import InvalidInput
 from fem_contact.response import wave_size
@@ -59,7 +59,7 @@ class LayeredSolid:
 
     def __post_init__(self) -> None:
         listed("layers", self.layers, Solid, what="`Solid`s")
-        thicknesses = positives("thicknesses", self.thicknesses, unit="m")
+        thicknesses = positives("thicknesses", self.thicknesses)
         instance("base", self.base, Solid)
         if len(self.layers) != len(thicknesses):
             raise InvalidInput(
@@ -114,8 +114,7 @@ class ExponentialSolid:
 
     def __post_init__(self) -> None:
         instance("surface", self.surface, Solid)
-        positive("bulk_young", self.bulk_young, unit="Pa")
-        positive("depth", self.depth, unit="m")
+        positive_fields(self, "bulk_young", "depth")
         whole("sublayers", self.sublayers, least=4, most=10_000)
 
     @property
@@ -125,7 +124,7 @@ class ExponentialSolid:
 
     def young(self, depth: Array) -> Array:
         """Return E(z) [Pa] at depths [m]."""
-        z = array("depth", depth, unit="m")
+        z = array("depth", depth)
         if np.any(z < 0):
             raise InvalidInput(f"depth = {float(np.min(z))!r}: must not be negative, in m")
         return self._young(z)

@@ -54,7 +54,7 @@ class Hardness:
 
     def __post_init__(self) -> None:
         bound("pressure", self.pressure)
-        non_negative("length", self.length, unit="m")
+        non_negative("length", self.length)
         non_negative("exponent", self.exponent)
 
     @property

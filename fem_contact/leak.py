@@ -262,7 +262,7 @@ def _factorised(open_cells: Mask, along: Array, across: Array) -> Callable[[Arra
 
 
 def _checked_gap(gap: ArrayLike) -> Array:
-    values = array("gap", gap, unit="m")
+    values = array("gap", gap)
     if values.ndim != 2 or min(values.shape, default=0) < 2:
         raise InvalidInput(f"gap of shape {values.shape}: must be a map (nx, ny) of at least 2 x 2 points")
     return np.maximum(values, 0.0)

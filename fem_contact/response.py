@@ -51,7 +51,7 @@ class _Layer(_Homogeneous):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        positive("thickness", self.thickness, unit="m")
+        positive("thickness", self.thickness)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -185,7 +185,7 @@ class GivenResponse:
     function: Callable[[Array, Array], Array]
 
     def __post_init__(self) -> None:
-        positive("contact_modulus", self.contact_modulus, unit="Pa")
+        positive("contact_modulus", self.contact_modulus)
         function("function", self.function, of=("qx", "qy"))
 
     def compliance(self, qx: Array, qy: Array) -> Array:
@@ -208,7 +208,7 @@ def wave_size(qx: ArrayLike, qy: ArrayLike) -> Array:
 
 
 def _checked_waves(qx: ArrayLike, qy: ArrayLike) -> tuple[Array, Array]:
-    x, y = array("qx", qx, unit="1/m"), array("qy", qy, unit="1/m")
+    x, y = array("qx", qx), array("qy", qy)
     alike(qx=x, qy=y)
     return x, y
 

@@ -220,7 +220,7 @@ class _Problem:
         self.clock = Clock()
         instance("surface", surface, HeightField)
         check_viscoelastic(solid)
-        finite("velocity", velocity, unit="m/s")
+        finite("velocity", velocity)
         qx, qy = np.ix_(*wavevectors(surface.shape, surface.lengths))
         self.response = _compliance(solid, qx, qy, velocity=velocity)
         middle, odd = divmod(surface.shape[0], 2)
@@ -232,7 +232,7 @@ class _Problem:
         self.magnitude = self.metric.compliance(qx, qy)
         self.level = float(np.mean(surface.heights))
         self.heights = surface.heights - self.level
-        self.load = positive("mean_pressure", mean_pressure, unit="Pa")
+        self.load = positive("mean_pressure", mean_pressure)
         self.surface, self.settings, self.qx = surface, settings, qx
 
     def forward(self, values: Array) -> Complex:

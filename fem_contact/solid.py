@@ -33,7 +33,7 @@ class Solid:
     poisson: float
 
     def __post_init__(self) -> None:
-        positive("young", self.young, unit="Pa")
+        positive("young", self.young)
         poisson_ratio(self.poisson)
 
     @property

@@ -257,7 +257,7 @@ def _checked(
             "contact: its nodes weigh differently (quadratic elements); take the stress of the block itself"
         )
     body = body_of(response)
-    planes = default_depths(contact, response) if depths is None else samples("depths", depths, unit="m")
+    planes = default_depths(contact, response) if depths is None else samples("depths", depths)
     planes = np.array(planes)
     if planes[0] < 0 or np.any(np.diff(planes) <= 0):
         raise InvalidInput(f"depths = {shown(planes)}: must rise, and none be negative, in m")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -62,7 +61,7 @@ def distance(wall: Wall, pressure: float, sign: float, name: str) -> Callable[[A
             return sign * pressure + limit
 
         return moving
-    limit = within(name, wall, 0, math.inf, interval="[0, inf]", unit="Pa")
+    limit = within(name, wall, "[0, inf]")
     return lambda variance: np.full(np.shape(variance), sign * pressure + limit)
 
 

@@ -125,12 +125,12 @@ class AdhesiveContact:
         """
         whole("index", index, least=-self.wavevectors.size, most=self.wavevectors.size - 1)
         if self._state is None:
-            return np.zeros_like(real("stress", stress, unit="Pa"))[()]
+            return np.zeros_like(real("stress", stress))[()]
         return self._state.distribution(index, stress)
 
     def _between(self, wavevector: ArrayLike, values: Array) -> Array:
         first = self.wavevectors[0]
-        q = np.clip(non_negative("wavevector", wavevector, unit="1/m"), first, self.wavevectors[-1])
+        q = np.clip(non_negative("wavevector", wavevector), first, self.wavevectors[-1])
         return np.asarray(PchipInterpolator(np.log(self.wavevectors / first), values)(np.log(q / first)))[()]
 
 
@@ -240,10 +240,10 @@ def solve_adhesion(
     if start is not None:
         instance("start", start, AdhesiveContact, what="an earlier result of `solve_adhesion`")
     if yield_stress is not None and not callable(yield_stress):
-        positive("yield_stress", yield_stress, unit="Pa")
-    within("tolerance", tolerance, 1e-14, 0.1, interval="[1e-14, 0.1]")
+        positive("yield_stress", yield_stress)
+    within("tolerance", tolerance, "[1e-14, 0.1]")
     whole("rounds", rounds, least=1, most=100_000)
-    pressure = scalar("pressure", pressure, unit="Pa")
+    pressure = scalar("pressure", pressure)
     if pressure < 0 and scale.spectrum.q_min == 0:
         raise InvalidInput("q_min = 0: under tension the size L of the sample matters; give q_min = 2 pi / L")
     case = _Case(

@@ -68,10 +68,10 @@ def archard_hierarchy(
     >>> round(9 * levels.exponent, 12)
     8.0
     """
-    load = non_negative("force", force, unit="N")
-    modulus = positive("contact_modulus", contact_modulus, unit="Pa")
-    sizes = positives("radii", radii, unit="m")
-    counts = positives("densities", densities, unit="1/m^2")
+    load = non_negative("force", force)
+    modulus = positive("contact_modulus", contact_modulus)
+    sizes = positives("radii", radii)
+    counts = positives("densities", densities)
     if not sizes or len(counts) != len(sizes) - 1:
         raise InvalidInput(
             f"{len(sizes)} radii and {len(counts)} densities: there must be one radius more than densities"

@@ -102,7 +102,7 @@ class Diffusion:
     def distribution(self, index: int, stress: ArrayLike) -> Array:
         """P(sigma) [1/Pa] of elastic contact per nominal area at ``variance[index]``, for stresses [Pa]."""
         whole("index", index, least=-self.variance.size, most=self.variance.size - 1)
-        sigma = real("stress", stress, unit="Pa") - self.pressure
+        sigma = real("stress", stress) - self.pressure
         left, right = self._windows[index]
         variance = self.variance[index]
         if np.isnan(left):
@@ -181,11 +181,11 @@ def solve_diffusion(
     array([0.68269, 0.38292])
     """
     outputs, problem = _checked(variance, pressure, tensile_limit, yield_stress)
-    within("tolerance", tolerance, 0, 1, interval="(0, 1)")
+    within("tolerance", tolerance, "(0, 1)")
     if modes is not None:
         whole("modes", modes, least=4, most=400)
     if step is not None:
-        within("step", step, 1e-4, 1, interval="[1e-4, 1]")
+        within("step", step, "[1e-4, 1]")
     kinks = np.array([scalar("breaks", kink, unit="Pa^2", power=2) for kink in numbers_of("breaks", breaks)])
     levels = _LEVELS if modes is None and step is None else ((step or 0.1, modes or 48),)
     with in_proportion():
@@ -238,10 +238,10 @@ def diffuse_once(
 def _checked(
     variance: ArrayLike, pressure: float, tensile_limit: Wall, yield_stress: Wall
 ) -> tuple[Array, Problem]:
-    outputs = np.atleast_1d(non_negative("variance", variance, unit="Pa^2", power=2))
+    outputs = np.atleast_1d(non_negative("variance", variance, power=2))
     if outputs.ndim != 1 or outputs.size == 0 or np.any(np.diff(outputs) < 0):
         raise InvalidInput("variance: must be a one-dimensional array of values that do not decrease")
-    load = scalar("pressure", pressure, unit="Pa")
+    load = scalar("pressure", pressure)
     problem = Problem(
         pressure=load,
         below=distance(tensile_limit, load, 1.0, "tensile_limit"),

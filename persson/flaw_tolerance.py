@@ -47,11 +47,10 @@ def crack_stress(work: ArrayLike, *, contact_modulus: float, length: ArrayLike) 
     Persson 2006, Eq. 51: Eq. 36 up to a number of order 1. At the atomic distance a it is the ideal
     strength if gamma is E* a (Sec. 8.4).
     """
-    energy, size = non_negative("work", work, unit="J/m^2"), non_negative("length", length, unit="m")
-    if np.any(size == 0):
-        raise InvalidInput("length = 0: must be positive [m]")
+    energy = non_negative("work", work)
+    size = non_negative("length", length, zero="must be positive, in m")
     alike(work=energy, length=size)
-    return np.sqrt(energy / size * positive("contact_modulus", contact_modulus, unit="Pa"))
+    return np.sqrt(energy / size * positive("contact_modulus", contact_modulus))
 
 
 def flaw_tolerant_gradient(
@@ -84,8 +83,8 @@ def flaw_tolerant_gradient(
     >>> round(gradient * 1e-9 / 1e9, 2)  # E [GPa] at a depth of 1 nm
     4.44
     """
-    energy = positive("work_of_adhesion", work_of_adhesion, unit="J/m^2") * positive("alpha", alpha)
-    strength = positive("ideal_strength", ideal_strength, unit="Pa")
+    energy = positive("work_of_adhesion", work_of_adhesion) * positive("alpha", alpha)
+    strength = positive("ideal_strength", ideal_strength)
     return (1 - poisson_ratio(poisson) ** 2) * strength * (strength / energy)
 
 
@@ -154,8 +153,8 @@ def optimal_modulus(
     """
     check_spectrum(spectrum)
     instance("interface", interface, Interface)
-    limit = positive("tensile_limit", tensile_limit, unit="Pa")
-    held = scalar("pressure", pressure, unit="Pa") + limit
+    limit = positive("tensile_limit", tensile_limit)
+    held = scalar("pressure", pressure) + limit
     if held <= 0:
         raise OutsideTheory(f"pressure = {pressure!r} Pa: the tension must stay below the tensile limit")
     if interface.energy == "as_printed":

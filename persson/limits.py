@@ -37,7 +37,7 @@ def pull_off_stress(scale: Scale, *, interface: Interface, tolerance: float = 1e
     """
     instance("scale", scale, Scale)
     instance("interface", interface, Interface)
-    within("tolerance", tolerance, 1e-12, 0.5, interval="[1e-12, 0.5]")
+    within("tolerance", tolerance, "[1e-12, 0.5]")
     if scale.spectrum.q_min == 0:
         raise InvalidInput(
             "q_min = 0: the size L of the sample sets the pull-off stress; give q_min = 2 pi / L"
@@ -91,7 +91,7 @@ def critical_roughness(
     check_spectrum(spectrum)
     function("spectrum.scaled", getattr(spectrum, "scaled", None))
     instance("interface", interface, Interface)
-    accuracy = within("tolerance", tolerance, 1e-6, 1, interval="[1e-6, 1]")
+    accuracy = within("tolerance", tolerance, "[1e-6, 1]")
 
     def sticks(factor: float) -> bool:
         scale = Scale(spectrum.scaled(factor * factor), contact_modulus=contact_modulus)

@@ -54,9 +54,9 @@ def percolation_magnification(
     inf
     """
     instance("scale", scale, Scale)
-    load = positive("pressure", pressure, unit="Pa")
-    reference = positive("q_reference", q_reference, unit="1/m")
-    share = within("threshold", threshold, 0, 1, interval="(0, 1)")
+    load = positive("pressure", pressure)
+    reference = positive("q_reference", q_reference)
+    share = within("threshold", threshold, "(0, 1)")
     root = load / float(erfinv(share))
     variance = root * root / 2
     if variance >= float(scale.variance(scale.q_short)):

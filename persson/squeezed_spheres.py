@@ -37,9 +37,9 @@ def hertz_pressure(force: ArrayLike, *, radius: float, contact_modulus: float) -
     -----
     Persson 2006, Eq. 54, which writes E* for 4/3 of this E* (docs/errata.md).
     """
-    load = non_negative("force", force, unit="N")
-    big = positive("radius", radius, unit="m")
-    stiff = 4 / 3 * positive("contact_modulus", contact_modulus, unit="Pa")
+    load = non_negative("force", force)
+    big = positive("radius", radius)
+    stiff = 4 / 3 * positive("contact_modulus", contact_modulus)
     return np.cbrt(load / big / big / stiff) * stiff / math.pi
 
 
@@ -55,7 +55,7 @@ def yielded_share(force: ArrayLike, *, radius: float, contact_modulus: float, ha
     OutsideTheory
         For a force under which the nominal pressure reaches H.
     """
-    limit = positive("hardness", hardness, unit="Pa")
+    limit = positive("hardness", hardness)
     pressure = hertz_pressure(force, radius=radius, contact_modulus=contact_modulus)
     if np.any(pressure > limit):
         raise OutsideTheory(
@@ -86,7 +86,7 @@ def yielded_pull_off(
     elastic energy that the contact gives back is left out; `roughness_barrier` has it.
     """
     share = yielded_share(force, radius=radius, contact_modulus=contact_modulus, hardness=hardness)
-    work = positive("work_of_adhesion", work_of_adhesion, unit="J/m^2")
+    work = positive("work_of_adhesion", work_of_adhesion)
     return 2 * math.pi * radius * work * share
 
 
@@ -151,8 +151,8 @@ def roughness_barrier(
     """
     check_spectrum(spectrum)
     instance("interface", interface, Interface)
-    load = positive("pressure", pressure, unit="Pa")
-    limit = positive("yield_stress", yield_stress, unit="Pa")
+    load = positive("pressure", pressure)
+    limit = positive("yield_stress", yield_stress)
     if not spectrum.q_min > 0:
         raise InvalidInput("q_min = 0: the size L of the sample matters without load; give q_min = 2 pi / L")
     scale = Scale(spectrum, contact_modulus=contact_modulus)

@@ -11,7 +11,7 @@ from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
 
-from fem_contact._checks import array, positive, within
+from fem_contact._checks import array, positive, positive_fields, within
 from fem_contact._types import Array
 
 
@@ -58,12 +58,12 @@ class GapLaw(Protocol):
 
 def _gaps(gap: Array) -> Array:
     # The solver hands in arrays of doubles, many times: only what else comes is looked at.
-    return gap if type(gap) is np.ndarray and gap.dtype == np.float64 else array("gap", gap, unit="m")
+    return gap if type(gap) is np.ndarray and gap.dtype == np.float64 else array("gap", gap)
 
 
 def _check_grid(spacing: float, contact_modulus: float) -> None:
-    positive("spacing", spacing, unit="m")
-    positive("contact_modulus", contact_modulus, unit="Pa")
+    positive("spacing", spacing)
+    positive("contact_modulus", contact_modulus)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,8 +72,7 @@ class _Law:
     reach: float
 
     def __post_init__(self) -> None:
-        positive("work", self.work, unit="J/m^2")
-        positive("reach", self.reach, unit="m")
+        positive_fields(self, "work", "reach")
 
     @property
     def strength(self) -> float:
@@ -153,7 +152,7 @@ class Dugdale(_Law):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        within("ramp", self.ramp, 0, 2, interval="[0, 2]")
+        within("ramp", self.ramp, "[0, 2]")
 
     @property
     def steepest(self) -> float:

@@ -147,17 +147,17 @@ def follow(
     """
     if (offsets is None) == (mean_pressures is None):
         raise InvalidInput("offsets, mean_pressures: give exactly one of them")
-    within("resolution", resolution, 1e-12, 1, interval="[1e-12, 1]")
+    within("resolution", resolution, "[1e-12, 1]")
     non_negative("least_jump", least_jump)
     problem = AdhesionProblem(surface, response, law=law, settings=settings_of(limits))
     if offsets is not None:
-        held = numbers_of("offsets", offsets, unit="m")
-        points = [checked_point(None, finite("offsets", value, unit="m")) for value in held]
+        held = numbers_of("offsets", offsets)
+        points = [checked_point(None, finite("offsets", value)) for value in held]
         width = resolution * law.reach
     else:
         assert mean_pressures is not None
-        held = numbers_of("mean_pressures", mean_pressures, unit="Pa")
-        values = [finite("mean_pressures", value, unit="Pa") for value in held]
+        held = numbers_of("mean_pressures", mean_pressures)
+        values = [finite("mean_pressures", value) for value in held]
         points = [checked_point(value, None) for value in values]
         width = resolution * max((abs(value) for value in values), default=0.0)
     if not points:

@@ -102,8 +102,8 @@ def cells_in_process_zone(law: GapLaw, *, spacing: float, contact_modulus: float
     2.14
     """
     check_law(law)
-    positive("spacing", spacing, unit="m")
-    positive("contact_modulus", contact_modulus, unit="Pa")
+    positive("spacing", spacing)
+    positive("contact_modulus", contact_modulus)
     return contact_modulus / law.strength * (law.work / law.strength / spacing)
 
 
@@ -193,8 +193,8 @@ def checked_point(mean_pressure: float | None, offset: float | None) -> Point:
     if (mean_pressure is None) == (offset is None):
         raise InvalidInput("mean_pressure, offset: give exactly one of them")
     if offset is not None:
-        return Point(offset=finite("offset", offset, unit="m"))
-    return Point(mean_pressure=finite("mean_pressure", mean_pressure, unit="Pa"))
+        return Point(offset=finite("offset", offset))
+    return Point(mean_pressure=finite("mean_pressure", mean_pressure))
 
 
 def check_law(law: GapLaw) -> None:

@@ -166,10 +166,10 @@ def solve_displacement(
         )
     problem = _checked(surface, response, **options)
     if mean_gap is not None:
-        search = LoadSearch(problem, target=finite("mean_gap", mean_gap, unit="m"), of_gap=True)
+        search = LoadSearch(problem, target=finite("mean_gap", mean_gap), of_gap=True)
     else:
         assert offset is not None
-        search = LoadSearch(problem, target=finite("offset", offset, unit="m"), of_gap=False)
+        search = LoadSearch(problem, target=finite("offset", offset), of_gap=False)
     return problem.result(search.run(), target=None)
 
 
@@ -190,7 +190,7 @@ def solve_path(
         As in `solve`.
     """
     problem = _checked(surface, response, **options)
-    loads = positives("mean_pressures", mean_pressures, unit="Pa")
+    loads = positives("mean_pressures", mean_pressures)
     for load in loads:
         problem.check_load(load)
     results: list[ContactResult] = []

@@ -81,7 +81,7 @@ def wave_errors(
     (True, True)
     """
     poisson = poisson_ratio(poisson)
-    sought = positives("wavelengths", wavelengths, unit="m")
+    sought = positives("wavelengths", wavelengths)
     planned = planned_mesh(shape, lengths, poisson=poisson, options=mesh)
     order, width = planned.element.order, lengths[0] / planned.cells[0]
     folded = fold(planned, poisson=poisson)

@@ -74,8 +74,8 @@ def graded_layers(depth: float, *, first: float, growth: float) -> Array:
     >>> graded_layers(3.0, first=1.0, growth=1.0)
     array([1., 1., 1.])
     """
-    depth, first = positive("depth", depth), positive("first", first)
-    growth = within("growth", growth, 1, math.inf, interval="[1, inf)")
+    depth, first = positive("depth", depth, unit=""), positive("first", first)
+    growth = within("growth", growth, "[1, inf)")
     ratio = depth / first
     if not ratio < _THINNEST:
         raise InvalidInput(
@@ -297,8 +297,8 @@ def plan_mesh(
     """
     instance("element", element, Element, what="an `Element`, one of `ELEMENTS`")
     shape, lengths = checked_counts(shape), checked_lengths(lengths)
-    depth = None if depth is None else positive("depth", depth, unit="m")
-    first_layer = None if first_layer is None else positive("first_layer", first_layer, unit="m")
+    depth = None if depth is None else positive("depth", depth)
+    first_layer = None if first_layer is None else positive("first_layer", first_layer)
     if any(n % element.order for n in shape):
         raise InvalidInput(
             f"shape = {shape}: must be even for {element.name}, whose cells are two nodes wide"

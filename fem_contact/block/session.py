@@ -106,7 +106,7 @@ class Session:
         instance("surface", surface, HeightField)
         instance("solid", solid, Solid)
         check_method(method)
-        tolerance = within("tolerance", tolerance, _FINEST, 1, interval=f"[{_FINEST:g}, 1)")
+        tolerance = within("tolerance", tolerance, f"[{_FINEST:g}, 1)")
         if max_iterations is not None:
             whole("max_iterations", max_iterations, least=1, most=10**7)
         mesh = planned_mesh(surface.shape, surface.lengths, poisson=solid.poisson, options=options)
@@ -168,7 +168,7 @@ class Session:
 
     def at_offset(self, offset: float) -> BlockSolution:
         """Solve at an offset [m]."""
-        offset = (finite("offset", offset, unit="m") - self.top) / self.width
+        offset = (finite("offset", offset) - self.top) / self.width
         problem = replace(self.problem, offset=offset)
         if offset >= 0:
             answer = _apart(problem)

@@ -128,7 +128,7 @@ def solve(
     InsufficientMemory
         If the estimate exceeds the memory available.
     """
-    mean_pressure = positive("mean_pressure", mean_pressure, unit="Pa")
+    mean_pressure = positive("mean_pressure", mean_pressure)
     if start is not None:
         instance("start", start, np.ndarray, what="an array of bool with the surface's shape")
     session = Session(
@@ -190,7 +190,7 @@ def solve_path(
     BlockSolution
         One per load, as soon as it is found.
     """
-    loads = positives("mean_pressures", mean_pressures, unit="Pa")
+    loads = positives("mean_pressures", mean_pressures)
     session = Session(surface, solid, **options)
     return _path(session, loads)
 

@@ -167,7 +167,7 @@ class HeightField:
 
     def shifted(self, fraction: tuple[float, float]) -> HeightField:
         """Return h(x + fraction * spacing) on the same grid: what a grid moved by parts of a cell sees."""
-        part = partial(within, low=-1e9, high=1e9, interval="[-1e9, 1e9]")
+        part = partial(within, interval="[-1e9, 1e9]")
         parts = pair("fraction", fraction, part, what="two finite parts of a cell (x, y)")
         return self._sampled(self.shape, parts)
 

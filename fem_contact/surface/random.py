@@ -32,7 +32,7 @@ def resolves(shape: Shape, lengths: Lengths, *, q_short: float) -> bool:
     [True, False]
     """
     counts, (lx, ly) = checked_shape(shape), checked_lengths(lengths)
-    positive("q_short", q_short, unit="1/m")
+    positive("q_short", q_short)
     return all(
         2 * np.pi / q_short > 2 * length / n * (1 + _EDGE) for n, length in zip(counts, (lx, ly), strict=True)
     )
@@ -145,7 +145,7 @@ def random_waves(
     With `columns` only those whose wave number n is at least the first and below the second of them.
     """
     lengths = checked_lengths(lengths)
-    q_short = positive("q_short", q_short, unit="1/m")
+    q_short = positive("q_short", q_short)
     truth("isotropic", isotropic)
     function("spectrum", spectrum, of=("q",) if isotropic else ("qx", "qy"))
     choice("amplitudes", amplitudes, ("exact", "gaussian"))

@@ -148,7 +148,7 @@ def window_weights(shape: Shape, *, window: Window, margin: float = 0.1) -> Arra
     """
     shape = checked_shape(shape)
     choice("window", window, ("none", "hann", "tukey"))
-    margin = within("margin", margin, 1e-9, 0.5, interval="[1e-9, 0.5]")
+    margin = within("margin", margin, "[1e-9, 0.5]")
     if window == "none":
         return np.ones(shape)
     width = 0.5 if window == "hann" else margin

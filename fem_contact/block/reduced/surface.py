@@ -52,7 +52,7 @@ class BlockResponse:
     def __post_init__(self) -> None:
         instance("mesh", self.mesh, BlockMesh)
         instance("solid", self.solid, Solid)
-        positive("width", self.width, unit="m")
+        positive("width", self.width)
         if self.layer_modulus is not None:
             values = samples("layer_modulus", self.layer_modulus)
             if values.size != self.mesh.nz or not np.all(values > 0):
@@ -85,7 +85,7 @@ class BlockResponse:
             raise InvalidInput(
                 f"{self.mesh.element.name}: has four kinds of surface nodes; use SurfaceOperator"
             )
-        qx, qy = array("qx", qx, unit="1/m"), array("qy", qy, unit="1/m")
+        qx, qy = array("qx", qx), array("qy", qy)
         alike(qx=qx, qy=qy)
         # The response is even in both components: each size of a component is computed once.
         (x, from_x), (y, from_y) = _sizes(qx), _sizes(qy)
