@@ -1,7 +1,5 @@
 """Checks of arguments at every public door: the name, what was found, what is allowed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from typing import TypeVar
 

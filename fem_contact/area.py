@@ -5,8 +5,6 @@ soon as its centre does and the discrete edge lies on average a fixed fraction o
 The excess is proportional to the edge length, with a constant that belongs to the discretisation.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType

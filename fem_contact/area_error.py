@@ -22,8 +22,6 @@ resolves (`ContactAreas.anisotropy`, `unresolved`). At kinks and steps areas con
 the limit is as uncertain as the grids disagree.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

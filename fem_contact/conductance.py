@@ -1,7 +1,5 @@
 """How a contact answers a small further approach while its contact set stays: stiffness and conductance."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

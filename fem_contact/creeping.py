@@ -10,8 +10,6 @@ E(t) are those of an elastic one, point by point in time:
 With a Prony series each term needs one field of its own, and a step of time is one elastic contact.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The limit of a contact area over grids, and how far it may be from the truth (`fem_contact.area_error`)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

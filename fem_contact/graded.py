@@ -6,8 +6,6 @@ Passed upwards is not y, which would hold growing and decaying parts of any rati
 ties stress to displacement, s = Z u: it stays of order one however deep or stiff the solid.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 

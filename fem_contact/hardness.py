@@ -4,8 +4,6 @@ The pressure obeys 0 <= p <= H; where p = H the gap may be negative, and -g is t
 have moved into each other for good (Persson 2006, Sec. 6).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from typing import Unpack

@@ -1,7 +1,5 @@
 """Flow of a thin fluid film through the gap: percolation, and the conductance of a seal."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal

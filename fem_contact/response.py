@@ -1,7 +1,5 @@
 """Elastic responses of periodic solids: displacement from pressure, one compliance per wavevector."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable

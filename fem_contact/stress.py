@@ -1,7 +1,5 @@
 """What is read off a result: P(sigma) and its start at zero, gap distribution, energy and stiffness."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -6,8 +6,6 @@ each for every homogeneous sheet of the solid. The sheets are passed twice: upwa
 reflects, downwards for the amplitudes. Nothing grows on the way, however deep the solid.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

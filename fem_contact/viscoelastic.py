@@ -1,7 +1,5 @@
 """Viscoelastic solids: a complex modulus over frequency, from a Prony series or a table."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Where the distribution of stress lives: its walls, the window that follows them, the steps in ln V."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Archard's hierarchy: spheres on spheres on a sphere (Persson 2006, Sec. 1)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

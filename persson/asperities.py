@@ -5,8 +5,6 @@ ellipsoidal summits of a Gaussian surface, Fuller and Tabor (1975) with adhesion
 are those of Nayak (1971).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

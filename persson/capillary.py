@@ -1,7 +1,5 @@
 """Frozen capillary waves: the roughness of a surface that was liquid (Persson 2006, Sec. 2.2 and App. A)."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Self

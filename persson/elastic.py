@@ -4,8 +4,6 @@ All functions take numbers or arrays, broadcast together, and return scalars for
 integrals of C(q) they describe the ensemble; fed with the moments of one realisation, that surface.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

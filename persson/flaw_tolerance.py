@@ -1,7 +1,5 @@
 """Adhesion that no flaw weakens: how the modulus must grow with depth (Persson 2006, Secs. 8.4 and 8.5)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

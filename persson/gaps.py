@@ -1,7 +1,5 @@
 """How the gap between two rough surfaces is distributed under load."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

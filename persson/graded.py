@@ -1,7 +1,5 @@
 """Graded solids, layers and plates: the modulus a wave of roughness feels (Persson 2006, Sec. 5)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Elastoplastic contact: a solid that yields at its indentation hardness (Persson 2006, Secs. 6 and 7)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

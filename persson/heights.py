@@ -1,7 +1,5 @@
 """The distribution of heights of a randomly rough surface (Persson 2006, Sec. 2.1, Eq. 9 and App. A)."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -3,8 +3,6 @@
 Persson 2006, Secs. 8.1, 8.4 and 8.6.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """Where adhesive contact ends: pull-off, and the roughness that kills adhesion (Persson 2006, Sec. 8)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Protocol, Self

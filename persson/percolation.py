@@ -1,7 +1,5 @@
 """Where the gaps of a contact join up: percolation of the non-contact area (Persson 2006, Secs. 3.6, 8.3)."""
 
-from __future__ import annotations
-
 import math
 
 from scipy.special import erfinv

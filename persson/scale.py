@@ -1,7 +1,5 @@
 """Which wavevector belongs to which variance of the full-contact stress."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Mean separation, elastic energy and stiffness of an elastic contact, and the macroasperities in it."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -4,8 +4,6 @@ Exact for walls that stand still, slow and of algebraic accuracy for walls that 
 for work and this module to check it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace

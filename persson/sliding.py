@@ -1,7 +1,5 @@
 """Shear stress of sliding contacts (Persson 2006, Sec. 10.1), and friction by viscoelastic losses."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

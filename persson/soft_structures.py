@@ -1,7 +1,5 @@
 """How structure makes a stiff material soft: foams and fibres (Persson 2006, Sec. 8.7)."""
 
-from __future__ import annotations
-
 import math
 
 from persson._checks import positive, within

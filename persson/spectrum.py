@@ -4,8 +4,6 @@ Convention throughout (Persson 2006, Sec. 2): C(q) = (2 pi)^-2 int d^2x <h(x) h(
 that the areal moments are m_2k = 2 pi int q^(2k+1) C(q) dq. Other communities use (2 pi)^2 C.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Any, Literal, Protocol, Self, runtime_checkable

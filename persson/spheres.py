@@ -1,7 +1,5 @@
 """Contact of smooth spheres: Hertz, JKR, Derjaguin and between (Persson 2006, Secs. 3.1, 4 and App. B)."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

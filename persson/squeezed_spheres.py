@@ -1,7 +1,5 @@
 """A rough sphere squeezed until its asperities yield, and how it sticks then (Persson 2006, Sec. 10.2)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

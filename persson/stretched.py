@@ -1,7 +1,5 @@
 """Roughness with a lay, as grinding leaves it: a stretched C(qx, qy), and its average over directions."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import dataclass, replace
 from typing import Any, Self

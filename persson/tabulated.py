@@ -1,7 +1,5 @@
 """Power spectra given by numbers: measured ones, and those smoothed by plastic flow."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Literal, Self

@@ -1,7 +1,5 @@
 """Contact that can carry one tensile stress at every magnification: the load that adhesion adds."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

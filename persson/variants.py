@@ -4,8 +4,6 @@ Under partial contact less energy is stored than full contact of the same area w
 the stress variance grow by dV = S(P) dV_full, with P the relative contact area: S = 1 is the theory of 2001.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Literal, get_args
 

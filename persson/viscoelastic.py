@@ -1,7 +1,5 @@
 """What a viscoelastic solid dissipates at the edge of a contact that opens (Persson 2006, Sec. 8.6)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -3,8 +3,6 @@ r"""Adhesion as a law of the gap: energy phi(g) and attraction tau = phi'(g), ou
 Both laws give the same work of adhesion, -phi(0) = w, when two surfaces are pulled apart without deforming.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Protocol, Self, runtime_checkable

@@ -5,8 +5,6 @@ to be a minimum and the surfaces snap together or apart; those jumps are located
 over.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal, Unpack

@@ -1,7 +1,5 @@
 """A surface and a solid, checked and ready to be solved at any load."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any, Literal

@@ -1,7 +1,5 @@
 """The three questions: the contact under a load, at a distance, and along a path of loads."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any, Unpack, overload
 

@@ -1,7 +1,5 @@
 """What a mesh makes of waves: the discretisation error of its compliance, before anything is solved."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Unpack

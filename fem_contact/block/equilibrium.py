@@ -1,7 +1,5 @@
 """Whether a displacement field balances the forces on it: an independent check, element by element."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The finite-element block pressed by a rigid rough surface: what users call."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Unpack

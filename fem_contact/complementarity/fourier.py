@@ -1,7 +1,5 @@
 """Responses applied by Fourier transform on a periodic grid, and fields carried between grids."""
 
-from __future__ import annotations
-
 import copy
 import importlib.util
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """A half-space that is pressed on one patch alone: no period, by transforms on a doubled grid."""
 
-from __future__ import annotations
-
 import numpy as np
 import scipy.fft
 

@@ -1,7 +1,5 @@
 """The grids of a nested solve: where their arrays are, and how fields are carried between them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

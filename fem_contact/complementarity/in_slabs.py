@@ -1,7 +1,5 @@
 """The contact iteration on grids in slabs: the response, the passes, and what is carried between grids."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

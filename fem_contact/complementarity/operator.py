@@ -11,8 +11,6 @@ Whether S moves the mean (layer, block) or leaves it out (half-space) does not m
 prescribed: a constant displacement only changes the offset.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Protocol
 

@@ -1,7 +1,5 @@
 """Conjugate gradients under bounds without preconditioner, to check the faster solver against."""
 
-from __future__ import annotations
-
 import time
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Passes over the rows of an array, shared out over threads in fixed blocks."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise

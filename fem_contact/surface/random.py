@@ -5,8 +5,6 @@ to array positions, so that one seed gives one surface, whatever grid it is samp
 spectrum is cut.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal

@@ -1,7 +1,5 @@
 """Power spectra of given surfaces: of periodic ones, and of measured patches that are not."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

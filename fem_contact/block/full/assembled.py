@@ -1,7 +1,5 @@
 """The field of a block once more, from its surface forces: assembled matrix, algebraic multigrid of pyamg."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fem_contact._checks import instance, room_for, within

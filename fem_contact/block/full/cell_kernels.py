@@ -15,8 +15,6 @@ The tests hold the assembled matrix against them.
 # Types are numba's business here.
 # mypy: disallow-untyped-defs=False
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

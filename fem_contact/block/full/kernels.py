@@ -14,8 +14,6 @@ The tests hold a NumPy twin of every kernel.
 # Types are numba's business here.
 # mypy: disallow-untyped-defs=False
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

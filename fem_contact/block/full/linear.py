@@ -1,7 +1,5 @@
 """Conjugate gradients with a residual check of their own."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

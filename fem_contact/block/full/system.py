@@ -1,7 +1,5 @@
 """The full system of the block, and coarser grids that propose a first active set."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The block at finite strain: what users call."""
 
-from __future__ import annotations
-
 import itertools
 import time
 from collections.abc import Iterable, Iterator

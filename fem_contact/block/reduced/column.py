@@ -13,8 +13,6 @@ u_z (and the pressure modes even in x and y) counted in units of i every amplitu
 Lengths are in cell widths, stiffness in Young's modulus; theta is the phase per cell.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache

@@ -1,7 +1,5 @@
 """The block as its surface nodes see it: the discrete compliance, applied by FFT."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
