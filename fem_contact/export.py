@@ -200,11 +200,10 @@ def render_surface(path: Path, solution: ContactResult | BlockSolution) -> None:
     rise = -(contact.displacement - contact.displacement.min())
     depth = float(np.ptp(rise))
     magnification = 0.1 * max(contact.lengths) / depth if depth > 0 else 1.0
-    (nx, ny), (dx, dy) = contact.shape, contact.spacing
-    x, y = np.meshgrid(np.arange(nx + 1) * dx, np.arange(ny + 1) * dy, indexing="ij")
+    points = _grid_points(contact, np.zeros(1))[:, :, 0]
     # Lengths in periods: the drawing library's tolerances are absolute.
     unit = max(contact.lengths)
-    places = x / unit, y / unit, magnification * _unfolded(rise) / unit
+    places = points[..., 0] / unit, points[..., 1] / unit, magnification * _unfolded(rise) / unit
     with _drawn(path, places, "pressure [MPa]", _unfolded(contact.pressure)) as plotter:
         plotter.view_vector((-0.6, -1.0, 0.9), viewup=(0, 0, 1))
         plotter.camera.zoom(1.3)

@@ -20,14 +20,12 @@ class Response(Protocol):
     @property
     def contact_modulus(self) -> float:
         """E* [Pa] that sets the scale of stresses."""
-        ...
 
     def compliance(self, qx: Array, qy: Array) -> Array:
         """Surface displacement over pressure [m/Pa] at wavevectors (qx, qy) [1/m], broadcast together.
 
         At q = 0 it is the mean displacement per mean pressure, 0 where that is left out (half-space).
         """
-        ...
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -22,14 +22,12 @@ class ViscoelasticSolid(Protocol):
     @property
     def poisson(self) -> float:
         """Poisson's ratio nu."""
-        ...
 
     def modulus(self, frequency: ArrayLike) -> Complex:
         """E(omega) [Pa] for omega >= 0 [1/s]: storage modulus + i times the loss modulus.
 
         Strains go like exp(+i omega t), so that the imaginary part is not negative.
         """
-        ...
 
 
 @dataclass(frozen=True, kw_only=True)

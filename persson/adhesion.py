@@ -30,14 +30,14 @@ from persson._checks import (
     within,
 )
 from persson.diffusion import Diffusion, diffuse_once
-from persson.errors import InvalidInput, NotConverged, OutsideTheory
+from persson.errors import NotConverged, OutsideTheory
 from persson.interface import Interface as Interface
 from persson.interface import closing_work as closing_work
 from persson.interface import crossover_length as crossover_length
 from persson.interface import detachment_stress as detachment_stress
 from persson.interface import opening_work as opening_work
 from persson.scale import Scale, of_variance
-from persson.spectrum import area_factor
+from persson.spectrum import area_factor, check_sample
 
 #: Spacing of the nodes in ln V and in ln q, on the coarse and on the fine level.
 _SPACINGS = (0.24, 0.12)
@@ -244,8 +244,8 @@ def solve_adhesion(
     within("tolerance", tolerance, "[1e-14, 0.1]")
     whole("rounds", rounds, least=1, most=100_000)
     pressure = scalar("pressure", pressure)
-    if pressure < 0 and scale.spectrum.q_min == 0:
-        raise InvalidInput("q_min = 0: under tension the size L of the sample matters; give q_min = 2 pi / L")
+    if pressure < 0:
+        check_sample(scale.spectrum, "under tension the size L of the sample matters")
     case = _Case(
         scale=scale,
         pressure=pressure,

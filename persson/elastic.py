@@ -246,4 +246,4 @@ def persson_kappa(reduced_pressure: ArrayLike) -> Array:
     """
     load = non_negative("reduced_pressure", reduced_pressure)
     safe = np.where(load > 0, load, 1.0)
-    return np.where(load > 0, np.asarray(erf(math.sqrt(2) * safe)) / safe, KAPPA_PERSSON)[()]
+    return np.where(load > 0, erf(math.sqrt(2) * safe) / safe, KAPPA_PERSSON)[()]

@@ -18,7 +18,7 @@ from persson._checks import (
 from persson.elastic import contact_area
 from persson.errors import InvalidInput, NotConverged, OutsideTheory
 from persson.interface import Interface
-from persson.spectrum import Spectrum, area_factor, check_spectrum
+from persson.spectrum import Spectrum, area_factor, check_sample, check_spectrum, sampled_wavevectors
 from persson.variants import energy_share
 
 #: Wavevectors of the optimal modulus, evenly spaced in ln q; its relative change at which the iteration
@@ -157,10 +157,8 @@ def optimal_modulus(
         raise OutsideTheory(f"pressure = {pressure!r} Pa: the tension must stay below the tensile limit")
     if interface.energy == "as_printed":
         raise InvalidInput("interface.energy = 'as_printed': must be 'improved' or 'old' here")
-    if not spectrum.q_min > 0:
-        raise InvalidInput("q_min = 0: must be positive; give q_min = 2 pi / L")
-    q = spectrum.q_min * np.geomspace(1.0, spectrum.q_short / spectrum.q_min, _NODES)
-    q[-1] = spectrum.q_short
+    check_sample(spectrum, "must be positive")
+    q = sampled_wavevectors(spectrum, _NODES)
     added = np.diff(spectrum.m2(q)) / 4
     star = area_factor(spectrum.m2(q)) if interface.area == "star" else np.ones_like(q)
     bond = interface.work_of_adhesion

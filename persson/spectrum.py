@@ -6,7 +6,7 @@ that the areal moments are m_2k = 2 pi int q^(2k+1) C(q) dq. Other communities u
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, Literal, Protocol, Self, runtime_checkable
+from typing import Any, Literal, NotRequired, Protocol, Self, TypedDict, Unpack, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -62,38 +62,44 @@ class Spectrum(Protocol):
     @property
     def q_min(self) -> float:
         """Smallest wavevector of the roughness [1/m]; 0 where it has none."""
-        ...
 
     @property
     def q_long(self) -> float:
         """Wavevector where the roll-off ends [1/m]; equals `q_min` without one."""
-        ...
 
     @property
     def q_short(self) -> float:
         """Cut-off wavevector [1/m]."""
-        ...
 
     def __call__(self, q: ArrayLike) -> Array:
         """C(q) [m^4] for wavevectors [1/m]."""
-        ...
 
     def m0(self, q_upper: ArrayLike | None = None) -> Array:
         """<h^2> [m^2] of the waves up to q_upper [1/m]."""
-        ...
 
     def m2(self, q_upper: ArrayLike | None = None) -> Array:
         """<|grad h|^2> [-] of the waves up to q_upper [1/m]."""
-        ...
 
     def m4(self, q_upper: ArrayLike | None = None) -> Array:
         """<(lap h)^2> [1/m^2] of the waves up to q_upper [1/m]."""
-        ...
 
 
 def check_spectrum(spectrum: object) -> None:
     """Refuse what is no spectrum."""
     instance("spectrum", spectrum, Spectrum, what="a power spectrum, such as `SelfAffine`")
+
+
+def check_sample(spectrum: Spectrum, why: str) -> None:
+    """Refuse a spectrum without smallest wavevector where the size of the sample matters."""
+    if not spectrum.q_min > 0:
+        raise InvalidInput(f"q_min = 0: {why}; give q_min = 2 pi / L")
+
+
+def sampled_wavevectors(spectrum: Spectrum, count: int) -> Array:
+    """Return wavevectors [1/m] from q_min to q_short, evenly spaced in ln q."""
+    q = spectrum.q_min * np.geomspace(1.0, spectrum.q_short / spectrum.q_min, count)
+    q[-1] = spectrum.q_short
+    return q
 
 
 class SpectrumMoments:
@@ -123,6 +129,16 @@ class SpectrumMoments:
         if q_upper is not None:
             q_upper = scalar("q_upper", q_upper)
         return Moments(m0=float(self.m0(q_upper)), m2=float(self.m2(q_upper)), m4=float(self.m4(q_upper)))
+
+
+class Shape(TypedDict):
+    """Parameters of `SelfAffine` but for the amplitude."""
+
+    hurst: float
+    q_long: float
+    q_short: float
+    rolloff: NotRequired[RollOff]
+    q_min: NotRequired[Any]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -190,34 +206,14 @@ class SelfAffine(SpectrumMoments):
             within("q_min", lowest, f"[0, q_long = {self.q_long!r}]", ends=(0, self.q_long))
 
     @classmethod
-    def from_rms_height(
-        cls,
-        rms_height: float,
-        *,
-        hurst: float,
-        q_long: float,
-        q_short: float,
-        rolloff: RollOff = "sharp",
-        q_min: float | None = None,
-    ) -> Self:
+    def from_rms_height(cls, rms_height: float, **shape: Unpack[Shape]) -> Self:
         """Return the spectrum with sqrt(m0) = rms_height [m]; the other parameters as for the class."""
-        shape: dict[str, Any] = {"hurst": hurst, "q_long": q_long, "q_short": q_short, "q_min": q_min}
-        return cls(**shape, rolloff=rolloff, amplitude=1.0)._normalised("rms_height", rms_height, 0)
+        return cls(**shape, amplitude=1.0)._normalised("rms_height", rms_height, 0)
 
     @classmethod
-    def from_rms_gradient(
-        cls,
-        rms_gradient: float,
-        *,
-        hurst: float,
-        q_long: float,
-        q_short: float,
-        rolloff: RollOff = "sharp",
-        q_min: float | None = None,
-    ) -> Self:
+    def from_rms_gradient(cls, rms_gradient: float, **shape: Unpack[Shape]) -> Self:
         """Return the spectrum with sqrt(m2) = rms_gradient [-]; the other parameters as for the class."""
-        shape: dict[str, Any] = {"hurst": hurst, "q_long": q_long, "q_short": q_short, "q_min": q_min}
-        return cls(**shape, rolloff=rolloff, amplitude=1.0)._normalised("rms_gradient", rms_gradient, 1)
+        return cls(**shape, amplitude=1.0)._normalised("rms_gradient", rms_gradient, 1)
 
     def _normalised(self, name: str, rms: float, order: int) -> Self:
         """Return this spectrum of C(q_long) = 1 with another amplitude: its moment of an order is rms^2."""

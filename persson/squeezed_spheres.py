@@ -9,10 +9,10 @@ from numpy.typing import ArrayLike
 
 from persson._checks import Array, instance, non_negative, positive
 from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
-from persson.errors import InvalidInput, OutsideTheory
+from persson.errors import OutsideTheory
 from persson.hardness import constant_hardness
 from persson.scale import Scale
-from persson.spectrum import Spectrum, check_spectrum
+from persson.spectrum import Spectrum, check_sample, check_spectrum, sampled_wavevectors
 from persson.tabulated import Tabulated, smoothed
 
 #: Wavevectors at which the smoothed spectrum is tabulated.
@@ -151,11 +151,9 @@ def roughness_barrier(
     instance("interface", interface, Interface)
     load = positive("pressure", pressure)
     limit = positive("yield_stress", yield_stress)
-    if not spectrum.q_min > 0:
-        raise InvalidInput("q_min = 0: the size L of the sample matters without load; give q_min = 2 pi / L")
+    check_sample(spectrum, "the size L of the sample matters without load")
     scale = Scale(spectrum, contact_modulus=contact_modulus)
-    q = spectrum.q_min * np.geomspace(1.0, spectrum.q_short / spectrum.q_min, _NODES)
-    q[-1] = spectrum.q_short
+    q = sampled_wavevectors(spectrum, _NODES)
     areas = constant_hardness(load, stress_variance=scale.variance(q), yield_stress=limit)
     yielded = np.minimum(areas.plastic * (limit / load), 1.0)
     smooth = smoothed(spectrum, wavevectors=q, yielded=yielded)

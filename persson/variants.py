@@ -173,7 +173,7 @@ def corrected_contact_area(pressure: ArrayLike, *, stress_variance: ArrayLike, v
     # Beyond it the square could not be represented, and the area is proportional to the load.
     limited = np.minimum(x, 1e100)
     y = _xu(limited**2) if variant == "xu" else _grown(limited**2, variant)
-    area = np.asarray(erf(1 / np.sqrt(2 * y))) * (limited / x)
+    area = erf(1 / np.sqrt(2 * y)) * (limited / x)
     return np.where(loaded, area, np.where(load > 0, 1.0, 0.0))[()]
 
 

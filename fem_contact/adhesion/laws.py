@@ -20,38 +20,30 @@ class GapLaw(Protocol):
     @property
     def work(self) -> float:
         """Work of adhesion w [J/m^2]."""
-        ...
 
     @property
     def reach(self) -> float:
         """Length over which the attraction acts, w / strength [m]."""
-        ...
 
     @property
     def strength(self) -> float:
         """Largest attraction sigma_th [Pa]."""
-        ...
 
     @property
     def steepest(self) -> float:
         """Largest fall of the attraction with the gap, max -d tau / d g [Pa/m]."""
-        ...
 
     def energy(self, gap: Array) -> Array:
         """Return phi(g) [J/m^2], 0 at infinity."""
-        ...
 
     def traction(self, gap: Array) -> Array:
         """Return the attraction tau = d phi / d g [Pa], not negative."""
-        ...
 
     def slope(self, gap: Array) -> Array:
         """Return d tau / d g [Pa/m]."""
-        ...
 
     def on_grid(self, *, spacing: float, contact_modulus: float) -> Self:
         """Return the law as a grid of that spacing [m] sees it."""
-        ...
 
 
 def _gaps(gap: Array) -> Array:
@@ -105,18 +97,19 @@ class Exponential(_Law):
 
     def energy(self, gap: Array) -> Array:
         """Return -w exp(-g / rho) [J/m^2]."""
-        with np.errstate(over="ignore"):
-            return -self.work * np.exp(-_gaps(gap) / self.reach)
+        return self._falling(-self.work, gap)
 
     def traction(self, gap: Array) -> Array:
         """Return (w / rho) exp(-g / rho) [Pa]."""
-        with np.errstate(over="ignore"):
-            return self.strength * np.exp(-_gaps(gap) / self.reach)
+        return self._falling(self.strength, gap)
 
     def slope(self, gap: Array) -> Array:
         """Return -(w / rho^2) exp(-g / rho) [Pa/m]."""
+        return self._falling(-self.steepest, gap)
+
+    def _falling(self, factor: float, gap: Array) -> Array:
         with np.errstate(over="ignore"):
-            return -self.steepest * np.exp(-_gaps(gap) / self.reach)
+            return factor * np.exp(-_gaps(gap) / self.reach)
 
     def on_grid(self, *, spacing: float, contact_modulus: float) -> Self:
         """Return the law itself: it is smooth."""

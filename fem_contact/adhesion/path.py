@@ -15,7 +15,7 @@ from fem_contact._checks import finite, non_negative, numbers_of, within
 from fem_contact._types import Array
 from fem_contact.adhesion.descent import Minimum, Point
 from fem_contact.adhesion.laws import GapLaw
-from fem_contact.adhesion.state import AdhesionProblem, AdhesiveContact, checked_point, settings_of
+from fem_contact.adhesion.state import AdhesionProblem, AdhesiveContact, settings_of
 from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput, NotConverged
 from fem_contact.response import Response
@@ -148,18 +148,13 @@ def follow(
     within("resolution", resolution, "[1e-12, 1]")
     non_negative("least_jump", least_jump)
     problem = AdhesionProblem(surface, response, law=law, settings=settings_of(limits))
-    if offsets is not None:
-        held = numbers_of("offsets", offsets)
-        points = [checked_point(None, finite("offsets", value)) for value in held]
-        width = resolution * law.reach
-    else:
-        assert mean_pressures is not None
-        held = numbers_of("mean_pressures", mean_pressures)
-        values = [finite("mean_pressures", value) for value in held]
-        points = [checked_point(value, None) for value in values]
-        width = resolution * max((abs(value) for value in values), default=0.0)
-    if not points:
+    name, held = ("offsets", offsets) if mean_pressures is None else ("mean_pressures", mean_pressures)
+    values = [finite(name, value) for value in numbers_of(name, held)]
+    if not values:
         raise InvalidInput("the path is empty: give at least one offset or mean pressure")
+    by_offset = offsets is not None
+    points = [Point(offset=value) if by_offset else Point(mean_pressure=value) for value in values]
+    width = resolution * (law.reach if by_offset else max(map(abs, values)))
     return _Walk(problem, width=width, least=least_jump).run(points, start)
 
 

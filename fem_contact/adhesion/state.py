@@ -156,7 +156,12 @@ def solve(
         that is not positive or below the mean pressure.
     """
     problem = AdhesionProblem(surface, response, law=law, settings=settings_of(limits), hardness=hardness)
-    point = checked_point(mean_pressure, offset)
+    if (mean_pressure is None) == (offset is None):
+        raise InvalidInput("mean_pressure, offset: give exactly one of them")
+    if offset is not None:
+        point = Point(offset=finite("offset", offset))
+    else:
+        point = Point(mean_pressure=finite("mean_pressure", mean_pressure))
     return problem.packed(problem.at(point, problem.first_gap(point, start)))
 
 
@@ -186,15 +191,6 @@ def settings_of(limits: Limits) -> Settings:
     """Return the settings of a descent."""
     given: Limits = {"tolerance": 1e-6, "max_iterations": 500, **limits}
     return Settings(**given)
-
-
-def checked_point(mean_pressure: float | None, offset: float | None) -> Point:
-    """Return what is held; exactly one of the two, finite."""
-    if (mean_pressure is None) == (offset is None):
-        raise InvalidInput("mean_pressure, offset: give exactly one of them")
-    if offset is not None:
-        return Point(offset=finite("offset", offset))
-    return Point(mean_pressure=finite("mean_pressure", mean_pressure))
 
 
 def check_law(law: GapLaw) -> None:
@@ -251,7 +247,7 @@ class AdhesionProblem:
         if point.offset is not None:
             return point.offset - heights
         weak = self._gap_without_adhesion(point)
-        return np.asarray(float(heights.max()) - heights) if weak is None else weak
+        return float(heights.max()) - heights if weak is None else weak
 
     def _gap_without_adhesion(self, point: Point) -> Array | None:
         """Gap of the contact without attraction, where that is weak; None where it is not, or without load.

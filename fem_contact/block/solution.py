@@ -72,7 +72,6 @@ class FieldSource(Protocol):
 
     def descend(self) -> Iterator[CellLayer]:
         """Yield the layers from the surface down."""
-        ...
 
 
 @dataclass(frozen=True, kw_only=True)

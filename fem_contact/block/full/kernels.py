@@ -30,16 +30,17 @@ def _plane(t, x, y, z, fx, fy, fz):
 
 
 @njit(**_OPTIONS)
-def _column(c, u, i, before, after, j, left, right, out):
+def _column(c, u, i, j, out):
     """Write the forces A u of one column into out (nz, 3).
 
     Mirrored neighbours share a coefficient, so that their sums and differences are formed first; each plane
     then acts on the plane below it, on itself and on the plane above it.
     """
+    nx, ny, nz = u.shape[0], u.shape[1], u.shape[2]
+    before, after, left, right = (i - 1) % nx, (i + 1) % nx, (j - 1) % ny, (j + 1) % ny
     here, back, ahead = u[i, j], u[i, left], u[i, right]
     low, low_back, low_ahead = u[before, j], u[before, left], u[before, right]
     high, high_back, high_ahead = u[after, j], u[after, left], u[after, right]
-    nz = u.shape[2]
     x, y, z = 0.0, 0.0, 0.0
     next_x, next_y, next_z = 0.0, 0.0, 0.0
     for k in range(nz):
@@ -70,10 +71,9 @@ def _column(c, u, i, before, after, j, left, right, out):
 @njit(**_OPTIONS)
 def apply_stencil(c, u, out):
     """Write the forces A u into out."""
-    nx, ny = u.shape[0], u.shape[1]
-    for i in range(nx):
-        for j in range(ny):
-            _column(c, u, i, (i - 1) % nx, (i + 1) % nx, j, (j - 1) % ny, (j + 1) % ny, out[i, j])
+    for i in range(u.shape[0]):
+        for j in range(u.shape[1]):
+            _column(c, u, i, j, out[i, j])
 
 
 @njit(**_OPTIONS)
@@ -93,7 +93,7 @@ def relax(c, low, d, f, tied, u, backward):
     nx, ny, nz = u.shape[0], u.shape[1], u.shape[2]
     r, order = np.empty((nz, 3)), coloured_columns(nx, ny)
     for i, j in order[::-1] if backward else order:
-        _column(c, u, i, (i - 1) % nx, (i + 1) % nx, j, (j - 1) % ny, (j + 1) % ny, r)
+        _column(c, u, i, j, r)
         x, y, z = 0.0, 0.0, 0.0
         for k in range(nz):
             x = f[i, j, k, 0] - r[k, 0] - low[k, 0] * x

@@ -37,7 +37,7 @@ def cofactors(gradient: Array) -> tuple[Array, Array]:
     """Cofactors (..., 3, 3) and determinants (...) of matrices."""
     first, second, third = (gradient[..., row, :] for row in range(3))
     rows = (np.cross(second, third), np.cross(third, first), np.cross(first, second))
-    return np.stack(rows, axis=-2), np.asarray(np.sum(first * rows[0], axis=-1))
+    return np.stack(rows, axis=-2), np.sum(first * rows[0], axis=-1)
 
 
 @dataclass(frozen=True, kw_only=True)

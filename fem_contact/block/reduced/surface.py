@@ -96,7 +96,7 @@ class BlockResponse:
             table[upper] = table.T[upper] = surface_compliance(self.folded, phases)[:, 0, 0]
         else:
             table = surface_compliance(self.folded, phase_pairs(x, y)).reshape(x.size, y.size)
-        return np.asarray(table * (self.mesh.aspect * self.width / self.solid.young))[from_x, from_y]
+        return (table * (self.mesh.aspect * self.width / self.solid.young))[from_x, from_y]
 
 
 def _sizes(q: Array) -> tuple[Array, NDArray[np.intp]]:
