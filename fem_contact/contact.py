@@ -347,18 +347,9 @@ def residuals_of(
     rms_gradient: float,
     target_pressure: float | None,
 ) -> Residuals:
-    """Return the residuals of fields of which these sums are known.
+    """Return the residuals of fields of which `residual_sums` gave these sums; as `measure_residuals`.
 
-    Parameters
-    ----------
-    sums : sequence of float
-        As `residual_sums` gives them.
-    rms_height, highest : float
-        Of the heights [m], and their largest absolute value.
-    longest : float
-        The longer period [m].
-    contact_modulus, rms_gradient, target_pressure
-        As in `measure_residuals`.
+    Of the heights [m] are known the rms and the largest absolute value, and the longer period [m].
     """
     borne, total, work, lowest, least = sums
     mean = borne / points

@@ -164,13 +164,7 @@ def _limit(areas: Sequence[ContactAreas], definition: Literal["subcell", "perime
 
 
 def too_small(areas: Sequence[ContactAreas]) -> str:
-    """Say that the contact is too small for a limit over these grids; empty where it is not.
-
-    Parameters
-    ----------
-    areas : sequence of ContactAreas
-        Of one surface at one load, from one grid or more.
-    """
+    """Say that the contact is too small for a limit over these grids; empty where it is not."""
     listed("areas", areas, ContactAreas, what="`ContactAreas`")
     if not areas:
         raise InvalidInput("0 areas: a limit needs at least one")
@@ -199,11 +193,8 @@ def _checked(limit: Limit) -> Limit:
 def predicted_uncertainty(coarse: ContactAreas, grids: Sequence[PlannedGrid]) -> float:
     """Return the standard error that a limit will claim from grids not solved yet; inf if none.
 
-    Parameters
-    ----------
-    coarse : ContactAreas
-        Of any grid of the same surface at the same load: says how large the contact is, how long its edges,
-        and whether they are located, for `located_limit`, or corrected, for `perimeter_limit`.
+    The areas of any grid of the same surface at the same load say how large the contact is, how long its
+    edges, and whether they are located, for `located_limit`, or corrected, for `perimeter_limit`.
     """
     instance("coarse", coarse, ContactAreas, what="`ContactAreas`")
     listed("grids", grids, PlannedGrid, what="`PlannedGrid`s")

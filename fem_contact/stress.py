@@ -16,22 +16,13 @@ from fem_contact.surface import HeightField
 
 @dataclass(frozen=True, kw_only=True)
 class PressureDistribution:
-    """Histogram of the contact pressure per nominal area.
+    """Histogram of the contact pressure per nominal area."""
 
-    Attributes
-    ----------
-    edges : (n + 1,) array
-        Bin edges [Pa].
-    density : (n,) array
-        P(sigma) [1/Pa]: share of the nominal area per pressure. The non-contact area (a delta at 0) is left
-        out, so the integral over all pressures is A/A0 (Persson 2006, Eq. 16).
-    area : float
-        A/A0, contact points by weight.
-    """
-
-    edges: Array
+    edges: Array  # (n + 1,): Bin edges [Pa]
+    # (n,): P(sigma) [1/Pa]: share of the nominal area per pressure. The non-contact area (a delta at 0)
+    # is left out, so the integral over all pressures is A/A0 (Persson 2006, Eq. 16).
     density: Array
-    area: float
+    area: float  # A/A0, contact points by weight
 
     @property
     def centres(self) -> Array:
@@ -67,27 +58,13 @@ def pressure_distribution(result: ContactResult, edges: ArrayLike) -> PressureDi
 
 @dataclass(frozen=True, kw_only=True)
 class DensityAtZero:
-    """Estimate of P(0+) from the points below a small pressure.
+    """Estimate of P(0+) from the points below a small pressure."""
 
-    Attributes
-    ----------
-    density : float
-        P(sigma < threshold) / threshold [1/Pa].
-    reduced : float
-        density * E* h'_rms, dimensionless.
-    threshold : float
-        The small pressure [Pa].
-    points : int
-        Contact points below it.
-    spacing : float
-        Geometric mean of dx and dy [m].
-    """
-
-    density: float
-    reduced: float
-    threshold: float
-    points: int
-    spacing: float
+    density: float  # P(sigma < threshold) / threshold [1/Pa]
+    reduced: float  # density * E* h'_rms, dimensionless
+    threshold: float  # The small pressure [Pa]
+    points: int  # Contact points below it
+    spacing: float  # Geometric mean of dx and dy [m]
 
 
 #: Window of `density_at_zero` in units of E* h'_rms, at one point per length l.
@@ -135,25 +112,15 @@ def density_at_zero(result: ContactResult) -> DensityAtZero:
 
 @dataclass(frozen=True, kw_only=True)
 class WindowSlope:
-    """Mean slope of P(sigma) in a window of small pressures, and the patches it rests on.
+    """Mean slope of P(sigma) in a window of small pressures, and the patches it rests on."""
 
-    Attributes
-    ----------
-    slope : float
-        Of a line through zero [1/Pa^2]. It is not P'(0+), which was 2 to 3 times as large as that between 0.1
-        and 0.4 E* h'_rms at H = 0.8, bandwidth 4 and p* = 0.05: P bends over such a window.
-    reduced : float
-        slope * (E* h'_rms)^2.
-    uncertainty : float
-        Standard error of `reduced`, from the counts in the bins.
-    patches : int
-        Contact patches of the result. Each adds to the slope whatever its size, so a slope is converged only
-        where their number is.
-    """
-
+    # Of a line through zero [1/Pa^2]. It is not P'(0+), which was 2 to 3 times as large as that between
+    # 0.1 and 0.4 E* h'_rms at H = 0.8, bandwidth 4 and p* = 0.05: P bends over such a window.
     slope: float
-    reduced: float
-    uncertainty: float
+    reduced: float  # slope * (E* h'_rms)^2
+    uncertainty: float  # Standard error of `reduced`, from the counts in the bins
+    # Contact patches of the result. Each adds to the slope whatever its size, so a slope is converged
+    # only where their number is.
     patches: int
 
 
@@ -203,21 +170,11 @@ def window_slope(
 
 @dataclass(frozen=True, kw_only=True)
 class GapDistribution:
-    """Histogram of the gap over the points out of contact, per nominal area.
+    """Histogram of the gap over the points out of contact, per nominal area."""
 
-    Attributes
-    ----------
-    edges : (n + 1,) array
-        Bin edges [m].
-    density : (n,) array
-        Share of the nominal area per gap [1/m]; it integrates to 1 - A/A0 over all gaps.
-    mean : float
-        Mean gap over the whole area [m].
-    """
-
-    edges: Array
-    density: Array
-    mean: float
+    edges: Array  # (n + 1,): Bin edges [m]
+    density: Array  # (n,): Share of the nominal area per gap [1/m]; it integrates to 1 - A/A0 over all gaps
+    mean: float  # Mean gap over the whole area [m]
 
 
 def gap_distribution(result: ContactResult, edges: ArrayLike) -> GapDistribution:

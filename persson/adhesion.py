@@ -59,48 +59,28 @@ class AdhesionStatus(Enum):
 
 @dataclass(frozen=True, kw_only=True)
 class AdhesiveContact:
-    """Adhesive contact against the wavevector up to which roughness is resolved.
+    """Adhesive contact against the wavevector up to which roughness is resolved."""
 
-    Attributes
-    ----------
-    wavevectors, variance : (n,) arrays
-        q [1/m] of the nodes and V(q) [Pa^2].
-    area, area_plastic : (n,) arrays
-        Area in contact (yielded area included) and yielded area, over the nominal area.
-    work : (n,) array
-        gamma_eff(q) [J/m^2], raw: negative where the surfaces do not adhere.
-    tensile_limit : (n,) array
-        sigma_a(q) [Pa].
-    contact_force : (n,) array
-        F(q)/A0 [Pa], the force in the area of contact: it exceeds the load by what pulls outside of it, and
-        grows by -sigma_a dA (Persson 2006, Eq. 40).
-    elastic_energy : (n,) array
-        U_el(q)/A0 [J/m^2], stored by the waves shorter than those at q.
-    energy_share : (n,) array
-        P~(q), the energy stored over that of full contact: Eq. 44, or P, or Eq. 50, as the interface says.
-    macroscopic_work : float
-        gamma_eff(1) [J/m^2], with the energy of all roughness.
-    real_area : float
-        A(q_short)/A0.
-    error_estimate : float
-        Change of `real_area` when the number of nodes is halved, plus the last change of the iteration.
-    rounds : int
-        Iterations on the fine nodes.
-    """
-
+    # (n,): q [1/m] of the nodes and V(q) [Pa^2].
     wavevectors: Array
     variance: Array
+    # (n,): Area in contact (yielded area included) and yielded area, over the nominal area.
     area: Array
     area_plastic: Array
-    work: Array
-    tensile_limit: Array
+    work: Array  # (n,): gamma_eff(q) [J/m^2], raw: negative where the surfaces do not adhere
+    tensile_limit: Array  # (n,): sigma_a(q) [Pa]
+    # (n,): F(q)/A0 [Pa], the force in the area of contact: it exceeds the load by what pulls outside of
+    # it, and grows by -sigma_a dA (Persson 2006, Eq. 40).
     contact_force: Array
-    elastic_energy: Array
+    elastic_energy: Array  # (n,): U_el(q)/A0 [J/m^2], stored by the waves shorter than those at q
+    # (n,): P~(q), the energy stored over that of full contact: Eq. 44, or P, or Eq. 50, as the interface
+    # says.
     energy_share: Array
-    macroscopic_work: float
-    real_area: float
+    macroscopic_work: float  # gamma_eff(1) [J/m^2], with the energy of all roughness
+    real_area: float  # A(q_short)/A0
+    # Change of `real_area` when the number of nodes is halved, plus the last change of the iteration.
     error_estimate: float
-    rounds: int
+    rounds: int  # Iterations on the fine nodes
     status: AdhesionStatus
     _state: Diffusion | None = None
 

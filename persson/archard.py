@@ -13,18 +13,10 @@ from persson.errors import InvalidInput
 
 @dataclass(frozen=True, kw_only=True)
 class HierarchyContact:
-    """Contact of a hierarchy of spheres.
+    """Contact of a hierarchy of spheres."""
 
-    Attributes
-    ----------
-    area : array
-        Area of real contact [m^2], on the spheres of the last level.
-    exponent : float
-        b in A ~ F^b: 2/3, 8/9, 26/27, ... 1 - 3^-n for n levels.
-    """
-
-    area: Array
-    exponent: float
+    area: Array  # Area of real contact [m^2], on the spheres of the last level
+    exponent: float  # b in A ~ F^b: 2/3, 8/9, 26/27, ... 1 - 3^-n for n levels.
 
 
 def archard_hierarchy(

@@ -40,27 +40,13 @@ def tail_moment(order: float, height: ArrayLike) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class AsperityContact:
-    """Contact of a surface of asperities with a plane.
+    """Contact of a surface of asperities with a plane."""
 
-    Attributes
-    ----------
-    area : array
-        A/A0.
-    pressure : array
-        Nominal pressure [Pa].
-    density : array
-        Asperities in contact per area [1/m^2].
-    patch_area : array
-        Mean patch sum A_i^2 / sum A_i [m^2]; nan where the theory does not give it.
-    area_plastic : array
-        The part of the area that has yielded.
-    """
-
-    area: Array
-    pressure: Array
-    density: Array
-    patch_area: Array
-    area_plastic: ArrayLike = 0.0
+    area: Array  # A/A0
+    pressure: Array  # Nominal pressure [Pa]
+    density: Array  # Asperities in contact per area [1/m^2]
+    patch_area: Array  # Mean patch sum A_i^2 / sum A_i [m^2]; nan where the theory does not give it
+    area_plastic: ArrayLike = 0.0  # The part of the area that has yielded
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -88,24 +88,12 @@ def flaw_tolerant_gradient(
 
 @dataclass(frozen=True, kw_only=True)
 class FlawTolerance:
-    """A graded solid whose detachment stress is the same at every magnification.
+    """A graded solid whose detachment stress is the same at every magnification."""
 
-    Attributes
-    ----------
-    wavevectors : (n,) array
-        q [1/m].
-    modulus : (n,) array
-        E~*(q) [Pa], the modulus that a wave q must feel.
-    work : (n,) array
-        gamma_eff(q) [J/m^2].
-    area : (n,) array
-        A(q)/A0.
-    """
-
-    wavevectors: Array
-    modulus: Array
-    work: Array
-    area: Array
+    wavevectors: Array  # (n,): q [1/m]
+    modulus: Array  # (n,): E~*(q) [Pa], the modulus that a wave q must feel
+    work: Array  # (n,): gamma_eff(q) [J/m^2]
+    area: Array  # (n,): A(q)/A0
 
     @property
     def growth(self) -> Array:

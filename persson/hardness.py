@@ -19,14 +19,9 @@ _IMAGES = 0.35
 
 @dataclass(frozen=True, kw_only=True)
 class ContactAreas:
-    """Parts of the nominal area; they add up to 1.
+    """Parts of the nominal area; they add up to 1."""
 
-    Attributes
-    ----------
-    elastic, plastic, detached : array
-        A_el/A0, A_pl/A0 and the non-contact area.
-    """
-
+    # A_el/A0, A_pl/A0 and the non-contact area.
     elastic: Array
     plastic: Array
     detached: Array

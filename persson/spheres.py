@@ -22,21 +22,11 @@ def effective_radius(first: float, second: float) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class HertzContact:
-    """Contact of two elastic spheres without adhesion.
+    """Contact of two elastic spheres without adhesion."""
 
-    Attributes
-    ----------
-    radius : float
-        r_0 [m] of the contact circle.
-    approach : float
-        s [m].
-    peak_pressure : float
-        sigma_max = 3/2 F / (pi r_0^2) [Pa].
-    """
-
-    radius: float
-    approach: float
-    peak_pressure: float
+    radius: float  # r_0 [m] of the contact circle
+    approach: float  # s [m]
+    peak_pressure: float  # sigma_max = 3/2 F / (pi r_0^2) [Pa]
 
     def pressure(self, distance: ArrayLike) -> Array:
         """Pressure [Pa] at distances r [m] from the centre; 0 outside."""

@@ -90,22 +90,14 @@ def yielded_pull_off(
 
 @dataclass(frozen=True, kw_only=True)
 class RoughnessBarrier:
-    """Adhesion without load before and after a squeeze that flattened the short waves.
+    """Adhesion without load before and after a squeeze that flattened the short waves."""
 
-    Attributes
-    ----------
-    before, after : AdhesiveContact
-        Of the surface as it was, and of the smoothed one as if it were smoothed everywhere.
-    spectrum : Tabulated
-        Cbar(q) of the smoothed surface.
-    flattened : float
-        Share of the nominal area that has yielded: contact is confined to it, since outside the short
-        waves stand.
-    """
-
+    # Of the surface as it was, and of the smoothed one as if it were smoothed everywhere.
     before: AdhesiveContact
     after: AdhesiveContact
-    spectrum: Tabulated
+    spectrum: Tabulated  # Cbar(q) of the smoothed surface
+    # Share of the nominal area that has yielded: contact is confined to it, since outside the short
+    # waves stand.
     flattened: float
 
     @property

@@ -12,18 +12,10 @@ from persson.errors import OutsideTheory
 
 @dataclass(frozen=True, kw_only=True)
 class AdhesionLoad:
-    """Area and force of a contact with one tensile limit.
+    """Area and force of a contact with one tensile limit."""
 
-    Attributes
-    ----------
-    area : array
-        A(zeta)/A0.
-    contact_force : array
-        F(zeta)/A0 [Pa], the force in the area of contact.
-    """
-
-    area: Array
-    contact_force: Array
+    area: Array  # A(zeta)/A0
+    contact_force: Array  # F(zeta)/A0 [Pa], the force in the area of contact
 
 
 def adhesion_load(pressure: ArrayLike, *, stress_variance: ArrayLike, tensile_limit: float) -> AdhesionLoad:

@@ -25,70 +25,39 @@ from fem_contact.surface import HeightField
 
 @dataclass(frozen=True, kw_only=True)
 class PathPoint:
-    """Numbers of one state of a path, all per nominal area.
+    """Numbers of one state of a path, all per nominal area."""
 
-    Attributes
-    ----------
-    offset : float
-        Distance of the mean planes before deformation [m].
-    mean_pressure : float
-        p0 [Pa], negative under tension.
-    mean_gap : float
-        [m].
-    contact : float
-        Share of the points on the wall.
-    within_reach : float
-        Share of the points with a gap below the range of the law, those on the wall included.
-    energy : float
-        Elastic energy and energy of the gap law [J/m^2].
-    """
-
-    offset: float
-    mean_pressure: float
-    mean_gap: float
-    contact: float
+    offset: float  # Distance of the mean planes before deformation [m]
+    mean_pressure: float  # p0 [Pa], negative under tension
+    mean_gap: float  # [m]
+    contact: float  # Share of the points on the wall
+    # Share of the points with a gap below the range of the law, those on the wall included.
     within_reach: float
-    energy: float
+    energy: float  # Elastic energy and energy of the gap law [J/m^2]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Jump:
-    """A place where a minimum ceases to exist and the surfaces snap to another one.
+    """A place where a minimum ceases to exist and the surfaces snap to another one."""
 
-    Attributes
-    ----------
-    kind : {"snap-in", "pull-off"}
-        Whether the points within reach become more or fewer.
-    before, after : PathPoint
-        The last state of the old minimum and the first of the new one; what is controlled (offset or mean
-        pressure) differs between them by less than the resolution asked for. `after` is None where the
-        surfaces part for good under a mean tension.
-    dissipated : float
-        Energy lost in the jump per nominal area [J/m^2]; infinite where a constant tension goes on pulling
-        parted surfaces.
-    """
-
-    kind: Literal["snap-in", "pull-off"]
+    kind: Literal["snap-in", "pull-off"]  # Whether the points within reach become more or fewer
+    # The last state of the old minimum and the first of the new one; what is controlled (offset or mean
+    # pressure) differs between them by less than the resolution asked for. `after` is None where the
+    # surfaces part for good under a mean tension.
     before: PathPoint
     after: PathPoint | None
+    # Energy lost in the jump per nominal area [J/m^2]; infinite where a constant tension goes on pulling
+    # parted surfaces.
     dissipated: float
 
 
 @dataclass(frozen=True, kw_only=True)
 class AdhesionPath:
-    """States along a path and the jumps between them.
+    """States along a path and the jumps between them."""
 
-    Attributes
-    ----------
-    points : tuple of PathPoint
-        The states asked for, and those found around jumps, in order.
-    last : AdhesiveContact
-        The last state of equilibrium.
-    """
-
-    points: tuple[PathPoint, ...]
+    points: tuple[PathPoint, ...]  # The states asked for, and those found around jumps, in order
     jumps: tuple[Jump, ...]
-    last: AdhesiveContact
+    last: AdhesiveContact  # The last state of equilibrium
 
     @property
     def dissipated(self) -> float:

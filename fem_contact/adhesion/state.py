@@ -35,29 +35,17 @@ _PLAIN = 1e-8
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AdhesiveContact:
-    """One state of adhesive contact.
+    """One state of adhesive contact."""
 
-    Attributes
-    ----------
-    contact : ContactResult
-        Fields and status. Its pressure is the whole stress between the bodies, negative where they attract
-        each other; `in_contact` are the points on the wall, g = 0.
-    law : GapLaw
-        The law as the grid saw it.
-    energy : float
-        Elastic energy and energy of the gap law per area [J/m^2].
-    imbalance : float
-        Largest force left on a point free to move, over the strength of the law or the rms pressure,
-        whichever is larger.
-    hardness : float or (nx, ny) array or None
-        The bound it was solved with [Pa].
-    """
-
+    # Fields and status. Its pressure is the whole stress between the bodies, negative where they attract
+    # each other; `in_contact` are the points on the wall, g = 0.
     contact: ContactResult
-    law: GapLaw
-    energy: float
+    law: GapLaw  # The law as the grid saw it
+    energy: float  # Elastic energy and energy of the gap law per area [J/m^2]
+    # Largest force left on a point free to move, over the strength of the law or the rms pressure,
+    # whichever is larger.
     imbalance: float
-    hardness: float | Array | None = None
+    hardness: float | Array | None = None  # The bound it was solved with [Pa]
 
     def checked(self) -> AdhesiveContact:
         """Return this state if its solver converged, or raise `NotConverged`."""
@@ -67,19 +55,12 @@ class AdhesiveContact:
 
 @dataclass(frozen=True, kw_only=True)
 class Stability:
-    """Least curvature of the energy at a state, over its largest elastic curvature scale.
+    """Least curvature of the energy at a state, over its largest elastic curvature scale."""
 
-    Attributes
-    ----------
-    curvature : float
-        Least Ritz value of Lanczos's method on the points free to move, in the metric of the stiffness, so
-        that a body without attraction has about 1. Positive at a minimum, zero where it ceases to be one.
-    uncertainty : float
-        Bound on the distance of that value to an eigenvalue.
-    """
-
+    # Least Ritz value of Lanczos's method on the points free to move, in the metric of the stiffness, so
+    # that a body without attraction has about 1. Positive at a minimum, zero where it ceases to be one.
     curvature: float
-    uncertainty: float
+    uncertainty: float  # Bound on the distance of that value to an eigenvalue
 
     @property
     def is_minimum(self) -> bool:

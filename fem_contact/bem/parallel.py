@@ -22,7 +22,8 @@ from fem_contact.complementarity.slabs import Slabs
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 from fem_contact.height_traits import HeightTraits, are_level, traits_of, wave_sums
-from fem_contact.surface import HeightField, random_waves, resolves
+from fem_contact.surface import HeightField, random_waves
+from fem_contact.surface.random import checked_grid
 
 if TYPE_CHECKING:
     from fem_contact.area import ContactAreas
@@ -109,10 +110,7 @@ class SlabSurface:
     ) -> Self:
         """Make a random surface in slabs, the same as `random_surface` makes; no process has the whole."""
         slabs = Slabs(comm, shape)
-        if not resolves(shape, lengths, q_short=q_short):
-            raise InvalidInput(
-                f"shape = {shape}: does not resolve lambda_short = {2 * np.pi / q_short:.6g} m"
-            )
+        checked_grid(shape, lengths, q_short, False)
         first, last = slabs.columns[slabs.rank : slabs.rank + 2]
         waves = random_waves(
             spectrum,

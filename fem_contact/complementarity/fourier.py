@@ -24,15 +24,6 @@ class FourierOperator:
     Transforms are ducc0's where it is installed: it works in place, so that no array is allocated per
     application, and is about twice as fast on large grids as scipy's, which is used otherwise.
 
-    Parameters
-    ----------
-    shape : tuple of int
-        Grid points (nx, ny).
-    lengths : tuple of float
-        Periods (Lx, Ly) [m].
-    threads : int, optional
-        Threads of each transform; all available processors if not given.
-
     Raises
     ------
     InvalidInput

@@ -20,15 +20,6 @@ class FreeOperator:
     the points along both axes, so that no image acts on the patch. The inverse response of cosine waves
     preconditions it: unlike periodic ones they do not tie the edges of the patch to each other.
 
-    Parameters
-    ----------
-    shape : tuple of int
-        Grid points (nx, ny).
-    lengths : tuple of float
-        Sides of the patch (Lx, Ly) [m].
-    threads : int, optional
-        Threads of each transform; all available processors if not given.
-
     Notes
     -----
     A. E. H. Love, Phil. Trans. R. Soc. A 228, 377 (1929); K. L. Johnson, Contact Mechanics (1985), Eq. 3.25.

@@ -14,23 +14,10 @@ from fem_contact.response import Response
 
 
 class Grids:
-    """Grids whose arrays are NumPy's, each as a whole.
+    """Grids whose arrays are NumPy's, each as a whole; `shape` is that of the finest."""
 
-    Parameters
-    ----------
-    shape : tuple of int
-        Points (nx, ny) of the finest grid.
-
-    Attributes
-    ----------
-    xp
-        Namespace of the arrays; its sums, means and extremes are those of the whole grid.
-    in_slabs : bool
-        Whether this process has but some rows of the finest grid.
-    """
-
-    xp: Any = np
-    in_slabs = False
+    xp: Any = np  # Namespace of the arrays; its sums, means and extremes are those of the whole grid
+    in_slabs = False  # Whether this process has but some rows of the finest grid
 
     def __init__(self, shape: Shape, *, threads: int) -> None:
         self.shape, self.threads = shape, threads

@@ -137,13 +137,7 @@ def _padded(rows: int, columns: int, dtype: Any) -> AnyArray:
 
 
 class SlabGrids(Grids):
-    """Fields carried between grids in slabs; grids much smaller than a slab are on every process as a whole.
-
-    Parameters
-    ----------
-    slabs : Slabs
-        Of the finest grid.
-    """
+    """Fields carried between grids in slabs; grids much smaller than a slab every process has as a whole."""
 
     in_slabs = True
 

@@ -34,16 +34,9 @@ _OWN = ((0, 1, 2, 3), (7, 8, 9, 10), (14, 15, 16, 17))
 
 
 def stencil(mesh: BlockMesh, *, poisson: float, modulus: Array | None) -> Array:
-    """Sum the cells around the nodes of one column.
+    """Sum the trilinear cells around the nodes of one column, for nu below 1/2.
 
-    Parameters
-    ----------
-    mesh : BlockMesh
-        Of trilinear cells.
-    poisson : float
-        Below 1/2.
-    modulus : (nz,) array, optional
-        Young's modulus of each layer over E, from the bottom upwards; 1 by default.
+    The modulus (nz,) is that of each layer over E, from the bottom upwards; 1 by default.
 
     Returns
     -------

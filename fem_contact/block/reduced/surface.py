@@ -115,11 +115,6 @@ class SurfaceOperator:
 
     Forces are in units of the mean node area, force / (dx dy) over E; lengths are in cell widths. Arrays run
     over the surface nodes (nx, ny), which are four interleaved lattices.
-
-    Parameters
-    ----------
-    threads : int
-        Threads of each transform.
     """
 
     pairs = 1.0
