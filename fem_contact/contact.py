@@ -12,9 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from fem_contact._checks import doubles, finite, instance, non_negative, pair, positive, shape_of, shown
+from fem_contact._checks import doubles, finite, instance, non_negative, positive, shape_of, shown
 from fem_contact._types import Array, Lengths, Mask, Shape
 from fem_contact.errors import InvalidInput, NotConverged
+from fem_contact.surface.heights import checked_lengths
 
 
 class Status(Enum):
@@ -295,7 +296,7 @@ def measure_residuals(
     pressure, gap = doubles("pressure", pressure), doubles("gap", gap)
     weights = None if weights is None else doubles("weights", weights)
     heights = doubles("heights", heights)
-    longest = max(pair("lengths", lengths, positive, what="two positive periods (Lx, Ly) in m"))
+    longest = max(checked_lengths(lengths))
     contact_modulus = positive("contact_modulus", contact_modulus)
     rms_gradient = non_negative("rms_gradient", rms_gradient)
     if target_pressure is not None:

@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from fem_contact.block import BlockSolution
     from fem_contact.subsurface import Subsurface
 
-#: Corners of a hexahedron in VTK's order.
-_CORNERS = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
-
 #: Nodes of a triquadratic hexahedron in VTK's order: corners, edges, faces, centre; in half cells.
 _NODES27 = (
     *((0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2)),
@@ -30,6 +27,8 @@ _NODES27 = (
     *((0, 0, 1), (2, 0, 1), (2, 2, 1), (0, 2, 1)),
     *((0, 1, 1), (2, 1, 1), (1, 0, 1), (1, 2, 1), (1, 1, 0), (1, 1, 2), (1, 1, 1)),
 )
+#: Corners of a trilinear one.
+_CORNERS = tuple((x // 2, y // 2, z // 2) for x, y, z in _NODES27[:8])
 
 
 def write_block(path: Path, solution: BlockSolution, *, deformation: float = 1.0) -> None:

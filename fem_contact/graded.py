@@ -179,7 +179,7 @@ def _on_distinct(q: Array, compliance: Callable[[Array], Array]) -> Array:
     # Of a wave far longer than the solar system the compliance may exceed what a number can hold.
     with np.errstate(over="ignore"):
         out[values > 0] = compliance(values[values > 0])
-    return out[places].reshape(q.shape)
+    return out[places]
 
 
 def plane_waves(poisson: float | Array, x: Array) -> tuple[Array, Array]:

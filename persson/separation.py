@@ -203,14 +203,7 @@ def macroasperity_pressure(
     Persson 2006, Sec. 3.7, which calls it independent of the load: so it is while A(zeta_m) is proportional
     to the load.
     """
-    zeta = macroasperity_magnification(
-        spectrum, pressure=pressure, contact_modulus=contact_modulus, q_reference=q_reference
-    )
-    area = area_against_magnification(
-        spectrum,
-        pressure=pressure,
-        contact_modulus=contact_modulus,
-        magnification=zeta,
-        q_reference=q_reference,
-    )
+    given = {"pressure": pressure, "contact_modulus": contact_modulus, "q_reference": q_reference}
+    zeta = macroasperity_magnification(spectrum, **given)
+    area = area_against_magnification(spectrum, **given, magnification=zeta)
     return float(positive("pressure", pressure) / area)

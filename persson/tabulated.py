@@ -67,7 +67,7 @@ class Tabulated(SpectrumMoments):
     @property
     def q_long(self) -> float:
         """First wavevector [1/m]: a table names no roll-off."""
-        return float(self.wavevectors[0])
+        return self.q_min
 
     @property
     def q_short(self) -> float:

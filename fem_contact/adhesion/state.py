@@ -82,7 +82,7 @@ def cells_in_process_zone(law: GapLaw, *, spacing: float, contact_modulus: float
     >>> round(cells_in_process_zone(law, spacing=1e-9, contact_modulus=25e6), 2)
     2.14
     """
-    check_law(law)
+    instance("law", law, GapLaw, what="a law of the gap, such as `Exponential`")
     positive("spacing", spacing)
     positive("contact_modulus", contact_modulus)
     return contact_modulus / law.strength * (law.work / law.strength / spacing)
@@ -174,11 +174,6 @@ def settings_of(limits: Limits) -> Settings:
     return Settings(**given)
 
 
-def check_law(law: GapLaw) -> None:
-    """Refuse what is no law of the gap."""
-    instance("law", law, GapLaw, what="a law of the gap, such as `Exponential`")
-
-
 class AdhesionProblem:
     """A surface, a solid and a law on a grid that resolves it; arguments as of `solve`."""
 
@@ -193,7 +188,6 @@ class AdhesionProblem:
     ) -> None:
         instance("surface", surface, HeightField)
         check_response(response)
-        check_law(law)
         spacing, modulus = max(surface.spacing), response.contact_modulus
         cells = cells_in_process_zone(law, spacing=spacing, contact_modulus=modulus)
         if cells < CELLS_NEEDED * (1 - 1e-12):

@@ -2,14 +2,14 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Unpack
+from typing import Unpack, get_args
 
 import numpy as np
 
-from fem_contact._checks import instance, poisson_ratio, positive, positives
+from fem_contact._checks import choice, instance, poisson_ratio, positive, positives
 from fem_contact._types import Array, Lengths, Mask, Shape
 from fem_contact.block.mesh import MeshOptions
-from fem_contact.block.session import Method, Modulus, Session, check_method, needed_bytes, planned_mesh
+from fem_contact.block.session import Method, Modulus, Session, needed_bytes, planned_mesh
 from fem_contact.block.solution import BlockSolution
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
@@ -49,7 +49,7 @@ def estimate(
     >>> estimate((64, 64)).unknowns
     184320
     """
-    check_method(method)
+    choice("method", method, get_args(Method))
     poisson = poisson_ratio(poisson)
     planned = planned_mesh(shape, lengths, poisson=poisson, options=mesh)
     return Estimate(unknowns=planned.unknowns, bytes=needed_bytes(planned, method), layers=planned.nz)

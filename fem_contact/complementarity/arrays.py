@@ -40,7 +40,7 @@ def namespace(values: Values) -> Any:
 
 
 class ArrayGrids(Grids):
-    """Grids whose arrays lie on a device of PyTorch, such as "cuda", or where an array of any library does."""
+    """Grids whose arrays lie on a device of PyTorch, such as "cuda", or beside an array of any library."""
 
     def __init__(self, where: str | Values, shape: Shape, *, threads: int) -> None:
         super().__init__(shape, threads=threads)

@@ -17,10 +17,10 @@ The tests hold a NumPy twin of every kernel.
 import numpy as np
 from numba import njit
 
-_OPTIONS = {"cache": True, "nogil": True, "fastmath": {"reassoc", "contract", "nsz"}}
+OPTIONS = {"cache": True, "nogil": True, "fastmath": {"reassoc", "contract", "nsz"}}
 
 
-@njit(**_OPTIONS)
+@njit(**OPTIONS)
 def _plane(t, x, y, z, fx, fy, fz):
     """Return the forces on a plane, by component, and those of the values of one plane on it."""
     a = t[0] * x[0] + t[1] * x[1] + t[2] * x[2] + t[3] * x[3] + t[11] * y[4] + t[18] * z[4] + t[19] * z[5]
@@ -29,7 +29,7 @@ def _plane(t, x, y, z, fx, fy, fz):
     return fx + a, fy + b, fz + c + t[14] * z[0] + t[15] * z[1] + t[16] * z[2] + t[17] * z[3]
 
 
-@njit(**_OPTIONS)
+@njit(**OPTIONS)
 def _column(c, u, i, j, out):
     """Write the forces A u of one column into out (nz, 3).
 
@@ -68,7 +68,7 @@ def _column(c, u, i, j, out):
     out[nz - 1, 0], out[nz - 1, 1], out[nz - 1, 2] = x, y, z
 
 
-@njit(**_OPTIONS)
+@njit(**OPTIONS)
 def apply_stencil(c, u, out):
     """Write the forces A u into out."""
     for i in range(u.shape[0]):
@@ -76,14 +76,14 @@ def apply_stencil(c, u, out):
             _column(c, u, i, j, out[i, j])
 
 
-@njit(**_OPTIONS)
+@njit(**OPTIONS)
 def coloured_columns(nx, ny):
     """List the columns (i, j) by four colours: no two of one colour are neighbours."""
     colours = ((0, 0), (0, 1), (1, 0), (1, 1))
     return [(i, j) for a, b in colours for i in range(a, nx, 2) for j in range(b, ny, 2)]
 
 
-@njit(**_OPTIONS)
+@njit(**OPTIONS)
 def relax(c, low, d, f, tied, u, backward):
     """Solve every column for its own unknowns, four colours in turn, in place.
 
@@ -113,7 +113,7 @@ def relax(c, low, d, f, tied, u, backward):
             u[i, j, k, 2] += z
 
 
-@njit(**_OPTIONS)
+@njit(**OPTIONS)
 def transfer(coarse, i_low, i_weight, j_low, j_weight, fine, gathering):
     """Add coarse (mx, my, m), interpolated bilinearly, to fine (nx, ny, m), or `gathering` the transpose."""
     nx, ny, m = fine.shape

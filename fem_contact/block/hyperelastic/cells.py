@@ -105,8 +105,7 @@ class Cells:
     @cached_property
     def _tables(self) -> tuple[Array, Array, Numbers]:
         """Gradients G, weights w, and the corners (8, 3) of a cell: scikit-fem's on one column."""
-        basis = self.mesh.column()
-        order = np.argsort(basis.mesh.doflocs[2, basis.mesh.t].mean(axis=0))
+        basis, order = self.mesh.column()
         gradients = np.stack([np.asarray(basis.basis[a][0].grad) for a in range(8)])
         places = basis.doflocs[:, basis.element_dofs[:, 0]].T
         corners = (places > places.mean(axis=0)).astype(np.int64)
