@@ -86,8 +86,8 @@ class Checks:
     def __init__(self, refusal: type[Exception], *, least: float, greatest: float) -> None:
         self.refusal, self.least, self.greatest = refusal, least, greatest
 
-    def refused(self, name: str, value: object, allowed: str, unit: str | None = None) -> Exception:
-        """Return the exception that says what was found and what is allowed."""
+    def refused(self, name: str, value: object, allowed: str, unit: str | None = "") -> Exception:
+        """Return the exception that says what was found and what is allowed; None is the unit of the name."""
         return self.refusal(f"{name} = {shown(value)}: must be {allowed}{in_unit(name, unit)}")
 
     def number(self, name: str, value: object, unit: str | None = None) -> float:

@@ -25,7 +25,8 @@ def finite(name: str, value: object) -> float:
     """Return a number that is zero or of a size that can be computed with."""
     number = _CHECKS.number(name, value)
     if number != 0 and not LEAST <= abs(number) <= GREATEST:
-        raise _CHECKS.refused(name, value, f"finite, and zero or of a size from {LEAST:g} to {GREATEST:g}")
+        allowed = f"finite, and zero or of a size from {LEAST:g} to {GREATEST:g}"
+        raise _CHECKS.refused(name, value, allowed, None)
     return number
 
 
@@ -33,7 +34,8 @@ def non_negative(name: str, value: object) -> float:
     """Return a number that is zero, or positive and of a size that can be computed with."""
     number = _CHECKS.number(name, value)
     if not (number == 0 or LEAST <= number <= GREATEST):
-        raise _CHECKS.refused(name, value, f"zero or a positive, finite number (at most {GREATEST:g})")
+        allowed = f"zero or a positive, finite number (at most {GREATEST:g})"
+        raise _CHECKS.refused(name, value, allowed, None)
     return number
 
 
@@ -113,6 +115,14 @@ def pair(name: str, value: object, check: Callable[[str, object], _T], *, what: 
             except InvalidInput:
                 pass
     raise InvalidInput(f"{name} = {shown(value)}: must be {what}")
+
+
+def only(**given: _T | None) -> tuple[str, _T]:
+    """Return name and value of the one argument that is given, or refuse."""
+    named = [(name, value) for name, value in given.items() if value is not None]
+    if len(named) != 1:
+        raise InvalidInput(f"{', '.join(given)}: give exactly one of them")
+    return named[0]
 
 
 def truth(name: str, value: object) -> None:

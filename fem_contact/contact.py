@@ -1,14 +1,12 @@
 """What a contact solver returns: fields, status, residuals free of units, and what the solve cost."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from enum import Enum
 from functools import partial
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -213,7 +211,7 @@ class ContactResult:
         maybe = self.in_contact | (self.gap < lift)
         return float(np.mean(weights * surely)), float(np.mean(weights * maybe))
 
-    def checked(self) -> ContactResult:
+    def checked(self) -> Self:
         """Return this result if its solver converged and its residuals say the same.
 
         Raises
@@ -228,6 +226,17 @@ class ContactResult:
             raise NotConverged(
                 f"called converged, but its worst residual is {worst:.3g}: check units and magnitudes"
             )
+        return self
+
+
+class HasContact:
+    """A result around that of a contact solver."""
+
+    contact: ContactResult
+
+    def checked(self) -> Self:
+        """Return this if its solver converged, or raise `NotConverged`."""
+        self.contact.checked()
         return self
 
 

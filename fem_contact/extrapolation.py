@@ -123,9 +123,10 @@ def perimeter_limit(areas: Sequence[ContactAreas]) -> Limit:
 
 
 def _limit(areas: Sequence[ContactAreas], definition: Literal["subcell", "perimeter"]) -> Limit:
+    described: dict[str, Any] = {"grids": len(areas), "definition": definition}
     doubt = too_small(areas)
     if doubt:
-        return _no_limit(doubt, len(areas), definition=definition)
+        return _no_limit(doubt, **described)
     groups: dict[tuple[float, float], list[ContactAreas]] = {}
     for area in areas:
         groups.setdefault(area.spacing, []).append(area)
@@ -138,10 +139,9 @@ def _limit(areas: Sequence[ContactAreas], definition: Literal["subcell", "perime
     finest = means[0][0]
     law = LOCATED if definition == "subcell" else perimeter_law(finest.edge_constant)
     fraction = finest.edge_fraction
-    described: dict[str, Any] = {"grids": len(areas), "definition": definition}
     doubt = too_rough(finest, alone=len(plan) == 1)
     if doubt:
-        return _no_limit(doubt, len(areas), definition=definition)
+        return _no_limit(doubt, **described)
     if fraction == 0 or not 0 < value[0] < 1:
         return _checked(Limit(value=float(value[0]), uncertainty=0.0, **described))
     size = np.array([grid.size for grid in plan])

@@ -10,7 +10,7 @@ import scipy.linalg
 from numpy.typing import ArrayLike
 
 from contact_checks import UNITS
-from fem_contact._checks import array, instance, poisson_ratio, positive, samples
+from fem_contact._checks import array, instance, poisson_ratio, positive, positives, samples
 from fem_contact._types import Array, Complex
 from fem_contact.errors import InvalidInput
 
@@ -68,8 +68,7 @@ class PronySolid:
             raise InvalidInput(
                 f"moduli, times: {moduli.size} and {times.size} values: must be as many, no modulus negative"
             )
-        for time in times:
-            positive("times", time)
+        positives("times", times)
         object.__setattr__(self, "moduli", tuple(map(float, moduli)))
         object.__setattr__(self, "times", tuple(map(float, times)))
 

@@ -6,13 +6,11 @@ energy depends on the area of contact on all shorter scales, which depends on si
 a fixed-point iteration.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -84,7 +82,7 @@ class AdhesiveContact:
     status: AdhesionStatus
     _state: Diffusion | None = None
 
-    def checked(self) -> AdhesiveContact:
+    def checked(self) -> Self:
         """Return this result, or raise `NotConverged`; to have no contact is a result."""
         if self.status is AdhesionStatus.ROUND_LIMIT:
             raise NotConverged(f"{self.status.value} (last error estimate {self.error_estimate:.3g})")

@@ -6,7 +6,7 @@ that the areal moments are m_2k = 2 pi int q^(2k+1) C(q) dq. Other communities u
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, Literal, NotRequired, Protocol, Self, TypedDict, Unpack, runtime_checkable
+from typing import Any, Literal, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -131,16 +131,6 @@ class SpectrumMoments:
         return Moments(m0=float(self.m0(q_upper)), m2=float(self.m2(q_upper)), m4=float(self.m4(q_upper)))
 
 
-class Shape(TypedDict):
-    """Parameters of `SelfAffine` but for the amplitude."""
-
-    hurst: float
-    q_long: float
-    q_short: float
-    rolloff: NotRequired[RollOff]
-    q_min: NotRequired[Any]
-
-
 @dataclass(frozen=True, kw_only=True)
 class SelfAffine(SpectrumMoments):
     r"""Self-affine fractal roughness, C ~ q^(-2(1+H)) between q_long and q_short.
@@ -206,14 +196,34 @@ class SelfAffine(SpectrumMoments):
             within("q_min", lowest, f"[0, q_long = {self.q_long!r}]", ends=(0, self.q_long))
 
     @classmethod
-    def from_rms_height(cls, rms_height: float, **shape: Unpack[Shape]) -> Self:
+    def from_rms_height(
+        cls,
+        rms_height: float,
+        *,
+        hurst: float,
+        q_long: float,
+        q_short: float,
+        rolloff: RollOff = "sharp",
+        q_min: float | None = None,
+    ) -> Self:
         """Return the spectrum with sqrt(m0) = rms_height [m]; the other parameters as for the class."""
-        return cls(**shape, amplitude=1.0)._normalised("rms_height", rms_height, 0)
+        shape: dict[str, Any] = {"hurst": hurst, "q_long": q_long, "q_short": q_short, "q_min": q_min}
+        return cls(**shape, rolloff=rolloff, amplitude=1.0)._normalised("rms_height", rms_height, 0)
 
     @classmethod
-    def from_rms_gradient(cls, rms_gradient: float, **shape: Unpack[Shape]) -> Self:
+    def from_rms_gradient(
+        cls,
+        rms_gradient: float,
+        *,
+        hurst: float,
+        q_long: float,
+        q_short: float,
+        rolloff: RollOff = "sharp",
+        q_min: float | None = None,
+    ) -> Self:
         """Return the spectrum with sqrt(m2) = rms_gradient [-]; the other parameters as for the class."""
-        return cls(**shape, amplitude=1.0)._normalised("rms_gradient", rms_gradient, 1)
+        shape: dict[str, Any] = {"hurst": hurst, "q_long": q_long, "q_short": q_short, "q_min": q_min}
+        return cls(**shape, rolloff=rolloff, amplitude=1.0)._normalised("rms_gradient", rms_gradient, 1)
 
     def _normalised(self, name: str, rms: float, order: int) -> Self:
         """Return this spectrum of C(q_long) = 1 with another amplitude: its moment of an order is rms^2."""

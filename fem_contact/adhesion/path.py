@@ -11,7 +11,7 @@ from typing import Literal, Unpack
 
 import numpy as np
 
-from fem_contact._checks import finite, non_negative, numbers_of, within
+from fem_contact._checks import finite, non_negative, numbers_of, only, within
 from fem_contact._types import Array
 from fem_contact.adhesion.descent import Minimum, Point
 from fem_contact.adhesion.laws import GapLaw
@@ -112,18 +112,15 @@ def follow(
     Along an unbroken branch the energy changes by the work of the load. What is missing after a step was lost
     in a jump, or is the error of the trapezoidal rule for that work; halving the step tells them apart.
     """
-    if (offsets is None) == (mean_pressures is None):
-        raise InvalidInput("offsets, mean_pressures: give exactly one of them")
+    name, held = only(offsets=offsets, mean_pressures=mean_pressures)
     within("resolution", resolution, "[1e-12, 1]")
     non_negative("least_jump", least_jump)
     problem = AdhesionProblem(surface, response, law=law, settings=settings_of(limits))
-    name, held = ("offsets", offsets) if mean_pressures is None else ("mean_pressures", mean_pressures)
     values = [finite(name, value) for value in numbers_of(name, held)]
     if not values:
         raise InvalidInput("the path is empty: give at least one offset or mean pressure")
-    by_offset = offsets is not None
-    points = [Point(offset=value) if by_offset else Point(mean_pressure=value) for value in values]
-    width = resolution * (law.reach if by_offset else max(map(abs, values)))
+    points = [Point(**{name.removesuffix("s"): value}) for value in values]
+    width = resolution * (law.reach if mean_pressures is None else max(map(abs, values)))
     return _Walk(problem, width=width, least=least_jump).run(points, start)
 
 

@@ -4,19 +4,17 @@ The energy of an adhesive contact has many local minima. A state is the minimum 
 the solve starts; `fem_contact.adhesion.path` follows minima through a history of loads.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Unpack
 
 import numpy as np
 
 from fem_contact import bem
-from fem_contact._checks import bound, field, finite, instance, positive
+from fem_contact._checks import bound, field, finite, instance, only, positive
 from fem_contact._types import Array
 from fem_contact.adhesion.descent import Landscape, Minimum, Point, descend, least_curvature
 from fem_contact.adhesion.laws import GapLaw
-from fem_contact.contact import Clock, ContactResult, Residuals, Status
+from fem_contact.contact import Clock, ContactResult, HasContact, Residuals, Status
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response, check_response
 from fem_contact.settings import Limits, Settings
@@ -34,7 +32,7 @@ _PLAIN = 1e-8
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class AdhesiveContact:
+class AdhesiveContact(HasContact):
     """One state of adhesive contact."""
 
     # Fields and status. Its pressure is the whole stress between the bodies, negative where they attract
@@ -46,11 +44,6 @@ class AdhesiveContact:
     # whichever is larger.
     imbalance: float
     hardness: float | Array | None = None  # The bound it was solved with [Pa]
-
-    def checked(self) -> AdhesiveContact:
-        """Return this state if its solver converged, or raise `NotConverged`."""
-        self.contact.checked()
-        return self
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,12 +130,8 @@ def solve(
         that is not positive or below the mean pressure.
     """
     problem = AdhesionProblem(surface, response, law=law, settings=settings_of(limits), hardness=hardness)
-    if (mean_pressure is None) == (offset is None):
-        raise InvalidInput("mean_pressure, offset: give exactly one of them")
-    if offset is not None:
-        point = Point(offset=finite("offset", offset))
-    else:
-        point = Point(mean_pressure=finite("mean_pressure", mean_pressure))
+    name, value = only(mean_pressure=mean_pressure, offset=offset)
+    point = Point(**{name: finite(name, value)})
     return problem.packed(problem.at(point, problem.first_gap(point, start)))
 
 

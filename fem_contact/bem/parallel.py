@@ -19,7 +19,7 @@ import scipy.fft
 from fem_contact._checks import instance
 from fem_contact._types import AnyArray, Array, Lengths, Numbers, Shape
 from fem_contact.complementarity.slabs import Slabs
-from fem_contact.contact import ContactResult
+from fem_contact.contact import ContactResult, HasContact
 from fem_contact.errors import InvalidInput
 from fem_contact.height_traits import HeightTraits, are_level, traits_of, wave_sums
 from fem_contact.surface import HeightField, random_waves
@@ -157,7 +157,7 @@ class SlabSurface:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SlabResult:
+class SlabResult(HasContact):
     """Solution of one contact problem, of which each process has a slab of rows.
 
     Attributes
@@ -168,11 +168,6 @@ class SlabResult:
 
     contact: ContactResult
     slabs: Slabs
-
-    def checked(self) -> Self:
-        """Return this result if its solver converged, as `ContactResult.checked` does."""
-        self.contact.checked()
-        return self
 
     def whole(self) -> ContactResult:
         """Return the result with all rows, on every process."""
