@@ -123,8 +123,8 @@ def perimeter_limit(areas: Sequence[ContactAreas]) -> Limit:
 
 
 def _limit(areas: Sequence[ContactAreas], definition: Literal["subcell", "perimeter"]) -> Limit:
-    described: dict[str, Any] = {"grids": len(areas), "definition": definition}
     doubt = too_small(areas)
+    described: dict[str, Any] = {"grids": len(areas), "definition": definition}
     if doubt:
         return _no_limit(doubt, **described)
     groups: dict[tuple[float, float], list[ContactAreas]] = {}
