@@ -13,13 +13,39 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Checks", "in_unit", "shown"]
+__all__ = ["UNITS", "Checks", "in_unit", "shown"]
 
 Array = NDArray[np.float64]
 
+#: Unit of the quantities that have one, by the name of the argument, which is the same in both packages.
+UNITS = {
+    name: unit
+    for unit, names in {
+        "Pa": "bulk bulk_young contact_modulus excess hardness ideal_strength layer local_shear_stress loss "
+        "mean_pressure mean_pressures moduli nominal peak_pressure pressure relaxed shear_stress storage "
+        "stress target_pressure tensile_limit unrelaxed yield_stress young",
+        "Pa^2": "stress_variance variance",
+        "Pa/m": "stiffness",
+        "m": "atomic_distance cell contact_radius contact_size depth depths first_layer gap height heights "
+        "length lift mean_gap offset offsets position radii radius range_ reach rms_height separation slip "
+        "spacing thickness thicknesses tip_radius wall wavelengths width",
+        "1/m": "q q_bend q_gravity q_long q_min q_reference q_short q_upper qx qy wavevector wavevectors",
+        "1/m^2": "densities density",
+        "J/m^2": "barrier surface_tension work work_of_adhesion",
+        "N": "force",
+        "K": "temperature",
+        "m/s": "velocity",
+        "rad": "angle",
+        "s": "time time_limit times",
+        "1/s": "frequencies frequency",
+    }.items()
+    for name in names.split()
+}
 
-def in_unit(unit: str) -> str:
-    """Return a unit as a message ends with it."""
+
+def in_unit(name: str, unit: str | None = None) -> str:
+    """Return the unit of a quantity as a message ends with it: that of its name, if none is given."""
+    unit = UNITS.get(name, "") if unit is None else unit
     return f" in {unit}" if unit else ""
 
 
@@ -60,18 +86,18 @@ class Checks:
     def __init__(self, refusal: type[Exception], *, least: float, greatest: float) -> None:
         self.refusal, self.least, self.greatest = refusal, least, greatest
 
-    def refused(self, name: str, value: object, allowed: str, unit: str = "") -> Exception:
-        """Return the exception that says what was found and what is allowed."""
-        return self.refusal(f"{name} = {shown(value)}: must be {allowed}{in_unit(unit)}")
+    def refused(self, name: str, value: object, allowed: str, unit: str | None = "") -> Exception:
+        """Return the exception that says what was found and what is allowed; None is the unit of the name."""
+        return self.refusal(f"{name} = {shown(value)}: must be {allowed}{in_unit(name, unit)}")
 
-    def number(self, name: str, value: object, *, unit: str = "") -> float:
+    def number(self, name: str, value: object, unit: str | None = None) -> float:
         """Return one real number, of whatever size."""
         number = _float(value)
         if number is None:
             raise self.refused(name, value, "one finite number", unit)
         return number
 
-    def positive(self, name: str, value: object, *, unit: str = "", power: float = 1) -> float:
+    def positive(self, name: str, value: object, *, unit: str | None = None, power: float = 1) -> float:
         """Return a positive number that can be computed with; `power` is that of the base units in it."""
         number, least, greatest = _float(value), self.least**power, self.greatest**power
         if number is None or not least <= number <= greatest:
@@ -79,19 +105,20 @@ class Checks:
         return number
 
     def within(
-        self, name: str, value: object, low: float, high: float, *, interval: str, unit: str = ""
+        self, name: str, value: object, interval: str, *, ends: tuple[float, float] | None = None
     ) -> float:
-        """Return a number between two limits; `interval`, "(0, 1]" say, tells which of them belong to it."""
+        """Return a number in an interval, "(0, 1]" say; `ends` are its limits where it has words for them."""
         number = _float(value)
+        low, high = ends or map(float, interval[1:-1].split(","))
         above = number is not None and (number > low if interval[0] == "(" else number >= low)
         below = number is not None and (number < high if interval[-1] == ")" else number <= high)
         if number is None or not (above and below):
-            raise self.refusal(f"{name} = {shown(value)}: must lie in {interval}{in_unit(unit)}")
+            raise self.refusal(f"{name} = {shown(value)}: must lie in {interval}{in_unit(name)}")
         return number
 
     def poisson_ratio(self, value: object) -> float:
         """Return a Poisson ratio of a stable solid."""
-        return self.within("poisson", value, -1, 0.5, interval="(-1, 0.5]")
+        return self.within("poisson", value, "(-1, 0.5]")
 
     def whole(self, name: str, value: object, *, least: int, most: int) -> int:
         """Return a whole number between two limits, both included."""
@@ -126,19 +153,26 @@ class Checks:
             except TypeError:
                 raise self.refused(name, value, wanted) from None
 
-    def numbers_of(self, name: str, value: object, *, unit: str = "") -> list[object]:
+    def numbers_of(self, name: str, value: object, *, unit: str | None = None) -> list[object]:
         """Return what iterates over single numbers as a list; each is still to be checked."""
         if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
             raise self.refused(name, value, "a sequence of numbers", unit)
         if isinstance(value, np.ndarray) and value.ndim != 1:
-            raise self.refusal(f"{name} of shape {value.shape}: must be a sequence of numbers{in_unit(unit)}")
+            raise self.refusal(
+                f"{name} of shape {value.shape}: must be a sequence of numbers{in_unit(name, unit)}"
+            )
         return list(value)
 
-    def positives(self, name: str, value: object, *, unit: str = "") -> list[float]:
+    def positive_fields(self, owner: object, *names: str) -> None:
+        """Refuse an object whose attributes of these names are not all positive numbers."""
+        for name in names:
+            self.positive(name, getattr(owner, name))
+
+    def positives(self, name: str, value: object, *, unit: str | None = None) -> list[float]:
         """Return what iterates over positive numbers as a list of them."""
         return [self.positive(name, number, unit=unit) for number in self.numbers_of(name, value, unit=unit)]
 
-    def doubles(self, name: str, value: object, *, unit: str = "") -> Array:
+    def doubles(self, name: str, value: object, *, unit: str | None = None) -> Array:
         """Return real numbers of any shape as doubles, NaN included; refuse masked points and no numbers.
 
         The array is the caller's own where it already holds doubles.

@@ -1,7 +1,5 @@
 """Checks of arguments at every public door: the name, what was found, what is allowed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from typing import TypeVar
 
@@ -19,29 +17,29 @@ LEAST, GREATEST = 1e-120, 1e30
 _CHECKS = Checks(InvalidInput, least=LEAST, greatest=GREATEST)
 alike, choice, doubles, function = _CHECKS.alike, _CHECKS.choice, _CHECKS.doubles, _CHECKS.function
 instance, numbers_of, poisson_ratio = _CHECKS.instance, _CHECKS.numbers_of, _CHECKS.poisson_ratio
-positive, positives = _CHECKS.positive, _CHECKS.positives
+positive, positives, positive_fields = _CHECKS.positive, _CHECKS.positives, _CHECKS.positive_fields
 whole, within = _CHECKS.whole, _CHECKS.within
 
 
-def finite(name: str, value: object, *, unit: str = "") -> float:
+def finite(name: str, value: object) -> float:
     """Return a number that is zero or of a size that can be computed with."""
-    number = _CHECKS.number(name, value, unit=unit)
+    number = _CHECKS.number(name, value)
     if number != 0 and not LEAST <= abs(number) <= GREATEST:
-        raise _CHECKS.refused(
-            name, value, f"finite, and zero or of a size from {LEAST:g} to {GREATEST:g}", unit
-        )
+        allowed = f"finite, and zero or of a size from {LEAST:g} to {GREATEST:g}"
+        raise _CHECKS.refused(name, value, allowed, None)
     return number
 
 
-def non_negative(name: str, value: object, *, unit: str = "") -> float:
+def non_negative(name: str, value: object) -> float:
     """Return a number that is zero, or positive and of a size that can be computed with."""
-    number = _CHECKS.number(name, value, unit=unit)
+    number = _CHECKS.number(name, value)
     if not (number == 0 or LEAST <= number <= GREATEST):
-        raise _CHECKS.refused(name, value, f"zero or a positive, finite number (at most {GREATEST:g})", unit)
+        allowed = f"zero or a positive, finite number (at most {GREATEST:g})"
+        raise _CHECKS.refused(name, value, allowed, None)
     return number
 
 
-def array(name: str, value: object, *, unit: str = "", power: float = 1) -> Array:
+def array(name: str, value: object, *, unit: str | None = None, power: float = 1) -> Array:
     """Return real, finite numbers of any shape as doubles; `power` is that of the base units in them."""
     values = doubles(name, value, unit=unit)
     bad = ~np.isfinite(values)
@@ -50,7 +48,7 @@ def array(name: str, value: object, *, unit: str = "", power: float = 1) -> Arra
         raise InvalidInput(
             f"{name}: {np.count_nonzero(bad)} of {values.size} values are not finite or larger than "
             f"{GREATEST**power:g} (the first is {shown(values[bad].flat[0])}): "
-            f"fill or remove them{in_unit(unit)}"
+            f"fill or remove them{in_unit(name, unit)}"
         )
     return values
 
@@ -63,7 +61,7 @@ def shape_of(name: str, value: object) -> tuple[int, ...]:
         raise _CHECKS.refused(name, value, "an array of numbers") from None
 
 
-def field(name: str, value: object, shape: Shape, *, unit: str = "") -> Array:
+def field(name: str, value: object, shape: Shape, *, unit: str | None = None) -> Array:
     """Return real numbers on a grid of that shape as doubles."""
     values = array(name, value, unit=unit)
     if values.shape != shape:
@@ -97,11 +95,11 @@ def pressures(name: str, value: object, shape: Shape) -> Array:
     return values
 
 
-def samples(name: str, value: object, *, least: int = 1, unit: str = "") -> Array:
+def samples(name: str, value: object, *, least: int = 1) -> Array:
     """Return a sequence of real numbers as a one-dimensional array of doubles."""
     if isinstance(value, Iterable) and not isinstance(value, (str, bytes, np.ndarray)):
         value = list(value)
-    values = array(name, value, unit=unit)
+    values = array(name, value)
     if values.ndim != 1 or values.size < least:
         raise InvalidInput(f"{name} of shape {values.shape}: must be a sequence of at least {least} numbers")
     return values
@@ -117,6 +115,14 @@ def pair(name: str, value: object, check: Callable[[str, object], _T], *, what: 
             except InvalidInput:
                 pass
     raise InvalidInput(f"{name} = {shown(value)}: must be {what}")
+
+
+def only(**given: _T | None) -> tuple[str, _T]:
+    """Return name and value of the one argument that is given, or refuse."""
+    named = [(name, value) for name, value in given.items() if value is not None]
+    if len(named) != 1:
+        raise InvalidInput(f"{', '.join(given)}: give exactly one of them")
+    return named[0]
 
 
 def truth(name: str, value: object) -> None:

@@ -4,8 +4,6 @@ Schedulers and containers leave things there that libraries stop at with a trace
 or empty, a home and a package folder that cannot be written to.
 """
 
-from __future__ import annotations
-
 import os
 import stat
 import tempfile

@@ -5,8 +5,6 @@ soon as its centre does and the discrete edge lies on average a fixed fraction o
 The excess is proportional to the edge length, with a constant that belongs to the discretisation.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
@@ -288,10 +286,6 @@ class Edges:
     inner: Array
     outer: Array
 
-    def features(self) -> Array:
-        """Monomials of the edge map, as columns."""
-        return self._monomials(_DEGREES)
-
     def bends(self) -> Array:
         """Monomials of the second part of the edge map, as columns."""
         first = self._monomials(_BEND_DEGREES)
@@ -301,7 +295,7 @@ class Edges:
     def shift(self, coefficients: Array) -> float:
         """Cells by which an edge map moves these edges, all together."""
         first, second = np.split(coefficients, [_FIRST])
-        place = np.clip(self.features() @ first, -0.6, 1.2) + self.bends() @ second
+        place = np.clip(self._monomials(_DEGREES) @ first, -0.6, 1.2) + self.bends() @ second
         return float(np.sum((place - 0.5) * self.cosine**2))
 
     def harmonics(self) -> Array:

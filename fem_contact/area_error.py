@@ -22,8 +22,6 @@ resolves (`ContactAreas.anisotropy`, `unresolved`). At kinks and steps areas con
 the limit is as uncertain as the grids disagree.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -152,13 +150,8 @@ def error_covariance(
 
     Three parts: power laws of the cell's size over the width of a patch, common to all grids; how the grid
     lies on the surface (``alignment``), common in part; noise of each grid, less with its cells and solves.
-
-    Parameters
-    ----------
-    area, fraction : float
-        A/A0, and the share of cells at an edge of contact on the first grid; others follow.
-    like : ContactAreas
-        What was measured on the surface: anisotropy, wavenumber of the edges, unresolved curvature.
+    The fraction is the share of cells at an edge of contact on the first grid, from which others follow;
+    `like` tells what was measured: anisotropy, wavenumber of the edges, unresolved curvature.
     """
     fractions = fraction * np.array([grid.size for grid in grids]) / grids[0].size
     width = fractions / (area * (1 - area) ** GAP_POWER)

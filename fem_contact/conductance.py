@@ -1,7 +1,5 @@
 """How a contact answers a small further approach while its contact set stays: stiffness and conductance."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -190,8 +188,8 @@ def contact_conductance(stiffness: float, *, contact_modulus: float, resistiviti
     >>> contact_conductance(2 * 0.5 * 3.0, contact_modulus=3.0, resistivities=(1.0, 1.0))
     1.0
     """
-    positive("stiffness", stiffness, unit="Pa/m")
-    modulus = positive("contact_modulus", contact_modulus, unit="Pa")
+    positive("stiffness", stiffness)
+    modulus = positive("contact_modulus", contact_modulus)
     rho = samples("resistivities", resistivities, least=2)
     if rho.size != 2 or not np.all(rho >= 0) or not rho.sum() > 0:
         raise InvalidInput(

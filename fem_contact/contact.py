@@ -1,20 +1,19 @@
 """What a contact solver returns: fields, status, residuals free of units, and what the solve cost."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from enum import Enum
 from functools import partial
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
-from fem_contact._checks import doubles, finite, instance, non_negative, pair, positive, shape_of, shown
+from fem_contact._checks import doubles, finite, instance, non_negative, positive, shape_of, shown
 from fem_contact._types import Array, Lengths, Mask, Shape
 from fem_contact.errors import InvalidInput, NotConverged
+from fem_contact.surface.heights import checked_lengths
 
 
 class Status(Enum):
@@ -212,7 +211,7 @@ class ContactResult:
         maybe = self.in_contact | (self.gap < lift)
         return float(np.mean(weights * surely)), float(np.mean(weights * maybe))
 
-    def checked(self) -> ContactResult:
+    def checked(self) -> Self:
         """Return this result if its solver converged and its residuals say the same.
 
         Raises
@@ -227,6 +226,17 @@ class ContactResult:
             raise NotConverged(
                 f"called converged, but its worst residual is {worst:.3g}: check units and magnitudes"
             )
+        return self
+
+
+class HasContact:
+    """A result around that of a contact solver."""
+
+    contact: ContactResult
+
+    def checked(self) -> Self:
+        """Return this if its solver converged, or raise `NotConverged`."""
+        self.contact.checked()
         return self
 
 
@@ -292,14 +302,14 @@ def measure_residuals(
     if at_bound is not None and not (isinstance(at_bound, np.ndarray) and at_bound.dtype == np.bool_):
         raise InvalidInput(f"at_bound = {shown(at_bound)}: must be an array of bool")
     # NaN is let through, for it makes the residual NaN.
-    pressure, gap = doubles("pressure", pressure, unit="Pa"), doubles("gap", gap, unit="m")
+    pressure, gap = doubles("pressure", pressure), doubles("gap", gap)
     weights = None if weights is None else doubles("weights", weights)
-    heights = doubles("heights", heights, unit="m")
-    longest = max(pair("lengths", lengths, positive, what="two positive periods (Lx, Ly) in m"))
-    contact_modulus = positive("contact_modulus", contact_modulus, unit="Pa")
+    heights = doubles("heights", heights)
+    longest = max(checked_lengths(lengths))
+    contact_modulus = positive("contact_modulus", contact_modulus)
     rms_gradient = non_negative("rms_gradient", rms_gradient)
     if target_pressure is not None:
-        target_pressure = finite("target_pressure", target_pressure, unit="Pa")
+        target_pressure = finite("target_pressure", target_pressure)
     with np.errstate(all="ignore"):
         return residuals_of(
             residual_sums(pressure, gap, at_bound=at_bound, weights=weights),
@@ -347,18 +357,9 @@ def residuals_of(
     rms_gradient: float,
     target_pressure: float | None,
 ) -> Residuals:
-    """Return the residuals of fields of which these sums are known.
+    """Return the residuals of fields of which `residual_sums` gave these sums; as `measure_residuals`.
 
-    Parameters
-    ----------
-    sums : sequence of float
-        As `residual_sums` gives them.
-    rms_height, highest : float
-        Of the heights [m], and their largest absolute value.
-    longest : float
-        The longer period [m].
-    contact_modulus, rms_gradient, target_pressure
-        As in `measure_residuals`.
+    Of the heights [m] are known the rms and the largest absolute value, and the longer period [m].
     """
     borne, total, work, lowest, least = sums
     mean = borne / points

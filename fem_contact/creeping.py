@@ -10,8 +10,6 @@ E(t) are those of an elastic one, point by point in time:
 With a Prony series each term needs one field of its own, and a step of time is one elastic contact.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -90,12 +88,12 @@ def creep(
     instance("surface", surface, HeightField)
     instance("solid", solid, PronySolid)
     settings = Settings(tolerance=tolerance, max_iterations=max_iterations, threads=threads)
-    at = samples("times", times, unit="s")
+    at = samples("times", times)
     if np.any(np.diff(at) < 0):
         raise InvalidInput("times: must not fall, in s")
     single = shape_of("mean_pressure", mean_pressure) == ()
     given = np.repeat(mean_pressure, at.size) if single else mean_pressure
-    loads = samples("mean_pressure", given, unit="Pa")
+    loads = samples("mean_pressure", given)
     if loads.size != at.size or loads.min() <= 0:
         raise InvalidInput(
             f"mean_pressure: {loads.size} loads for {at.size} times: must be as many, and positive, in Pa"

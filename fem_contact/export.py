@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from fem_contact.block import BlockSolution
     from fem_contact.subsurface import Subsurface
 
-#: Corners of a hexahedron in VTK's order.
-_CORNERS = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
-
 #: Nodes of a triquadratic hexahedron in VTK's order: corners, edges, faces, centre; in half cells.
 _NODES27 = (
     *((0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2)),
@@ -30,6 +27,8 @@ _NODES27 = (
     *((0, 0, 1), (2, 0, 1), (2, 2, 1), (0, 2, 1)),
     *((0, 1, 1), (2, 1, 1), (1, 0, 1), (1, 2, 1), (1, 1, 0), (1, 1, 2), (1, 1, 1)),
 )
+#: Corners of a trilinear one.
+_CORNERS = tuple((x // 2, y // 2, z // 2) for x, y, z in _NODES27[:8])
 
 
 def write_block(path: Path, solution: BlockSolution, *, deformation: float = 1.0) -> None:
@@ -200,11 +199,10 @@ def render_surface(path: Path, solution: ContactResult | BlockSolution) -> None:
     rise = -(contact.displacement - contact.displacement.min())
     depth = float(np.ptp(rise))
     magnification = 0.1 * max(contact.lengths) / depth if depth > 0 else 1.0
-    (nx, ny), (dx, dy) = contact.shape, contact.spacing
-    x, y = np.meshgrid(np.arange(nx + 1) * dx, np.arange(ny + 1) * dy, indexing="ij")
+    points = _grid_points(contact, np.zeros(1))[:, :, 0]
     # Lengths in periods: the drawing library's tolerances are absolute.
     unit = max(contact.lengths)
-    places = x / unit, y / unit, magnification * _unfolded(rise) / unit
+    places = points[..., 0] / unit, points[..., 1] / unit, magnification * _unfolded(rise) / unit
     with _drawn(path, places, "pressure [MPa]", _unfolded(contact.pressure)) as plotter:
         plotter.view_vector((-0.6, -1.0, 0.9), viewup=(0, 0, 1))
         plotter.camera.zoom(1.3)
@@ -243,7 +241,7 @@ def render_section(
     if position is None:
         peak = np.unravel_index(int(np.argmax(solution.contact.pressure)), solution.contact.shape)
         position = float(peak[across]) * solution.contact.spacing[across]
-    position = finite("position", position, unit="m")
+    position = finite("position", position)
     if not 0 <= position <= solution.contact.lengths[across]:
         raise InvalidInput(
             f"position = {position!r}: must lie in the period, 0 to {solution.contact.lengths[across]:.6g} m"

@@ -1,7 +1,5 @@
 """The limit of a contact area over grids, and how far it may be from the truth (`fem_contact.area_error`)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -126,8 +124,9 @@ def perimeter_limit(areas: Sequence[ContactAreas]) -> Limit:
 
 def _limit(areas: Sequence[ContactAreas], definition: Literal["subcell", "perimeter"]) -> Limit:
     doubt = too_small(areas)
+    described: dict[str, Any] = {"grids": len(areas), "definition": definition}
     if doubt:
-        return _no_limit(doubt, len(areas), definition=definition)
+        return _no_limit(doubt, **described)
     groups: dict[tuple[float, float], list[ContactAreas]] = {}
     for area in areas:
         groups.setdefault(area.spacing, []).append(area)
@@ -140,10 +139,9 @@ def _limit(areas: Sequence[ContactAreas], definition: Literal["subcell", "perime
     finest = means[0][0]
     law = LOCATED if definition == "subcell" else perimeter_law(finest.edge_constant)
     fraction = finest.edge_fraction
-    described: dict[str, Any] = {"grids": len(areas), "definition": definition}
     doubt = too_rough(finest, alone=len(plan) == 1)
     if doubt:
-        return _no_limit(doubt, len(areas), definition=definition)
+        return _no_limit(doubt, **described)
     if fraction == 0 or not 0 < value[0] < 1:
         return _checked(Limit(value=float(value[0]), uncertainty=0.0, **described))
     size = np.array([grid.size for grid in plan])
@@ -166,13 +164,7 @@ def _limit(areas: Sequence[ContactAreas], definition: Literal["subcell", "perime
 
 
 def too_small(areas: Sequence[ContactAreas]) -> str:
-    """Say that the contact is too small for a limit over these grids; empty where it is not.
-
-    Parameters
-    ----------
-    areas : sequence of ContactAreas
-        Of one surface at one load, from one grid or more.
-    """
+    """Say that the contact is too small for a limit over these grids; empty where it is not."""
     listed("areas", areas, ContactAreas, what="`ContactAreas`")
     if not areas:
         raise InvalidInput("0 areas: a limit needs at least one")
@@ -201,11 +193,8 @@ def _checked(limit: Limit) -> Limit:
 def predicted_uncertainty(coarse: ContactAreas, grids: Sequence[PlannedGrid]) -> float:
     """Return the standard error that a limit will claim from grids not solved yet; inf if none.
 
-    Parameters
-    ----------
-    coarse : ContactAreas
-        Of any grid of the same surface at the same load: says how large the contact is, how long its edges,
-        and whether they are located, for `located_limit`, or corrected, for `perimeter_limit`.
+    The areas of any grid of the same surface at the same load say how large the contact is, how long its
+    edges, and whether they are located, for `located_limit`, or corrected, for `perimeter_limit`.
     """
     instance("coarse", coarse, ContactAreas, what="`ContactAreas`")
     listed("grids", grids, PlannedGrid, what="`PlannedGrid`s")

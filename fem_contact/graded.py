@@ -6,14 +6,12 @@ Passed upwards is not y, which would hold growing and decaying parts of any rati
 ties stress to displacement, s = Z u: it stays of order one however deep or stiff the solid.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from fem_contact._checks import array, instance, listed, positive, positives, whole
+from fem_contact._checks import array, instance, listed, positive_fields, positives, whole
 from fem_contact._types import Array
 from fem_contact.errors import InvalidInput
 from fem_contact.response import wave_size
@@ -59,7 +57,7 @@ class LayeredSolid:
 
     def __post_init__(self) -> None:
         listed("layers", self.layers, Solid, what="`Solid`s")
-        thicknesses = positives("thicknesses", self.thicknesses, unit="m")
+        thicknesses = positives("thicknesses", self.thicknesses)
         instance("base", self.base, Solid)
         if len(self.layers) != len(thicknesses):
             raise InvalidInput(
@@ -114,8 +112,7 @@ class ExponentialSolid:
 
     def __post_init__(self) -> None:
         instance("surface", self.surface, Solid)
-        positive("bulk_young", self.bulk_young, unit="Pa")
-        positive("depth", self.depth, unit="m")
+        positive_fields(self, "bulk_young", "depth")
         whole("sublayers", self.sublayers, least=4, most=10_000)
 
     @property
@@ -125,7 +122,7 @@ class ExponentialSolid:
 
     def young(self, depth: Array) -> Array:
         """Return E(z) [Pa] at depths [m]."""
-        z = array("depth", depth, unit="m")
+        z = array("depth", depth)
         if np.any(z < 0):
             raise InvalidInput(f"depth = {float(np.min(z))!r}: must not be negative, in m")
         return self._young(z)
@@ -182,7 +179,7 @@ def _on_distinct(q: Array, compliance: Callable[[Array], Array]) -> Array:
     # Of a wave far longer than the solar system the compliance may exceed what a number can hold.
     with np.errstate(over="ignore"):
         out[values > 0] = compliance(values[values > 0])
-    return out[places].reshape(q.shape)
+    return out[places]
 
 
 def plane_waves(poisson: float | Array, x: Array) -> tuple[Array, Array]:

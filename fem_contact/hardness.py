@@ -4,8 +4,6 @@ The pressure obeys 0 <= p <= H; where p = H the gap may be negative, and -g is t
 have moved into each other for good (Persson 2006, Sec. 6).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from typing import Unpack
@@ -54,7 +52,7 @@ class Hardness:
 
     def __post_init__(self) -> None:
         bound("pressure", self.pressure)
-        non_negative("length", self.length, unit="m")
+        non_negative("length", self.length)
         non_negative("exponent", self.exponent)
 
     @property
@@ -177,20 +175,8 @@ def press_by_patches(
     """Press until every patch of contact bears no more than its size allows, by any solver.
 
     The hardness begins as that of single cells. Each solve lowers it to that of the patches there are, which
-    lets them grow; it is never raised, so that this ends.
-
-    Parameters
-    ----------
-    surface : HeightField
-    hardness : Hardness
-        With a length and an exponent.
-    press : callable
-        Solves with a pressure bound (nx, ny) [Pa].
-
-    Returns
-    -------
-    ContactResult
-        That of the last solve, with the cost of all; ITERATION_LIMIT where the patches do not settle.
+    lets them grow; it is never raised, so that this ends. `press` solves with a pressure bound (nx, ny) [Pa].
+    Returned is the last result, with the cost of all; ITERATION_LIMIT where the patches do not settle.
     """
     instance("surface", surface, HeightField)
     instance("hardness", hardness, Hardness)

@@ -1,7 +1,5 @@
 """What heights are like on their grid, from their waves: what errors of contact areas depend on."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Flow of a thin fluid film through the gap: percolation, and the conductance of a seal."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -9,11 +7,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fem_contact._checks import array, choice, mask, pair, positive
+from fem_contact._checks import array, choice, mask
 from fem_contact._types import Array, Lengths, Mask
 from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput, NotConverged
 from fem_contact.patches import find_patches
+from fem_contact.surface.heights import checked_lengths
 
 Axis = Literal["x", "y"]
 
@@ -166,7 +165,7 @@ def flow_conductance(gap: ArrayLike, lengths: Lengths, *, axis: Axis = "x") -> G
     """
     choice("axis", axis, ("x", "y"))
     values = _checked_gap(gap)
-    sizes = pair("lengths", lengths, positive, what="two positive periods (Lx, Ly) in m")
+    sizes = checked_lengths(lengths)
     if axis == "y":
         turned = flow_conductance(values.T, (sizes[1], sizes[0]))
         return replace(turned, pressure=turned.pressure.T)
@@ -262,7 +261,7 @@ def _factorised(open_cells: Mask, along: Array, across: Array) -> Callable[[Arra
 
 
 def _checked_gap(gap: ArrayLike) -> Array:
-    values = array("gap", gap, unit="m")
+    values = array("gap", gap)
     if values.ndim != 2 or min(values.shape, default=0) < 2:
         raise InvalidInput(f"gap of shape {values.shape}: must be a map (nx, ny) of at least 2 x 2 points")
     return np.maximum(values, 0.0)

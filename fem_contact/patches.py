@@ -1,7 +1,5 @@
 """Contact patches: connected clusters of contact cells on a periodic grid."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

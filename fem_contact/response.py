@@ -1,7 +1,5 @@
 """Elastic responses of periodic solids: displacement from pressure, one compliance per wavevector."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
@@ -22,14 +20,12 @@ class Response(Protocol):
     @property
     def contact_modulus(self) -> float:
         """E* [Pa] that sets the scale of stresses."""
-        ...
 
     def compliance(self, qx: Array, qy: Array) -> Array:
         """Surface displacement over pressure [m/Pa] at wavevectors (qx, qy) [1/m], broadcast together.
 
         At q = 0 it is the mean displacement per mean pressure, 0 where that is left out (half-space).
         """
-        ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,7 +47,13 @@ class _Layer(_Homogeneous):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        positive("thickness", self.thickness, unit="m")
+        positive("thickness", self.thickness)
+
+    def _with_mean(self, q: Array, ratio: Array) -> Array:
+        """2 ratio / (E* q), with the confined compression at q = 0."""
+        nu = self.solid.poisson
+        mean = self.thickness * (1 + nu) * (1 - 2 * nu) / (self.solid.young * (1 - nu))
+        return np.where(q > 0, 2 * ratio / (self.contact_modulus * np.where(q > 0, q, 1.0)), mean)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,7 +137,7 @@ class BondedLayer(_Layer):
         # Numerator and denominator times 2 exp(-2a), which cannot overflow.
         above = (k - 1) * -np.expm1(-2 * twice) + _sinh_excess(twice)
         below = k * (1 + decay**2) + (twice**2 + k**2 + 1) * decay
-        return _with_mean(q, above / below, solid=self.solid, thickness=self.thickness)
+        return self._with_mean(q, above / below)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,7 +167,7 @@ class FrictionlessLayer(_Layer):
         above = np.expm1(-twice) ** 2
         below = -np.expm1(-2 * twice) + 2 * twice * np.exp(-twice)
         ratio = above / np.where(below > 0, below, 1.0)
-        return _with_mean(q, ratio, solid=self.solid, thickness=self.thickness)
+        return self._with_mean(q, ratio)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -185,12 +187,12 @@ class GivenResponse:
     function: Callable[[Array, Array], Array]
 
     def __post_init__(self) -> None:
-        positive("contact_modulus", self.contact_modulus, unit="Pa")
+        positive("contact_modulus", self.contact_modulus)
         function("function", self.function, of=("qx", "qy"))
 
     def compliance(self, qx: Array, qy: Array) -> Array:
         """Return the given C(qx, qy) [m/Pa]."""
-        qx, qy = np.broadcast_arrays(*_checked_waves(qx, qy))
+        qx, qy = np.broadcast_arrays(*checked_waves(qx, qy))
         return array("function(qx, qy)", self.function(qx, qy), unit="m/Pa", power=2)
 
 
@@ -203,12 +205,13 @@ def check_response(response: object) -> None:
 
 def wave_size(qx: ArrayLike, qy: ArrayLike) -> Array:
     """|q| [1/m] of wavevectors that are finite real numbers."""
-    x, y = _checked_waves(qx, qy)
+    x, y = checked_waves(qx, qy)
     return np.asarray(np.hypot(x, y))
 
 
-def _checked_waves(qx: ArrayLike, qy: ArrayLike) -> tuple[Array, Array]:
-    x, y = array("qx", qx, unit="1/m"), array("qy", qy, unit="1/m")
+def checked_waves(qx: ArrayLike, qy: ArrayLike) -> tuple[Array, Array]:
+    """Return components [1/m] of wavevectors, finite real numbers that broadcast."""
+    x, y = array("qx", qx), array("qy", qy)
     alike(qx=x, qy=y)
     return x, y
 
@@ -219,10 +222,3 @@ def _sinh_excess(t: Array) -> Array:
     series = 1 + square / 20 * (1 + square / 42 * (1 + square / 72 * (1 + square / 110 * (1 + square / 156))))
     direct = -np.expm1(-2 * t) - 2 * t * np.exp(-t)
     return np.where(t < 1, np.exp(-t) * t**3 / 3 * series, direct)
-
-
-def _with_mean(q: Array, ratio: Array, *, solid: Solid, thickness: float) -> Array:
-    """2 ratio / (E* q), with the confined compression at q = 0."""
-    nu = solid.poisson
-    mean = thickness * (1 + nu) * (1 - 2 * nu) / (solid.young * (1 - nu))
-    return np.where(q > 0, 2 * ratio / (solid.contact_modulus * np.where(q > 0, q, 1.0)), mean)

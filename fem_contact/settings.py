@@ -56,11 +56,11 @@ class Settings:
     threads: int | None = None
 
     def __post_init__(self) -> None:
-        tolerance = within("tolerance", self.tolerance, 0, LARGEST_TOLERANCE, interval="(0, 0.1]")
+        tolerance = within("tolerance", self.tolerance, "(0, 0.1]")
         object.__setattr__(self, "tolerance", tolerance)
         whole("max_iterations", self.max_iterations, least=1, most=10**7)
         if self.time_limit is not None:
-            positive("time_limit", self.time_limit, unit="s")
+            positive("time_limit", self.time_limit)
         if self.threads is not None:
             whole("threads", self.threads, least=1, most=1024)
 

@@ -10,8 +10,6 @@ The response is not symmetric, so there is no energy to minimise. It is monotone
 dissipates has Re C > 0: the solution is unique, and the splitting of Peaceman and Rachford finds it.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections import deque
@@ -24,7 +22,7 @@ import scipy.fft
 from fem_contact import bem
 from fem_contact._checks import finite, instance, positive, pressures
 from fem_contact._types import Array, Complex
-from fem_contact.contact import Clock, ContactResult, Residuals, Status, measure_residuals
+from fem_contact.contact import Clock, ContactResult, HasContact, Residuals, Status, measure_residuals
 from fem_contact.errors import InvalidInput
 from fem_contact.settings import Settings, inner_tolerance
 from fem_contact.surface import HeightField
@@ -44,7 +42,7 @@ _PATIENCE = 60
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SlidingContact:
+class SlidingContact(HasContact):
     r"""A contact that slides steadily, and what resists it.
 
     Attributes
@@ -81,11 +79,6 @@ class SlidingContact:
     slopes: float
     dissipation: float
     contraction: float
-
-    def checked(self) -> SlidingContact:
-        """Return this if its solver converged; raise `NotConverged` otherwise."""
-        self.contact.checked()
-        return self
 
 
 def slide(
@@ -220,7 +213,7 @@ class _Problem:
         self.clock = Clock()
         instance("surface", surface, HeightField)
         check_viscoelastic(solid)
-        finite("velocity", velocity, unit="m/s")
+        finite("velocity", velocity)
         qx, qy = np.ix_(*wavevectors(surface.shape, surface.lengths))
         self.response = _compliance(solid, qx, qy, velocity=velocity)
         middle, odd = divmod(surface.shape[0], 2)
@@ -232,7 +225,7 @@ class _Problem:
         self.magnitude = self.metric.compliance(qx, qy)
         self.level = float(np.mean(surface.heights))
         self.heights = surface.heights - self.level
-        self.load = positive("mean_pressure", mean_pressure, unit="Pa")
+        self.load = positive("mean_pressure", mean_pressure)
         self.surface, self.settings, self.qx = surface, settings, qx
 
     def forward(self, values: Array) -> Complex:
@@ -298,11 +291,8 @@ class _Problem:
     def _halves(self) -> Array:
         """How often each column of half a spectrum counts in a sum over all wavevectors."""
         ny = self.surface.shape[1]
-        counts = np.full(ny // 2 + 1, 2.0)
-        counts[0] = 1.0
-        if ny % 2 == 0:
-            counts[-1] = 1.0
-        return counts
+        columns = np.arange(ny // 2 + 1)
+        return np.where((columns > 0) & (2 * columns < ny), 2.0, 1.0)
 
     @property
     def contraction(self) -> float:

@@ -1,7 +1,5 @@
 """Elastic solids: isotropic and homogeneous; thickness and grading are effects of the response."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from fem_contact._checks import instance, poisson_ratio, positive
@@ -33,7 +31,7 @@ class Solid:
     poisson: float
 
     def __post_init__(self) -> None:
-        positive("young", self.young, unit="Pa")
+        positive("young", self.young)
         poisson_ratio(self.poisson)
 
     @property

@@ -1,7 +1,5 @@
 """What is read off a result: P(sigma) and its start at zero, gap distribution, energy and stiffness."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -263,11 +261,9 @@ def loading_work(results: Sequence[ContactResult]) -> Array:
     load. Between elastic states the work equals the difference of their energies, with an error of second
     order in the steps.
     """
-    listed("results", results, ContactResult, what="`ContactResult`s")
-    load = np.array([result.mean_pressure for result in results])
+    load, approach = _loads(results)
     if load.size == 0 or np.any(load <= 0):
         raise InvalidInput(f"{load.size} results: the work needs at least one, each under a positive load")
-    approach = -np.array([result.offset for result in results])
     growth = np.log(load[1:] / load[:-1])
     # Near equal loads the logarithmic mean is 0 / 0; its series there is the plain mean.
     steady = np.abs(growth) < 1e-6
@@ -284,13 +280,18 @@ def contact_stiffness(results: Sequence[ContactResult]) -> Array:
     InvalidInput
         For fewer than three states.
     """
-    listed("results", results, ContactResult, what="`ContactResult`s")
-    if len(results) < 3:
-        raise InvalidInput(f"{len(results)} states: the stiffness needs at least three")
-    load = np.array([result.mean_pressure for result in results])
-    approach = -np.array([result.offset for result in results])
+    load, approach = _loads(results)
+    if load.size < 3:
+        raise InvalidInput(f"{load.size} states: the stiffness needs at least three")
     # In ln p0 the approach is nearly straight, so differences are taken there.
     return np.asarray(load / np.gradient(approach, np.log(load)))
+
+
+def _loads(results: Sequence[ContactResult]) -> tuple[Array, Array]:
+    """Mean pressures [Pa] and approaches [m] along a path."""
+    listed("results", results, ContactResult, what="`ContactResult`s")
+    load, offset = np.array([(result.mean_pressure, result.offset) for result in results]).reshape(-1, 2).T
+    return load, -offset
 
 
 def _contact_pressures(result: ContactResult) -> tuple[Array, Array]:

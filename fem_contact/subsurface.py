@@ -6,8 +6,6 @@ each for every homogeneous sheet of the solid. The sheets are passed twice: upwa
 reflects, downwards for the amplitudes. Nothing grows on the way, however deep the solid.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -154,11 +152,10 @@ def fields_below(
     >>> bool(np.allclose(below.stress[:, :, 0, 2], -pressed.pressure))
     True
     """
-    body, planes = _checked(contact, response, depths)
-    shape = (*contact.shape, planes.size)
+    fields = _Fields(contact, response, depths, threads)
+    planes, shape = fields.planes, (*contact.shape, fields.planes.size)
     room_for(f"depths = {planes.size}", needed=8.0 * 12 * shape[0] * shape[1] * shape[2])
     displacement, stress = np.empty((*shape, 3)), np.empty((*shape, 6))
-    fields = _Fields(contact, body, threads)
     for k, depth in enumerate(planes):
         plane = fields.at(float(depth))
         displacement[:, :, k], stress[:, :, k] = plane.displacement, plane.stress
@@ -174,9 +171,8 @@ def planes_below(
 
     Parameters and errors are those of `fields_below`.
     """
-    body, planes = _checked(contact, response, depths)
-    fields = _Fields(contact, body, threads)
-    return (fields.at(float(depth)) for depth in planes)
+    fields = _Fields(contact, response, depths, threads)
+    return (fields.at(float(depth)) for depth in fields.planes)
 
 
 def strongest_point(
@@ -203,8 +199,8 @@ def strongest_point(
 
     if depths is None:
         depths = default_depths(contact, response)[1:]
-    body, planes = _checked(contact, response, depths)
-    fields = _Fields(contact, body, threads)
+    fields = _Fields(contact, response, depths, threads)
+    planes = fields.planes
     largest_at: dict[float, tuple[float, int]] = {}
 
     def largest(depth: float) -> float:
@@ -257,7 +253,7 @@ def _checked(
             "contact: its nodes weigh differently (quadratic elements); take the stress of the block itself"
         )
     body = body_of(response)
-    planes = default_depths(contact, response) if depths is None else samples("depths", depths, unit="m")
+    planes = default_depths(contact, response) if depths is None else samples("depths", depths)
     planes = np.array(planes)
     if planes[0] < 0 or np.any(np.diff(planes) <= 0):
         raise InvalidInput(f"depths = {shown(planes)}: must rise, and none be negative, in m")
@@ -272,8 +268,11 @@ def _checked(
 class _Fields:
     """The waves of one pressure, to be summed at any depth."""
 
-    def __init__(self, contact: ContactResult, body: Layered | Exponential, threads: int | None) -> None:
-        self.body, self.shape = body, contact.shape
+    def __init__(
+        self, contact: ContactResult, response: Response, depths: ArrayLike | None, threads: int | None
+    ) -> None:
+        self.body, self.planes = _checked(contact, response, depths)
+        self.shape = contact.shape
         self.threads = Settings(threads=threads).workers
         qx, qy = np.ix_(*wavevectors(contact.shape, contact.lengths))
         q = np.hypot(qx, qy)
@@ -281,10 +280,10 @@ class _Fields:
         self.mean = contact.mean_pressure
         self.waves[0, 0] = 0
         values, places = np.unique(q, return_inverse=True)
-        self.places = places.reshape(q.shape) - 1  # without q = 0, whose amplitude is zero
+        self.places = places - 1  # without q = 0, whose amplitude is zero
         self.places[0, 0] = 0
         self.q = values[1:]
-        self.states = body.states(self.q) if self.q.size else None
+        self.states = self.body.states(self.q) if self.q.size else None
         unit = np.where(q > 0, q, 1.0)
         self.cos2, self.sin2 = (qx / unit) ** 2, (qy / unit) ** 2
         # A wave at the Nyquist limit runs both ways at once: what is odd in it vanishes on the grid.

@@ -1,7 +1,5 @@
 """Viscoelastic solids: a complex modulus over frequency, from a Prony series or a table."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -11,7 +9,8 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike
 
-from fem_contact._checks import array, instance, poisson_ratio, positive, samples
+from contact_checks import UNITS
+from fem_contact._checks import array, instance, poisson_ratio, positive, positives, samples
 from fem_contact._types import Array, Complex
 from fem_contact.errors import InvalidInput
 
@@ -23,14 +22,12 @@ class ViscoelasticSolid(Protocol):
     @property
     def poisson(self) -> float:
         """Poisson's ratio nu."""
-        ...
 
     def modulus(self, frequency: ArrayLike) -> Complex:
         """E(omega) [Pa] for omega >= 0 [1/s]: storage modulus + i times the loss modulus.
 
         Strains go like exp(+i omega t), so that the imaginary part is not negative.
         """
-        ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,15 +61,14 @@ class PronySolid:
     poisson: float
 
     def __post_init__(self) -> None:
-        positive("relaxed", self.relaxed, unit="Pa")
+        positive("relaxed", self.relaxed)
         poisson_ratio(self.poisson)
-        moduli, times = samples("moduli", self.moduli, unit="Pa"), samples("times", self.times, unit="s")
+        moduli, times = samples("moduli", self.moduli), samples("times", self.times)
         if moduli.size != times.size or moduli.min() < 0:
             raise InvalidInput(
                 f"moduli, times: {moduli.size} and {times.size} values: must be as many, no modulus negative"
             )
-        for time in times:
-            positive("times", time, unit="s")
+        positives("times", times)
         object.__setattr__(self, "moduli", tuple(map(float, moduli)))
         object.__setattr__(self, "times", tuple(map(float, times)))
 
@@ -90,10 +86,10 @@ class PronySolid:
         time : float
             Retardation time tau [s]; the relaxation time is tau E_0 / E_inf.
         """
-        low, high = positive("relaxed", relaxed, unit="Pa"), positive("unrelaxed", unrelaxed, unit="Pa")
+        low, high = positive("relaxed", relaxed), positive("unrelaxed", unrelaxed)
         if high < low:
             raise InvalidInput(f"unrelaxed = {high!r} Pa: must not be below relaxed = {low!r} Pa")
-        times = (positive("time", time, unit="s") * (low / high),)
+        times = (positive("time", time) * (low / high),)
         return cls(relaxed=low, moduli=(high - low,), times=times, poisson=poisson)
 
     @property
@@ -109,7 +105,7 @@ class PronySolid:
         The stresses s_k of the terms obey
         :math:`\sum_j (\delta_{kj}/E_k + 1/E_0)\, s_j' = -s_k/(E_k \tau_k)`.
         """
-        since = _not_negative("time", time, unit="s")
+        since = _not_negative("time", time)
         at_work = np.array(self.moduli) > 0
         share, decay = np.array(self.moduli)[at_work] / self.relaxed, np.array(self.times)[at_work]
         if not share.size:
@@ -120,7 +116,7 @@ class PronySolid:
 
     def modulus(self, frequency: ArrayLike) -> Complex:
         """E(omega) [Pa] for omega >= 0 [1/s]."""
-        omega = _not_negative("frequency", frequency, unit="1/s")
+        omega = _not_negative("frequency", frequency)
         total = np.full(omega.shape, complex(self.relaxed))
         for modulus, time in zip(self.moduli, self.times, strict=True):
             # Of the lesser of omega tau and its inverse, so that nothing overflows.
@@ -164,8 +160,8 @@ class TabulatedSolid:
 
     def __post_init__(self) -> None:
         poisson_ratio(self.poisson)
-        omega = samples("frequencies", self.frequencies, least=2, unit="1/s")
-        storage, loss = samples("storage", self.storage, unit="Pa"), samples("loss", self.loss, unit="Pa")
+        omega = samples("frequencies", self.frequencies, least=2)
+        storage, loss = samples("storage", self.storage), samples("loss", self.loss)
         if not omega.size == storage.size == loss.size:
             raise InvalidInput(
                 f"frequencies, storage, loss: {omega.size}, {storage.size} and {loss.size} values: "
@@ -183,7 +179,7 @@ class TabulatedSolid:
 
     def modulus(self, frequency: ArrayLike) -> Complex:
         """E(omega) [Pa] for omega >= 0 [1/s]; refused outside the table, 0 excepted."""
-        omega = _not_negative("frequency", frequency, unit="1/s")
+        omega = _not_negative("frequency", frequency)
         low, high = self.frequencies[0], self.frequencies[-1]
         given = omega[omega > 0]
         # Frequencies at the ends may have been rounded on their way here.
@@ -199,10 +195,10 @@ class TabulatedSolid:
         return np.asarray(storage_at * (1 + 1j * lag))
 
 
-def _not_negative(name: str, value: ArrayLike, *, unit: str) -> Array:
-    values = array(name, value, unit=unit, power=2)
+def _not_negative(name: str, value: ArrayLike) -> Array:
+    values = array(name, value, power=2)
     if values.size and values.min() < 0:
-        raise InvalidInput(f"{name} = {float(values.min())!r} {unit}: must not be negative")
+        raise InvalidInput(f"{name} = {float(values.min())!r} {UNITS[name]}: must not be negative")
     return values
 
 

@@ -1,7 +1,5 @@
 """Checks of arguments at every public door: the name, what was found, what is allowed."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -22,25 +20,38 @@ LEAST, GREATEST, LAST = 1e-30, 1e30, 1e-300
 _CHECKS = Checks(InvalidInput, least=LEAST, greatest=GREATEST)
 alike, choice, function, instance = _CHECKS.alike, _CHECKS.choice, _CHECKS.function, _CHECKS.instance
 numbers_of, poisson_ratio, positive = _CHECKS.numbers_of, _CHECKS.poisson_ratio, _CHECKS.positive
-positives, whole, within = _CHECKS.positives, _CHECKS.whole, _CHECKS.within
+positives, positive_fields = _CHECKS.positives, _CHECKS.positive_fields
+whole, within = _CHECKS.whole, _CHECKS.within
 
 
-def real(name: str, value: ArrayLike, *, unit: str = "", power: float = 1) -> Array:
+def real(name: str, value: ArrayLike, *, unit: str | None = None, power: float = 1) -> Array:
     """Return `value` as a float array, refusing NaN, infinities and sizes that cannot be computed with."""
     return _sized(name, value, unit=unit, power=power, signed=True, vanishing=False)
 
 
 def non_negative(
-    name: str, value: ArrayLike, *, unit: str = "", power: float = 1, vanishing: bool = False
+    name: str,
+    value: ArrayLike,
+    *,
+    unit: str | None = None,
+    power: float = 1,
+    vanishing: bool = False,
+    zero: str = "",
 ) -> Array:
     """Return `value` as a float array, refusing anything but numbers >= 0 that can be computed with.
 
-    Where they may be `vanishing`, such as the tail of a distribution, no size is too small.
+    Where they may be `vanishing`, such as the tail of a distribution, no size is too small. Where `zero` says
+    why, 0 is refused, too.
     """
-    return _sized(name, value, unit=unit, power=power, signed=False, vanishing=vanishing)
+    array = _sized(name, value, unit=unit, power=power, signed=False, vanishing=vanishing)
+    if zero and np.any(array == 0):
+        raise InvalidInput(f"{name} = 0: {zero}")
+    return array
 
 
-def _sized(name: str, value: ArrayLike, *, unit: str, power: float, signed: bool, vanishing: bool) -> Array:
+def _sized(
+    name: str, value: ArrayLike, *, unit: str | None, power: float, signed: bool, vanishing: bool
+) -> Array:
     array = _CHECKS.doubles(name, value, unit=unit)
     size = np.abs(array)
     fine = np.isfinite(array) & (signed | (array >= 0))
@@ -51,12 +62,12 @@ def _sized(name: str, value: ArrayLike, *, unit: str, power: float, signed: bool
     what = "finite" if signed else "finite and not negative"
     if fine.all():
         what, fine = f"zero or of a size from {LAST:g} to {GREATEST**power:g}", computable
-    raise InvalidInput(f"{name} = {float(array[~fine].flat[0])!r}: must be {what}{in_unit(unit)}")
+    raise InvalidInput(f"{name} = {float(array[~fine].flat[0])!r}: must be {what}{in_unit(name, unit)}")
 
 
-def scalar(name: str, value: object, *, unit: str, power: float = 1) -> float:
+def scalar(name: str, value: object, *, unit: str | None = None, power: float = 1) -> float:
     """Return one number that is zero or of a size that can be computed with."""
-    return float(real(name, _CHECKS.number(name, value, unit=unit), unit=unit, power=power))
+    return float(real(name, _CHECKS.number(name, value, unit), unit=unit, power=power))
 
 
 def returned(name: str, value: object, shape: tuple[int, ...], *, unit: str) -> Array:
@@ -67,7 +78,7 @@ def returned(name: str, value: object, shape: tuple[int, ...], *, unit: str) -> 
     except ValueError:
         raise InvalidInput(f"{name}: gave shape {array.shape} for arguments of shape {shape}") from None
     if np.any(np.isnan(array)):
-        raise InvalidInput(f"{name}: gave NaN{in_unit(unit)}")
+        raise InvalidInput(f"{name}: gave NaN{in_unit(name, unit)}")
     return array
 
 

@@ -6,8 +6,6 @@ diagonals (J. Shen, SIAM J. Sci. Comput. 15, 1489, 1994). Time steps: five stage
 accurate (Hairer and Wanner, Solving Ordinary Differential Equations II, Table 6.5).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Gauss's rule, on one interval and on panels."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from persson._checks import Array

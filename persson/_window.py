@@ -1,8 +1,5 @@
 """Where the distribution of stress lives: its walls, the window that follows them, the steps in ln V."""
 
-from __future__ import annotations
-
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -62,7 +59,7 @@ def distance(wall: Wall, pressure: float, sign: float, name: str) -> Callable[[A
             return sign * pressure + limit
 
         return moving
-    limit = within(name, wall, 0, math.inf, interval="[0, inf]", unit="Pa")
+    limit = within(name, wall, "[0, inf]")
     return lambda variance: np.full(np.shape(variance), sign * pressure + limit)
 
 
@@ -78,16 +75,16 @@ class Pieces:
 
 def find_pieces(problem: Problem, outputs: Array, breaks: Array) -> Pieces:
     """Find where the distribution first meets a wall, and where an edge changes to or from a wall."""
-    last = float(outputs[-1])
+    last, nothing = float(outputs[-1]), np.empty(0)
     if last == 0:
-        return Pieces(reference=1.0, edges=np.empty(0), roots=np.empty(0), start=np.inf)
+        return Pieces(reference=1.0, edges=nothing, roots=nothing, start=np.inf)
     inside = breaks[(breaks > 0) & (breaks < last)]
     coarse = np.unique(np.concatenate([np.arange(-140.0, 0.0, 0.25), [0.0], np.log(inside / last)]))
     _refuse(problem, last, coarse)
     touched = problem.window(coarse, last)
     first = np.flatnonzero(touched[2] | touched[3])
     if first.size == 0:
-        return Pieces(reference=last, edges=np.empty(0), roots=np.empty(0), start=np.inf)
+        return Pieces(reference=last, edges=nothing, roots=nothing, start=np.inf)
     if first[0] == 0:
         raise OutsideTheory(
             "a wall stands at the nominal pressure from the start: no distribution can begin there"

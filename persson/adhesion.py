@@ -6,13 +6,11 @@ energy depends on the area of contact on all shorter scales, which depends on si
 a fixed-point iteration.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,14 +28,14 @@ from persson._checks import (
     within,
 )
 from persson.diffusion import Diffusion, diffuse_once
-from persson.errors import InvalidInput, NotConverged, OutsideTheory
+from persson.errors import NotConverged, OutsideTheory
 from persson.interface import Interface as Interface
 from persson.interface import closing_work as closing_work
 from persson.interface import crossover_length as crossover_length
 from persson.interface import detachment_stress as detachment_stress
 from persson.interface import opening_work as opening_work
 from persson.scale import Scale, of_variance
-from persson.spectrum import area_factor
+from persson.spectrum import area_factor, check_sample
 
 #: Spacing of the nodes in ln V and in ln q, on the coarse and on the fine level.
 _SPACINGS = (0.24, 0.12)
@@ -104,7 +102,7 @@ class AdhesiveContact:
     status: AdhesionStatus
     _state: Diffusion | None = None
 
-    def checked(self) -> AdhesiveContact:
+    def checked(self) -> Self:
         """Return this result, or raise `NotConverged`; to have no contact is a result."""
         if self.status is AdhesionStatus.ROUND_LIMIT:
             raise NotConverged(f"{self.status.value} (last error estimate {self.error_estimate:.3g})")
@@ -125,12 +123,12 @@ class AdhesiveContact:
         """
         whole("index", index, least=-self.wavevectors.size, most=self.wavevectors.size - 1)
         if self._state is None:
-            return np.zeros_like(real("stress", stress, unit="Pa"))[()]
+            return np.zeros_like(real("stress", stress))[()]
         return self._state.distribution(index, stress)
 
     def _between(self, wavevector: ArrayLike, values: Array) -> Array:
         first = self.wavevectors[0]
-        q = np.clip(non_negative("wavevector", wavevector, unit="1/m"), first, self.wavevectors[-1])
+        q = np.clip(non_negative("wavevector", wavevector), first, self.wavevectors[-1])
         return np.asarray(PchipInterpolator(np.log(self.wavevectors / first), values)(np.log(q / first)))[()]
 
 
@@ -240,12 +238,12 @@ def solve_adhesion(
     if start is not None:
         instance("start", start, AdhesiveContact, what="an earlier result of `solve_adhesion`")
     if yield_stress is not None and not callable(yield_stress):
-        positive("yield_stress", yield_stress, unit="Pa")
-    within("tolerance", tolerance, 1e-14, 0.1, interval="[1e-14, 0.1]")
+        positive("yield_stress", yield_stress)
+    within("tolerance", tolerance, "[1e-14, 0.1]")
     whole("rounds", rounds, least=1, most=100_000)
-    pressure = scalar("pressure", pressure, unit="Pa")
-    if pressure < 0 and scale.spectrum.q_min == 0:
-        raise InvalidInput("q_min = 0: under tension the size L of the sample matters; give q_min = 2 pi / L")
+    pressure = scalar("pressure", pressure)
+    if pressure < 0:
+        check_sample(scale.spectrum, "under tension the size L of the sample matters")
     case = _Case(
         scale=scale,
         pressure=pressure,

@@ -1,7 +1,5 @@
 """Archard's hierarchy: spheres on spheres on a sphere (Persson 2006, Sec. 1)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -68,10 +66,10 @@ def archard_hierarchy(
     >>> round(9 * levels.exponent, 12)
     8.0
     """
-    load = non_negative("force", force, unit="N")
-    modulus = positive("contact_modulus", contact_modulus, unit="Pa")
-    sizes = positives("radii", radii, unit="m")
-    counts = positives("densities", densities, unit="1/m^2")
+    load = non_negative("force", force)
+    modulus = positive("contact_modulus", contact_modulus)
+    sizes = positives("radii", radii)
+    counts = positives("densities", densities)
     if not sizes or len(counts) != len(sizes) - 1:
         raise InvalidInput(
             f"{len(sizes)} radii and {len(counts)} densities: there must be one radius more than densities"

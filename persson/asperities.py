@@ -5,8 +5,6 @@ ellipsoidal summits of a Gaussian surface, Fuller and Tabor (1975) with adhesion
 are those of Nayak (1971).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -15,7 +13,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from scipy.special import binom, ellipe, ellipk, ellipkm1, gamma, pbdv
 
-from persson._checks import Array, instance, positive, real
+from persson._checks import Array, instance, positive, positive_fields, real
 from persson._quadrature import gauss, panels
 from persson.errors import InvalidInput
 from persson.spectrum import Moments
@@ -84,14 +82,12 @@ class Asperities:
     rms_height: float
 
     def __post_init__(self) -> None:
-        positive("density", self.density, unit="1/m^2")
-        positive("radius", self.radius, unit="m")
-        positive("rms_height", self.rms_height, unit="m")
+        positive_fields(self, "density", "radius", "rms_height")
 
     def contact(self, separation: ArrayLike, *, contact_modulus: float) -> AsperityContact:
         """Contact at separations d [m] from the mean summit height (Persson 2006, Eqs. 10-12)."""
-        modulus = positive("contact_modulus", contact_modulus, unit="Pa")
-        t = real("separation", separation, unit="m") / self.rms_height
+        modulus = positive("contact_modulus", contact_modulus)
+        t = real("separation", separation) / self.rms_height
         one = tail_moment(1, t)
         scale = self.density * self.radius * self.rms_height
         # Where nothing touches there is no patch.
@@ -107,7 +103,7 @@ class Asperities:
 
     def contact_at(self, pressure: float, *, contact_modulus: float) -> AsperityContact:
         """Contact at a nominal pressure [Pa]."""
-        target = math.log(positive("pressure", pressure, unit="Pa"))
+        target = math.log(positive("pressure", pressure))
 
         def miss(t: float) -> float:
             contact = self.contact(t * self.rms_height, contact_modulus=contact_modulus)
@@ -129,7 +125,7 @@ def ring_asperities(wavevector: float, *, rms_height: float) -> Asperities:
     >>> round(ring_asperities(1.0, rms_height=1.0).density, 4)
     0.0292
     """
-    q, h = positive("wavevector", wavevector, unit="1/m"), positive("rms_height", rms_height, unit="m")
+    q, h = positive("wavevector", wavevector), positive("rms_height", rms_height)
     return Asperities(
         density=q * q / (2 * math.pi**2 * math.sqrt(3)),
         radius=1 / (math.sqrt(2) * q * (q * h)),
@@ -190,14 +186,14 @@ def bush_gibson_thomas(separation: ArrayLike, *, moments: Moments, contact_modul
     parameter; it leaves that limit already at very small areas (Carbone and Bottiglione, J. Mech. Phys.
     Solids 56, 2555, 2008).
     """
-    modulus = positive("contact_modulus", contact_modulus, unit="Pa")
+    modulus = positive("contact_modulus", contact_modulus)
     _check_moments(moments)
     alpha = moments.nayak
     if not alpha > 1.5 * (1 + 1e-9):
         raise InvalidInput(
             f"Nayak parameter = {alpha!r}: must exceed 1.5, where the roughness has one wavelength only"
         )
-    d = real("separation", separation, unit="m") / math.sqrt(moments.m0)
+    d = real("separation", separation) / math.sqrt(moments.m0)
     rho = math.sqrt(1.5 / alpha)
     scatter = math.sqrt(1 - rho * rho)
     # Standard deviation of half the sum of curvatures: sqrt(8/3 m4 of a profile) / 2, and that moment is 3/8
@@ -296,10 +292,10 @@ def yielding_asperities(
     H gives A/A0 = sigma_0/H.
     """
     instance("asperities", asperities, Asperities, what="`Asperities`")
-    modulus = positive("contact_modulus", contact_modulus, unit="Pa")
-    limit = positive("hardness", hardness, unit="Pa")
+    modulus = positive("contact_modulus", contact_modulus)
+    limit = positive("hardness", hardness)
     height, radius = asperities.rms_height, asperities.radius
-    t = real("separation", separation, unit="m") / height
+    t = real("separation", separation) / height
     onset = radius / height * min(0.75 * math.pi * limit / modulus, 1e15) ** 2
     late = t + onset
     beyond = tail_moment(1, late)
@@ -352,8 +348,7 @@ class FullerTabor:
 
     def __post_init__(self) -> None:
         instance("asperities", self.asperities, Asperities, what="`Asperities`")
-        positive("contact_modulus", self.contact_modulus, unit="Pa")
-        positive("work_of_adhesion", self.work_of_adhesion, unit="J/m^2")
+        positive_fields(self, "contact_modulus", "work_of_adhesion")
 
     @property
     def _length(self) -> float:
@@ -371,7 +366,7 @@ class FullerTabor:
 
         Negative is tension.
         """
-        d = real("separation", separation, unit="m")
+        d = real("separation", separation)
         a, big = self._length, self.asperities.radius
         unit = a * (a / big)
         h = self.asperities.rms_height / unit

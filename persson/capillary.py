@@ -1,7 +1,5 @@
 """Frozen capillary waves: the roughness of a surface that was liquid (Persson 2006, Sec. 2.2 and App. A)."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Self
@@ -10,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import lambertw
 
-from persson._checks import Array, non_negative, positive, real, within
+from persson._checks import Array, positive, positive_fields, real, within
 from persson.errors import InvalidInput
 from persson.spectrum import EDGE, SpectrumMoments
 
@@ -61,17 +59,10 @@ class CapillaryWaves(SpectrumMoments):
     multiple: float = 1.0
 
     def __post_init__(self) -> None:
-        for name, unit in (
-            ("temperature", "K"),
-            ("surface_tension", "J/m^2"),
-            ("q_bend", "1/m"),
-            ("q_min", "1/m"),
-            ("multiple", ""),
-        ):
-            positive(name, getattr(self, name), unit=unit)
-        if not positive("q_short", self.q_short, unit="1/m") >= self.q_min:
+        positive_fields(self, "temperature", "surface_tension", "q_bend", "q_min", "multiple")
+        if not positive("q_short", self.q_short) >= self.q_min:
             raise InvalidInput(f"q_short = {self.q_short!r}: must be finite, at least q_min = {self.q_min!r}")
-        within("q_gravity", self.q_gravity, 0, self.q_bend / 2, interval="[0, q_bend / 2]", unit="1/m")
+        within("q_gravity", self.q_gravity, "[0, q_bend / 2]", ends=(0, self.q_bend / 2))
 
     @property
     def q_long(self) -> float:
@@ -84,7 +75,7 @@ class CapillaryWaves(SpectrumMoments):
 
     def __call__(self, q: ArrayLike) -> Array:
         """C(q) [m^4] for wavevectors [1/m]; 0 outside [q_min, q_short]."""
-        wave = real("q", q, unit="1/m")
+        wave = real("q", q)
         inside = (wave >= self.q_min * (1 - EDGE)) & (wave <= self.q_short * (1 + EDGE))
         ratio = np.where(inside, wave, self.q_min) / self.q_bend
         gravity = self.q_gravity / self.q_bend
@@ -97,9 +88,8 @@ class CapillaryWaves(SpectrumMoments):
         """Return the spectrum times `factor`."""
         return replace(self, multiple=self.multiple * positive("factor", factor))
 
-    def _moment(self, order: int, q_upper: ArrayLike | None) -> Array:
+    def _moment(self, order: int, upper: Array) -> Array:
         """Partial fractions in s = q^2 / q_c^2; every term is a logarithm of a ratio near its own scale."""
-        upper = non_negative("q_upper", self.q_short if q_upper is None else q_upper, unit="1/m")
         upper = np.clip(upper, self.q_min, self.q_short)
         low = self.q_min / self.q_bend
         width = (upper - self.q_min) / self.q_bend

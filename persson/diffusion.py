@@ -102,7 +102,7 @@ class Diffusion:
     def distribution(self, index: int, stress: ArrayLike) -> Array:
         """P(sigma) [1/Pa] of elastic contact per nominal area at ``variance[index]``, for stresses [Pa]."""
         whole("index", index, least=-self.variance.size, most=self.variance.size - 1)
-        sigma = real("stress", stress, unit="Pa") - self.pressure
+        sigma = real("stress", stress) - self.pressure
         left, right = self._windows[index]
         variance = self.variance[index]
         if np.isnan(left):
@@ -181,11 +181,11 @@ def solve_diffusion(
     array([0.68269, 0.38292])
     """
     outputs, problem = _checked(variance, pressure, tensile_limit, yield_stress)
-    within("tolerance", tolerance, 0, 1, interval="(0, 1)")
+    within("tolerance", tolerance, "(0, 1)")
     if modes is not None:
         whole("modes", modes, least=4, most=400)
     if step is not None:
-        within("step", step, 1e-4, 1, interval="[1e-4, 1]")
+        within("step", step, "[1e-4, 1]")
     kinks = np.array([scalar("breaks", kink, unit="Pa^2", power=2) for kink in numbers_of("breaks", breaks)])
     levels = _LEVELS if modes is None and step is None else ((step or 0.1, modes or 48),)
     with in_proportion():
@@ -238,10 +238,10 @@ def diffuse_once(
 def _checked(
     variance: ArrayLike, pressure: float, tensile_limit: Wall, yield_stress: Wall
 ) -> tuple[Array, Problem]:
-    outputs = np.atleast_1d(non_negative("variance", variance, unit="Pa^2", power=2))
+    outputs = np.atleast_1d(non_negative("variance", variance, power=2))
     if outputs.ndim != 1 or outputs.size == 0 or np.any(np.diff(outputs) < 0):
         raise InvalidInput("variance: must be a one-dimensional array of values that do not decrease")
-    load = scalar("pressure", pressure, unit="Pa")
+    load = scalar("pressure", pressure)
     problem = Problem(
         pressure=load,
         below=distance(tensile_limit, load, 1.0, "tensile_limit"),
@@ -338,17 +338,11 @@ def _run(problem: Problem, reference: float, grid: Grid, modes: int) -> Array:
         upper_wall[:, 1:] = np.where(rise > 0, rise, 0.0)
     edges = np.ascontiguousarray(np.stack([left, right, left_rate, right_rate])[:, :, 1:])
     first = float(left[0, 0]), float(right[0, 0]), float(variance[0, 0])
-    start = _gaussian_coefficients(first, modes) * (first[1] - first[0]) ** 2
+    tables = _galerkin.matrices(modes)
+    start = _gaussian_coefficients(first, tables[0], tables[3]) * (first[1] - first[0]) ** 2
     history = np.empty((grid.steps.size + 1, modes + 4))
-    _galerkin.advance(
-        grid.steps,
-        edges,
-        np.ascontiguousarray(diffusion[:, 1:]),
-        upper_wall,
-        start,
-        _galerkin.matrices(modes),
-        history,
-    )
+    diffusion = np.ascontiguousarray(diffusion[:, 1:])
+    _galerkin.advance(grid.steps, edges, diffusion, upper_wall, start, tables, history)
     return history
 
 
@@ -379,20 +373,17 @@ def _differentiation(points: Array) -> Array:
     return matrix
 
 
-def _gaussian_coefficients(window: tuple[float, float, float], modes: int) -> Array:
+def _gaussian_coefficients(window: tuple[float, float, float], mass: Array, d: Array) -> Array:
     """L2 projection of the free Gaussian on the basis; `window` holds its edges and the variance."""
-    left, right, variance = window
+    (left, right, variance), modes = window, d.size
     # The integrand vanishes with all derivatives at both ends: the trapezoidal rule is exact to rounding.
     x = np.linspace(-1, 1, 8 * modes + 1)
     sigma = left + (right - left) * (1 + x) / 2
     density = np.exp(-0.5 * sigma * sigma / variance) / math.sqrt(2 * math.pi * variance)
     basis = legendre.legvander(x, modes + 1)
-    k = np.arange(modes)
-    d = 1 / np.sqrt(4 * k + 6.0)
-    mass = np.diag(d * d * (2 / (2 * k + 1) + 2 / (2 * k + 5)))
-    coupling = np.diag(-d[:-2] * d[2:] * 2 / (2 * k[:-2] + 5), 2)
-    phi = d * (basis[:, :modes] - basis[:, 2:])
-    return np.linalg.solve(mass + coupling + coupling.T, phi.T @ density * (x[1] - x[0]))
+    phi = d * (basis[:, :-2] - basis[:, 2:])
+    coupling = np.diag(mass[4, :-2], 2)
+    return np.linalg.solve(np.diag(mass[2]) + coupling + coupling.T, phi.T @ density * (x[1] - x[0]))
 
 
 def _window_moments(

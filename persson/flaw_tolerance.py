@@ -1,7 +1,5 @@
 """Adhesion that no flaw weakens: how the modulus must grow with depth (Persson 2006, Secs. 8.4 and 8.5)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +18,7 @@ from persson._checks import (
 from persson.elastic import contact_area
 from persson.errors import InvalidInput, NotConverged, OutsideTheory
 from persson.interface import Interface
-from persson.spectrum import Spectrum, area_factor, check_spectrum
+from persson.spectrum import Spectrum, area_factor, check_sample, check_spectrum, sampled_wavevectors
 from persson.variants import energy_share
 
 #: Wavevectors of the optimal modulus, evenly spaced in ln q; its relative change at which the iteration
@@ -47,11 +45,10 @@ def crack_stress(work: ArrayLike, *, contact_modulus: float, length: ArrayLike) 
     Persson 2006, Eq. 51: Eq. 36 up to a number of order 1. At the atomic distance a it is the ideal
     strength if gamma is E* a (Sec. 8.4).
     """
-    energy, size = non_negative("work", work, unit="J/m^2"), non_negative("length", length, unit="m")
-    if np.any(size == 0):
-        raise InvalidInput("length = 0: must be positive [m]")
+    energy = non_negative("work", work)
+    size = non_negative("length", length, zero="must be positive, in m")
     alike(work=energy, length=size)
-    return np.sqrt(energy / size * positive("contact_modulus", contact_modulus, unit="Pa"))
+    return np.sqrt(energy / size * positive("contact_modulus", contact_modulus))
 
 
 def flaw_tolerant_gradient(
@@ -84,8 +81,8 @@ def flaw_tolerant_gradient(
     >>> round(gradient * 1e-9 / 1e9, 2)  # E [GPa] at a depth of 1 nm
     4.44
     """
-    energy = positive("work_of_adhesion", work_of_adhesion, unit="J/m^2") * positive("alpha", alpha)
-    strength = positive("ideal_strength", ideal_strength, unit="Pa")
+    energy = positive("work_of_adhesion", work_of_adhesion) * positive("alpha", alpha)
+    strength = positive("ideal_strength", ideal_strength)
     return (1 - poisson_ratio(poisson) ** 2) * strength * (strength / energy)
 
 
@@ -154,16 +151,14 @@ def optimal_modulus(
     """
     check_spectrum(spectrum)
     instance("interface", interface, Interface)
-    limit = positive("tensile_limit", tensile_limit, unit="Pa")
-    held = scalar("pressure", pressure, unit="Pa") + limit
+    limit = positive("tensile_limit", tensile_limit)
+    held = scalar("pressure", pressure) + limit
     if held <= 0:
         raise OutsideTheory(f"pressure = {pressure!r} Pa: the tension must stay below the tensile limit")
     if interface.energy == "as_printed":
         raise InvalidInput("interface.energy = 'as_printed': must be 'improved' or 'old' here")
-    if not spectrum.q_min > 0:
-        raise InvalidInput("q_min = 0: must be positive; give q_min = 2 pi / L")
-    q = spectrum.q_min * np.geomspace(1.0, spectrum.q_short / spectrum.q_min, _NODES)
-    q[-1] = spectrum.q_short
+    check_sample(spectrum, "must be positive")
+    q = sampled_wavevectors(spectrum, _NODES)
     added = np.diff(spectrum.m2(q)) / 4
     star = area_factor(spectrum.m2(q)) if interface.area == "star" else np.ones_like(q)
     bond = interface.work_of_adhesion

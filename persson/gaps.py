@@ -1,7 +1,5 @@
 """How the gap between two rough surfaces is distributed under load."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -55,10 +53,10 @@ def gap_distribution(gap: ArrayLike, *, pressure: float, scale: Scale, energy_ra
     of P exceed `mean_separation`: by 2, 17 and 48 % at p* = .01, .1 and .3. Quantiles agree with boundary
     elements within 10 % from p* = .05 to .3 with g = .45.
     """
-    u = real("gap", gap, unit="m")
-    load = positive("pressure", pressure, unit="Pa")
+    u = real("gap", gap)
+    load = positive("pressure", pressure)
     instance("scale", scale, Scale)
-    ratio = within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
+    ratio = within("energy_ratio", energy_ratio, "(0, 1]")
     with in_proportion():
         lost, middle, scatter = _leaving(load, scale, ratio)
         result = np.zeros(u.shape)

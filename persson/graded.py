@@ -1,7 +1,5 @@
 """Graded solids, layers and plates: the modulus a wave of roughness feels (Persson 2006, Sec. 5)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -15,6 +13,7 @@ from persson._checks import (
     numbers_of,
     poisson_ratio,
     positive,
+    positive_fields,
     positives,
     real,
     returned,
@@ -25,10 +24,7 @@ from persson.errors import InvalidInput
 
 def checked_wavevectors(wavevector: ArrayLike) -> Array:
     """Return positive wavevectors [1/m]."""
-    q = non_negative("wavevector", wavevector, unit="1/m")
-    if np.any(q == 0):
-        raise InvalidInput("wavevector = 0.0: must be positive [1/m]")
-    return q
+    return non_negative("wavevector", wavevector, zero="must be positive, in 1/m")
 
 
 def _plane_strain(modulus: Array, poisson: float) -> Array:
@@ -111,18 +107,18 @@ class ExponentialLayers:
     poisson: float
 
     def __post_init__(self) -> None:
-        positive("bulk", self.bulk, unit="Pa")
+        positive("bulk", self.bulk)
         poisson_ratio(self.poisson)
-        excess, depths = numbers_of("excess", self.excess), positives("depths", self.depths, unit="m")
+        excess, depths = numbers_of("excess", self.excess), positives("depths", self.depths)
         if len(excess) != len(depths):
             raise InvalidInput(f"{len(excess)} excess moduli and {len(depths)} depths: must be as many")
-        total = real("excess", self.excess, unit="Pa").sum()
+        total = real("excess", self.excess).sum()
         if not self.bulk + total > 0:
             raise InvalidInput("excess: the modulus at the surface, bulk + sum(excess), must be positive")
 
     def young(self, depth: ArrayLike) -> Array:
         """E(z) [Pa]."""
-        z = non_negative("depth", depth, unit="m")
+        z = non_negative("depth", depth)
         return np.asarray(
             self.bulk + sum(e * np.exp(-z / d) for e, d in zip(self.excess, self.depths, strict=True))
         )
@@ -156,8 +152,7 @@ class SurfaceLayer:
     poisson: float
 
     def __post_init__(self) -> None:
-        for name, unit in (("layer", "Pa"), ("bulk", "Pa"), ("thickness", "m")):
-            positive(name, getattr(self, name), unit=unit)
+        positive_fields(self, "layer", "bulk", "thickness")
         poisson_ratio(self.poisson)
 
     def __call__(self, wavevector: ArrayLike) -> Array:
@@ -200,9 +195,8 @@ class ElasticPlate:
     thickness: float
 
     def __post_init__(self) -> None:
-        positive("young", self.young, unit="Pa")
+        positive_fields(self, "young", "thickness")
         poisson_ratio(self.poisson)
-        positive("thickness", self.thickness, unit="m")
 
     def __call__(self, wavevector: ArrayLike) -> Array:
         """E*(q) [Pa] for wavevectors [1/m]."""

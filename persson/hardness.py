@@ -1,7 +1,5 @@
 """Elastoplastic contact: a solid that yields at its indentation hardness (Persson 2006, Secs. 6 and 7)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -62,11 +60,11 @@ def constant_hardness(pressure: float, *, stress_variance: ArrayLike, yield_stre
     >>> float(areas.plastic), float(areas.elastic)
     (0.01, 0.0)
     """
-    load = positive("pressure", pressure, unit="Pa")
-    hardness = positive("yield_stress", yield_stress, unit="Pa")
+    load = positive("pressure", pressure)
+    hardness = positive("yield_stress", yield_stress)
     if load >= hardness:
         raise OutsideTheory(f"pressure = {load!r} Pa: must stay below yield_stress = {hardness!r} Pa")
-    variance = non_negative("stress_variance", stress_variance, unit="Pa^2", power=2)
+    variance = non_negative("stress_variance", stress_variance, power=2)
     root = np.sqrt(variance) / hardness
     v = root * root
     x, y = load / hardness, (hardness - load) / hardness
@@ -152,7 +150,7 @@ def size_dependent_hardness(
     """
     instance("scale", scale, Scale)
     function("yield_stress", yield_stress)
-    q = np.atleast_1d(non_negative("wavevectors", wavevectors, unit="1/m"))
+    q = np.atleast_1d(non_negative("wavevectors", wavevectors))
     if q.ndim != 1 or q.size == 0 or np.any(np.diff(q) < 0):
         raise InvalidInput("wavevectors: must be a sequence of values that increase")
     return solve_diffusion(

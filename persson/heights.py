@@ -1,7 +1,5 @@
 """The distribution of heights of a randomly rough surface (Persson 2006, Sec. 2.1, Eq. 9 and App. A)."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -37,7 +35,7 @@ def height_distribution(height: ArrayLike, *, rms_height: float) -> Array:
     >>> round(float(height_distribution(0.0, rms_height=1.0)), 4)
     0.3989
     """
-    width = positive("rms_height", rms_height, unit="m")
-    z = real("height", height, unit="m") / width
+    width = positive("rms_height", rms_height)
+    z = real("height", height) / width
     with np.errstate(under="ignore", over="ignore"):
         return np.exp(-0.5 * z * z) / (math.sqrt(2 * math.pi) * width)

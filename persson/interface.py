@@ -3,15 +3,13 @@
 Persson 2006, Secs. 8.1, 8.4 and 8.6.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from persson._checks import Array, alike, choice, instance, non_negative, positive, real
+from persson._checks import Array, alike, choice, instance, non_negative, positive, positive_fields, real
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,10 +38,9 @@ class Interface:
     ideal_strength: float | None = None
 
     def __post_init__(self) -> None:
-        positive("work_of_adhesion", self.work_of_adhesion, unit="J/m^2")
-        positive("alpha", self.alpha)
+        positive_fields(self, "work_of_adhesion", "alpha")
         if self.ideal_strength is not None:
-            positive("ideal_strength", self.ideal_strength, unit="Pa")
+            positive("ideal_strength", self.ideal_strength)
         choice("energy", self.energy, ("improved", "old", "as_printed"))
         choice("area", self.area, ("star", "projected"))
 
@@ -69,11 +66,12 @@ def detachment_stress(
     -----
     Persson 2006, Eq. 36 and Sec. 8.4.
     """
-    energy = np.maximum(real("work", work, unit="J/m^2"), 0.0)
+    energy = np.maximum(real("work", work), 0.0)
     instance("interface", interface, Interface)
-    modulus = non_negative("contact_modulus", contact_modulus, unit="Pa")
-    alike(work=energy, contact_modulus=modulus, wavevector=non_negative("wavevector", wavevector))
-    bare = np.sqrt(interface.alpha * energy * modulus * non_negative("wavevector", wavevector, unit="1/m"))
+    modulus = non_negative("contact_modulus", contact_modulus)
+    q = non_negative("wavevector", wavevector)
+    alike(work=energy, contact_modulus=modulus, wavevector=q)
+    bare = np.sqrt(interface.alpha * energy * modulus * q)
     strength = interface.ideal_strength
     return bare if strength is None else bare / (1 + bare / strength)
 
@@ -89,18 +87,18 @@ def crossover_length(work_of_adhesion: float, *, contact_modulus: float, atomic_
     >>> round(crossover_length(0.05, contact_modulus=1e11, atomic_distance=7e-10) * 1e6, 2)
     0.98
     """
-    a = positive("atomic_distance", atomic_distance, unit="m")
-    energy = positive("work_of_adhesion", work_of_adhesion, unit="J/m^2")
-    return a * a * positive("contact_modulus", contact_modulus, unit="Pa") / energy
+    a = positive("atomic_distance", atomic_distance)
+    energy = positive("work_of_adhesion", work_of_adhesion)
+    return a * a * positive("contact_modulus", contact_modulus) / energy
 
 
 def opening_work(work_of_adhesion: float, *, dissipation: ArrayLike) -> Array:
     """Work ``Delta gamma [1 + f(v)]`` [J/m^2] an opening crack takes, viscoelastic solid (Sec. 8.6)."""
     f = non_negative("dissipation", dissipation)
-    return positive("work_of_adhesion", work_of_adhesion, unit="J/m^2") * (1 + f)
+    return positive("work_of_adhesion", work_of_adhesion) * (1 + f)
 
 
 def closing_work(work_of_adhesion: float, *, dissipation: ArrayLike) -> Array:
     """Work ``Delta gamma / [1 + f(v)]`` [J/m^2] a closing crack gains, viscoelastic solid (Sec. 8.6)."""
     f = non_negative("dissipation", dissipation)
-    return positive("work_of_adhesion", work_of_adhesion, unit="J/m^2") / (1 + f)
+    return positive("work_of_adhesion", work_of_adhesion) / (1 + f)

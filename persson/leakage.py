@@ -1,7 +1,5 @@
 """Conductance of a heterogeneous film in two dimensions: the effective medium of Bruggeman."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq

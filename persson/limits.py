@@ -1,16 +1,14 @@
 """Where adhesive contact ends: pull-off, and the roughness that kills adhesion (Persson 2006, Sec. 8)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Protocol, Self
 
 from persson._checks import Array, function, instance, within
 from persson.adhesion import AdhesionStatus, Interface, solve_adhesion
-from persson.errors import InvalidInput, OutsideTheory
+from persson.errors import OutsideTheory
 from persson.scale import Scale
-from persson.spectrum import Spectrum, check_spectrum
+from persson.spectrum import Spectrum, check_sample, check_spectrum
 
 
 class ScalableSpectrum(Spectrum, Protocol):
@@ -18,7 +16,6 @@ class ScalableSpectrum(Spectrum, Protocol):
 
     def scaled(self, factor: float) -> Self:
         """Return the spectrum times `factor`."""
-        ...
 
 
 def pull_off_stress(scale: Scale, *, interface: Interface, tolerance: float = 1e-3) -> float:
@@ -37,11 +34,8 @@ def pull_off_stress(scale: Scale, *, interface: Interface, tolerance: float = 1e
     """
     instance("scale", scale, Scale)
     instance("interface", interface, Interface)
-    within("tolerance", tolerance, 1e-12, 0.5, interval="[1e-12, 0.5]")
-    if scale.spectrum.q_min == 0:
-        raise InvalidInput(
-            "q_min = 0: the size L of the sample sets the pull-off stress; give q_min = 2 pi / L"
-        )
+    within("tolerance", tolerance, "[1e-12, 0.5]")
+    check_sample(scale.spectrum, "the size L of the sample sets the pull-off stress")
     held = solve_adhesion(scale, pressure=0.0, interface=interface)
     if held.status is AdhesionStatus.NO_CONTACT:
         return 0.0
@@ -91,7 +85,7 @@ def critical_roughness(
     check_spectrum(spectrum)
     function("spectrum.scaled", getattr(spectrum, "scaled", None))
     instance("interface", interface, Interface)
-    accuracy = within("tolerance", tolerance, 1e-6, 1, interval="[1e-6, 1]")
+    accuracy = within("tolerance", tolerance, "[1e-6, 1]")
 
     def sticks(factor: float) -> bool:
         scale = Scale(spectrum.scaled(factor * factor), contact_modulus=contact_modulus)

@@ -1,7 +1,5 @@
 """Where the gaps of a contact join up: percolation of the non-contact area (Persson 2006, Secs. 3.6, 8.3)."""
 
-from __future__ import annotations
-
 import math
 
 from scipy.special import erfinv
@@ -54,9 +52,9 @@ def percolation_magnification(
     inf
     """
     instance("scale", scale, Scale)
-    load = positive("pressure", pressure, unit="Pa")
-    reference = positive("q_reference", q_reference, unit="1/m")
-    share = within("threshold", threshold, 0, 1, interval="(0, 1)")
+    load = positive("pressure", pressure)
+    reference = positive("q_reference", q_reference)
+    share = within("threshold", threshold, "(0, 1)")
     root = load / float(erfinv(share))
     variance = root * root / 2
     if variance >= float(scale.variance(scale.q_short)):

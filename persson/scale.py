@@ -1,7 +1,5 @@
 """Which wavevector belongs to which variance of the full-contact stress."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
@@ -58,12 +56,12 @@ class Scale:
         self.graded = callable(contact_modulus)
         if callable(contact_modulus):
             self._modulus = contact_modulus
-            if np.any(non_negative("contact_modulus(q)", self.modulus(self._q), unit="Pa") == 0):
-                raise InvalidInput("contact_modulus(q): must be positive at every wavevector")
+            zero = "must be positive at every wavevector"
+            non_negative("contact_modulus(q)", self.modulus(self._q), unit="Pa", zero=zero)
             first = self._between(np.array([spectrum.q_min]), self._q[:1])
             self._variance = np.cumsum(np.concatenate([first, self._between(self._q[:-1], self._q[1:])]))
         else:
-            constant = positive("contact_modulus", contact_modulus, unit="Pa")
+            constant = positive("contact_modulus", contact_modulus)
             self._modulus = lambda q: np.full(np.shape(q), constant)
             self._variance = self.variance(self._q)
         keep = np.append(True, np.diff(self._variance) > 0) & (self._variance > 0)
@@ -76,7 +74,7 @@ class Scale:
 
     def modulus(self, q: ArrayLike) -> Array:
         """E*(q) [Pa]."""
-        wave = non_negative("q", q, unit="1/m")
+        wave = non_negative("q", q)
         return returned("contact_modulus(q)", self._modulus(wave), wave.shape, unit="Pa")
 
     def _between(self, low: Array, high: Array) -> Array:
@@ -91,7 +89,7 @@ class Scale:
 
     def variance(self, q: ArrayLike) -> Array:
         """V [Pa^2] for wavevectors q [1/m]."""
-        wave = non_negative("q", q, unit="1/m")
+        wave = non_negative("q", q)
         if not self.graded:
             half = self.modulus(wave) / 2
             return np.asarray(self.spectrum.m2(wave) * half * half)[()]
@@ -102,7 +100,7 @@ class Scale:
 
     def wavevector(self, variance: ArrayLike) -> Array:
         """Q [1/m] at which V(q) equals `variance` [Pa^2]; q_min below the first, q_short above the last."""
-        wanted = non_negative("variance", variance, unit="Pa^2", power=2)
+        wanted = non_negative("variance", variance, power=2)
         value = np.clip(wanted, self._first, self._top)
         q = self._origin + self.q_min * np.exp(self._inverse(np.log(value / self._top)))
         for _ in range(2):

@@ -1,7 +1,5 @@
 """Mean separation, elastic energy and stiffness of an elastic contact, and the macroasperities in it."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -11,7 +9,7 @@ from scipy.special import erf, exp1
 from persson._checks import Array, instance, non_negative, positive, within
 from persson._quadrature import panels
 from persson.elastic import area_against_magnification
-from persson.errors import InvalidInput, OutsideTheory
+from persson.errors import OutsideTheory
 from persson.scale import Scale
 from persson.spectrum import Spectrum, check_spectrum
 from persson.variants import EnergyReading, energy_share
@@ -46,7 +44,7 @@ def elastic_energy(pressure: ArrayLike, *, scale: Scale, energy: EnergyReading =
     Persson 2006, Secs. 8.2 and 8.3. Without adhesion P~ exceeds P at light load and tends to 2 P
     (docs/errata.md); computed energies lie below Eq. 43 there, by half at p* = .05 and more below Eq. 48.
     """
-    load = non_negative("pressure", pressure, unit="Pa")
+    load = non_negative("pressure", pressure)
     variance, length = _waves(scale)
     share = energy_share(load[..., None], stress_variance=variance, energy=energy)
     return share @ length
@@ -85,10 +83,9 @@ def contact_stiffness(pressure: ArrayLike, *, scale: Scale, energy_ratio: float 
 
 def _loaded_waves(pressure: ArrayLike, scale: Scale, energy_ratio: float) -> tuple[Array, Array, Array]:
     """Load [Pa], s = sigma_0 / sqrt(2 V) of the waves, and their energy of full contact over sqrt(2 V)."""
-    within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
-    load = non_negative("pressure", pressure, unit="Pa")
-    if np.any(load == 0):
-        raise InvalidInput("pressure = 0: must be positive; without load the surfaces are not held together")
+    within("energy_ratio", energy_ratio, "(0, 1]")
+    apart = "must be positive; without load the surfaces are not held together"
+    load = non_negative("pressure", pressure, zero=apart)
     variance, length = _waves(scale)
     root = np.sqrt(2 * variance)
     return load, load[..., None] / root, length / root
@@ -173,9 +170,9 @@ def macroasperity_magnification(
         For a spectrum that begins or bends with a kink, which would itself be the point of largest
         curvature, or where the curvature has no maximum inside the spectrum.
     """
-    q0 = positive("q_reference", q_reference, unit="1/m")
+    q0 = positive("q_reference", q_reference)
     check_spectrum(spectrum)
-    load = positive("pressure", pressure, unit="Pa")
+    load = positive("pressure", pressure)
     if getattr(spectrum, "rolloff", "smooth") != "smooth":
         raise OutsideTheory("the spectrum has a kink at q_long: ln A bends most there; use rolloff='smooth'")
     low = max(spectrum.q_min, spectrum.q_long * 1e-2)
@@ -206,14 +203,7 @@ def macroasperity_pressure(
     Persson 2006, Sec. 3.7, which calls it independent of the load: so it is while A(zeta_m) is proportional
     to the load.
     """
-    zeta = macroasperity_magnification(
-        spectrum, pressure=pressure, contact_modulus=contact_modulus, q_reference=q_reference
-    )
-    area = area_against_magnification(
-        spectrum,
-        pressure=pressure,
-        contact_modulus=contact_modulus,
-        magnification=zeta,
-        q_reference=q_reference,
-    )
-    return float(positive("pressure", pressure, unit="Pa") / area)
+    given = {"pressure": pressure, "contact_modulus": contact_modulus, "q_reference": q_reference}
+    zeta = macroasperity_magnification(spectrum, **given)
+    area = area_against_magnification(spectrum, **given, magnification=zeta)
+    return float(positive("pressure", pressure) / area)

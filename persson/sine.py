@@ -4,8 +4,6 @@ Exact for walls that stand still, slow and of algebraic accuracy for walls that 
 for work and this module to check it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -70,7 +68,7 @@ class SineExpansion:
     def distribution(self, stress: Array) -> Array:
         """P(sigma) [1/Pa] for stresses [Pa]."""
         width = self.tensile_limit + self.yield_stress
-        s = (self.yield_stress - real("stress", stress, unit="Pa")) / width
+        s = (self.yield_stress - real("stress", stress)) / width
         n = np.arange(1, self.amplitudes.size + 1)
         inside = (s > 0) & (s < 1)
         series = np.sin(np.pi * s[..., None] * n) @ self.amplitudes
@@ -120,10 +118,10 @@ def sine_expansion(
     of Eq. 33 is then one more unknown.
     """
     below, above = _wall("tensile_limit", tensile_limit), _wall("yield_stress", yield_stress)
-    end = positive("variance", variance, unit="Pa^2", power=2)
+    end = positive("variance", variance, power=2)
     whole("modes", modes, least=1, most=2000)
-    within("tolerance", tolerance, 1e-13, 0.1, interval="[1e-13, 0.1]")
-    pressure = scalar("pressure", pressure, unit="Pa")
+    within("tolerance", tolerance, "[1e-13, 0.1]")
+    pressure = scalar("pressure", pressure)
     start_width = below(0.0) + above(0.0)
     s0 = (above(0.0) - pressure) / start_width if start_width > 0 else math.nan
     if not 0 < s0 < 1:
@@ -241,7 +239,7 @@ def _moving(
 
 def _wall(name: str, wall: float | _Limit) -> _Limit:
     if not callable(wall):
-        value = float(non_negative(name, within(name, wall, 0, math.inf, interval="[0, inf)"), unit="Pa"))
+        value = float(non_negative(name, within(name, wall, "[0, inf)")))
         return lambda variance: value
     return lambda variance: float(returned(f"{name}(V)", wall(variance), (), unit="Pa"))
 

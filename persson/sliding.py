@@ -1,7 +1,5 @@
 """Shear stress of sliding contacts (Persson 2006, Sec. 10.1), and friction by viscoelastic losses."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -47,7 +45,7 @@ def nominal_shear_stress(area: ArrayLike, *, local_shear_stress: float) -> Array
     share = non_negative("area", area)
     if np.any(share > 1):
         raise InvalidInput(f"area = {float(np.max(share))!r}: must lie in [0, 1]")
-    return share * positive("local_shear_stress", local_shear_stress, unit="Pa")
+    return share * positive("local_shear_stress", local_shear_stress)
 
 
 def local_shear_stress(nominal: ArrayLike, *, pressure: float, hardness: float) -> Array:
@@ -60,10 +58,10 @@ def local_shear_stress(nominal: ArrayLike, *, pressure: float, hardness: float) 
     >>> float(local_shear_stress(5e6, pressure=30e6, hardness=300e6))
     50000000.0
     """
-    load, limit = positive("pressure", pressure, unit="Pa"), positive("hardness", hardness, unit="Pa")
+    load, limit = positive("pressure", pressure), positive("hardness", hardness)
     if load > limit:
         raise InvalidInput(f"pressure = {load!r} Pa: must not exceed hardness = {limit!r} Pa")
-    return non_negative("nominal", nominal, unit="Pa") * (limit / load)
+    return non_negative("nominal", nominal) * (limit / load)
 
 
 def slip_energy(shear_stress: ArrayLike, *, slip: float) -> Array:
@@ -76,7 +74,7 @@ def slip_energy(shear_stress: ArrayLike, *, slip: float) -> Array:
     >>> round(float(slip_energy(50e6, slip=3e-10)), 6)
     0.015
     """
-    return non_negative("shear_stress", shear_stress, unit="Pa") * positive("slip", slip, unit="m")
+    return non_negative("shear_stress", shear_stress) * positive("slip", slip)
 
 
 def adhesional_pressure(barrier: ArrayLike, *, lift: float) -> Array:
@@ -90,7 +88,7 @@ def adhesional_pressure(barrier: ArrayLike, *, lift: float) -> Array:
     >>> round(float(adhesional_pressure(0.016, lift=1e-12)) / 1e9)
     16
     """
-    return non_negative("barrier", barrier, unit="J/m^2") / positive("lift", lift, unit="m")
+    return non_negative("barrier", barrier) / positive("lift", lift)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -140,7 +138,7 @@ def friction_of_waves(
     pressure, velocity, modulus, poisson, energy_ratio
         As for `rubber_friction`.
     """
-    x, y = np.atleast_1d(real("qx", qx, unit="1/m")), np.atleast_1d(real("qy", qy, unit="1/m"))
+    x, y = np.atleast_1d(real("qx", qx)), np.atleast_1d(real("qy", qy))
     weight = np.atleast_1d(non_negative("power", power, unit="m^2", power=2, vanishing=True))
     if not x.shape == y.shape == weight.shape or x.ndim != 1:
         raise InvalidInput(
@@ -149,9 +147,9 @@ def friction_of_waves(
     q = np.hypot(x, y)
     if not np.all(q > 0):
         raise InvalidInput("qx, qy: no wavevector must be 0")
-    load = positive("pressure", pressure, unit="Pa")
-    ratio = within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
-    omega = np.abs(x) * abs(scalar("velocity", velocity, unit="m/s"))
+    load = positive("pressure", pressure)
+    ratio = within("energy_ratio", energy_ratio, "(0, 1]")
+    omega = np.abs(x) * abs(scalar("velocity", velocity))
     function("modulus", modulus)
     given, plane = np.asarray(modulus(omega)), 1 - poisson_ratio(poisson) ** 2
     stored, lost = (

@@ -1,7 +1,5 @@
 """How structure makes a stiff material soft: foams and fibres (Persson 2006, Sec. 8.7)."""
 
-from __future__ import annotations
-
 import math
 
 from persson._checks import positive, within
@@ -28,9 +26,9 @@ def foam_modulus(young: float, *, wall: float, cell: float) -> float:
     >>> round(foam_modulus(1e9, wall=1e-7, cell=1e-6) / 1e6, 6)
     1.0
     """
-    size = positive("cell", cell, unit="m")
-    thin = within("wall", wall, 0, size, interval="(0, cell)", unit="m") / size
-    return positive("young", young, unit="Pa") * thin * thin * thin
+    size = positive("cell", cell)
+    thin = within("wall", wall, "(0, cell)", ends=(0, size)) / size
+    return positive("young", young) * thin * thin * thin
 
 
 def fibre_modulus(young: float, *, radius: float, length: float, density: float, angle: float) -> float:
@@ -63,9 +61,9 @@ def fibre_modulus(young: float, *, radius: float, length: float, density: float,
     >>> round(fibre_modulus(1.5e9, **gecko) / 1e6, 2)
     0.11
     """
-    big, far = positive("radius", radius, unit="m"), positive("length", length, unit="m")
-    slant = within("angle", angle, 0, math.pi / 2, interval="(0, pi/2)", unit="rad")
+    big, far = positive("radius", radius), positive("length", length)
+    slant = within("angle", angle, "(0, pi/2)", ends=(0, math.pi / 2))
     slender = (big / far) * (big / far)
-    covered = positive("density", density, unit="1/m^2") * big * big
+    covered = positive("density", density) * big * big
     shape = 0.75 * math.pi * math.sin(slant) / math.cos(slant) ** 2
-    return positive("young", young, unit="Pa") * slender * covered * shape
+    return positive("young", young) * slender * covered * shape

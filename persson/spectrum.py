@@ -4,8 +4,6 @@ Convention throughout (Persson 2006, Sec. 2): C(q) = (2 pi)^-2 int d^2x <h(x) h(
 that the areal moments are m_2k = 2 pi int q^(2k+1) C(q) dq. Other communities use (2 pi)^2 C.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Any, Literal, Protocol, Self, runtime_checkable
@@ -64,33 +62,26 @@ class Spectrum(Protocol):
     @property
     def q_min(self) -> float:
         """Smallest wavevector of the roughness [1/m]; 0 where it has none."""
-        ...
 
     @property
     def q_long(self) -> float:
         """Wavevector where the roll-off ends [1/m]; equals `q_min` without one."""
-        ...
 
     @property
     def q_short(self) -> float:
         """Cut-off wavevector [1/m]."""
-        ...
 
     def __call__(self, q: ArrayLike) -> Array:
         """C(q) [m^4] for wavevectors [1/m]."""
-        ...
 
     def m0(self, q_upper: ArrayLike | None = None) -> Array:
         """<h^2> [m^2] of the waves up to q_upper [1/m]."""
-        ...
 
     def m2(self, q_upper: ArrayLike | None = None) -> Array:
         """<|grad h|^2> [-] of the waves up to q_upper [1/m]."""
-        ...
 
     def m4(self, q_upper: ArrayLike | None = None) -> Array:
         """<(lap h)^2> [1/m^2] of the waves up to q_upper [1/m]."""
-        ...
 
 
 def check_spectrum(spectrum: object) -> None:
@@ -98,28 +89,45 @@ def check_spectrum(spectrum: object) -> None:
     instance("spectrum", spectrum, Spectrum, what="a power spectrum, such as `SelfAffine`")
 
 
-class SpectrumMoments:
-    """Moments by name for a spectrum that provides `_moment(order, q_upper)`."""
+def check_sample(spectrum: Spectrum, why: str) -> None:
+    """Refuse a spectrum without smallest wavevector where the size of the sample matters."""
+    if not spectrum.q_min > 0:
+        raise InvalidInput(f"q_min = 0: {why}; give q_min = 2 pi / L")
 
-    def _moment(self, order: int, q_upper: ArrayLike | None) -> Array:
+
+def sampled_wavevectors(spectrum: Spectrum, count: int) -> Array:
+    """Return wavevectors [1/m] from q_min to q_short, evenly spaced in ln q."""
+    q = spectrum.q_min * np.geomspace(1.0, spectrum.q_short / spectrum.q_min, count)
+    q[-1] = spectrum.q_short
+    return q
+
+
+class SpectrumMoments:
+    """Moments by name for a spectrum that provides `_moment(order, upper)` of the waves up to `upper`."""
+
+    def _moment(self, order: int, upper: Array) -> Array:
         raise NotImplementedError
+
+    def _moment_up_to(self, order: int, q_upper: ArrayLike | None) -> Array:
+        everything = np.asarray(np.inf)
+        return self._moment(order, everything if q_upper is None else non_negative("q_upper", q_upper))
 
     def m0(self, q_upper: ArrayLike | None = None) -> Array:
         """<h^2> = 2 pi int q C dq [m^2] of the waves up to q_upper [1/m] (all by default)."""
-        return self._moment(0, q_upper)
+        return self._moment_up_to(0, q_upper)
 
     def m2(self, q_upper: ArrayLike | None = None) -> Array:
         """<|grad h|^2> = 2 pi int q^3 C dq [-] of the waves up to q_upper [1/m] (all by default)."""
-        return self._moment(1, q_upper)
+        return self._moment_up_to(1, q_upper)
 
     def m4(self, q_upper: ArrayLike | None = None) -> Array:
         """<(lap h)^2> = 2 pi int q^5 C dq [1/m^2] of the waves up to q_upper [1/m] (all by default)."""
-        return self._moment(2, q_upper)
+        return self._moment_up_to(2, q_upper)
 
     def moments(self, q_upper: float | None = None) -> Moments:
         """Return m0, m2 and m4 of the waves up to q_upper [1/m], together."""
         if q_upper is not None:
-            q_upper = scalar("q_upper", q_upper, unit="1/m")
+            q_upper = scalar("q_upper", q_upper)
         return Moments(m0=float(self.m0(q_upper)), m2=float(self.m2(q_upper)), m4=float(self.m4(q_upper)))
 
 
@@ -169,11 +177,11 @@ class SelfAffine(SpectrumMoments):
     q_min: float = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
-        within("hurst", self.hurst, 0, 1, interval="[0, 1]")
-        positive("q_long", self.q_long, unit="1/m")
+        within("hurst", self.hurst, "[0, 1]")
+        positive("q_long", self.q_long)
         positive("amplitude", self.amplitude, unit="m^4", power=4)
         choice("rolloff", self.rolloff, ("sharp", "smooth", "plateau"))
-        if not positive("q_short", self.q_short, unit="1/m") >= self.q_long:
+        if not positive("q_short", self.q_short) >= self.q_long:
             raise InvalidInput(
                 f"q_short = {self.q_short!r}: must be finite and at least q_long = {self.q_long!r}"
             )
@@ -185,7 +193,7 @@ class SelfAffine(SpectrumMoments):
                 f"q_min = {lowest!r}: a sharp roll-off ends at q_long; name a plateau or smooth one"
             )
         else:
-            within("q_min", lowest, 0, self.q_long, interval=f"[0, q_long = {self.q_long!r}]")
+            within("q_min", lowest, f"[0, q_long = {self.q_long!r}]", ends=(0, self.q_long))
 
     @classmethod
     def from_rms_height(
@@ -219,7 +227,7 @@ class SelfAffine(SpectrumMoments):
 
     def _normalised(self, name: str, rms: float, order: int) -> Self:
         """Return this spectrum of C(q_long) = 1 with another amplitude: its moment of an order is rms^2."""
-        rms, moment = positive(name, rms), float(self._moment(order, None))
+        rms, moment = positive(name, rms), float(self._moment_up_to(order, None))
         if moment == 0:
             raise InvalidInput(
                 f"q_short = {self.q_short!r}: an empty range of wavevectors cannot carry {name} = {rms!r}"
@@ -228,7 +236,7 @@ class SelfAffine(SpectrumMoments):
 
     def __call__(self, q: ArrayLike) -> Array:
         """C(q) [m^4] for an array of q [1/m]; 0 outside [q_min, q_short]."""
-        ratio = real("q", q, unit="1/m") / self.q_long
+        ratio = real("q", q) / self.q_long
         inside = (ratio >= self.q_min / self.q_long * (1 - EDGE)) & (
             ratio <= self.q_short / self.q_long * (1 + EDGE)
         )
@@ -245,9 +253,8 @@ class SelfAffine(SpectrumMoments):
         """Return the spectrum times `factor`: 4 adds an equal surface coherently."""
         return replace(self, amplitude=self.amplitude * positive("factor", factor))
 
-    def _moment(self, order: int, q_upper: ArrayLike | None) -> Array:
-        """Moment m_(2 order) = 2 pi int q^(2 order + 1) C dq from q_min to q_upper, exact on each panel."""
-        upper = non_negative("q_upper", self.q_short if q_upper is None else q_upper, unit="1/m")
+    def _moment(self, order: int, upper: Array) -> Array:
+        """Moment m_(2 order) = 2 pi int q^(2 order + 1) C dq from q_min to upper, exact on each panel."""
         upper = np.minimum(upper, self.q_short)
         lower = self.q_min / self.q_long  # panels are integrated in q/q_long
         # Widths are subtracted before anything is divided: a narrow band then keeps its digits.

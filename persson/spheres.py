@@ -1,7 +1,5 @@
 """Contact of smooth spheres: Hertz, JKR, Derjaguin and between (Persson 2006, Secs. 3.1, 4 and App. B)."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -58,9 +56,9 @@ def hertz(force: float, *, radius: float, contact_modulus: float) -> HertzContac
     >>> bool(abs(contact.radius**2 / 1e-2 - contact.approach) < 1e-18)
     True
     """
-    load = positive("force", force, unit="N")
-    big = positive("radius", radius, unit="m")
-    modulus = positive("contact_modulus", contact_modulus, unit="Pa")
+    load = positive("force", force)
+    big = positive("radius", radius)
+    modulus = positive("contact_modulus", contact_modulus)
     circle = big * math.cbrt(0.75 * load / (modulus * big * big))
     return HertzContact(
         radius=circle,
@@ -71,8 +69,8 @@ def hertz(force: float, *, radius: float, contact_modulus: float) -> HertzContac
 
 def hertz_pressure_distribution(stress: ArrayLike, *, peak_pressure: float) -> Array:
     """P(sigma) = 2 sigma / sigma_max^2 [1/Pa] per contact area in (0, sigma_max) (Persson 2006, Eq. 23)."""
-    peak = positive("peak_pressure", peak_pressure, unit="Pa")
-    sigma = real("stress", stress, unit="Pa")
+    peak = positive("peak_pressure", peak_pressure)
+    sigma = real("stress", stress)
     return np.where((sigma > 0) & (sigma <= peak), 2 * (sigma / peak) / peak, 0.0)
 
 
@@ -83,24 +81,22 @@ def jkr_load(
 
     F = 4 E* a^3 / (3 R) - sqrt(8 pi w E* a^3) (Johnson, Kendall and Roberts, Proc. R. Soc. A 324, 301, 1971).
     """
-    a = non_negative("contact_radius", contact_radius, unit="m")
-    big = positive("radius", radius, unit="m")
-    modulus = positive("contact_modulus", contact_modulus, unit="Pa")
-    w = positive("work_of_adhesion", work_of_adhesion, unit="J/m^2")
+    a = non_negative("contact_radius", contact_radius)
+    big = positive("radius", radius)
+    modulus = positive("contact_modulus", contact_modulus)
+    w = positive("work_of_adhesion", work_of_adhesion)
     cube = a * a * a
     return 4 * modulus * cube / (3 * big) - np.sqrt(8 * math.pi * w * modulus * cube)
 
 
 def jkr_pull_off(radius: float, *, work_of_adhesion: float) -> float:
     """Pull-off force 3/2 pi w R [N], positive, of soft spheres."""
-    return (
-        1.5 * math.pi * positive("work_of_adhesion", work_of_adhesion) * positive("radius", radius, unit="m")
-    )
+    return 1.5 * math.pi * positive("work_of_adhesion", work_of_adhesion) * positive("radius", radius)
 
 
 def derjaguin_pull_off(radius: float, *, work_of_adhesion: float) -> float:
     """Pull-off force 2 pi w R [N], positive, of stiff spheres (Persson 2006, Eq. 53)."""
-    return 2 * math.pi * positive("work_of_adhesion", work_of_adhesion) * positive("radius", radius, unit="m")
+    return 2 * math.pi * positive("work_of_adhesion", work_of_adhesion) * positive("radius", radius)
 
 
 def tabor_parameter(
@@ -115,11 +111,11 @@ def tabor_parameter(
     range_ : float
         z0 [m], the range of the attraction.
     """
-    z0 = positive("range_", range_, unit="m")
+    z0 = positive("range_", range_)
     strain = positive("work_of_adhesion", work_of_adhesion) / (
         positive("contact_modulus", contact_modulus) * z0
     )
-    return math.cbrt(positive("radius", radius, unit="m") / z0 * strain * strain)
+    return math.cbrt(positive("radius", radius) / z0 * strain * strain)
 
 
 def maugis_pull_off(tabor: float) -> float:
@@ -200,8 +196,8 @@ class DoubleHertz:
     eta: float
 
     def __post_init__(self) -> None:
-        positive("peak_pressure", self.peak_pressure, unit="Pa")
-        non_negative("tensile_limit", self.tensile_limit, unit="Pa")
+        positive("peak_pressure", self.peak_pressure)
+        non_negative("tensile_limit", self.tensile_limit)
         if not positive("eta", self.eta) > 1:
             raise InvalidInput(f"eta = {self.eta!r}: must exceed 1")
 
@@ -222,17 +218,17 @@ class DoubleHertz:
 
     def load(self, contact_radius: float) -> float:
         """Return the applied force F_N = (2 pi/3) a^2 (sigma_max - eta sqrt(eta^2 - 1) sigma_a)."""
-        a = positive("contact_radius", contact_radius, unit="m")
+        a = positive("contact_radius", contact_radius)
         return 2 * math.pi / 3 * a * a * (self.peak_pressure - self.eta * self._ring * self.tensile_limit)
 
     def contact_force(self, contact_radius: float) -> float:
         """Force in the contact area, load and adhesion load: F_N + (2 pi/3) a^2 sigma_a (eta^2 - 1) [N]."""
-        a = positive("contact_radius", contact_radius, unit="m")
+        a = positive("contact_radius", contact_radius)
         return self.load(a) + 2 * math.pi / 3 * a * a * self.tensile_limit * self._ring * self._ring
 
     def distribution(self, stress: ArrayLike) -> Array:
         """P(sigma) [1/Pa] per contact area; starts as 2 (sigma + sigma_a) / sigma_1^2 at -sigma_a."""
-        sigma = real("stress", stress, unit="Pa")
+        sigma = real("stress", stress)
         inside = (sigma >= -self.tensile_limit) & (sigma <= self.peak_pressure)
         s = np.where(inside, sigma, 0.0)
         s1, sa = self._inner, self.tensile_limit

@@ -1,7 +1,5 @@
 """A rough sphere squeezed until its asperities yield, and how it sticks then (Persson 2006, Sec. 10.2)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,10 +9,10 @@ from numpy.typing import ArrayLike
 
 from persson._checks import Array, instance, non_negative, positive
 from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
-from persson.errors import InvalidInput, OutsideTheory
+from persson.errors import OutsideTheory
 from persson.hardness import constant_hardness
 from persson.scale import Scale
-from persson.spectrum import Spectrum, check_spectrum
+from persson.spectrum import Spectrum, check_sample, check_spectrum, sampled_wavevectors
 from persson.tabulated import Tabulated, smoothed
 
 #: Wavevectors at which the smoothed spectrum is tabulated.
@@ -37,9 +35,9 @@ def hertz_pressure(force: ArrayLike, *, radius: float, contact_modulus: float) -
     -----
     Persson 2006, Eq. 54, which writes E* for 4/3 of this E* (docs/errata.md).
     """
-    load = non_negative("force", force, unit="N")
-    big = positive("radius", radius, unit="m")
-    stiff = 4 / 3 * positive("contact_modulus", contact_modulus, unit="Pa")
+    load = non_negative("force", force)
+    big = positive("radius", radius)
+    stiff = 4 / 3 * positive("contact_modulus", contact_modulus)
     return np.cbrt(load / big / big / stiff) * stiff / math.pi
 
 
@@ -55,7 +53,7 @@ def yielded_share(force: ArrayLike, *, radius: float, contact_modulus: float, ha
     OutsideTheory
         For a force under which the nominal pressure reaches H.
     """
-    limit = positive("hardness", hardness, unit="Pa")
+    limit = positive("hardness", hardness)
     pressure = hertz_pressure(force, radius=radius, contact_modulus=contact_modulus)
     if np.any(pressure > limit):
         raise OutsideTheory(
@@ -86,7 +84,7 @@ def yielded_pull_off(
     elastic energy that the contact gives back is left out; `roughness_barrier` has it.
     """
     share = yielded_share(force, radius=radius, contact_modulus=contact_modulus, hardness=hardness)
-    work = positive("work_of_adhesion", work_of_adhesion, unit="J/m^2")
+    work = positive("work_of_adhesion", work_of_adhesion)
     return 2 * math.pi * radius * work * share
 
 
@@ -151,13 +149,11 @@ def roughness_barrier(
     """
     check_spectrum(spectrum)
     instance("interface", interface, Interface)
-    load = positive("pressure", pressure, unit="Pa")
-    limit = positive("yield_stress", yield_stress, unit="Pa")
-    if not spectrum.q_min > 0:
-        raise InvalidInput("q_min = 0: the size L of the sample matters without load; give q_min = 2 pi / L")
+    load = positive("pressure", pressure)
+    limit = positive("yield_stress", yield_stress)
+    check_sample(spectrum, "the size L of the sample matters without load")
     scale = Scale(spectrum, contact_modulus=contact_modulus)
-    q = spectrum.q_min * np.geomspace(1.0, spectrum.q_short / spectrum.q_min, _NODES)
-    q[-1] = spectrum.q_short
+    q = sampled_wavevectors(spectrum, _NODES)
     areas = constant_hardness(load, stress_variance=scale.variance(q), yield_stress=limit)
     yielded = np.minimum(areas.plastic * (limit / load), 1.0)
     smooth = smoothed(spectrum, wavevectors=q, yielded=yielded)

@@ -1,7 +1,5 @@
 """Roughness with a lay, as grinding leaves it: a stretched C(qx, qy), and its average over directions."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import dataclass, replace
 from typing import Any, Self
@@ -63,7 +61,7 @@ class Stretched(SpectrumMoments):
         check_spectrum(self.spectrum)
         if not hasattr(self.spectrum, "scaled"):
             raise InvalidInput("spectrum: has no `scaled`; give a `SelfAffine` or a `Tabulated`")
-        within("factor", self.factor, 1, _LARGEST, interval=f"[1, {_LARGEST:g}]")
+        within("factor", self.factor, f"[1, {_LARGEST:g}]")
 
     @property
     def q_min(self) -> float:
@@ -82,13 +80,13 @@ class Stretched(SpectrumMoments):
 
     def directional(self, qx: ArrayLike, qy: ArrayLike) -> Array:
         """C(qx, qy) [m^4] of wavevectors [1/m], which broadcast."""
-        along, across = real("qx", qx, unit="1/m"), real("qy", qy, unit="1/m")
+        along, across = real("qx", qx), real("qy", qy)
         alike(qx=along, qy=across)
         return self.factor * self.spectrum(np.hypot(self.factor * along, across))
 
     def __call__(self, q: ArrayLike) -> Array:
         """Average of C over the directions at |q| [m^4]."""
-        wave = non_negative("q", q, unit="1/m")
+        wave = non_negative("q", q)
         return self._averaged(wave, lambda g, q: self.spectrum(g * q))
 
     def scaled(self, factor: float) -> Self:
@@ -96,12 +94,12 @@ class Stretched(SpectrumMoments):
         spectrum: Any = self.spectrum
         return replace(self, spectrum=spectrum.scaled(positive("factor", factor)))
 
-    def _moment(self, order: int, q_upper: ArrayLike | None) -> Array:
+    def _moment(self, order: int, upper: Array) -> Array:
         """In each direction the moment of C_0 up to g q_upper, over g^(2 order + 2)."""
-        upper = non_negative("q_upper", self.q_short if q_upper is None else q_upper, unit="1/m")
         moment = (self.spectrum.m0, self.spectrum.m2, self.spectrum.m4)[order]
         return self._averaged(
-            upper, lambda g, q: moment(np.minimum(g * q, self.spectrum.q_short)) / g ** (2 * order + 2)
+            np.minimum(upper, self.q_short),
+            lambda g, q: moment(np.minimum(g * q, self.spectrum.q_short)) / g ** (2 * order + 2),
         )
 
     def _averaged(self, q: Array, value: Any) -> Array:

@@ -1,7 +1,5 @@
 """Power spectra given by numbers: measured ones, and those smoothed by plastic flow."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Literal, Self
@@ -41,7 +39,7 @@ class Tabulated(SpectrumMoments):
     power: Array
 
     def __post_init__(self) -> None:
-        q = np.array(real("wavevectors", self.wavevectors, unit="1/m"))
+        q = np.array(real("wavevectors", self.wavevectors))
         c = np.array(real("power", self.power, unit="m^4", power=4))
         if q.ndim != 1 or q.size < 2 or q.shape != c.shape:
             raise InvalidInput(
@@ -59,7 +57,7 @@ class Tabulated(SpectrumMoments):
     def from_areal_psd(cls, wavevectors: ArrayLike, power: ArrayLike) -> Self:
         """Read the areal PSD of other communities, (2 pi)^2 C(q) [m^4]."""
         c = real("power", power, unit="m^4", power=4) / (4 * math.pi**2)
-        return cls(wavevectors=real("wavevectors", wavevectors, unit="1/m"), power=c)
+        return cls(wavevectors=real("wavevectors", wavevectors), power=c)
 
     @property
     def q_min(self) -> float:
@@ -69,7 +67,7 @@ class Tabulated(SpectrumMoments):
     @property
     def q_long(self) -> float:
         """First wavevector [1/m]: a table names no roll-off."""
-        return float(self.wavevectors[0])
+        return self.q_min
 
     @property
     def q_short(self) -> float:
@@ -84,7 +82,7 @@ class Tabulated(SpectrumMoments):
 
     def __call__(self, q: ArrayLike) -> Array:
         """C(q) [m^4]; 0 outside the table."""
-        wave = real("q", q, unit="1/m")
+        wave = real("q", q)
         inside = (wave >= self.q_min * (1 - EDGE)) & (wave <= self.q_short * (1 + EDGE))
         safe = np.clip(wave, self.q_min, self.q_short)
         index = np.clip(np.searchsorted(self.wavevectors, safe, side="right") - 1, 0, self.power.size - 2)
@@ -95,8 +93,7 @@ class Tabulated(SpectrumMoments):
         """Return the spectrum times `factor`."""
         return replace(self, power=self.power * positive("factor", factor))
 
-    def _moment(self, order: int, q_upper: ArrayLike | None) -> Array:
-        upper = non_negative("q_upper", self.q_short if q_upper is None else q_upper, unit="1/m")
+    def _moment(self, order: int, upper: Array) -> Array:
         q, c, n = self.wavevectors, self.power, self._exponents + 2 * order + 2
         weight = c[:-1].copy()
         for _ in range(order + 1):
@@ -134,7 +131,7 @@ def smoothed(
     """
     check_spectrum(spectrum)
     choice("form", form, ("gradual", "sharp"))
-    q = np.atleast_1d(non_negative("wavevectors", wavevectors, unit="1/m"))
+    q = np.atleast_1d(non_negative("wavevectors", wavevectors))
     share = np.atleast_1d(non_negative("yielded", yielded, vanishing=True))
     if q.shape != share.shape or np.any(share > 1 + 1e-6):
         raise InvalidInput("yielded: must hold one share between 0 and 1 for each wavevector")

@@ -1,7 +1,5 @@
 """Contact that can carry one tensile stress at every magnification: the load that adhesion adds."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,9 +59,9 @@ def adhesion_load(pressure: ArrayLike, *, stress_variance: ArrayLike, tensile_li
     >>> round(float(light.contact_force) / 1e5, 1)
     21.0
     """
-    limit = positive("tensile_limit", tensile_limit, unit="Pa")
-    load = real("pressure", pressure, unit="Pa")
-    variance = non_negative("stress_variance", stress_variance, unit="Pa^2", power=2)
+    limit = positive("tensile_limit", tensile_limit)
+    load = real("pressure", pressure)
+    variance = non_negative("stress_variance", stress_variance, power=2)
     alike(pressure=load, stress_variance=variance)
     if np.any(load + limit <= 0):
         raise OutsideTheory(

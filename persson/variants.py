@@ -4,8 +4,6 @@ Under partial contact less energy is stored than full contact of the same area w
 the stress variance grow by dV = S(P) dV_full, with P the relative contact area: S = 1 is the theory of 2001.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Literal, get_args
 
@@ -51,7 +49,7 @@ def energy_factor(area: ArrayLike, *, variant: Variant, energy_ratio: float = EN
     (github.com/xylcsi/PerssonModelFudgeFactor), which names that paper; the paper itself was not at hand.
     """
     choice("variant", variant, get_args(Variant)[:-1])
-    within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
+    within("energy_ratio", energy_ratio, "(0, 1]")
     p2 = np.square(real("area", area))
     if np.any(p2 > 1) or np.any(np.asarray(area) < 0):
         raise InvalidInput(f"area = {shown(area)}: must lie in [0, 1]")
@@ -94,8 +92,8 @@ def energy_share(pressure: ArrayLike, *, stress_variance: ArrayLike, energy: Ene
     [0.008, 0.0158]
     """
     choice("energy", energy, get_args(EnergyReading))
-    load = non_negative("pressure", pressure, unit="Pa")
-    full = non_negative("stress_variance", stress_variance, unit="Pa^2", power=2)
+    load = non_negative("pressure", pressure)
+    full = non_negative("stress_variance", stress_variance, power=2)
     variant: Variant = "wang_mueser" if energy == "wang_mueser" else "persson"
     variant = "xu" if energy in ("xu", "xu_hybrid") else variant
     area = np.asarray(corrected_contact_area(load, stress_variance=full, variant=variant))
@@ -162,8 +160,8 @@ def corrected_contact_area(pressure: ArrayLike, *, stress_variance: ArrayLike, v
     >>> round(float(p) / 0.02, 2)
     2.14
     """
-    load = non_negative("pressure", pressure, unit="Pa")
-    full = non_negative("stress_variance", stress_variance, unit="Pa^2", power=2)
+    load = non_negative("pressure", pressure)
+    full = non_negative("stress_variance", stress_variance, power=2)
     choice("variant", variant, get_args(Variant))
     if variant == "persson":
         return contact_area(load, stress_variance=full)
@@ -175,7 +173,7 @@ def corrected_contact_area(pressure: ArrayLike, *, stress_variance: ArrayLike, v
     # Beyond it the square could not be represented, and the area is proportional to the load.
     limited = np.minimum(x, 1e100)
     y = _xu(limited**2) if variant == "xu" else _grown(limited**2, variant)
-    area = np.asarray(erf(1 / np.sqrt(2 * y))) * (limited / x)
+    area = erf(1 / np.sqrt(2 * y)) * (limited / x)
     return np.where(loaded, area, np.where(load > 0, 1.0, 0.0))[()]
 
 

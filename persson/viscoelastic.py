@@ -1,7 +1,5 @@
 """What a viscoelastic solid dissipates at the edge of a contact that opens (Persson 2006, Sec. 8.6)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -38,25 +36,25 @@ class StandardSolid:
     time: float
 
     def __post_init__(self) -> None:
-        low = positive("relaxed", self.relaxed, unit="Pa")
-        if positive("unrelaxed", self.unrelaxed, unit="Pa") <= low:
+        low = positive("relaxed", self.relaxed)
+        if positive("unrelaxed", self.unrelaxed) <= low:
             raise InvalidInput(f"unrelaxed = {self.unrelaxed!r} Pa: must exceed relaxed = {low!r} Pa")
-        positive("time", self.time, unit="s")
+        positive("time", self.time)
 
     def creep_compliance(self, time: ArrayLike) -> Array:
         """J(t) [1/Pa] at t >= 0 [s]; a contact whose load does not fall has the area of E = 1/J(t)."""
-        since = non_negative("time", time, unit="s") / self.time
+        since = non_negative("time", time) / self.time
         return 1 / self.unrelaxed - (1 / self.relaxed - 1 / self.unrelaxed) * np.expm1(-since)
 
     def modulus(self, frequency: ArrayLike) -> NDArray[np.complex128]:
         """E(omega) [Pa] for omega [1/s], storage modulus + i times the loss modulus."""
-        x = non_negative("frequency", frequency, unit="1/s") * self.time
+        x = non_negative("frequency", frequency) * self.time
         compliance = 1 / self.unrelaxed + (1 / self.relaxed - 1 / self.unrelaxed) / (1 + 1j * x)
         return np.asarray(1 / compliance)
 
     def loss_compliance(self, frequency: ArrayLike) -> Array:
         """-Im 1/E(omega) [1/Pa] for omega [1/s]."""
-        x = non_negative("frequency", frequency, unit="1/s") * self.time
+        x = non_negative("frequency", frequency) * self.time
         # x / (1 + x^2) that does not overflow.
         lag = np.minimum(x, 1 / np.maximum(x, 1.0))
         return np.asarray((1 / self.relaxed - 1 / self.unrelaxed) * lag / (1 + lag * lag))[()]
@@ -112,12 +110,12 @@ def crack_dissipation(
     >>> round(crack_dissipation(1e3, **told))
     999
     """
-    speed = 2 * math.pi * positive("velocity", velocity, unit="m/s")
+    speed = 2 * math.pi * positive("velocity", velocity)
     function("loss_compliance", loss_compliance)
-    low = positive("relaxed", relaxed, unit="Pa")
-    radius = positive("tip_radius", tip_radius, unit="m")
+    low = positive("relaxed", relaxed)
+    radius = positive("tip_radius", tip_radius)
     endless = isinstance(contact_size, float) and contact_size == math.inf
-    size = math.inf if endless else positive("contact_size", contact_size, unit="m")
+    size = math.inf if endless else positive("contact_size", contact_size)
     if size <= radius:
         return 0.0
 

@@ -1,6 +1,7 @@
 """A check takes what it allows to the last number, and its message names the argument that it is about."""
 
 import ast
+import re
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 
 import fem_contact
 import persson
+from contact_checks import UNITS
 from fem_contact import _checks
 from persson import _checks as _checks_of_theory
 
@@ -31,16 +33,22 @@ def checked(function):
     return found
 
 
-def test_the_message_of_a_check_names_its_argument():
-    found = []
+def nodes():
+    """Yield file and node of all that stands in the packages."""
     for package in (fem_contact, persson):
         for path in Path(package.__file__).parent.rglob("*.py"):
             for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-                # A private function may be told the name that its caller knows it by.
-                if isinstance(node, ast.FunctionDef) and (
-                    not node.name.startswith("_") or node.name == "__post_init__"
-                ):
-                    found += [(path.name, node.name, *pair) for pair in checked(node)]
+                yield path.name, node
+
+
+def test_the_message_of_a_check_names_its_argument():
+    found = []
+    for file, node in nodes():
+        # A private function may be told the name that its caller knows it by.
+        if isinstance(node, ast.FunctionDef) and (
+            not node.name.startswith("_") or node.name == "__post_init__"
+        ):
+            found += [(file, node.name, *pair) for pair in checked(node)]
     assert len(found) > 200
     assert [one for one in found if one[2] != one[3]] == []
 
@@ -54,3 +62,18 @@ def test_a_check_takes_the_least_and_the_greatest_that_it_names(check, value):
     outside = np.nextafter(value, 0.0 if value < 1 else np.inf)
     with pytest.raises(fem_contact.InvalidInput, match="depth"):
         check("depth", outside)
+
+
+def test_the_unit_of_a_message_is_that_of_the_documentation():
+    entry = re.compile(r"^(\w[\w, ]*) : .*\n((?:    .*\n?)+)", re.MULTILINE)
+    texts = [
+        ast.get_docstring(node) or ""
+        for _, node in nodes()
+        if isinstance(node, ast.FunctionDef | ast.ClassDef)
+    ]
+    told = [pair for text in texts for pair in entry.findall(text.partition("Attributes\n")[0])]
+    units = [
+        (name, text) for names, text in told for name in names.split(", ") if name in UNITS and "[" in text
+    ]
+    assert len(units) > 150
+    assert [(name, text) for name, text in units if f"[{UNITS[name]}" not in text] == []

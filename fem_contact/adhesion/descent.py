@@ -45,15 +45,7 @@ class _Softened:
 class Landscape:
     """The energy per point of one surface, one solid and one law, at a given mean pressure or offset.
 
-    Parameters
-    ----------
-    heights : (nx, ny) array
-        h [m].
-    lengths : tuple of float
-        Periods [m].
-    threads : int, optional
-    hardness : float or (nx, ny) array, optional
-        Largest pressure H [Pa]; gaps may then be negative.
+    With a `hardness`, the largest pressure H [Pa], gaps may be negative.
     """
 
     def __init__(
@@ -258,14 +250,9 @@ class _State:
 
 
 def descend(land: Landscape, point: Point, start: Array, *, settings: Settings) -> Minimum:
-    """Follow the energy downhill from a gap to a local minimum.
+    """Follow the energy downhill from a gap [m], projected on what is allowed, to a local minimum.
 
-    Parameters
-    ----------
-    start : (nx, ny) array
-        Gap [m] to start from; projected on what is allowed.
-    settings : Settings
-        Largest `imbalance` that will do, Newton steps and time allowed.
+    The settings say the largest `imbalance` that will do, and what Newton steps and time are allowed.
     """
     before, clock = land.pairs, time.monotonic()
     state = _State(land, point, start)

@@ -3,15 +3,13 @@ r"""Adhesion as a law of the gap: energy phi(g) and attraction tau = phi'(g), ou
 Both laws give the same work of adhesion, -phi(0) = w, when two surfaces are pulled apart without deforming.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
 
-from fem_contact._checks import array, positive, within
+from fem_contact._checks import array, positive, positive_fields, within
 from fem_contact._types import Array
 
 
@@ -22,48 +20,40 @@ class GapLaw(Protocol):
     @property
     def work(self) -> float:
         """Work of adhesion w [J/m^2]."""
-        ...
 
     @property
     def reach(self) -> float:
         """Length over which the attraction acts, w / strength [m]."""
-        ...
 
     @property
     def strength(self) -> float:
         """Largest attraction sigma_th [Pa]."""
-        ...
 
     @property
     def steepest(self) -> float:
         """Largest fall of the attraction with the gap, max -d tau / d g [Pa/m]."""
-        ...
 
     def energy(self, gap: Array) -> Array:
         """Return phi(g) [J/m^2], 0 at infinity."""
-        ...
 
     def traction(self, gap: Array) -> Array:
         """Return the attraction tau = d phi / d g [Pa], not negative."""
-        ...
 
     def slope(self, gap: Array) -> Array:
         """Return d tau / d g [Pa/m]."""
-        ...
 
     def on_grid(self, *, spacing: float, contact_modulus: float) -> Self:
         """Return the law as a grid of that spacing [m] sees it."""
-        ...
 
 
 def _gaps(gap: Array) -> Array:
     # The solver hands in arrays of doubles, many times: only what else comes is looked at.
-    return gap if type(gap) is np.ndarray and gap.dtype == np.float64 else array("gap", gap, unit="m")
+    return gap if type(gap) is np.ndarray and gap.dtype == np.float64 else array("gap", gap)
 
 
 def _check_grid(spacing: float, contact_modulus: float) -> None:
-    positive("spacing", spacing, unit="m")
-    positive("contact_modulus", contact_modulus, unit="Pa")
+    positive("spacing", spacing)
+    positive("contact_modulus", contact_modulus)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,8 +62,7 @@ class _Law:
     reach: float
 
     def __post_init__(self) -> None:
-        positive("work", self.work, unit="J/m^2")
-        positive("reach", self.reach, unit="m")
+        positive_fields(self, "work", "reach")
 
     @property
     def strength(self) -> float:
@@ -108,18 +97,19 @@ class Exponential(_Law):
 
     def energy(self, gap: Array) -> Array:
         """Return -w exp(-g / rho) [J/m^2]."""
-        with np.errstate(over="ignore"):
-            return -self.work * np.exp(-_gaps(gap) / self.reach)
+        return self._falling(-self.work, gap)
 
     def traction(self, gap: Array) -> Array:
         """Return (w / rho) exp(-g / rho) [Pa]."""
-        with np.errstate(over="ignore"):
-            return self.strength * np.exp(-_gaps(gap) / self.reach)
+        return self._falling(self.strength, gap)
 
     def slope(self, gap: Array) -> Array:
         """Return -(w / rho^2) exp(-g / rho) [Pa/m]."""
+        return self._falling(-self.steepest, gap)
+
+    def _falling(self, factor: float, gap: Array) -> Array:
         with np.errstate(over="ignore"):
-            return -self.steepest * np.exp(-_gaps(gap) / self.reach)
+            return factor * np.exp(-_gaps(gap) / self.reach)
 
     def on_grid(self, *, spacing: float, contact_modulus: float) -> Self:
         """Return the law itself: it is smooth."""
@@ -153,7 +143,7 @@ class Dugdale(_Law):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        within("ramp", self.ramp, 0, 2, interval="[0, 2]")
+        within("ramp", self.ramp, "[0, 2]")
 
     @property
     def steepest(self) -> float:

@@ -5,19 +5,17 @@ to be a minimum and the surfaces snap together or apart; those jumps are located
 over.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal, Unpack
 
 import numpy as np
 
-from fem_contact._checks import finite, non_negative, numbers_of, within
+from fem_contact._checks import finite, non_negative, numbers_of, only, within
 from fem_contact._types import Array
 from fem_contact.adhesion.descent import Minimum, Point
 from fem_contact.adhesion.laws import GapLaw
-from fem_contact.adhesion.state import AdhesionProblem, AdhesiveContact, checked_point, settings_of
+from fem_contact.adhesion.state import AdhesionProblem, AdhesiveContact, settings_of
 from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput, NotConverged
 from fem_contact.response import Response
@@ -145,23 +143,15 @@ def follow(
     Along an unbroken branch the energy changes by the work of the load. What is missing after a step was lost
     in a jump, or is the error of the trapezoidal rule for that work; halving the step tells them apart.
     """
-    if (offsets is None) == (mean_pressures is None):
-        raise InvalidInput("offsets, mean_pressures: give exactly one of them")
-    within("resolution", resolution, 1e-12, 1, interval="[1e-12, 1]")
+    name, held = only(offsets=offsets, mean_pressures=mean_pressures)
+    within("resolution", resolution, "[1e-12, 1]")
     non_negative("least_jump", least_jump)
     problem = AdhesionProblem(surface, response, law=law, settings=settings_of(limits))
-    if offsets is not None:
-        held = numbers_of("offsets", offsets, unit="m")
-        points = [checked_point(None, finite("offsets", value, unit="m")) for value in held]
-        width = resolution * law.reach
-    else:
-        assert mean_pressures is not None
-        held = numbers_of("mean_pressures", mean_pressures, unit="Pa")
-        values = [finite("mean_pressures", value, unit="Pa") for value in held]
-        points = [checked_point(value, None) for value in values]
-        width = resolution * max((abs(value) for value in values), default=0.0)
-    if not points:
+    values = [finite(name, value) for value in numbers_of(name, held)]
+    if not values:
         raise InvalidInput("the path is empty: give at least one offset or mean pressure")
+    points = [Point(**{name.removesuffix("s"): value}) for value in values]
+    width = resolution * (law.reach if mean_pressures is None else max(map(abs, values)))
     return _Walk(problem, width=width, least=least_jump).run(points, start)
 
 

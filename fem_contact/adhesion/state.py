@@ -4,19 +4,17 @@ The energy of an adhesive contact has many local minima. A state is the minimum 
 the solve starts; `fem_contact.adhesion.path` follows minima through a history of loads.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Unpack
 
 import numpy as np
 
 from fem_contact import bem
-from fem_contact._checks import bound, field, finite, instance, positive
+from fem_contact._checks import bound, field, finite, instance, only, positive
 from fem_contact._types import Array
 from fem_contact.adhesion.descent import Landscape, Minimum, Point, descend, least_curvature
 from fem_contact.adhesion.laws import GapLaw
-from fem_contact.contact import Clock, ContactResult, Residuals, Status
+from fem_contact.contact import Clock, ContactResult, HasContact, Residuals, Status
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response, check_response
 from fem_contact.settings import Limits, Settings
@@ -34,7 +32,7 @@ _PLAIN = 1e-8
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class AdhesiveContact:
+class AdhesiveContact(HasContact):
     """One state of adhesive contact.
 
     Attributes
@@ -58,11 +56,6 @@ class AdhesiveContact:
     energy: float
     imbalance: float
     hardness: float | Array | None = None
-
-    def checked(self) -> AdhesiveContact:
-        """Return this state if its solver converged, or raise `NotConverged`."""
-        self.contact.checked()
-        return self
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,9 +94,9 @@ def cells_in_process_zone(law: GapLaw, *, spacing: float, contact_modulus: float
     >>> round(cells_in_process_zone(law, spacing=1e-9, contact_modulus=25e6), 2)
     2.14
     """
-    check_law(law)
-    positive("spacing", spacing, unit="m")
-    positive("contact_modulus", contact_modulus, unit="Pa")
+    instance("law", law, GapLaw, what="a law of the gap, such as `Exponential`")
+    positive("spacing", spacing)
+    positive("contact_modulus", contact_modulus)
     return contact_modulus / law.strength * (law.work / law.strength / spacing)
 
 
@@ -156,7 +149,8 @@ def solve(
         that is not positive or below the mean pressure.
     """
     problem = AdhesionProblem(surface, response, law=law, settings=settings_of(limits), hardness=hardness)
-    point = checked_point(mean_pressure, offset)
+    name, value = only(mean_pressure=mean_pressure, offset=offset)
+    point = Point(**{name: finite(name, value)})
     return problem.packed(problem.at(point, problem.first_gap(point, start)))
 
 
@@ -188,20 +182,6 @@ def settings_of(limits: Limits) -> Settings:
     return Settings(**given)
 
 
-def checked_point(mean_pressure: float | None, offset: float | None) -> Point:
-    """Return what is held; exactly one of the two, finite."""
-    if (mean_pressure is None) == (offset is None):
-        raise InvalidInput("mean_pressure, offset: give exactly one of them")
-    if offset is not None:
-        return Point(offset=finite("offset", offset, unit="m"))
-    return Point(mean_pressure=finite("mean_pressure", mean_pressure, unit="Pa"))
-
-
-def check_law(law: GapLaw) -> None:
-    """Refuse what is no law of the gap."""
-    instance("law", law, GapLaw, what="a law of the gap, such as `Exponential`")
-
-
 class AdhesionProblem:
     """A surface, a solid and a law on a grid that resolves it; arguments as of `solve`."""
 
@@ -216,7 +196,6 @@ class AdhesionProblem:
     ) -> None:
         instance("surface", surface, HeightField)
         check_response(response)
-        check_law(law)
         spacing, modulus = max(surface.spacing), response.contact_modulus
         cells = cells_in_process_zone(law, spacing=spacing, contact_modulus=modulus)
         if cells < CELLS_NEEDED * (1 - 1e-12):
@@ -251,7 +230,7 @@ class AdhesionProblem:
         if point.offset is not None:
             return point.offset - heights
         weak = self._gap_without_adhesion(point)
-        return np.asarray(float(heights.max()) - heights) if weak is None else weak
+        return float(heights.max()) - heights if weak is None else weak
 
     def _gap_without_adhesion(self, point: Point) -> Array | None:
         """Gap of the contact without attraction, where that is weak; None where it is not, or without load.

@@ -1,7 +1,5 @@
 """Contact at a prescribed mean gap or offset: the load is sought that makes it."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import replace
 

@@ -19,10 +19,11 @@ import scipy.fft
 from fem_contact._checks import instance
 from fem_contact._types import AnyArray, Array, Lengths, Numbers, Shape
 from fem_contact.complementarity.slabs import Slabs
-from fem_contact.contact import ContactResult
+from fem_contact.contact import ContactResult, HasContact
 from fem_contact.errors import InvalidInput
 from fem_contact.height_traits import HeightTraits, are_level, traits_of, wave_sums
-from fem_contact.surface import HeightField, random_waves, resolves
+from fem_contact.surface import HeightField, random_waves
+from fem_contact.surface.random import checked_grid
 
 if TYPE_CHECKING:
     from fem_contact.area import ContactAreas
@@ -109,10 +110,7 @@ class SlabSurface:
     ) -> Self:
         """Make a random surface in slabs, the same as `random_surface` makes; no process has the whole."""
         slabs = Slabs(comm, shape)
-        if not resolves(shape, lengths, q_short=q_short):
-            raise InvalidInput(
-                f"shape = {shape}: does not resolve lambda_short = {2 * np.pi / q_short:.6g} m"
-            )
+        checked_grid(shape, lengths, q_short, False)
         first, last = slabs.columns[slabs.rank : slabs.rank + 2]
         waves = random_waves(
             spectrum,
@@ -159,7 +157,7 @@ class SlabSurface:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SlabResult:
+class SlabResult(HasContact):
     """Solution of one contact problem, of which each process has a slab of rows.
 
     Attributes
@@ -170,11 +168,6 @@ class SlabResult:
 
     contact: ContactResult
     slabs: Slabs
-
-    def checked(self) -> Self:
-        """Return this result if its solver converged, as `ContactResult.checked` does."""
-        self.contact.checked()
-        return self
 
     def whole(self) -> ContactResult:
         """Return the result with all rows, on every process."""

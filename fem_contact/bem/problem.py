@@ -1,7 +1,5 @@
 """A surface and a solid, checked and ready to be solved at any load."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any, Literal
@@ -65,7 +63,7 @@ class Problem:
 
     def check_load(self, mean_pressure: float) -> None:
         """Refuse a load that cannot be carried."""
-        positive("mean_pressure", mean_pressure, unit="Pa")
+        positive("mean_pressure", mean_pressure)
         mean = None if self.bound is None else float(self.grids.xp.mean(self.bound))
         if mean is not None and mean < mean_pressure * (1 - SLACK):
             raise InvalidInput(

@@ -1,18 +1,16 @@
 """The three questions: the contact under a load, at a distance, and along a path of loads."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any, Unpack, overload
 
-from fem_contact._checks import finite, positives
+from fem_contact._checks import finite, only, positives
 from fem_contact._types import Array
 from fem_contact.bem.distance import LoadSearch
 from fem_contact.bem.parallel import SlabResult, SlabSurface
 from fem_contact.bem.problem import Method, Problem
 from fem_contact.complementarity.slabs import SlabSettings
 from fem_contact.contact import ContactResult
-from fem_contact.errors import InvalidInput, UnsupportedEffect
+from fem_contact.errors import UnsupportedEffect
 from fem_contact.response import FreeHalfSpace, Response
 from fem_contact.settings import Limits, Settings
 from fem_contact.surface import HeightField
@@ -158,18 +156,13 @@ def solve_displacement(
     UnsupportedEffect
         For a `FreeHalfSpace`.
     """
-    if (mean_gap is None) == (offset is None):
-        raise InvalidInput("mean_gap, offset: give exactly one of them, in m")
+    name, distance = only(mean_gap=mean_gap, offset=offset)
     if isinstance(response, FreeHalfSpace):
         raise UnsupportedEffect(
             "response = FreeHalfSpace: a patch is pressed by a load; give solve its mean pressure"
         )
     problem = _checked(surface, response, **options)
-    if mean_gap is not None:
-        search = LoadSearch(problem, target=finite("mean_gap", mean_gap, unit="m"), of_gap=True)
-    else:
-        assert offset is not None
-        search = LoadSearch(problem, target=finite("offset", offset, unit="m"), of_gap=False)
+    search = LoadSearch(problem, target=finite(name, distance), of_gap=name == "mean_gap")
     return problem.result(search.run(), target=None)
 
 
@@ -190,7 +183,7 @@ def solve_path(
         As in `solve`.
     """
     problem = _checked(surface, response, **options)
-    loads = positives("mean_pressures", mean_pressures, unit="Pa")
+    loads = positives("mean_pressures", mean_pressures)
     for load in loads:
         problem.check_load(load)
     results: list[ContactResult] = []

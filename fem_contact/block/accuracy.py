@@ -1,7 +1,5 @@
 """What a mesh makes of waves: the discretisation error of its compliance, before anything is solved."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Unpack
@@ -81,7 +79,7 @@ def wave_errors(
     (True, True)
     """
     poisson = poisson_ratio(poisson)
-    sought = positives("wavelengths", wavelengths, unit="m")
+    sought = positives("wavelengths", wavelengths)
     planned = planned_mesh(shape, lengths, poisson=poisson, options=mesh)
     order, width = planned.element.order, lengths[0] / planned.cells[0]
     folded = fold(planned, poisson=poisson)

@@ -88,13 +88,7 @@ def element_for(element: str | None, *, poisson: float) -> Element:
 
 
 def lame(poisson: float) -> tuple[float, float]:
-    """Lame's constants (lambda, mu) over Young's modulus.
-
-    Raises
-    ------
-    InvalidInput
-        For an incompressible solid, whose lambda is infinite.
-    """
+    """Lame's constants (lambda, mu) over Young's modulus; an incompressible solid is refused."""
     if not -1 < poisson < 0.5:
         raise InvalidInput(f"poisson = {poisson!r}: must lie in (-1, 0.5) for a finite bulk modulus")
     return poisson / ((1 + poisson) * (1 - 2 * poisson)), 0.5 / (1 + poisson)

@@ -1,7 +1,5 @@
 """Whether a displacement field balances the forces on it: an independent check, element by element."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -38,17 +36,8 @@ def measure_equilibrium(
     """Apply the element matrices to a field, layer by layer from the surface down.
 
     Displacements are over the cell width, pressure and modulus over E. Nothing of the Fourier reduction
-    enters but the field it produced.
-
-    Returns
-    -------
-    residual, energy : float
-        As in `Equilibrium`, the energy over E times the cell width.
-
-    Raises
-    ------
-    InvalidInput
-        For the incompressible solid, whose element matrices are not finite.
+    enters but the field it produced. Returned are residual and energy as in `Equilibrium`, the energy over E
+    times the cell width; the incompressible solid, whose element matrices are not finite, is refused.
     """
     matrices, offsets = element_matrices(mesh, poisson, condensed=True)
     applied = nodal_force(pressure, mesh)

@@ -74,8 +74,8 @@ def graded_layers(depth: float, *, first: float, growth: float) -> Array:
     >>> graded_layers(3.0, first=1.0, growth=1.0)
     array([1., 1., 1.])
     """
-    depth, first = positive("depth", depth), positive("first", first)
-    growth = within("growth", growth, 1, math.inf, interval="[1, inf)")
+    depth, first = positive("depth", depth, unit=""), positive("first", first)
+    growth = within("growth", growth, "[1, inf)")
     ratio = depth / first
     if not ratio < _THINNEST:
         raise InvalidInput(
@@ -192,13 +192,13 @@ class BlockMesh:
         k = np.searchsorted(0.5 * (planes[1:] + planes[:-1]), basis.doflocs[2])
         return basis, (i * self.shape[1] + j) * planes.size + k
 
-    def column(self) -> CellBasis:
-        """Scalar scikit-fem basis on one column of cells, from the bottom upwards."""
+    def column(self) -> tuple[CellBasis, Numbers]:
+        """Scalar scikit-fem basis on one column of cells, and their numbers from the bottom upwards."""
         from skfem import MeshHex
 
         with quiet_skfem():
             mesh = MeshHex.init_tensor(np.array([0.0, 1.0]), np.array([0.0, self.aspect]), self.edges)
-        return scalar_basis(mesh, self.element)
+        return scalar_basis(mesh, self.element), np.argsort(mesh.doflocs[2, mesh.t].mean(axis=0))
 
 
 def element_matrices(mesh: BlockMesh, poisson: float, *, condensed: bool = False) -> tuple[Array, Numbers]:
@@ -207,7 +207,7 @@ def element_matrices(mesh: BlockMesh, poisson: float, *, condensed: bool = False
     Discontinuous linear pressures are unknowns of their own behind the displacements, unless they are
     `condensed`.
     """
-    basis, element = mesh.column(), mesh.element
+    (basis, order), element = mesh.column(), mesh.element
     forms = LocalForms.integrate(basis, element)
     nodes, mixed = basis.Nbfun, element.pressures == 4 and not condensed
     pressures = element.pressures if mixed else 0
@@ -231,7 +231,6 @@ def element_matrices(mesh: BlockMesh, poisson: float, *, condensed: bool = False
     corner = basis.doflocs[:, basis.element_dofs]
     low, high = corner.min(axis=1, keepdims=True), corner.max(axis=1, keepdims=True)
     offsets = np.rint(2 * ((corner - low) / (high - low))[:, :, 0]).astype(int).T
-    order = np.argsort(basis.mesh.doflocs[2, basis.mesh.t].mean(axis=0))
     return matrices[order], offsets
 
 
@@ -297,8 +296,8 @@ def plan_mesh(
     """
     instance("element", element, Element, what="an `Element`, one of `ELEMENTS`")
     shape, lengths = checked_counts(shape), checked_lengths(lengths)
-    depth = None if depth is None else positive("depth", depth, unit="m")
-    first_layer = None if first_layer is None else positive("first_layer", first_layer, unit="m")
+    depth = None if depth is None else positive("depth", depth)
+    first_layer = None if first_layer is None else positive("first_layer", first_layer)
     if any(n % element.order for n in shape):
         raise InvalidInput(
             f"shape = {shape}: must be even for {element.name}, whose cells are two nodes wide"

@@ -1,7 +1,5 @@
 """One contact problem of the block and its answer: lengths in cell widths, stresses in Young's modulus."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, cached_property
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any, Literal, Unpack
+from typing import TYPE_CHECKING, Any, Literal, Unpack, get_args
 
 import numpy as np
 
@@ -105,8 +105,8 @@ class Session:
         self.clock = Clock()
         instance("surface", surface, HeightField)
         instance("solid", solid, Solid)
-        check_method(method)
-        tolerance = within("tolerance", tolerance, _FINEST, 1, interval=f"[{_FINEST:g}, 1)")
+        choice("method", method, get_args(Method))
+        tolerance = within("tolerance", tolerance, f"[{_FINEST:g}, 1)")
         if max_iterations is not None:
             whole("max_iterations", max_iterations, least=1, most=10**7)
         mesh = planned_mesh(surface.shape, surface.lengths, poisson=solid.poisson, options=options)
@@ -168,7 +168,7 @@ class Session:
 
     def at_offset(self, offset: float) -> BlockSolution:
         """Solve at an offset [m]."""
-        offset = (finite("offset", offset, unit="m") - self.top) / self.width
+        offset = (finite("offset", offset) - self.top) / self.width
         problem = replace(self.problem, offset=offset)
         if offset >= 0:
             answer = _apart(problem)
@@ -283,11 +283,6 @@ def _apart(problem: Problem) -> Answer:
         note="no contact",
         field=np.zeros((*shape, problem.mesh.planes.size, 3)),
     )
-
-
-def check_method(method: object) -> None:
-    """Refuse a method that there is not."""
-    choice("method", method, ("full", "reduced"))
 
 
 def _provenance(problem: Problem, *, width: float, answer: Answer) -> dict[str, str]:

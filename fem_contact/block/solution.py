@@ -1,7 +1,5 @@
 """What the block returns: the contact result, the displacement field, and the stress read off it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -74,7 +72,6 @@ class FieldSource(Protocol):
 
     def descend(self) -> Iterator[CellLayer]:
         """Yield the layers from the surface down."""
-        ...
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,17 +1,15 @@
 """The finite-element block pressed by a rigid rough surface: what users call."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Unpack
+from typing import Unpack, get_args
 
 import numpy as np
 
-from fem_contact._checks import instance, poisson_ratio, positive, positives
+from fem_contact._checks import choice, instance, poisson_ratio, positive, positives
 from fem_contact._types import Array, Lengths, Mask, Shape
 from fem_contact.block.mesh import MeshOptions
-from fem_contact.block.session import Method, Modulus, Session, check_method, needed_bytes, planned_mesh
+from fem_contact.block.session import Method, Modulus, Session, needed_bytes, planned_mesh
 from fem_contact.block.solution import BlockSolution
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
@@ -51,7 +49,7 @@ def estimate(
     >>> estimate((64, 64)).unknowns
     184320
     """
-    check_method(method)
+    choice("method", method, get_args(Method))
     poisson = poisson_ratio(poisson)
     planned = planned_mesh(shape, lengths, poisson=poisson, options=mesh)
     return Estimate(unknowns=planned.unknowns, bytes=needed_bytes(planned, method), layers=planned.nz)
@@ -128,7 +126,7 @@ def solve(
     InsufficientMemory
         If the estimate exceeds the memory available.
     """
-    mean_pressure = positive("mean_pressure", mean_pressure, unit="Pa")
+    mean_pressure = positive("mean_pressure", mean_pressure)
     if start is not None:
         instance("start", start, np.ndarray, what="an array of bool with the surface's shape")
     session = Session(
@@ -190,7 +188,7 @@ def solve_path(
     BlockSolution
         One per load, as soon as it is found.
     """
-    loads = positives("mean_pressures", mean_pressures, unit="Pa")
+    loads = positives("mean_pressures", mean_pressures)
     session = Session(surface, solid, **options)
     return _path(session, loads)
 

@@ -40,15 +40,7 @@ def namespace(values: Values) -> Any:
 
 
 class ArrayGrids(Grids):
-    """Grids whose arrays lie in a library and on a device of one's choice.
-
-    Parameters
-    ----------
-    where : str or array
-        A device of PyTorch, such as "cuda", or an array that lies there already, of any library.
-    shape, threads
-        As of `Grids`.
-    """
+    """Grids whose arrays lie on a device of PyTorch, such as "cuda", or beside an array of any library."""
 
     def __init__(self, where: str | Values, shape: Shape, *, threads: int) -> None:
         super().__init__(shape, threads=threads)

@@ -1,7 +1,5 @@
 """Answers that no iteration leads to: full contact, and a bound that leaves no choice."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

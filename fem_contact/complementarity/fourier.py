@@ -1,7 +1,5 @@
 """Responses applied by Fourier transform on a periodic grid, and fields carried between grids."""
 
-from __future__ import annotations
-
 import copy
 import importlib.util
 from collections.abc import Callable, Sequence
@@ -25,15 +23,6 @@ class FourierOperator:
 
     Transforms are ducc0's where it is installed: it works in place, so that no array is allocated per
     application, and is about twice as fast on large grids as scipy's, which is used otherwise.
-
-    Parameters
-    ----------
-    shape : tuple of int
-        Grid points (nx, ny).
-    lengths : tuple of float
-        Periods (Lx, Ly) [m].
-    threads : int, optional
-        Threads of each transform; all available processors if not given.
 
     Raises
     ------
@@ -207,32 +196,10 @@ def long_waves(
 _BLOCK = 64
 
 
-def coarsened(heights: Array, shape: Shape, *, threads: int = 1) -> Array:
-    """Heights on a coarser grid of the same period, freed of the waves that it cannot carry."""
-    rows = carried(heights.shape[0], shape[0])
-    columns = (min(heights.shape[1], shape[1]) - 1) // 2 + 1
-    # Columns that the coarse grid does not carry are left out before the second transform.
-    along = scipy.fft.rfft(heights, axis=1, norm="forward", workers=threads)[:, :columns]
-    spectrum = scipy.fft.fft(along, axis=0, norm="forward", workers=threads)
-    coarse = np.zeros((shape[0], shape[1] // 2 + 1), dtype=complex)
-    coarse[rows % shape[0], :columns] = spectrum[rows]
-    return np.ascontiguousarray(scipy.fft.irfft2(coarse, s=shape, norm="forward", workers=threads))
-
-
 def carried(old: int, new: int) -> Numbers:
     """Wave numbers below the Nyquist limit of both grids, negative ones counted from the end."""
     top = (min(old, new) - 1) // 2
     return np.arange(-top, top + 1)
-
-
-def refined(field: Array, shape: Shape) -> Array:
-    """Carry a field to a finer grid of the same period, bilinearly: positive fields stay so."""
-    if all(new == 2 * old for new, old in zip(shape, field.shape, strict=True)):
-        return _doubled(field)
-    for axis, points in enumerate(shape):
-        old = field.shape[axis]
-        field = refined_along(field, axis, np.arange(points) * (old / points))
-    return np.ascontiguousarray(field)
 
 
 def refined_along(field: Array, axis: int, places: AnyArray) -> Array:
@@ -246,13 +213,7 @@ def refined_along(field: Array, axis: int, places: AnyArray) -> Array:
     return np.asarray(fine)
 
 
-def nearest(field: Array, shape: Shape) -> Array:
-    """Take a field at the points of a coarser grid nearest below."""
-    rows, columns = (np.arange(new) * old // new for old, new in zip(field.shape, shape, strict=True))
-    return np.ascontiguousarray(field[np.ix_(rows, columns)])
-
-
-def _doubled(field: Array) -> Array:
+def doubled(field: Array) -> Array:
     """Bilinear interpolation to twice the points along both axes."""
     fine = np.empty((2 * field.shape[0], 2 * field.shape[1]))
     even, odd = fine[::2], fine[1::2]

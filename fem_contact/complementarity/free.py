@@ -1,7 +1,5 @@
 """A half-space that is pressed on one patch alone: no period, by transforms on a doubled grid."""
 
-from __future__ import annotations
-
 import numpy as np
 import scipy.fft
 
@@ -21,15 +19,6 @@ class FreeOperator:
     with the sum of F over the corners of the cell, signs alternating. The convolution is done by FFT on twice
     the points along both axes, so that no image acts on the patch. The inverse response of cosine waves
     preconditions it: unlike periodic ones they do not tie the edges of the patch to each other.
-
-    Parameters
-    ----------
-    shape : tuple of int
-        Grid points (nx, ny).
-    lengths : tuple of float
-        Sides of the patch (Lx, Ly) [m].
-    threads : int, optional
-        Threads of each transform; all available processors if not given.
 
     Notes
     -----

@@ -1,13 +1,12 @@
 """The grids of a nested solve: where their arrays are, and how fields are carried between them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
+import scipy.fft
 
 from fem_contact._types import Lengths, Shape
-from fem_contact.complementarity.fourier import coarsened, nearest, refined
+from fem_contact.complementarity.fourier import carried, doubled, refined_along
 from fem_contact.complementarity.free import operator_of
 from fem_contact.complementarity.operator import Solution
 from fem_contact.contact import residual_sums
@@ -15,23 +14,10 @@ from fem_contact.response import Response
 
 
 class Grids:
-    """Grids whose arrays are NumPy's, each as a whole.
+    """Grids whose arrays are NumPy's, each as a whole; `shape` is that of the finest."""
 
-    Parameters
-    ----------
-    shape : tuple of int
-        Points (nx, ny) of the finest grid.
-
-    Attributes
-    ----------
-    xp
-        Namespace of the arrays; its sums, means and extremes are those of the whole grid.
-    in_slabs : bool
-        Whether this process has but some rows of the finest grid.
-    """
-
-    xp: Any = np
-    in_slabs = False
+    xp: Any = np  # Namespace of the arrays; its sums, means and extremes are those of the whole grid
+    in_slabs = False  # Whether this process has but some rows of the finest grid
 
     def __init__(self, shape: Shape, *, threads: int) -> None:
         self.shape, self.threads = shape, threads
@@ -62,12 +48,23 @@ class Grids:
 
     def coarsened(self, heights: Any, old: Shape, new: Shape) -> Any:
         """Return heights on a coarser grid, freed of the waves that it cannot carry."""
-        return coarsened(heights, new, threads=self.threads)
+        rows, columns = carried(old[0], new[0]), (min(old[1], new[1]) - 1) // 2 + 1
+        # Columns that the coarse grid does not carry are left out before the second transform.
+        along = scipy.fft.rfft(heights, axis=1, norm="forward", workers=self.threads)[:, :columns]
+        spectrum = scipy.fft.fft(along, axis=0, norm="forward", workers=self.threads)
+        coarse = np.zeros((new[0], new[1] // 2 + 1), dtype=complex)
+        coarse[rows % new[0], :columns] = spectrum[rows]
+        return np.ascontiguousarray(scipy.fft.irfft2(coarse, s=new, norm="forward", workers=self.threads))
 
     def refined(self, field: Any, old: Shape, new: Shape) -> Any:
-        """Carry a field to a finer grid, bilinearly."""
-        return refined(field, new)
+        """Carry a field to a finer grid, bilinearly: positive fields stay so."""
+        if new == (2 * old[0], 2 * old[1]):
+            return doubled(field)
+        for axis in (0, 1):
+            field = refined_along(field, axis, np.arange(new[axis]) * (old[axis] / new[axis]))
+        return np.ascontiguousarray(field)
 
     def nearest(self, field: Any, new: Shape) -> Any:
         """Take a field of the finest grid at the points of a coarser one nearest below."""
-        return nearest(field, new)
+        rows, columns = (np.arange(n) * old // n for old, n in zip(field.shape, new, strict=True))
+        return np.ascontiguousarray(field[np.ix_(rows, columns)])

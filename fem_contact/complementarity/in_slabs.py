@@ -1,7 +1,5 @@
 """The contact iteration on grids in slabs: the response, the passes, and what is carried between grids."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
@@ -9,14 +7,7 @@ import numpy as np
 import scipy.fft
 
 from fem_contact._types import AnyArray, Array, Lengths, Numbers, Shape
-from fem_contact.complementarity.fourier import (
-    FourierOperator,
-    carried,
-    coarsened,
-    nearest,
-    refined,
-    refined_along,
-)
+from fem_contact.complementarity.fourier import FourierOperator, carried, refined_along
 from fem_contact.complementarity.grids import Grids
 from fem_contact.complementarity.iteration_arrays import Errors, IterationArrays, _levels
 from fem_contact.complementarity.rows import Rows
@@ -146,13 +137,7 @@ def _padded(rows: int, columns: int, dtype: Any) -> AnyArray:
 
 
 class SlabGrids(Grids):
-    """Fields carried between grids in slabs; grids much smaller than a slab are on every process as a whole.
-
-    Parameters
-    ----------
-    slabs : Slabs
-        Of the finest grid.
-    """
+    """Fields carried between grids in slabs; grids much smaller than a slab every process has as a whole."""
 
     in_slabs = True
 
@@ -189,13 +174,13 @@ class SlabGrids(Grids):
         parts = self.slabs.gathered(*super().residual_sums(pressure, gap, at_bound))
         return [*parts[:, :3].sum(axis=0).tolist(), *parts[:, 3:].min(axis=0).tolist()]
 
-    def coarsened(self, heights: Array, old: Shape, new: Shape) -> Array:
+    def coarsened(self, heights: Any, old: Shape, new: Shape) -> Any:
         """Return heights on a coarser grid, freed of the waves that it cannot carry."""
         import ducc0.fft
 
         source, target = self.slabs_of(old), self.slabs_of(new)
         if source is None:
-            return coarsened(heights, new, threads=self.threads)
+            return super().coarsened(heights, old, new)
         waves, kept = new[1] // 2 + 1, (min(old[1], new[1]) - 1) // 2 + 1
         columns = shares(waves, source.size)
 
@@ -221,11 +206,11 @@ class SlabGrids(Grids):
         target.to_rows(coarse, columns, put)
         return out
 
-    def refined(self, field: Array, old: Shape, new: Shape) -> Array:
+    def refined(self, field: Any, old: Shape, new: Shape) -> Any:
         """Carry a field to a finer grid, bilinearly."""
         source, target = self.slabs_of(old), self.slabs_of(new)
         if target is None:
-            return refined(field, new)
+            return super().refined(field, old, new)
 
         def wanted(rank: int) -> Numbers:
             first, last = target.rows[rank : rank + 2]
@@ -238,7 +223,7 @@ class SlabGrids(Grids):
         block = refined_along(block, 0, place - target.first * old[0] // new[0])
         return refined_along(block, 1, np.arange(new[1]) * (old[1] / new[1]))
 
-    def nearest(self, field: Array, new: Shape) -> Array:
+    def nearest(self, field: Any, new: Shape) -> Any:
         """Take a field of the finest grid at the points of a coarser grid nearest below."""
         old, target = self.shape, self.slabs_of(new)
 
@@ -247,4 +232,4 @@ class SlabGrids(Grids):
             return np.arange(first, last) * old[0] // new[0]
 
         rows = self.slabs.taken(field, wanted)
-        return nearest(rows, (rows.shape[0], new[1]))
+        return super().nearest(rows, (rows.shape[0], new[1]))

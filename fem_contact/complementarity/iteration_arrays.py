@@ -1,7 +1,5 @@
 """The arrays of one contact iteration and the passes over them; no decision is taken here."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

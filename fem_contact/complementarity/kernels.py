@@ -27,8 +27,6 @@ Numba is imported with this module, so this module is imported by the solver onl
 # Types are numba's business here.
 # mypy: disallow-untyped-defs=False
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

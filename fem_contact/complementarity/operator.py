@@ -11,8 +11,6 @@ Whether S moves the mean (layer, block) or leaves it out (half-space) does not m
 prescribed: a constant displacement only changes the offset.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -26,16 +24,13 @@ class Operator(Protocol):
     @property
     def stiffness(self) -> float:
         """Force per displacement [Pa/m] of a single node, roughly: mean inverse response over wavevectors."""
-        ...
 
     @property
     def pairs(self) -> float:
         """FFT pairs of one `apply`, counted on the finest grid; `precondition` is counted as one."""
-        ...
 
     def apply(self, force: Array, out: Array) -> None:
         """Write the displacement S force [m] of every node into ``out``, another array; keep no ``force``."""
-        ...
 
     def precondition(self, residual: Array, out: Array) -> None:
         """Write M residual into ``out`` [Pa], which may be ``residual`` [m] itself.
@@ -43,7 +38,6 @@ class Operator(Protocol):
         M is symmetric, positive semi-definite and close to the inverse of S, at the same scale; the mean may
         be left out. The solver extends the residual beyond the working set and masks the answer.
         """
-        ...
 
 
 @dataclass(frozen=True, kw_only=True)

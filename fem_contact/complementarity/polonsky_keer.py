@@ -1,7 +1,5 @@
 """Conjugate gradients under bounds without preconditioner, to check the faster solver against."""
 
-from __future__ import annotations
-
 import time
 
 import numpy as np
@@ -23,18 +21,7 @@ def polonsky_keer(
 ) -> Solution:
     """Bounded conjugate gradients without preconditioner: slow, simple, and the oracle of the faster solver.
 
-    Parameters
-    ----------
-    heights : array
-        h [m] of the rigid body at the nodes.
-    mean_force : float
-        Prescribed mean of x [Pa], positive.
-    length_scale : float
-        Length [m] in which the residuals are measured.
-    settings : Settings
-        Stop at sum x |g| <= tolerance * length_scale * sum x and penetration <= 10 tolerance * length_scale.
-    start : array, optional
-        Forces [Pa] to start from, not negative, scaled to the load here; uniform if not given.
+    Arguments as for `solve_bounded`, without a bound; a start must not be negative.
 
     Notes
     -----

@@ -1,7 +1,5 @@
 """Passes over the rows of an array, shared out over threads in fixed blocks."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
@@ -12,16 +10,8 @@ class Rows:
     """Blocks of rows, and the threads that work on them.
 
     The blocks depend on the number of rows alone, and their sums are added in order: these passes give the
-    same bits whatever the number of threads (the transforms between them do not).
-
-    Parameters
-    ----------
-    count : int
-        Number of rows.
-    threads : int
-        Threads to share them; 1 uses none but the caller's.
-    least : int
-        Least number of rows of a block.
+    same bits whatever the number of threads (the transforms between them do not). A block has `least` rows
+    or more; one thread is the caller's.
     """
 
     def __init__(self, count: int, *, threads: int, least: int = 128) -> None:

@@ -8,8 +8,6 @@ than a slab every process solves whole.
 Nothing here imports MPI: a communicator is anything with `rank`, `size` and six calls of mpi4py.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Preconditioned conjugate gradients under bounds, on one grid and from coarse to fine grids."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable

@@ -11,7 +11,18 @@ import numpy as np
 import scipy.fft
 from numpy.typing import ArrayLike
 
-from fem_contact._checks import GREATEST, array, function, pair, positive, room_for, shown, whole, within
+from fem_contact._checks import (
+    GREATEST,
+    array,
+    doubles,
+    function,
+    pair,
+    positive,
+    room_for,
+    shown,
+    whole,
+    within,
+)
 from fem_contact._types import Array, Complex, Lengths, Numbers, Shape
 from fem_contact.errors import InvalidInput
 
@@ -167,7 +178,7 @@ class HeightField:
 
     def shifted(self, fraction: tuple[float, float]) -> HeightField:
         """Return h(x + fraction * spacing) on the same grid: what a grid moved by parts of a cell sees."""
-        part = partial(within, low=-1e9, high=1e9, interval="[-1e9, 1e9]")
+        part = partial(within, interval="[-1e9, 1e9]")
         parts = pair("fraction", fraction, part, what="two finite parts of a cell (x, y)")
         return self._sampled(self.shape, parts)
 
@@ -239,18 +250,7 @@ class Patch(HeightField):
 
 def _checked_heights(given: object) -> Array:
     """Return a copy of the heights; NaN, infinite and masked points are refused with their number."""
-    if isinstance(given, np.ma.MaskedArray) and np.ma.is_masked(given):
-        missing = int(np.count_nonzero(np.ma.getmaskarray(given)))
-        raise InvalidInput(
-            f"heights: {missing} of {given.size} points are masked: fill them (.filled) or cut them off"
-        )
-    try:
-        raw = np.asarray(given)
-        if raw.dtype.kind not in "iuf":
-            raise TypeError
-        heights = np.array(raw, dtype=float)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise InvalidInput("heights: must be a two-dimensional array of real numbers") from error
+    heights = np.array(doubles("heights", given))
     if heights.ndim != 2 or heights.size == 0:
         raise InvalidInput(f"heights of shape {heights.shape}: must be a two-dimensional array (nx, ny)")
     bad = np.count_nonzero(~np.isfinite(heights))

@@ -5,8 +5,6 @@ to array positions, so that one seed gives one surface, whatever grid it is samp
 spectrum is cut.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
@@ -32,7 +30,7 @@ def resolves(shape: Shape, lengths: Lengths, *, q_short: float) -> bool:
     [True, False]
     """
     counts, (lx, ly) = checked_shape(shape), checked_lengths(lengths)
-    positive("q_short", q_short, unit="1/m")
+    positive("q_short", q_short)
     return all(
         2 * np.pi / q_short > 2 * length / n * (1 + _EDGE) for n, length in zip(counts, (lx, ly), strict=True)
     )
@@ -89,7 +87,7 @@ def random_surface(
     numbers outwards, so they depend neither on the grid nor on q_short: cutting the spectrum elsewhere keeps
     the remaining waves.
     """
-    _checked_grid(shape, lengths, q_short, under_resolved)
+    checked_grid(shape, lengths, q_short, under_resolved)
     waves = random_waves(
         spectrum, q_short=q_short, lengths=lengths, seed=seed, amplitudes=amplitudes, isotropic=isotropic
     )
@@ -108,22 +106,8 @@ class RandomWaves:
     lengths: Lengths  # Periods (Lx, Ly) [m]
 
     def on(self, shape: Shape, *, under_resolved: bool = False) -> HeightField:
-        """Sample the surface on a grid.
-
-        Parameters
-        ----------
-        shape : tuple of int
-            Grid points (nx, ny), odd or even.
-        under_resolved : bool
-            Accept a grid with lambda_short <= 2 dx. It gets the true point values, from which the surface
-            cannot be recovered.
-
-        Raises
-        ------
-        InvalidInput
-            For a grid that does not resolve q_short, unless asked for.
-        """
-        shape = _checked_grid(shape, self.lengths, self.q_short, under_resolved)
+        """Sample the surface on a grid; parameters and errors as of `random_surface`."""
+        shape = checked_grid(shape, self.lengths, self.q_short, under_resolved)
         half = np.zeros(shape, dtype=complex)
         np.add.at(half, (self.m % shape[0], self.n % shape[1]), self.amplitudes)
         heights = 2 * scipy.fft.ifft2(half, norm="forward").real
@@ -145,7 +129,7 @@ def random_waves(
     With `columns` only those whose wave number n is at least the first and below the second of them.
     """
     lengths = checked_lengths(lengths)
-    q_short = positive("q_short", q_short, unit="1/m")
+    q_short = positive("q_short", q_short)
     truth("isotropic", isotropic)
     function("spectrum", spectrum, of=("q",) if isotropic else ("qx", "qy"))
     choice("amplitudes", amplitudes, ("exact", "gaussian"))
@@ -165,7 +149,7 @@ def random_waves(
     return RandomWaves(m=m, n=n, amplitudes=waves, q_short=q_short, lengths=lengths)
 
 
-def _checked_grid(shape: Shape, lengths: Lengths, q_short: float, under_resolved: bool) -> Shape:
+def checked_grid(shape: Shape, lengths: Lengths, q_short: float, under_resolved: bool) -> Shape:
     """Return the points of a grid that resolves the waves, or need not."""
     shape = checked_shape(shape)
     truth("under_resolved", under_resolved)

@@ -1,7 +1,5 @@
 """Power spectra of given surfaces: of periodic ones, and of measured patches that are not."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 
@@ -148,7 +146,7 @@ def window_weights(shape: Shape, *, window: Window, margin: float = 0.1) -> Arra
     """
     shape = checked_shape(shape)
     choice("window", window, ("none", "hann", "tukey"))
-    margin = within("margin", margin, 1e-9, 0.5, interval="[1e-9, 0.5]")
+    margin = within("margin", margin, "[1e-9, 0.5]")
     if window == "none":
         return np.ones(shape)
     width = 0.5 if window == "hann" else margin

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from fem_contact.complementarity import polonsky_keer, solve_bounded, solve_nested
-from fem_contact.complementarity.fourier import FourierOperator, coarsened, refined
+from fem_contact.complementarity.fourier import FourierOperator
+from fem_contact.complementarity.grids import Grids
 from fem_contact.complementarity.iteration_arrays import IterationArrays
 from fem_contact.complementarity.rows import Rows
 from fem_contact.contact import Status
@@ -164,14 +165,13 @@ def test_where_all_that_bear_yield_the_body_sinks_no_deeper_than_the_last_of_the
 
 
 def test_coarsening_keeps_low_waves_and_refinement_keeps_values() -> None:
-    x = np.arange(24) / 24
-    wave = np.cos(2 * np.pi * 3 * x)[:, None] * np.ones(20)
-    coarse = coarsened(wave, (12, 10))
+    fine, half, x = (24, 20), (12, 10), np.arange(24) / 24
+    grids = Grids(fine, threads=1)
+    wave, short = (np.cos(2 * np.pi * n * x)[:, None] * np.ones(20) for n in (3, 9))
+    coarse = grids.coarsened(wave, fine, half)
     np.testing.assert_allclose(coarse, wave[::2, ::2], atol=1e-14)
-    np.testing.assert_allclose(
-        coarsened(np.cos(2 * np.pi * 9 * x)[:, None] * np.ones(20), (12, 10)), 0, atol=1e-14
-    )
-    assert np.array_equal(refined(coarse, (24, 20))[::2, ::2], coarse)
+    np.testing.assert_allclose(grids.coarsened(short, fine, half), 0, atol=1e-14)
+    assert np.array_equal(grids.refined(coarse, half, fine)[::2, ::2], coarse)
 
 
 @pytest.mark.parametrize("bounded", [False, True])

@@ -31,9 +31,9 @@ def test_masked_heights_are_refused_with_the_remedy():
         (np.zeros((0, 3)), r"heights of shape \(0, 3\): must be"),
         (np.zeros((2, 2, 2)), r"heights of shape \(2, 2, 2\): must be"),
         ([[0.0, np.nan], [np.inf, 1.0]], "2 of 4 heights are NaN or infinite: fill or remove them first"),
-        ([[1.0, 2.0], [3.0]], "heights: must be a two-dimensional array of real numbers"),
-        ([["a", "b"]], "heights: must be a two-dimensional array of real numbers"),
-        (np.ones((2, 2)) * 1j, "heights: must be a two-dimensional array of real numbers"),
+        ([[1.0, 2.0], [3.0]], "heights = .*: must be real numbers in m"),
+        ([["a", "b"]], "heights = .*: must be real numbers in m"),
+        (np.ones((2, 2)) * 1j, "heights = .*: must be real numbers in m"),
     ],
 )
 def test_heights_that_are_no_surface_are_refused_by_name(heights, message):

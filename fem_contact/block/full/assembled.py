@@ -1,7 +1,5 @@
 """The field of a block once more, from its surface forces: assembled matrix, algebraic multigrid of pyamg."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fem_contact._checks import instance, room_for, within
@@ -49,7 +47,7 @@ def assembled_field(solution: BlockSolution, *, tolerance: float) -> Array:
     import pyamg
 
     instance("solution", solution, BlockSolution)
-    tolerance = within("tolerance", tolerance, 1e-13, 1e-2, interval="[1e-13, 1e-2]")
+    tolerance = within("tolerance", tolerance, "[1e-13, 1e-2]")
     mesh, poisson, width = solution.mesh, solution.solid.poisson, solution.cell_size[0]
     if not poisson < 0.5:
         raise InvalidInput(f"poisson = {poisson!r}: the matrix of an incompressible solid is not finite")

@@ -34,14 +34,7 @@ def assemble(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -
     .. math:: K = \int \lambda\, (\nabla\!\cdot u)(\nabla\!\cdot v) + 2\mu\, \varepsilon(u):\varepsilon(v)
 
     The scalar forms int d_a u d_b v are integrated and combined, which gives the vector form's matrix at
-    an eighth of its cost.
-
-    Parameters
-    ----------
-    poisson : float
-        Poisson ratio, below 1/2.
-    modulus : (nx, ny, nz) array, optional
-        Young's modulus of each cell over the reference modulus; 1 by default.
+    an eighth of its cost. nu is below 1/2; the modulus (nx, ny, nz) is that of each cell over E.
     """
     basis, lattice = mesh.basis()
     first, second = lame(poisson)

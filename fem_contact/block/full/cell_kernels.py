@@ -15,17 +15,13 @@ The tests hold the assembled matrix against them.
 # Types are numba's business here.
 # mypy: disallow-untyped-defs=False
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 
-from fem_contact.block.full.kernels import coloured_columns
-
-_OPTIONS = {"cache": True, "nogil": True, "fastmath": {"reassoc", "contract", "nsz"}}
+from fem_contact.block.full.kernels import OPTIONS, coloured_columns
 
 
-@njit(**_OPTIONS, inline="always")
+@njit(**OPTIONS, inline="always")
 def _product(w, n, near, far):
     """Multiply twelve values by the coefficients of a layer from number n on."""
     total = w[n] * near[0] + w[n + 1] * near[1] + w[n + 2] * near[2] + w[n + 3] * near[3]
@@ -33,7 +29,7 @@ def _product(w, n, near, far):
     return total + w[n + 8] * far[2] + w[n + 9] * far[3] + w[n + 10] * far[4] + w[n + 11] * far[5]
 
 
-@njit(**_OPTIONS)
+@njit(**OPTIONS)
 def _stack(c, e, here, x, y, xy, sx, sy, out):
     """Add the forces of one stack of cells on a column: the stack towards +x and +y, or a mirror image."""
     b0, b1, b2, b3, b4, b5, b6, b7, b8, b9, b10, b11 = (0.0,) * 12
@@ -62,7 +58,7 @@ def _stack(c, e, here, x, y, xy, sx, sy, out):
         b6, b7, b8, b9, b10, b11 = t6, t7, t8, t9, t10, t11
 
 
-@njit(**_OPTIONS)
+@njit(**OPTIONS)
 def _column(c, e, u, i, j, out):
     """Write the forces A u of one column into out (nz, 3)."""
     nx, ny = u.shape[0], u.shape[1]
@@ -75,7 +71,7 @@ def _column(c, e, u, i, j, out):
     _stack(c, e[before, left], here, u[before, j], u[i, left], u[before, left], -1.0, -1.0, out)
 
 
-@njit(**_OPTIONS)
+@njit(**OPTIONS)
 def apply_cells(c, e, u, out):
     """Write the forces A u into out."""
     for i in range(u.shape[0]):
@@ -83,14 +79,14 @@ def apply_cells(c, e, u, out):
             _column(c, e, u, i, j, out[i, j])
 
 
-@njit(**_OPTIONS, inline="always")
+@njit(**OPTIONS, inline="always")
 def _times(m, x, y, z):
     """Multiply a vector by a block of 3 x 3."""
     a, b, c = m[0], m[1], m[2]
     return a[0] * x + a[1] * y + a[2] * z, b[0] * x + b[1] * y + b[2] * z, c[0] * x + c[1] * y + c[2] * z
 
 
-@njit(**_OPTIONS)
+@njit(**OPTIONS)
 def _solve_column(low, inverse, r):
     """Solve L S L' x = r in place."""
     nz = r.shape[0]
@@ -109,7 +105,7 @@ def _solve_column(low, inverse, r):
         r[k, 0], r[k, 1], r[k, 2] = x, y, z
 
 
-@njit(**_OPTIONS)
+@njit(**OPTIONS)
 def relax_cells(c, e, low, inverse, follow, f, tied, u, backward):
     """Solve every column for its own unknowns, four colours in turn, in place; `backward` is the adjoint."""
     nx, ny, nz = u.shape[0], u.shape[1], u.shape[2]

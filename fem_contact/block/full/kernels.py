@@ -14,15 +14,13 @@ The tests hold a NumPy twin of every kernel.
 # Types are numba's business here.
 # mypy: disallow-untyped-defs=False
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 
-_OPTIONS = {"cache": True, "nogil": True, "fastmath": {"reassoc", "contract", "nsz"}}
+OPTIONS = {"cache": True, "nogil": True, "fastmath": {"reassoc", "contract", "nsz"}}
 
 
-@njit(**_OPTIONS)
+@njit(**OPTIONS)
 def _plane(t, x, y, z, fx, fy, fz):
     """Return the forces on a plane, by component, and those of the values of one plane on it."""
     a = t[0] * x[0] + t[1] * x[1] + t[2] * x[2] + t[3] * x[3] + t[11] * y[4] + t[18] * z[4] + t[19] * z[5]
@@ -31,17 +29,18 @@ def _plane(t, x, y, z, fx, fy, fz):
     return fx + a, fy + b, fz + c + t[14] * z[0] + t[15] * z[1] + t[16] * z[2] + t[17] * z[3]
 
 
-@njit(**_OPTIONS)
-def _column(c, u, i, before, after, j, left, right, out):
+@njit(**OPTIONS)
+def _column(c, u, i, j, out):
     """Write the forces A u of one column into out (nz, 3).
 
     Mirrored neighbours share a coefficient, so that their sums and differences are formed first; each plane
     then acts on the plane below it, on itself and on the plane above it.
     """
+    nx, ny, nz = u.shape[0], u.shape[1], u.shape[2]
+    before, after, left, right = (i - 1) % nx, (i + 1) % nx, (j - 1) % ny, (j + 1) % ny
     here, back, ahead = u[i, j], u[i, left], u[i, right]
     low, low_back, low_ahead = u[before, j], u[before, left], u[before, right]
     high, high_back, high_ahead = u[after, j], u[after, left], u[after, right]
-    nz = u.shape[2]
     x, y, z = 0.0, 0.0, 0.0
     next_x, next_y, next_z = 0.0, 0.0, 0.0
     for k in range(nz):
@@ -69,23 +68,22 @@ def _column(c, u, i, before, after, j, left, right, out):
     out[nz - 1, 0], out[nz - 1, 1], out[nz - 1, 2] = x, y, z
 
 
-@njit(**_OPTIONS)
+@njit(**OPTIONS)
 def apply_stencil(c, u, out):
     """Write the forces A u into out."""
-    nx, ny = u.shape[0], u.shape[1]
-    for i in range(nx):
-        for j in range(ny):
-            _column(c, u, i, (i - 1) % nx, (i + 1) % nx, j, (j - 1) % ny, (j + 1) % ny, out[i, j])
+    for i in range(u.shape[0]):
+        for j in range(u.shape[1]):
+            _column(c, u, i, j, out[i, j])
 
 
-@njit(**_OPTIONS)
+@njit(**OPTIONS)
 def coloured_columns(nx, ny):
     """List the columns (i, j) by four colours: no two of one colour are neighbours."""
     colours = ((0, 0), (0, 1), (1, 0), (1, 1))
     return [(i, j) for a, b in colours for i in range(a, nx, 2) for j in range(b, ny, 2)]
 
 
-@njit(**_OPTIONS)
+@njit(**OPTIONS)
 def relax(c, low, d, f, tied, u, backward):
     """Solve every column for its own unknowns, four colours in turn, in place.
 
@@ -95,7 +93,7 @@ def relax(c, low, d, f, tied, u, backward):
     nx, ny, nz = u.shape[0], u.shape[1], u.shape[2]
     r, order = np.empty((nz, 3)), coloured_columns(nx, ny)
     for i, j in order[::-1] if backward else order:
-        _column(c, u, i, (i - 1) % nx, (i + 1) % nx, j, (j - 1) % ny, (j + 1) % ny, r)
+        _column(c, u, i, j, r)
         x, y, z = 0.0, 0.0, 0.0
         for k in range(nz):
             x = f[i, j, k, 0] - r[k, 0] - low[k, 0] * x
@@ -115,7 +113,7 @@ def relax(c, low, d, f, tied, u, backward):
             u[i, j, k, 2] += z
 
 
-@njit(**_OPTIONS)
+@njit(**OPTIONS)
 def transfer(coarse, i_low, i_weight, j_low, j_weight, fine, gathering):
     """Add coarse (mx, my, m), interpolated bilinearly, to fine (nx, ny, m), or `gathering` the transpose."""
     nx, ny, m = fine.shape

@@ -1,7 +1,5 @@
 """Conjugate gradients with a residual check of their own."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -37,18 +35,9 @@ def conjugate_gradients(
     tolerance: float,
     max_iterations: int,
 ) -> LinearSolution:
-    """Preconditioned conjugate gradients for a symmetric positive definite operator.
+    """Preconditioned conjugate gradients for a symmetric positive definite operator A, A x = b.
 
-    Parameters
-    ----------
-    apply, precondition : callable
-        The operator A and an approximation of its inverse.
-    right, start : array
-        Right-hand side and first guess.
-    scale : float
-        Norm that residuals are compared with, such as |b|.
-    tolerance : float
-        Bound on |b - A x| / scale.
+    The tolerance is a bound on |b - A x| / `scale`, with |b|, say, as the scale.
 
     Notes
     -----

@@ -66,18 +66,10 @@ class Hierarchy:
 
 
 def build_hierarchy(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> Hierarchy:
-    """Integrate the cells of all grids.
+    """Integrate the trilinear cells of all grids, however few.
 
-    Parameters
-    ----------
-    mesh : BlockMesh
-        Of trilinear cells; any number of them.
-    modulus : (nz,) or (nx, ny, nz) array, optional
-        Young's modulus of each layer, from the bottom upwards, or of each cell, over E.
-
-    Notes
-    -----
-    The modulus of a coarser cell is the mean over its volume.
+    The modulus over E is that of each layer, from the bottom upwards, (nz,), or of each cell, (nx, ny, nz);
+    that of a coarser cell is the mean over its volume.
     """
     levels: list[Level] = []
     shape, coarser = (0, 0), mesh.shape

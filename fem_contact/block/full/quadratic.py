@@ -6,8 +6,6 @@ of a cell fall into eight classes, of 12, 12, 12, 12, 9, 9, 9 and 6, that do not
 the 6561 entries of the element matrix are left. `quadratic_kernels` multiplies by them; no matrix is stored.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import ClassVar
 

@@ -17,15 +17,13 @@ assembled matrix against this.
 # Types are numba's business here.
 # mypy: disallow-untyped-defs=False
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 
-_OPTIONS = {"cache": True, "nogil": True, "fastmath": {"reassoc", "contract", "nsz"}}
+from fem_contact.block.full.kernels import OPTIONS
 
 
-@njit(**_OPTIONS)
+@njit(**OPTIONS)
 def _gather(places, u, i, k, w):
     """Write the combinations of the cells (i, :, k) into w."""
     ny, after = w.shape[1], (2 * i + 2) % u.shape[0]
@@ -51,7 +49,7 @@ def _gather(places, u, i, k, w):
                     even[p], mid_row[p], odd[p] = a + c, m, c - a
 
 
-@njit(**_OPTIONS)
+@njit(**OPTIONS)
 def _scatter(places, r, e, i, k, out):
     """Add the forces of the cells (i, :, k): the transpose of `_gather`, times the moduli."""
     ny, after = r.shape[1], (2 * i + 2) % out.shape[0]
@@ -80,7 +78,7 @@ def _scatter(places, r, e, i, k, out):
                     high[plane, t] += v[0, z, j] + v[2, z, j]
 
 
-@njit(**_OPTIONS)
+@njit(**OPTIONS)
 def _multiply(entries, sizes, w, r):
     """Multiply the blocks of one layer; every size is a multiple of three."""
     first, place = 0, 0
@@ -98,7 +96,7 @@ def _multiply(entries, sizes, w, r):
         first += size
 
 
-@njit(**_OPTIONS)
+@njit(**OPTIONS)
 def apply_quadratic(entries, sizes, places, e, u, out):
     """Add the forces A u to out."""
     w, r = np.empty((81, e.shape[1])), np.empty((81, e.shape[1]))

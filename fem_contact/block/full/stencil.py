@@ -22,11 +22,11 @@ from fem_contact.block.mesh import BlockMesh, element_matrices
 
 #: Coefficients in the order of the kernels: component of the force, of the displacement, and the neighbour
 #: (x, y) that stands for its mirror images; odd along x (y) where exactly one of the components is x (y).
-TERMS = (
-    *((0, 0, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1), (0, 0, 1, 1), (1, 0, 1, 1), (2, 0, 1, 0), (2, 0, 1, 1)),
-    *((1, 1, 0, 0), (1, 1, 1, 0), (1, 1, 0, 1), (1, 1, 1, 1), (0, 1, 1, 1), (2, 1, 0, 1), (2, 1, 1, 1)),
-    *((2, 2, 0, 0), (2, 2, 1, 0), (2, 2, 0, 1), (2, 2, 1, 1)),
-    *((0, 2, 1, 0), (0, 2, 1, 1), (1, 2, 0, 1), (1, 2, 1, 1)),
+TERMS = tuple(
+    (a, b, right, ahead)
+    for a, b in ((0, 0), (1, 0), (2, 0), (1, 1), (0, 1), (2, 1), (2, 2), (0, 2), (1, 2))
+    for ahead in range((a == 1) != (b == 1), 2)
+    for right in range((a == 0) != (b == 0), 2)
 )
 
 #: Numbers in `TERMS` of a component's coupling to itself: own column, neighbours along x, along y, diagonal.
@@ -34,16 +34,9 @@ _OWN = ((0, 1, 2, 3), (7, 8, 9, 10), (14, 15, 16, 17))
 
 
 def stencil(mesh: BlockMesh, *, poisson: float, modulus: Array | None) -> Array:
-    """Sum the cells around the nodes of one column.
+    """Sum the trilinear cells around the nodes of one column, for nu below 1/2.
 
-    Parameters
-    ----------
-    mesh : BlockMesh
-        Of trilinear cells.
-    poisson : float
-        Below 1/2.
-    modulus : (nz,) array, optional
-        Young's modulus of each layer over E, from the bottom upwards; 1 by default.
+    The modulus (nz,) is that of each layer over E, from the bottom upwards; 1 by default.
 
     Returns
     -------

@@ -1,13 +1,9 @@
 """The full system of the block, and coarser grids that propose a first active set."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
-
 import numpy as np
 
 from fem_contact._types import Array, Mask
-from fem_contact.block.full.active_set import solve_contact
+from fem_contact.block.full.active_set import Violation, solve_contact
 from fem_contact.block.full.block import Block
 from fem_contact.block.full.multigrid import build_hierarchy
 from fem_contact.block.full.quadratic import QuadraticBlock, parity_blocks, refined_hierarchy
@@ -16,7 +12,6 @@ from fem_contact.block.problem import Answer, Problem
 
 #: Set, offset and displacement to start from.
 First = tuple[Mask, float, Array | None]
-Violation = Callable[[Array, Array, Mask | None], float]
 
 #: Below this many nodes along an axis no coarser grid looks for the first active set.
 _COARSEST = 16

@@ -37,7 +37,7 @@ def cofactors(gradient: Array) -> tuple[Array, Array]:
     """Cofactors (..., 3, 3) and determinants (...) of matrices."""
     first, second, third = (gradient[..., row, :] for row in range(3))
     rows = (np.cross(second, third), np.cross(third, first), np.cross(first, second))
-    return np.stack(rows, axis=-2), np.asarray(np.sum(first * rows[0], axis=-1))
+    return np.stack(rows, axis=-2), np.sum(first * rows[0], axis=-1)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,8 +105,7 @@ class Cells:
     @cached_property
     def _tables(self) -> tuple[Array, Array, Numbers]:
         """Gradients G, weights w, and the corners (8, 3) of a cell: scikit-fem's on one column."""
-        basis = self.mesh.column()
-        order = np.argsort(basis.mesh.doflocs[2, basis.mesh.t].mean(axis=0))
+        basis, order = self.mesh.column()
         gradients = np.stack([np.asarray(basis.basis[a][0].grad) for a in range(8)])
         places = basis.doflocs[:, basis.element_dofs[:, 0]].T
         corners = (places > places.mean(axis=0)).astype(np.int64)

@@ -169,7 +169,7 @@ class _Tangent:
 
     def times(self, field: Array) -> Array:
         """Multiply a displacement."""
-        return np.asarray(self.matrix @ field.ravel()).reshape(field.shape)
+        return (self.matrix @ field.ravel()).reshape(field.shape)
 
     def lifted(self, free: Array) -> Array:
         """Displacement from the free unknowns: nodes of the set stay on the tangent planes."""

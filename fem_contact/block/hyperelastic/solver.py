@@ -1,7 +1,5 @@
 """The block at finite strain: what users call."""
 
-from __future__ import annotations
-
 import itertools
 import time
 from collections.abc import Iterable, Iterator
@@ -211,8 +209,8 @@ def solve_slopes(
     """
     instance("surface", surface, HeightField)
     instance("solid", solid, Solid)
-    mean_pressure = positive("mean_pressure", mean_pressure, unit="Pa")
-    tolerance = within("tolerance", tolerance, 1e-13, 1e-2, interval="[1e-13, 1e-2]")
+    mean_pressure = positive("mean_pressure", mean_pressure)
+    tolerance = within("tolerance", tolerance, "[1e-13, 1e-2]")
     gradient = positive("h'_rms", surface.rms_gradient)
     factors = [slope / gradient for slope in positives("slopes", slopes)]
     if any(after <= before for before, after in itertools.pairwise(factors)):

@@ -13,8 +13,6 @@ u_z (and the pressure modes even in x and y) counted in units of i every amplitu
 Lengths are in cell widths, stiffness in Young's modulus; theta is the phase per cell.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -78,12 +76,8 @@ class FoldedLayers:
 def fold(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> FoldedLayers:
     """Fold the element matrices of one column of scikit-fem cells under Bloch waves.
 
-    Parameters
-    ----------
-    poisson : float
-        1/2 is allowed for the element with discontinuous linear pressure, whose pressures then are unknowns.
-    modulus : (nz,) array, optional
-        Young's modulus of each layer over the reference modulus, from the bottom upwards.
+    nu = 1/2 is allowed for the element with discontinuous linear pressure, whose pressures then are unknowns.
+    The modulus (nz,) is that of each layer over E, from the bottom upwards.
     """
     folded = _folded(tuple(mesh.layers.tolist()), mesh.aspect, mesh.element, poisson)
     if modulus is None:
@@ -139,12 +133,8 @@ def _wave_terms(shift: tuple[int, int], turn: int) -> list[tuple[int, int, int]]
 def surface_compliance(folded: FoldedLayers, phases: Array, *, states: Array | None = None) -> Array:
     """Vertical displacement under unit vertical nodal forces, no tangential ones, (n, types, types).
 
-    Parameters
-    ----------
-    phases : (n, 2) array
-        Phases per cell.
-    states : (nz, n, s (s + 1) / 2) array, optional
-        Receives what lies below the top of each layer: the stiffness of its plane, bordered by its pressures.
+    Phases (n, 2) are those per cell. The states, if asked for, receive what lies below the top of each layer,
+    (nz, n, s (s + 1) / 2): the stiffness of its plane, bordered by its pressures.
     """
     from fem_contact.block.reduced.kernels import sweep
 

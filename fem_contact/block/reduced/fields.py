@@ -1,7 +1,5 @@
 """Displacement inside the reduced block, layer by layer from the surface down."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

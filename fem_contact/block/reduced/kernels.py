@@ -13,8 +13,6 @@
 # Types are numba's business here.
 # mypy: disallow-untyped-defs=False
 
-from __future__ import annotations
-
 import numpy as np
 from numba import njit
 

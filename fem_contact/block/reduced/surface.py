@@ -1,7 +1,5 @@
 """The block as its surface nodes see it: the discrete compliance, applied by FFT."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -9,9 +7,8 @@ from typing import Any
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
-from fem_contact._checks import alike, array, instance, positive, samples, shown
+from fem_contact._checks import instance, positive, samples, shown
 from fem_contact._types import Array, Mask, Shape
 from fem_contact.block.mesh import BlockMesh, node_weights
 from fem_contact.block.problem import Answer, Problem
@@ -21,7 +18,7 @@ from fem_contact.complementarity.direct import all_at_bound, touching
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput
-from fem_contact.response import BondedLayer
+from fem_contact.response import BondedLayer, checked_waves
 from fem_contact.settings import Settings
 from fem_contact.solid import Solid
 
@@ -52,7 +49,7 @@ class BlockResponse:
     def __post_init__(self) -> None:
         instance("mesh", self.mesh, BlockMesh)
         instance("solid", self.solid, Solid)
-        positive("width", self.width, unit="m")
+        positive("width", self.width)
         if self.layer_modulus is not None:
             values = samples("layer_modulus", self.layer_modulus)
             if values.size != self.mesh.nz or not np.all(values > 0):
@@ -85,10 +82,9 @@ class BlockResponse:
             raise InvalidInput(
                 f"{self.mesh.element.name}: has four kinds of surface nodes; use SurfaceOperator"
             )
-        qx, qy = array("qx", qx, unit="1/m"), array("qy", qy, unit="1/m")
-        alike(qx=qx, qy=qy)
+        qx, qy = checked_waves(qx, qy)
         # The response is even in both components: each size of a component is computed once.
-        (x, from_x), (y, from_y) = _sizes(qx), _sizes(qy)
+        (x, from_x), (y, from_y) = (np.unique(np.abs(q), return_inverse=True) for q in (qx, qy))
         x, y = x * self.width, y * (self.width * self.mesh.aspect)
         if self.mesh.aspect == 1 and np.array_equal(x, y):
             # Square cells do not tell x from y, either.
@@ -98,13 +94,7 @@ class BlockResponse:
             table[upper] = table.T[upper] = surface_compliance(self.folded, phases)[:, 0, 0]
         else:
             table = surface_compliance(self.folded, phase_pairs(x, y)).reshape(x.size, y.size)
-        return np.asarray(table * (self.mesh.aspect * self.width / self.solid.young))[from_x, from_y]
-
-
-def _sizes(q: Array) -> tuple[Array, NDArray[np.intp]]:
-    """Different absolute values, and where each entry finds its own."""
-    sizes, inverse = np.unique(np.abs(np.asarray(q, dtype=float)), return_inverse=True)
-    return sizes, inverse.reshape(np.shape(q))
+        return (table * (self.mesh.aspect * self.width / self.solid.young))[from_x, from_y]
 
 
 def phase_pairs(x: Array, y: Array) -> Array:
@@ -117,11 +107,6 @@ class SurfaceOperator:
 
     Forces are in units of the mean node area, force / (dx dy) over E; lengths are in cell widths. Arrays run
     over the surface nodes (nx, ny), which are four interleaved lattices.
-
-    Parameters
-    ----------
-    threads : int
-        Threads of each transform.
     """
 
     pairs = 1.0
@@ -146,7 +131,7 @@ class SurfaceOperator:
         self.inverse = np.moveaxis(inverse, (2, 3), (0, 1))[:, :, mirror].copy()
         self.stiffness = float(np.mean(np.trace(self.inverse)) / 4)
         # Positions differ by half a cell between the lattices; the tables refer to one origin.
-        self.turns = np.stack([np.exp(0.5j * (x[:, None] * a + y * b)) for a in (0, 1) for b in (0, 1)])
+        self.turns = np.stack([np.exp(0.5j * (x[:, None] * a + y * b)) for a, b in np.ndindex(2, 2)])
 
     @property
     def nbytes(self) -> int:
@@ -165,7 +150,7 @@ class SurfaceOperator:
     invert = precondition
 
     def _transform(self, values: Array, out: Array, table: Array) -> None:
-        lattices = [(slice(a, None, 2), slice(b, None, 2)) for a in (0, 1) for b in (0, 1)]
+        lattices = [(slice(a, None, 2), slice(b, None, 2)) for a, b in np.ndindex(2, 2)]
         waves = np.stack([scipy.fft.rfft2(values[lattice], workers=self.threads) for lattice in lattices])
         waves /= self.turns
         answer = np.einsum("abxy,bxy->axy", table, waves)
