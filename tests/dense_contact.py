@@ -1,7 +1,5 @@
 """Contact on a few points by a dense matrix and an active set: shares no line with the solvers it judges."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

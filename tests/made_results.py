@@ -1,7 +1,5 @@
 """Contacts and areas that nobody solved: what a test names, and nothing else."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from fem_contact.area import ContactAreas

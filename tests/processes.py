@@ -1,7 +1,5 @@
 """Fresh interpreters that see what this one does."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Every public door of `fem_contact`, with arguments it accepts; of `persson`: public_api_of_theory.py."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable
 from typing import Any

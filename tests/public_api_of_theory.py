@@ -1,7 +1,5 @@
 """Every public door of `persson`, with arguments it accepts."""
 
-from __future__ import annotations
-
 import numpy as np
 from public_api import Door, doors_with
 

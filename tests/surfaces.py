@@ -1,7 +1,5 @@
 """Surfaces that the tests of solvers share, and the lattice sum behind Hertz's contact on a period."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """No module imports itself by way of others, in functions and for annotations included."""
 
-from __future__ import annotations
-
 import ast
 from graphlib import TopologicalSorter
 from pathlib import Path

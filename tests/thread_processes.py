@@ -1,7 +1,5 @@
 """Threads in place of the processes of MPI: what code in slabs asks of a communicator, without MPI."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable
 from typing import Any

@@ -10,8 +10,6 @@ tamaas, aspher or free, the same surface as a patch of a `FreeHalfSpace`. The la
 and compared by processor time; ASPHER takes no number of threads (set OMP_NUM_THREADS=1).
 """
 
-from __future__ import annotations
-
 import resource
 import sys
 import time

@@ -9,8 +9,6 @@ bem, field (reduced, and the stress of every cell), and particle (full, with a b
 ten times stiffer).
 """
 
-from __future__ import annotations
-
 import resource
 import subprocess
 import sys

@@ -8,8 +8,6 @@ answer. "off" is the largest difference of the pressure from that of the compile
 Run as ``python tests/benchmarks/device_speed.py [device, as cuda] [sizes, comma separated]``.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from surfaces import rough_surface
 
 from fem_contact import adhesion
@@ -40,12 +41,10 @@ def test_pressure_obeys_the_bound_where_it_sinks_and_the_law_where_it_is_open(ki
     state = sticky(1e-4, hardness, kind=kind)
     contact, found = state.contact, yielded(state.contact)
     allowed = TOLERANCE * max(state.law.strength, hardness)
-    np.testing.assert_allclose(contact.pressure[contact.at_bound], hardness, atol=allowed)
+    assert_allclose(contact.pressure[contact.at_bound], hardness, atol=allowed)
     assert contact.pressure.max() <= hardness + allowed
     open_ = contact.gap > 0
-    np.testing.assert_allclose(
-        contact.pressure[open_], -state.law.traction(contact.gap[open_]), atol=2 * allowed
-    )
+    assert_allclose(contact.pressure[open_], -state.law.traction(contact.gap[open_]), atol=2 * allowed)
     assert found.elastic_area + found.plastic_area + found.open_area == pytest.approx(1, abs=1e-14)
     assert found.elastic_load + found.plastic_load == pytest.approx(LOAD, rel=1e-12)
     assert found.volume > 0
@@ -53,7 +52,7 @@ def test_pressure_obeys_the_bound_where_it_sinks_and_the_law_where_it_is_open(ki
 
 def test_a_hardness_above_every_pressure_leaves_adhesion_as_it_is():
     plain, bounded = sticky(1e-4, None), sticky(1e-4, 10.0)
-    np.testing.assert_array_equal(bounded.contact.pressure, plain.contact.pressure)
+    assert_array_equal(bounded.contact.pressure, plain.contact.pressure)
     assert bounded.energy == plain.energy
     assert not bounded.contact.at_bound.any()
 
@@ -102,8 +101,8 @@ def test_other_units_of_length_and_pressure_change_no_bit():
         tolerance=TOLERANCE,
         threads=1,
     )
-    np.testing.assert_array_equal(two.contact.pressure, one.contact.pressure * pressure)
-    np.testing.assert_array_equal(two.contact.gap, one.contact.gap * length)
+    assert_array_equal(two.contact.pressure, one.contact.pressure * pressure)
+    assert_array_equal(two.contact.gap, one.contact.gap * length)
 
 
 @pytest.mark.parametrize(

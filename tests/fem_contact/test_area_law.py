@@ -1,7 +1,5 @@
 """Whether limits hold on surfaces that had no part in their law of error."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from area_cases import KINDS, SHAPES, Case

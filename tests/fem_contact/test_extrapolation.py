@@ -253,7 +253,7 @@ def test_areas_without_located_edge_have_no_such_limit():
 def test_the_limit_of_a_wavy_surface_holds_a_finer_grid():
     """Westergaard contacts of two crossed waves, no surface of the kind the law was measured on."""
 
-    def areas(n: int) -> ContactAreas:
+    def areas(n):
         x = np.cos(2 * np.pi * (np.arange(n) + 0.3) / n)
         field = HeightField(heights=0.1 * (x[:, None] + x[None, :]), lengths=(1.0, 1.0))
         return contact_areas(solve(field, SOFT, mean_pressure=0.05, threads=1).checked(), subcell=True)

@@ -2,6 +2,7 @@ import itertools
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from fem_contact.block import ELEMENTS, BlockMesh, BlockResponse
 from fem_contact.errors import InvalidInput
@@ -24,9 +25,7 @@ def exponential(sublayers=64, ratio=5.0, depth=1.0):
 def test_layers_of_one_material_are_a_half_space(poisson):
     solid = Solid(young=2.0, poisson=poisson)
     layered = LayeredSolid(layers=[solid] * 3, thicknesses=[0.1, 1.0, 30.0], base=solid)
-    np.testing.assert_allclose(
-        layered.compliance(Q, ZERO), HalfSpace(solid=solid).compliance(Q, ZERO), rtol=1e-13
-    )
+    assert_allclose(layered.compliance(Q, ZERO), HalfSpace(solid=solid).compliance(Q, ZERO), rtol=1e-13)
     assert isinstance(layered, Response)
 
 
@@ -50,7 +49,7 @@ def test_cutting_a_layer_in_two_changes_nothing(poisson, contrast):
     whole = LayeredSolid(layers=[top], thicknesses=[1.0], base=base).compliance(Q, ZERO)
     cut = LayeredSolid(layers=[top, top], thicknesses=[0.3, 0.7], base=base).compliance(Q, ZERO)
     assert np.all(whole > 0)
-    np.testing.assert_allclose(cut, whole, rtol=1e-8)
+    assert_allclose(cut, whole, rtol=1e-8)
 
 
 def test_short_waves_feel_the_coating_and_long_ones_the_base():
@@ -58,7 +57,7 @@ def test_short_waves_feel_the_coating_and_long_ones_the_base():
     coated = LayeredSolid(layers=[top], thicknesses=[1e-3], base=base)
     ends = np.array([1e-3, 1e6])
     expected = [2 / (solid.contact_modulus * q) for solid, q in zip((base, top), ends, strict=True)]
-    np.testing.assert_allclose(coated.compliance(ends, np.zeros(2)), expected, rtol=1e-4)
+    assert_allclose(coated.compliance(ends, np.zeros(2)), expected, rtol=1e-4)
     assert coated.contact_modulus == top.contact_modulus
 
 
@@ -74,7 +73,7 @@ def test_finite_elements_find_the_same_two_layer_compliance():
     q = 2 * np.pi * np.array([1.0, 2.0, 4.0])
     # Trilinear elements: about a quarter of a percent at 64 nodes per wave, 1.6 % at 8.
     found = block.compliance(q[:, None], np.zeros((1, 1)))[:, 0]
-    np.testing.assert_allclose(found, layered.compliance(q, np.zeros(3)), rtol=0.01)
+    assert_allclose(found, layered.compliance(q, np.zeros(3)), rtol=0.01)
 
 
 @pytest.mark.parametrize("ratio", [0.05, 5.0])
@@ -94,16 +93,14 @@ def test_other_units_of_length_and_pressure_change_no_bit():
         lambda a, b: ExponentialSolid(surface=Solid(young=b, poisson=0.3), bulk_young=7 * b, depth=a),
     ):
         one, two = make(1.0, 1.0), make(length, pressure)
-        np.testing.assert_array_equal(
-            two.compliance(Q / length, ZERO), one.compliance(Q, ZERO) * (length / pressure)
-        )
+        assert_array_equal(two.compliance(Q / length, ZERO), one.compliance(Q, ZERO) * (length / pressure))
 
 
 def test_many_waves_are_interpolated_to_far_below_the_error_of_the_sublayers():
     q = np.geomspace(0.1, 1e4, 5000)
     many = exponential().compliance(q, np.zeros_like(q))
     few = exponential().compliance(q[::50], np.zeros(100))
-    np.testing.assert_allclose(many[::50], few, rtol=1e-8)
+    assert_allclose(many[::50], few, rtol=1e-8)
 
 
 def test_the_mean_is_left_out_and_directions_do_not_matter():

@@ -3,6 +3,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from surfaces import rough_surface
 
 from fem_contact import HeightField, Status, bem, find_patches
@@ -38,7 +39,7 @@ def test_a_hardness_above_every_pressure_changes_nothing():
     found = pressed(2 * float(elastic.pressure.max()))
     assert yielded(found).plastic_area == 0
     assert yielded(found).volume == 0
-    np.testing.assert_allclose(found.pressure, elastic.pressure, atol=1e-6 * elastic.pressure.max())
+    assert_allclose(found.pressure, elastic.pressure, atol=1e-6 * elastic.pressure.max())
 
 
 def test_plastic_area_tends_to_load_over_hardness_as_the_solid_gets_softer():
@@ -51,7 +52,7 @@ def test_pressing_the_smoothed_surface_again_is_elastic_and_gives_the_same_press
     first = pressed(0.05, tolerance=1e-10)
     smooth = yielded(first).surface
     again = bem.solve(smooth, ELASTIC, mean_pressure=LOAD, tolerance=1e-10, threads=1).checked()
-    np.testing.assert_allclose(again.pressure, first.pressure, atol=1e-4 * 0.05)
+    assert_allclose(again.pressure, first.pressure, atol=1e-4 * 0.05)
     assert again.offset == pytest.approx(first.offset, rel=1e-6)
 
 
@@ -74,7 +75,7 @@ def test_a_field_of_hardness_bounds_every_point_by_its_own():
     contact = pressed(field)
     assert np.all(contact.pressure <= field * (1 + 1e-12))
     assert contact.at_bound.any()
-    np.testing.assert_allclose(contact.pressure[contact.at_bound], field[contact.at_bound], rtol=1e-12)
+    assert_allclose(contact.pressure[contact.at_bound], field[contact.at_bound], rtol=1e-12)
     found = yielded(contact)
     assert found.elastic_load + found.plastic_load == pytest.approx(LOAD, rel=1e-12)
 

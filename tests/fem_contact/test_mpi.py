@@ -1,7 +1,5 @@
 """The processes of MPI themselves, skipped where there is none; test_slabs.py has threads in their place."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil
@@ -9,7 +7,6 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 from typing import Any
 
 import h5py
@@ -76,13 +73,13 @@ def told(text: str) -> Any:
 
 
 @pytest.mark.parametrize("count", [1, 3])
-def test_any_number_of_processes_gives_the_answer_of_one(count: int) -> None:
+def test_any_number_of_processes_gives_the_answer_of_one(count):
     done = run(count, "-c", EQUAL)
     assert done.returncode == 0, done.stderr
     assert f"equal {count}" in done.stdout
 
 
-def test_the_command_writes_the_same_with_one_process_and_with_three(tmp_path: Path) -> None:
+def test_the_command_writes_the_same_with_one_process_and_with_three(tmp_path):
     scene = tmp_path / "small.toml"
     scene.write_text(SCENE)
     found = []
@@ -102,7 +99,7 @@ def test_the_command_writes_the_same_with_one_process_and_with_three(tmp_path: P
     assert refused.stderr.count("--accuracy: does not go with --mpi") == 1
 
 
-def test_a_killed_process_ends_the_run_and_what_was_stored_stays(tmp_path: Path) -> None:
+def test_a_killed_process_ends_the_run_and_what_was_stored_stays(tmp_path):
     scene = tmp_path / "large.toml"
     scene.write_text(SCENE.replace("[32, 48]", "[32, 2048]"))
     command = mpiexec(3, "-m", "validation.cli", "run", str(scene), "--mpi", "-o", str(tmp_path / "out"))

@@ -202,7 +202,7 @@ def searched(seeds: range) -> Counter[str]:
     return Counter(outcome(seed) for seed in seeds)
 
 
-def test_two_hundred_random_contacts_meet_their_conditions() -> None:
+def test_two_hundred_random_contacts_meet_their_conditions():
     assert searched(range(200))["converged"] > 140
 
 
@@ -210,19 +210,17 @@ def test_two_hundred_random_contacts_meet_their_conditions() -> None:
 #: a corner (5266), stuck at a load that many offsets balance (53, 277, 4788), taken for full contact (26),
 #: begun at no load on a flat surface (30786).
 @pytest.mark.parametrize("seed", [26, 53, 246, 277, 2383, 4788, 5266, 30786])
-def test_contacts_that_were_missed_are_found(seed: int) -> None:
+def test_contacts_that_were_missed_are_found(seed):
     assert outcome(seed) == "converged"
 
 
-def test_steps_in_single_precision_leave_nothing_behind(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_steps_in_single_precision_leave_nothing_behind(monkeypatch):
     monkeypatch.setattr("fem_contact.complementarity.solve._SINGLE", 1)
     assert searched(range(200, 350))["converged"] > 105
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("single", [1, 10**9])
-def test_ten_thousand_random_contacts_meet_their_conditions(
-    single: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_ten_thousand_random_contacts_meet_their_conditions(single, monkeypatch):
     monkeypatch.setattr("fem_contact.complementarity.solve._SINGLE", single)
     assert searched(range(1000, 11_000))["converged"] > 9000

@@ -1,7 +1,5 @@
 """Limits, errors and states by closed forms that share nothing with the code."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from types import SimpleNamespace

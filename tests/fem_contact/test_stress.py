@@ -30,7 +30,7 @@ def rough_contact(n: int) -> ContactResult:
     return solve(rough(n), SOFT, mean_pressure=0.1).checked()
 
 
-def test_distribution_integrates_to_the_contact_area() -> None:
+def test_distribution_integrates_to_the_contact_area():
     result = rough_contact(64)
     top = result.pressure.max()
     edges = top * np.linspace(0, 1.001, 40) ** 2
@@ -41,7 +41,7 @@ def test_distribution_integrates_to_the_contact_area() -> None:
     assert first_moment == pytest.approx(result.mean_pressure, rel=0.02)
 
 
-def test_density_at_zero_is_free_of_units() -> None:
+def test_density_at_zero_is_free_of_units():
     result = rough_contact(32)
     doubled = solve(
         HeightField(heights=result.heights * 2.0**20, lengths=(2.0**20, 2.0**20)),
@@ -51,7 +51,7 @@ def test_density_at_zero_is_free_of_units() -> None:
     assert density_at_zero(doubled).reduced == density_at_zero(result).reduced
 
 
-def test_flat_surface_and_wrong_edges_are_refused() -> None:
+def test_flat_surface_and_wrong_edges_are_refused():
     flat = solve(HeightField(heights=np.zeros((8, 8)), lengths=(1.0, 1.0)), SOFT, mean_pressure=0.1)
     with pytest.raises(InvalidInput, match="flat"):
         density_at_zero(flat)
@@ -59,13 +59,13 @@ def test_flat_surface_and_wrong_edges_are_refused() -> None:
         pressure_distribution(flat, [1.0, 0.5])
 
 
-def test_density_at_zero_falls_like_the_root_of_the_spacing() -> None:
+def test_density_at_zero_falls_like_the_root_of_the_spacing():
     found = [density_at_zero(rough_contact(n)) for n in (64, 96, 128, 192, 256, 384)]
     spacing, density = np.log([one.spacing for one in found]), np.log([one.reduced for one in found])
     assert 0.3 < np.polyfit(spacing, density, 1, w=np.sqrt([one.points for one in found]))[0] < 0.7
 
 
-def test_initial_slope_of_one_hertzian_contact_is_the_closed_form() -> None:
+def test_initial_slope_of_one_hertzian_contact_is_the_closed_form():
     """One patch: P' = pi^3 R^2 / (2 E*^2 A0), whatever its size."""
     for n, shift in ((384, 0.37), (512, 0.11)):
         x = (np.arange(n) + shift) / n - 0.5
@@ -80,7 +80,7 @@ def test_initial_slope_of_one_hertzian_contact_is_the_closed_form() -> None:
         assert slope.patches == 1
 
 
-def test_gap_distribution_integrates_to_the_non_contact_area() -> None:
+def test_gap_distribution_integrates_to_the_non_contact_area():
     result = rough_contact(64)
     edges = np.linspace(-1e-6, result.gap.max() * 1.0001, 50)
     distribution = gap_distribution(result, edges)
@@ -95,7 +95,7 @@ def test_gap_distribution_integrates_to_the_non_contact_area() -> None:
         gap_distribution(result, [0.0])
 
 
-def test_energy_of_full_contact_is_the_sum_over_waves() -> None:
+def test_energy_of_full_contact_is_the_sum_over_waves():
     """U = (E*/4) sum q |h(q)|^2 per area at full contact (Persson 2006, Eq. 43 with P = 1)."""
     surface = rough(48)
     result = solve(surface, SOFT, mean_pressure=5.0).checked()
@@ -106,7 +106,7 @@ def test_energy_of_full_contact_is_the_sum_over_waves() -> None:
     assert elastic_energy(result) == pytest.approx(0.25 * np.sum(q * power), rel=1e-12)
 
 
-def test_stiffness_of_a_periodic_hertzian_contact_is_two_modulus_radius() -> None:
+def test_stiffness_of_a_periodic_hertzian_contact_is_two_modulus_radius():
     """dF/d(approach) = 2 E* a, less the share of the periodic images."""
     n, radius = 256, 0.06
     x = (np.arange(n) + 0.41) / n - 0.5

@@ -8,8 +8,6 @@ its number comes and is wrong: a case that ends with an error has judged nothing
 themselves do not count. Left out are constants outside of functions, and compiled code.
 """
 
-from __future__ import annotations
-
 import argparse
 import ast
 import contextlib

@@ -8,8 +8,6 @@ until one fails, then ``validate --quick`` and ``audit``. The coverage file of
 ``drawn.toml`` holds by hand what no test can notice, with the reason.
 """
 
-from __future__ import annotations
-
 import argparse
 import ast
 import os

@@ -6,8 +6,6 @@ the words, ``--tests PATH ...`` against other tests than the catalogue names, to
 them.
 """
 
-from __future__ import annotations
-
 import argparse
 import compileall
 import os

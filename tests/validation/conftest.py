@@ -1,7 +1,5 @@
 """A small scene for the tests of the comparison: seconds, but every part of a real one."""
 
-from __future__ import annotations
-
 import pickle
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Other ways to call the peers than their methods do, in which their known failures show."""
 
-from __future__ import annotations
-
 import warnings
 from typing import Any
 

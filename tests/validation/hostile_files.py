@@ -1,7 +1,5 @@
 """Small files that bring readers of heights down, made by code; and damage done to good ones."""
 
-from __future__ import annotations
-
 import io
 import struct
 import tempfile

@@ -1,7 +1,5 @@
 """Benches that return planted results: what a study makes of numbers whose answer is known."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from types import SimpleNamespace

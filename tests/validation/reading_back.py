@@ -3,8 +3,6 @@
 It knows the registry by its file and the dataset by its names, and nothing of the code that draws.
 """
 
-from __future__ import annotations
-
 import math
 import re
 import tomllib

@@ -1,7 +1,5 @@
 """`run --accuracy`: what it claims holds on finer grids, and what it cannot reach it refuses by name."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The independent reader: silent on a sound run, and it finds each number that was changed."""
 
-from __future__ import annotations
-
 import math
 import os
 import shutil

@@ -1,7 +1,5 @@
 """`fem-contact run --mpi` with threads in place of processes: its numbers, its file, its refusals."""
 
-from __future__ import annotations
-
 import json
 import sys
 import threading

@@ -1,7 +1,5 @@
 """The command line as one tool: commands, exit codes, JSON, help with examples, no traceback for mistakes."""
 
-from __future__ import annotations
-
 import json
 import re
 

@@ -1,7 +1,5 @@
 """What the comparison computes, by numbers known in closed form: loads, theories, intervals, recipes."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from types import SimpleNamespace

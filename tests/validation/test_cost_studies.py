@@ -1,7 +1,5 @@
 """What accuracy costs: external_codes, memory, scaling with the grid, levels of grids."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The claimed intervals of limits hold as often as they say, on surfaces their law was not measured on."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

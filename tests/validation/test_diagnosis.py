@@ -210,7 +210,7 @@ def verdicts_of(subject: Subject) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("kind", PLANTS)
-def test_a_wrong_solver_fails_a_row_and_is_told_what_is_wrong_or_nothing(kind: str) -> None:
+def test_a_wrong_solver_fails_a_row_and_is_told_what_is_wrong_or_nothing(kind):
     solver, words = PLANTS[kind]
     subject = Subject(name=kind, solver=solver, settings={})
     assert "FAILS" in verdicts_of(subject).values()
@@ -220,13 +220,13 @@ def test_a_wrong_solver_fails_a_row_and_is_told_what_is_wrong_or_nothing(kind: s
 
 
 @pytest.mark.parametrize("solver", [Spoilt(), Spoilt(responding(lattice))], ids=["plain", "lattice"])
-def test_a_right_solver_is_not_accused_whatever_its_cells(solver: Spoilt) -> None:
+def test_a_right_solver_is_not_accused_whatever_its_cells(solver):
     subject = Subject(name="right", solver=solver, settings={})
     assert "FAILS" not in verdicts_of(subject).values()
     assert diagnose(subject) == ""
 
 
-def test_a_solver_without_answers_is_said_to_have_none() -> None:
+def test_a_solver_without_answers_is_said_to_have_none():
     def fail(job):
         raise NotConverged("it raised ValueError")
 
@@ -235,7 +235,7 @@ def test_a_solver_without_answers_is_said_to_have_none() -> None:
     )
 
 
-def test_what_a_solver_of_this_process_raises_is_told_by_its_rows() -> None:
+def test_what_a_solver_of_this_process_raises_is_told_by_its_rows():
     def fail(job):
         raise ZeroDivisionError("by zero")
 

@@ -4,8 +4,6 @@ Left out are, by name, what a clock says, and what a door says of itself. All el
 errors by source, units, dimensions and counts.
 """
 
-from __future__ import annotations
-
 import itertools
 import json
 import re
@@ -101,7 +99,7 @@ def invoke(*arguments: object) -> str:
 
 
 @pytest.fixture(scope="module", params=MORE)
-def doors(request, tmp_path_factory) -> Path:
+def doors(request, tmp_path_factory):
     """One scene by every command that solves, in a folder of its own each."""
     folder = tmp_path_factory.mktemp("doors")
     scene = folder / "scene.toml"

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import psutil
 import pytest
-import xarray as xr
 from solving import still_running
 
 from fem_contact.area import contact_areas
@@ -16,12 +15,11 @@ from fem_contact.contact import Status
 from fem_contact.errors import NotConverged
 from fem_contact.solid import Solid
 from validation import sandbox
-from validation.effects import Effect, effect_kinds
+from validation.effects import effect_kinds
 from validation.effects.base import ContactModel
 from validation.effects.hardness import Hardness
 from validation.effects.thickness import Thickness
 from validation.errors import SolvesFailed, UsageError
-from validation.execution.bench import Bench
 from validation.execution.press import solves_of
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import realise
@@ -52,7 +50,7 @@ grids = [16, 24, 32]
 
 
 @pytest.fixture
-def own_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def own_module(tmp_path, monkeypatch):
     """The solver of docs/methods.md, in the folder the command is started in."""
     code = METHODS.split("<!-- own-solver -->")[1].split("```python\n")[1].split("```")[0]
     (tmp_path / "my_module.py").write_text(code, encoding="utf-8")
@@ -79,7 +77,7 @@ def written(name: str, body: str) -> str:
     return f"{name}:solve"
 
 
-def test_the_solver_of_the_docs_agrees_with_boundary_elements(own_module: Path) -> None:
+def test_the_solver_of_the_docs_agrees_with_boundary_elements(own_module):
     reference = find_solver("bem").solve(job(tolerance=1e-10)).contact
     found = pressed("my_module:solve", tolerance=1e-6).checked()
     # An energy error of the tolerance leaves its square root in the pressure.
@@ -87,11 +85,11 @@ def test_the_solver_of_the_docs_agrees_with_boundary_elements(own_module: Path) 
     assert np.array_equal(found.in_contact, reference.in_contact)
 
 
-def test_another_text_of_the_module_is_another_recipe(own_module: Path) -> None:
+def test_another_text_of_the_module_is_another_recipe(own_module):
     scene = SCENE + '[methods.own]\nsolver = "my_module:solve"\ngrids = [16]\n'
     Path("mine.toml").write_text(scene, encoding="utf-8")
 
-    def key() -> str:
+    def key():
         loaded = load_scene("mine.toml")
         return next(solve.key for solve in solves_of(loaded) if solve.method == "own")
 
@@ -102,7 +100,7 @@ def test_another_text_of_the_module_is_another_recipe(own_module: Path) -> None:
     assert key() != before
 
 
-def test_a_module_that_is_not_there_is_refused_before_anything_is_solved(own_module: Path) -> None:
+def test_a_module_that_is_not_there_is_refused_before_anything_is_solved(own_module):
     scene = SCENE + '[methods.own]\nsolver = "no_such_module_here:solve"\ngrids = [16]\n'
     Path("mine.toml").write_text(scene, encoding="utf-8")
     loaded = load_scene("mine.toml")
@@ -110,7 +108,7 @@ def test_a_module_that_is_not_there_is_refused_before_anything_is_solved(own_mod
         check_scene(loaded, realise(loaded))
 
 
-def test_a_claim_of_convergence_is_recomputed_from_the_pressure(own_module: Path) -> None:
+def test_a_claim_of_convergence_is_recomputed_from_the_pressure(own_module):
     solver = written(
         "uniform", "return {'pressure': np.full(heights.shape, mean_pressure), 'converged': True}"
     )
@@ -122,10 +120,10 @@ def test_a_claim_of_convergence_is_recomputed_from_the_pressure(own_module: Path
 
 
 @pytest.mark.parametrize("where", ["options", "scene"])
-def test_a_study_whose_solver_fails_is_that_of_the_others(own_module: Path, bench: Bench, where: str) -> None:
+def test_a_study_whose_solver_fails_is_that_of_the_others(own_module, bench, where):
     raising = written("raising", "raise ValueError('not on this grid')")
 
-    def studied(name: str, *methods: str) -> xr.Dataset:
+    def studied(name, *methods):
         study = find_study(name)
         if where == "options":
             options = study.parse(["--methods", ",".join(["bem", *methods]), *FEW])
@@ -229,9 +227,7 @@ def started_under(mark: str) -> list[psutil.Process]:
 @pytest.mark.parametrize(
     "name", [*MISDEEDS, *(pytest.param(name, marks=pytest.mark.nightly) for name in NIGHTLY_MISDEEDS)]
 )
-def test_what_goes_wrong_in_a_foreign_solver_is_a_line_and_its_processes_end(
-    own_module: Path, name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_goes_wrong_in_a_foreign_solver_is_a_line_and_its_processes_end(own_module, name, monkeypatch):
     sandbox.end()  # a new process has this environment
     (own_module / "temporary").mkdir()
     monkeypatch.setenv("TMPDIR", str(own_module / "temporary"))
@@ -256,7 +252,7 @@ def test_what_goes_wrong_in_a_foreign_solver_is_a_line_and_its_processes_end(
     assert (random.getstate(), np.geterr(), Path.cwd()) == before
 
 
-def test_a_point_with_a_pressure_of_rounding_size_is_not_in_contact(own_module: Path) -> None:
+def test_a_point_with_a_pressure_of_rounding_size_is_not_in_contact(own_module):
     solver = written(
         "haze",
         """
@@ -270,13 +266,13 @@ def test_a_point_with_a_pressure_of_rounding_size_is_not_in_contact(own_module: 
     assert np.array_equal(found.in_contact, pressed("my_module:solve").in_contact)
 
 
-def test_the_edge_of_a_foreign_contact_is_located_as_that_of_boundary_elements(own_module: Path) -> None:
+def test_the_edge_of_a_foreign_contact_is_located_as_that_of_boundary_elements(own_module):
     reference = find_solver("bem").solve(job(tolerance=1e-10))
     found = contact_areas(pressed("my_module:solve").checked(), subcell=True)
     assert found.subcell == pytest.approx(contact_areas(reference.contact, subcell=True).subcell, rel=1e-4)
 
 
-def test_foreign_solvers_stand_after_the_others() -> None:
+def test_foreign_solvers_stand_after_the_others():
     solvers = [method for method in methods().values() if isinstance(method, Solver)]
     flags = [solver.foreign for solver in solvers]
     assert flags == sorted(flags)
@@ -291,13 +287,13 @@ def test_foreign_solvers_stand_after_the_others() -> None:
         ("calculix", {"thickness"}),
     ],
 )
-def test_foreign_solvers_are_given_what_they_can_be_given(name: str, handled: set[str]) -> None:
+def test_foreign_solvers_are_given_what_they_can_be_given(name, handled):
     assert {
         kind.kind_name() for kind in effect_kinds().values() if find_method(name).handles(kind)
     } == handled
 
 
-def test_a_layer_that_slides_on_its_base_is_refused_by_name(own_module: Path) -> None:
+def test_a_layer_that_slides_on_its_base_is_refused_by_name(own_module):
     tables = "[methods.contact_mechanics]\ngrids = [16]\n"
     effect = '[[effects]]\nkind = "thickness"\nthickness = 0.2\nbase = "frictionless"\n'
     Path("layer.toml").write_text(SCENE.split("[methods")[0] + effect + tables, encoding="utf-8")
@@ -307,7 +303,7 @@ def test_a_layer_that_slides_on_its_base_is_refused_by_name(own_module: Path) ->
         find_method("contact_mechanics").check(options, realise(scene), scene.effects)
 
 
-def test_a_method_that_takes_no_job_is_refused_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_method_that_takes_no_job_is_refused_by_name(monkeypatch):
     class Old(Bem):
         def solve(self, field, *, mean_pressure, model, settings, threads=None): ...
 
@@ -317,14 +313,14 @@ def test_a_method_that_takes_no_job_is_refused_by_name(monkeypatch: pytest.Monke
 
 
 @pytest.mark.parametrize("name", ["tamaas", "contact_mechanics"])
-def test_a_peer_that_is_missing_says_what_to_install(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_peer_that_is_missing_says_what_to_install(name, monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda package: None)
     assert "pip install 'fem-contact[peers]'" in str(find_method(name).available())
 
 
 @pytest.mark.parametrize("name", ["tamaas", "contact_mechanics"])
 @pytest.mark.parametrize("load", [1e-4, 0.01, 0.1])
-def test_a_peer_agrees_with_boundary_elements(name: str, load: float) -> None:
+def test_a_peer_agrees_with_boundary_elements(name, load):
     peer = find_solver(name)
     if peer.available() is not None:
         pytest.skip(str(peer.available()))
@@ -343,7 +339,7 @@ def test_a_peer_agrees_with_boundary_elements(name: str, load: float) -> None:
         ("contact_mechanics", Thickness(thickness=0.1)),
     ],
 )
-def test_a_peer_with_an_effect_agrees_with_boundary_elements(name: str, effect: Effect) -> None:
+def test_a_peer_with_an_effect_agrees_with_boundary_elements(name, effect):
     peer = find_solver(name)
     if peer.available() is not None:
         pytest.skip(str(peer.available()))

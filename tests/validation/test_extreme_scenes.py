@@ -1,7 +1,5 @@
 """Values beyond all reason are refused by name when a scene is read; what is read is explained."""
 
-from __future__ import annotations
-
 import math
 import re
 import time

@@ -1,7 +1,5 @@
 """What a run finds is decided by values with intervals: other numbers change or reverse it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

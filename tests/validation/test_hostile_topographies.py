@@ -1,7 +1,5 @@
 """Whatever a file of heights holds, it is read or refused in one sentence, in bounded time and memory."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import time

@@ -1,7 +1,5 @@
 """Notebooks, recipes and the README run from top to bottom, and say what they promise."""
 
-from __future__ import annotations
-
 import json
 import re
 import shlex

@@ -1,7 +1,5 @@
 """Damage to any file that a command opens is told in a line, or changes no number; runs at once end well."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

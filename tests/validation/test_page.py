@@ -1,7 +1,5 @@
 """One kind of page: what a run and a study leave is written by the same code."""
 
-from __future__ import annotations
-
 import csv
 import dataclasses
 import io

@@ -1,7 +1,5 @@
 """Predicted time and memory, within a factor of two over a committed list of cases."""
 
-from __future__ import annotations
-
 import itertools
 import json
 

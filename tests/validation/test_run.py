@@ -1,7 +1,5 @@
 """Running scenes: results on disk, resumed after a kill, refused before anything is computed."""
 
-from __future__ import annotations
-
 import base64
 import csv
 import hashlib
@@ -18,6 +16,7 @@ from dataclasses import replace
 import meshio
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from small_scene import OBLONG
 
 from fem_contact.errors import NotConverged
@@ -92,7 +91,7 @@ def test_the_answer_and_the_surface_stand_before_the_contact_and_every_figure_na
         assert suffixes == {".svg", ".pdf", ".csv", ".nc"}
     heights = small_run.data.heights
     field = height_field(_scene(small_run).surface)
-    np.testing.assert_allclose(heights.values, field.resampled((24, 24)).heights, atol=1e-12)
+    assert_allclose(heights.values, field.resampled((24, 24)).heights, atol=1e-12)
     spectrum = small_run.data.power_spectrum
     assert spectrum.sizes["wavevector"] >= 2
     # Parseval: rings of C(q) hold the variance of the heights.
@@ -173,7 +172,7 @@ def test_a_stored_result_is_read_back_bit_for_bit(write_scene, tmp_path):
     store.save(solve, solved, made=Made.now(threads=1, seconds=0.0))
     result, found = solved.contact, store.read(solve).result
     for name in ("pressure", "gap", "displacement", "heights", "in_contact"):
-        np.testing.assert_array_equal(getattr(found, name), getattr(result, name))
+        assert_array_equal(getattr(found, name), getattr(result, name))
     assert (found.offset, found.residuals, found.cost, found.status) == (
         result.offset,
         result.residuals,
@@ -338,8 +337,8 @@ def test_an_under_resolved_grid_presses_the_point_values_of_the_true_surface(wri
         str(write_scene(("grids = [12, 24, 48]", "grids = [6]\nunder_resolved = true"), fem=False))
     )
     fine = height_field(scene.surface).resampled((24, 24))
-    np.testing.assert_allclose(
+    assert_allclose(
         height_field(scene.surface, (6, 6)).heights, fine.heights[::4, ::4], atol=1e-12 * fine.rms_height
     )
     shifted = height_field(scene.surface, (6, 6), shift=(0.25, 0.5)).heights
-    np.testing.assert_allclose(shifted, fine.heights[1::4, 2::4], atol=1e-12 * fine.rms_height)
+    assert_allclose(shifted, fine.heights[1::4, 2::4], atol=1e-12 * fine.rms_height)

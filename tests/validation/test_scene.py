@@ -1,7 +1,5 @@
 """Scenes: units are converted once and exactly; a mistake is one line: key, value and what is allowed."""
 
-from __future__ import annotations
-
 import json
 import re
 import tomllib

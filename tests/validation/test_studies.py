@@ -1,11 +1,10 @@
 """The studies: their measurements are right, their sentences are computed, their options are checked."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from validation.errors import UsageError
 from validation.execution.measurement import Call
@@ -42,8 +41,8 @@ def measured():
 
 def test_numbers_do_not_depend_on_the_modulus(measured):
     other = measurement(problem=pressed(solid=SolidSpec(young=7e10, poisson=0.4))).do()
-    np.testing.assert_allclose(other.pixel.values, measured.pixel.values, rtol=1e-12)
-    np.testing.assert_allclose(other.mean_gap.values, measured.mean_gap.values, rtol=1e-6)
+    assert_allclose(other.pixel.values, measured.pixel.values, rtol=1e-12)
+    assert_allclose(other.mean_gap.values, measured.mean_gap.values, rtol=1e-6)
 
 
 def test_the_inverted_surface_has_the_same_gradient_and_another_area(measured):
@@ -63,7 +62,7 @@ def test_a_truncated_surface_keeps_the_waves_that_remain():
     ]
     kept = np.abs(spectra[1]) > 1e-9 * np.abs(spectra[0]).max()
     assert 0 < kept.sum() < (np.abs(spectra[0]) > 1e-9 * np.abs(spectra[0]).max()).sum()
-    np.testing.assert_allclose(spectra[1][kept], spectra[0][kept], rtol=1e-9)
+    assert_allclose(spectra[1][kept], spectra[0][kept], rtol=1e-9)
 
 
 def test_a_recipe_holds_everything_and_nothing_else():

@@ -1,7 +1,5 @@
 """Sweeps and keys set from outside: equal to single runs, shared solves, refused before computing."""
 
-from __future__ import annotations
-
 import csv
 import json
 import shutil

@@ -1,7 +1,5 @@
 """One number, whatever units and axes: every key of every record."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

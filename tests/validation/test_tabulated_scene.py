@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from persson.spectrum import SelfAffine
 from validation.comparison.run import run_scene
@@ -59,9 +60,7 @@ def scene(tmp_path):
 )
 def test_a_finely_tabulated_spectrum_gives_the_surface_it_was_taken_from(scene, keys, units):
     drawn, tabulated = realise(scene(SELF_AFFINE)), realise(scene(TABULATED + keys, rows(**units)))
-    np.testing.assert_allclose(
-        tabulated.heights((64, 64)).heights, drawn.heights((64, 64)).heights, atol=1e-12
-    )
+    assert_allclose(tabulated.heights((64, 64)).heights, drawn.heights((64, 64)).heights, atol=1e-12)
     assert tabulated.spectrum.moments().m2 == pytest.approx(0.01, rel=1e-9)
 
 
@@ -71,8 +70,8 @@ def test_area_and_theory_are_those_of_the_self_affine_surface(scene, tmp_path):
         data = run_scene(scene(text, table), tmp_path / str(len(areas)), report=False).result.data
         areas.append(data.area_located.values)
         theories.append([data.area_persson.values, data.area_ensemble.values])
-    np.testing.assert_allclose(areas[1], areas[0], rtol=1e-3)
-    np.testing.assert_allclose(theories[1], theories[0], rtol=1e-4)
+    assert_allclose(areas[1], areas[0], rtol=1e-3)
+    assert_allclose(theories[1], theories[0], rtol=1e-4)
 
 
 def test_an_edited_table_is_another_solve_and_a_comment_in_the_scene_is_not(scene):

@@ -1,7 +1,5 @@
 """Measured surfaces: read from any format, levelled, filled, made periodic, through theory and solvers."""
 
-from __future__ import annotations
-
 import hashlib
 import io
 import json
@@ -14,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from numpy.testing import assert_allclose, assert_array_equal
 from typer.testing import CliRunner
 
 import fem_contact as fc
@@ -84,8 +83,8 @@ def test_every_format_is_written_and_read_back_exactly(tmp_path, suffix):
     found = read_topography(
         path, lengths=None if says_size else field.lengths, unit=None if says_size else 1.0
     )
-    np.testing.assert_array_equal(found.heights, field.heights)
-    np.testing.assert_allclose(found.lengths, field.lengths, rtol=1e-14)
+    assert_array_equal(found.heights, field.heights)
+    assert_allclose(found.lengths, field.lengths, rtol=1e-14)
     if not says_size:
         with pytest.raises(UsageError, match="does not say how large the patch is"):
             read_topography(path)
@@ -107,7 +106,7 @@ def test_netcdf_units_are_converted(tmp_path):
         heights.units = "nm"
         heights[...] = np.ma.masked_equal(np.arange(12.0).reshape(4, 3), 5.0)
     found = read_topography(path)
-    np.testing.assert_allclose(found.lengths, (2e-6, 1.5e-6), rtol=1e-14)
+    assert_allclose(found.lengths, (2e-6, 1.5e-6), rtol=1e-14)
     assert found.missing == 1
     assert np.isnan(found.heights[1, 2])
     assert found.heights[3, 2] == pytest.approx(11e-9, rel=1e-7)
@@ -124,12 +123,12 @@ def test_other_formats_are_read_and_written_with_surfacetopography(tmp_path):
     made.to_gwy(str(tmp_path / "scan.gwy"))
     for path in ("whole-numbers.x3p", "classic.data", "scan.gwy"):
         found = read_topography(tmp_path / path)
-        np.testing.assert_allclose(found.lengths, field.lengths, rtol=1e-12)
-        np.testing.assert_array_equal(np.isnan(found.heights), holed.mask)
-        np.testing.assert_allclose(found.heights[~holed.mask], field.heights[~holed.mask], atol=1e-9 * 1e-8)
+        assert_allclose(found.lengths, field.lengths, rtol=1e-12)
+        assert_array_equal(np.isnan(found.heights), holed.mask)
+        assert_allclose(found.heights[~holed.mask], field.heights[~holed.mask], atol=1e-9 * 1e-8)
     write_topography(tmp_path / "plain.x3p", field)
     found = read_topography(tmp_path / "plain.x3p")
-    np.testing.assert_array_equal(found.heights, field.heights)
+    assert_array_equal(found.heights, field.heights)
     # Text of a program whose header is not ours, and binary data of a suffix that is ours.
     (tmp_path / "binary.dat").write_bytes((tmp_path / "scan.gwy").read_bytes())
     assert read_topography(tmp_path / "binary.dat").heights.shape == (24, 18)
@@ -172,7 +171,7 @@ def test_holes_are_refused_or_filled_by_choice():
     for choice in ("nearest", "harmonic"):
         filled = levelled.filled(choice)
         assert filled.missing == 0
-        np.testing.assert_array_equal(filled.heights[~holes], levelled.heights[~holes])
+        assert_array_equal(filled.heights[~holes], levelled.heights[~holes])
         error[choice] = np.std((filled.heights - truth)[holes])
         assert f"filled: {choice}" in filled.history[-1]
     # The membrane follows the rim of a hole; the nearest point is off by the slope.
@@ -186,7 +185,7 @@ def test_the_membrane_continues_a_plane_exactly():
     holed = plane.copy()
     holed[3:7, 4:9] = np.nan
     found = Topography(heights=holed, lengths=(1.0, 1.0)).filled("harmonic").heights
-    np.testing.assert_allclose(found, plane, atol=1e-12 * 20)
+    assert_allclose(found, plane, atol=1e-12 * 20)
 
 
 def test_edges_that_do_not_match_are_refused_unless_a_taper_is_named():
@@ -200,9 +199,7 @@ def test_edges_that_do_not_match_are_refused_unless_a_taper_is_named():
         assert f"{edges} taper" in periodic.history[-1]
     middle = slice(20, -20)
     kept = rough.made_periodic("tukey", margin=0.15).heights[middle, middle]
-    np.testing.assert_allclose(
-        kept, (rough.heights - rough.heights.mean())[middle, middle], rtol=1e-12, atol=1e-20
-    )
+    assert_allclose(kept, (rough.heights - rough.heights.mean())[middle, middle], rtol=1e-12, atol=1e-20)
     assert rough.made_periodic("periodic").edge_jump == rough.edge_jump
 
 
@@ -218,7 +215,7 @@ def test_windows_are_one_inside_fall_to_the_edges_and_are_symmetric():
         weights = window_weights((20, 31), window=window, margin=0.2)
         assert weights.min() > 0
         assert weights.max() <= 1
-        np.testing.assert_allclose(weights, weights[::-1, ::-1], atol=1e-15)
+        assert_allclose(weights, weights[::-1, ::-1], atol=1e-15)
     assert np.all(window_weights((40, 40), window="tukey", margin=0.1)[5:-5, 5:-5] == 1)
 
 
@@ -226,7 +223,7 @@ def test_without_a_window_the_estimate_of_a_periodic_surface_is_its_spectrum():
     whole = random_surface(SPECTRUM, q_short=SPECTRUM.q_short, lengths=(2e-5, 2e-5), shape=(72, 72), seed=13)
     found, exact = estimate_spectrum(whole.heights, whole.lengths, window="none"), radial_spectrum(whole)
     kept = exact.power[: found.power.size]
-    np.testing.assert_allclose(found.power, kept, rtol=1e-12, atol=1e-15 * kept.max())
+    assert_allclose(found.power, kept, rtol=1e-12, atol=1e-15 * kept.max())
 
 
 def test_a_windowed_patch_gives_back_the_spectrum_it_was_cut_from():
@@ -317,7 +314,7 @@ def test_two_measured_bodies_are_the_map_of_their_sum_with_one_turned_over(tmp_p
     options = {"length": "10 um", "unit": "nm", "second_path": str(tmp_path / "b.npy")}
     for heights in (str(tmp_path / "a.npy"), first * 1e9):
         raw = fc.measured(heights, **options).given.raw.heights
-        np.testing.assert_allclose(raw, first + second[::-1], rtol=0, atol=1e-18)
+        assert_allclose(raw, first + second[::-1], rtol=0, atol=1e-18)
     np.save(tmp_path / "b.npy", second[:40])
     with pytest.raises(
         UsageError, match=r"surface.second_path = .*: has 40 x 48 points, the first body 48 x"
@@ -360,7 +357,7 @@ def test_a_file_that_says_its_size_needs_no_length_in_the_scene(tmp_path):
     write_topography(tmp_path / "scan.nc", field)
     (tmp_path / "scene.toml").write_text(SCENE.format(path="scan.nc", length=""))
     surface = load_scene(str(tmp_path / "scene.toml")).surface
-    np.testing.assert_allclose(surface.length, field.lengths, rtol=1e-14)
+    assert_allclose(surface.length, field.lengths, rtol=1e-14)
     assert Measured.read(surface).period.height_field().shape == (24, 24)
 
 
@@ -391,13 +388,13 @@ def test_a_file_is_read_once_until_it_changes(tmp_path, monkeypatch):
     )
     surface = load_scene(str(tmp_path / "scene.toml")).surface
     first = Measured.read(surface)
-    np.testing.assert_array_equal(Measured.read(surface).raw.heights, first.raw.heights)
+    assert_array_equal(Measured.read(surface).raw.heights, first.raw.heights)
     assert first.digest == hashlib.sha256(path.read_bytes()).hexdigest()
     assert len(calls) == 1
     np.save(path, patch()[:24, :24][::-1] * 1e9)
     second = Measured.read(surface)
     assert second.digest != first.digest
-    np.testing.assert_array_equal(second.raw.heights, first.raw.heights[::-1])
+    assert_array_equal(second.raw.heights, first.raw.heights[::-1])
     assert len(calls) == 2
     assert not any(t.heights.flags.writeable for t in (first.raw, first.patch, first.period))
 
@@ -416,9 +413,7 @@ def test_a_plane_of_many_blocks_is_that_of_one(monkeypatch):
     expected = {tilt: whole.levelled(tilt).heights for tilt in ("plane", "quadratic")}
     monkeypatch.setattr("validation.scenes.topography.patch._BLOCK_POINTS", 400)
     for tilt, found in expected.items():
-        np.testing.assert_allclose(
-            whole.levelled(tilt).heights, found, rtol=0, atol=1e-13 * np.nanmax(heights)
-        )
+        assert_allclose(whole.levelled(tilt).heights, found, rtol=0, atol=1e-13 * np.nanmax(heights))
 
 
 def test_more_holes_than_a_membrane_is_stretched_over_are_refused(monkeypatch):

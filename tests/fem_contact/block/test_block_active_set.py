@@ -46,9 +46,7 @@ class _Flipping:
 
 
 @pytest.mark.parametrize(("violation", "status"), [(1.0, Status.CYCLING), (1e-12, Status.CONVERGED)])
-def test_a_set_that_returns_is_a_cycle_unless_nothing_is_violated(
-    monkeypatch: pytest.MonkeyPatch, violation: float, status: Status
-) -> None:
+def test_a_set_that_returns_is_a_cycle_unless_nothing_is_violated(monkeypatch, violation, status):
     monkeypatch.setattr(active_set, "_SetProblem", _Flipping)
     start = np.zeros((4, 4), dtype=bool)
     start[0] = True
@@ -59,7 +57,7 @@ def test_a_set_that_returns_is_a_cycle_unless_nothing_is_violated(
     assert found.iterations < 6
 
 
-def test_linear_systems_that_do_not_converge_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_linear_systems_that_do_not_converge_are_reported(monkeypatch):
     monkeypatch.setattr(active_set, "_LINEAR_STEPS", 2)
     x = np.arange(8) / 8
     surface = HeightField(
@@ -70,7 +68,7 @@ def test_linear_systems_that_do_not_converge_are_reported(monkeypatch: pytest.Mo
     assert "linear residual" in contact.provenance["tolerance"]
 
 
-def test_updated_set_is_contact_under_pressure_and_penetrating_nodes() -> None:
+def test_updated_set_is_contact_under_pressure_and_penetrating_nodes():
     block = bumpy_block()
     start = np.ones((4, 4), dtype=bool)
     first = solve_contact(

@@ -1,12 +1,9 @@
 """The block at finite strain by CalculiX: the same places of the surface nodes take the same forces."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,7 +18,7 @@ SOLID = Solid(young=1e6, poisson=0.3)
 
 
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
-def test_calculix_finds_our_contact_forces_where_our_nodes_are(tmp_path: Path) -> None:
+def test_calculix_finds_our_contact_forces_where_our_nodes_are(tmp_path):
     surface = rough_surface((8, 8), seed=11, waves=2, gradient=0.5)
     pressure = 0.1 * 0.5 * SOLID.contact_modulus
     found = solve_finite_strain(surface, SOLID, mean_pressure=pressure, depth=0.5, growth=2.0)

@@ -1,7 +1,5 @@
 """Gold numbers beside those of today: by meaning, through a map of names."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from fnmatch import fnmatch
 from pathlib import Path

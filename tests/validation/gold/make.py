@@ -3,8 +3,6 @@
 ``python -m gold NAME ...`` from ``tests/validation`` writes files again, all of them without a name.
 """
 
-from __future__ import annotations
-
 import json
 import lzma
 import re

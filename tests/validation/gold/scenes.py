@@ -1,7 +1,5 @@
 """Gold numbers of scenes: runs, sweeps, the theory alone, runs to an accuracy, and results side by side."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import xarray as xr

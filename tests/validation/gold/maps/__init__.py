@@ -16,8 +16,6 @@ pattern of such; a figure's number is looked up like that of the dataset. Maps o
     }
 """
 
-from __future__ import annotations
-
 import importlib
 import importlib.util
 from collections.abc import Callable
