@@ -214,19 +214,6 @@ def test_a_limit_on_iterations_or_time_is_a_status():
         adhesion_path.follow(surface, ELASTIC, law=law, mean_pressures=[0.01], max_iterations=1, threads=1)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({}, "exactly one"),
-        ({"mean_pressure": 1.0, "offset": 1.0}, "exactly one"),
-        ({"offset": 0.0, "start": np.zeros((3, 3))}, "start"),
-    ],
-)
-def test_bad_arguments_are_refused(arguments, message):
-    with pytest.raises(InvalidInput, match=message):
-        adhesion.solve(rough(32, waves=4), ELASTIC, law=law_for(32), **arguments)
-
-
 def test_an_offset_of_zero_is_taken_though_the_mean_height_is_zero_but_for_rounding():
     heights = np.full((32, 32), 2.0**-7)
     heights[::2] *= -1
@@ -235,19 +222,6 @@ def test_an_offset_of_zero_is_taken_though_the_mean_height_is_zero_but_for_round
     surface = HeightField(heights=heights, lengths=(1.0, 1.0))
     with pytest.raises(InvalidInput, match="start"):  # the next thing to be looked at
         adhesion.solve(surface, ELASTIC, law=law_for(32), offset=0.0, start=np.zeros((3, 3)))
-
-
-def test_an_offset_below_full_contact_is_refused():
-    surface, law = sticky_tips()
-    with pytest.raises(InvalidInput, match="below the mean height"):
-        adhesion.solve(surface, ELASTIC, law=law, offset=-1e-4)
-    with pytest.raises(InvalidInput, match="below the mean height"):
-        adhesion_path.follow(surface, ELASTIC, law=law, offsets=[0.01, -1e-4])
-
-
-def test_an_empty_path_is_refused():
-    with pytest.raises(InvalidInput, match="empty"):
-        adhesion_path.follow(rough(32, waves=4), ELASTIC, law=law_for(32), offsets=[])
 
 
 def weak(share, *, points=64, kind=Exponential):

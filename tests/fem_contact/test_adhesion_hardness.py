@@ -10,7 +10,6 @@ from surfaces import rough_surface
 from fem_contact import adhesion
 from fem_contact.adhesion.descent import Landscape
 from fem_contact.adhesion.laws import Dugdale, Exponential
-from fem_contact.errors import InvalidInput
 from fem_contact.hardness import Hardness, press_yielding, yielded
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
@@ -103,17 +102,3 @@ def test_other_units_of_length_and_pressure_change_no_bit():
     )
     assert_array_equal(two.contact.pressure, one.contact.pressure * pressure)
     assert_array_equal(two.contact.gap, one.contact.gap * length)
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"hardness": 0.9 * LOAD}, "hardness with mean 0.009 Pa: must be above the mean pressure"),
-        ({"hardness": np.ones(3)}, "hardness of shape"),
-        ({"hardness": 0.1, "mean_pressure": None, "offset": 0.1}, "hardness: needs a mean pressure"),
-    ],
-)
-def test_what_cannot_be_held_is_refused(options, message):
-    hardness = options.pop("hardness")
-    with pytest.raises(InvalidInput, match=message):
-        sticky(1e-4, hardness, **options)

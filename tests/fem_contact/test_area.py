@@ -221,14 +221,6 @@ def test_located_area_of_full_and_no_contact():
     assert subcell_area(made_contact(np.zeros((8, 8), dtype=bool))) == 0.0
 
 
-def test_located_area_is_refused_where_it_has_no_map():
-    contact = np.eye(8, dtype=bool)
-    with pytest.raises(InvalidInput, match="square"):
-        subcell_area(made_contact(contact, lengths=(1.0, 2.0)))
-    with pytest.raises(InvalidInput, match="weight"):
-        subcell_area(made_contact(contact, weights=np.ones((8, 8))))
-
-
 def test_shifts_average_out_the_noise_of_the_lattice():
     result, area = paraboloid(96, 0.1, (0.0, 0.0))
     values = []

@@ -11,7 +11,6 @@ from fem_contact.complementarity.arrays import ArrayGrids, PlainIterationArrays
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.grids import Grids
 from fem_contact.complementarity.iteration_arrays import IterationArrays
-from fem_contact.errors import InvalidInput
 from fem_contact.response import BondedLayer, HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
@@ -131,12 +130,3 @@ def test_nothing_but_the_answer_is_fetched(library, monkeypatch):
             surface, HalfSpace(solid=SOLID), mean_pressure=load, pressure_bound=bound, device=there
         ).checked()
         assert fetched == [surface.shape] * 5, "pressure, displacement, gap and two sets, once"
-
-
-@pytest.mark.parametrize("where", ["nowhere", 5, None.__class__, [1.0]])
-def test_what_is_no_device_is_refused(where):
-    surface = rough_surface((16, 16), seed=7, waves=6)
-    with pytest.raises(InvalidInput, match="device"):
-        solve(surface, HalfSpace(solid=SOLID), mean_pressure=0.01, device=where)
-    with pytest.raises(InvalidInput, match="runs on no device"):
-        solve(surface, HalfSpace(solid=SOLID), mean_pressure=0.01, device=np.zeros(1), method="polonsky-keer")

@@ -1,7 +1,5 @@
 """The boundary-element solver against closed forms, symmetries and changes of unit."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from surfaces import rough_surface
@@ -10,7 +8,7 @@ from fem_contact.bem import solve, solve_displacement, solve_path
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput, NotConverged
-from fem_contact.response import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace
+from fem_contact.response import BondedLayer, FrictionlessLayer, HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 
@@ -117,17 +115,6 @@ def test_hard_surfaces_end_in_a_right_answer(name, reduced):
     assert result.in_contact.any()
 
 
-def test_settings_that_make_no_sense_are_refused():
-    surface = rough((16, 16), ratio=4.0)
-    with pytest.raises(InvalidInput, match="pressure_bound"):
-        solve(surface, SOFT, mean_pressure=0.1, pressure_bound=np.ones((3, 3)))
-    with pytest.raises(InvalidInput, match="polonsky-keer"):
-        solve(surface, SOFT, mean_pressure=0.1, pressure_bound=1.0, method="polonsky-keer")
-    broken = GivenResponse(contact_modulus=1.0, function=lambda qx, qy: -np.ones(qx.shape))
-    with pytest.raises(InvalidInput, match="compliance"):
-        solve(surface, broken, mean_pressure=0.1)
-
-
 def test_cost_counts_pairs_and_memory():
     surface = rough((256, 256))
     result = solve(surface, SOFT, mean_pressure=0.05)
@@ -154,13 +141,6 @@ def test_a_flat_body_driven_into_a_layer_compresses_it(kind):
         assert result.offset == pytest.approx(-0.1, rel=1e-12)
 
 
-def test_a_flat_body_driven_in_until_all_yields_is_refused():
-    layer = BondedLayer(solid=Solid(young=1.0, poisson=0.3), thickness=0.2)
-    flat = HeightField(heights=np.zeros((8, 8)), lengths=(1.0, 1.0))
-    with pytest.raises(InvalidInput, match="prescribe a mean pressure"):
-        solve_displacement(flat, layer, offset=-0.1, pressure_bound=0.5)
-
-
 @pytest.mark.parametrize("reduced", [1e10, 1e12, 1e20])
 def test_full_contact_whose_gap_is_lost_to_rounding_is_not_converged(reduced):
     surface = rough()
@@ -169,11 +149,6 @@ def test_full_contact_whose_gap_is_lost_to_rounding_is_not_converged(reduced):
     assert pressed.status is Status.STAGNATED
     with pytest.raises(NotConverged, match="below what the arithmetic can reach"):
         pressed.checked()
-
-
-def test_a_pressure_beyond_all_sizes_is_refused():
-    with pytest.raises(InvalidInput, match="mean_pressure = 1e\\+306"):
-        solve(rough(), SOFT, mean_pressure=1e306)
 
 
 @pytest.mark.parametrize(("seed", "n", "reduced"), [(7, 32, 1e-30), (8, 16, 1e-20), (9, 24, 1e-100)])
@@ -282,9 +257,3 @@ def test_points_that_a_loose_solve_leaves_on_the_wrong_side_are_in_its_area_inte
                 widths.append((most - least) / area)
     assert moved > 10
     assert max(widths[1::2]) < 0.1 * max(widths[::2])
-
-
-def test_a_result_without_tolerance_has_no_area_interval():
-    result = solve(rough(), SOFT, mean_pressure=0.1)
-    with pytest.raises(InvalidInput, match="area_interval"):
-        _ = replace(result, tolerance=None).area_interval

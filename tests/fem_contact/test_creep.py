@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from fem_contact import HalfSpace, HeightField, PronySolid, Solid, bem, creep
-from fem_contact.errors import InvalidInput
 from fem_contact.surface import random_surface
 
 RUBBER = PronySolid(relaxed=1.0, moduli=(3.0, 0.0, 4.0, 2.0), times=(0.1, 0.5, 1.0, 10.0), poisson=0.3)
@@ -117,19 +116,3 @@ def test_other_units_change_no_bit():
     for a, b in zip(here, there, strict=True):
         assert np.array_equal(a.pressure * 2.0**30, b.pressure)
         assert np.array_equal(a.gap * 2.0**20, b.gap)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "match"),
-    [
-        ({"times": [1.0, 0.0]}, "times: must not fall"),
-        ({"mean_pressure": [1.0]}, "1 loads for 2 times"),
-        ({"mean_pressure": [1.0, 0.0]}, "positive, in Pa"),
-        ({"times": []}, "sequence of at least 1"),
-        ({"solid": Solid(young=1.0, poisson=0.3)}, "a `PronySolid`"),
-    ],
-)
-def test_what_is_no_history_is_refused(arguments, match):
-    good = {"surface": rough(18), "solid": RUBBER, "times": [0.0, 1.0], "mean_pressure": 1e-3}
-    with pytest.raises(InvalidInput, match=match):
-        creep(**(good | arguments))

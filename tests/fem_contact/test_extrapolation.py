@@ -8,7 +8,6 @@ from made_results import made_areas
 
 from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.bem import solve
-from fem_contact.errors import InvalidInput
 from fem_contact.extrapolation import (
     PlannedGrid,
     located_limit,
@@ -241,13 +240,6 @@ def test_steps_are_refused_by_name_even_where_grids_agree():
     terraces = HeightField(heights=0.01 * heights, lengths=(1.0, 1.0))
     pressed = solve(terraces, SOFT, mean_pressure=0.01, threads=1).checked()
     assert contact_areas(pressed).unresolved > 0.7
-
-
-def test_areas_without_located_edge_have_no_such_limit():
-    with pytest.raises(InvalidInput, match="edge located"):
-        located_limit([dataclasses.replace(areas_on(64, terms={}), subcell=None)])
-    with pytest.raises(InvalidInput, match="0 areas"):
-        located_limit([])
 
 
 def test_the_limit_of_a_wavy_surface_holds_a_finer_grid():

@@ -5,7 +5,6 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fem_contact.block import ELEMENTS, BlockMesh, BlockResponse
-from fem_contact.errors import InvalidInput
 from fem_contact.graded import ExponentialSolid, LayeredSolid
 from fem_contact.response import BondedLayer, HalfSpace, Response
 from fem_contact.solid import Solid
@@ -108,14 +107,3 @@ def test_the_mean_is_left_out_and_directions_do_not_matter():
     values = graded.compliance(np.array([0.0, 3.0, -3.0]), np.array([0.0, 4.0, -4.0]))
     assert values[0] == 0
     assert values[1] == values[2] == graded.compliance(np.array([5.0]), np.array([0.0]))[0]
-
-
-def test_bad_layers_are_refused():
-    solid = Solid(young=1.0, poisson=0.3)
-    with pytest.raises(InvalidInput, match="2 thicknesses for 1 layers"):
-        LayeredSolid(layers=[solid], thicknesses=[1.0, 2.0], base=solid)
-    for bad in (0.0, -1.0, np.nan, np.inf):
-        with pytest.raises(InvalidInput, match="thicknesses"):
-            LayeredSolid(layers=[solid], thicknesses=[bad], base=solid)
-    with pytest.raises(InvalidInput, match="sublayers = 3"):
-        ExponentialSolid(surface=solid, bulk_young=1.0, depth=1.0, sublayers=3)

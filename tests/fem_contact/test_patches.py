@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from fem_contact.errors import InvalidInput
 from fem_contact.patches import find_patches
 
 
@@ -34,8 +33,3 @@ def test_no_contact_and_full_contact():
     assert find_patches(np.zeros((4, 4), dtype=bool), (1.0, 1.0)).count == 0
     assert find_patches(np.zeros((4, 4), dtype=bool), (1.0, 1.0)).mean_size == 0
     assert find_patches(np.ones((4, 4), dtype=bool), (1.0, 1.0)).mean_size == 16
-
-
-def test_a_map_that_is_not_two_dimensional_is_refused():
-    with pytest.raises(InvalidInput, match="two-dimensional"):
-        find_patches(np.ones(4, dtype=bool), (1.0, 1.0))

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem_contact.errors import InvalidInput
 from fem_contact.response import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace, Response
 from fem_contact.solid import Solid
 
@@ -55,8 +54,3 @@ def test_given_response_is_used_as_given():
     given = GivenResponse(contact_modulus=2.0, function=lambda qx, qy: 1 / (1 + qx**2 + 2 * qy**2))
     assert isinstance(given, Response)
     assert_allclose(given.compliance(np.ones((2, 1)), np.ones((1, 3))), np.full((2, 3), 0.25))
-
-
-def test_a_function_of_one_number_is_no_compliance():
-    with pytest.raises(InvalidInput, match="must be a function of qx and qy"):
-        GivenResponse(contact_modulus=1.0, function=float)

@@ -283,40 +283,6 @@ def test_scaling_all_lengths_by_a_power_of_two_changes_no_bit(amplitudes):
         assert_array_equal(moved, scale * expected)
 
 
-# --- refusals -----------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"shape": (16.5, 16)}, r"shape = \(16.5, 16\): must be two positive whole numbers"),
-        ({"shape": (np.nan, 16)}, r"shape = \(nan, 16\): must be two positive whole numbers"),
-        ({"shape": (0, 16)}, r"shape = \(0, 16\): must be"),
-        ({"shape": (16,)}, r"shape = \(16,\): must be"),
-        ({"q_short": 6.0}, r"no wave fits: lambda_short = 1.0472 m exceeds the periods \(1.0, 1.0\) m"),
-        (
-            {"seed": -3},
-            r"seed = -3: must be a whole number that is not negative, or a numpy.random.Generator",
-        ),
-        ({"seed": 1.5}, r"seed = 1.5: must be a whole number"),
-        ({"isotropic": False}, r"spectrum = .*: must be a function of qx and qy"),
-    ],
-)
-def test_bad_arguments_are_refused_with_name_value_and_what_is_allowed(change, message):
-    arguments = {"shape": (16, 16), "q_short": Q_SHORT, "lengths": LENGTHS, "seed": 7} | change
-    with pytest.raises(InvalidInput, match=message) as caught:
-        random_surface(self_affine, **arguments)
-    assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("value", [np.nan, np.inf, -1e-9])
-def test_a_spectrum_without_meaning_is_refused(value):
-    with pytest.raises(InvalidInput, match=r"spectrum.* not finite|spectrum C\(q\) is negative"):
-        random_surface(
-            lambda q: np.where(q > 40, value, 1e-9), q_short=Q_SHORT, lengths=LENGTHS, shape=(16, 16), seed=7
-        )
-
-
 def test_the_shortest_wave_of_an_even_grid_carries_the_power_of_a_cosine():
     # +-1 on the points is a cosine between them, whose mean square is one half, whichever way it is measured.
     heights = np.cos(np.pi * np.arange(8))[:, None] * np.ones(9)

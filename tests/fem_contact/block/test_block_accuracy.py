@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 
 from fem_contact.block import solve, wave_errors
-from fem_contact.errors import InvalidInput
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 
@@ -34,11 +33,6 @@ def test_smaller_growth_lowers_the_floor_of_long_waves():
     assert floors == sorted(floors, reverse=True)
     assert floors[0] > 3e-3
     assert floors[2] < 1e-3
-
-
-def test_waves_shorter_than_two_nodes_are_refused():
-    with pytest.raises(InvalidInput, match="wavelength"):
-        wave_errors((16, 16), (1.0, 1.0), [0.1], poisson=0.3)
 
 
 def test_announced_error_of_quadratic_elements_falls_with_the_fourth_power_of_the_spacing():

@@ -7,7 +7,6 @@ from skfem.helpers import ddot, div, sym_grad
 from fem_contact.block import ELEMENTS, plan_mesh
 from fem_contact.block.elements import LocalForms, scalar_basis
 from fem_contact.block.full.assembly import assemble, lame
-from fem_contact.errors import InvalidInput
 
 
 def test_combined_scalar_forms_equal_the_vector_form_cell_by_cell():
@@ -49,11 +48,6 @@ def test_patch_of_uniform_strain_needs_no_force_inside():
         traction = 0.01 * (first + 2 * second if component == 2 else second) * mesh.aspect
         assert np.abs(force[:, :, 1:-1]).max() < 1e-12 * traction
         assert_allclose(force[:, :, -1, component], traction, rtol=1e-12)
-
-
-def test_incompressible_solid_is_refused_by_displacement_elements():
-    with pytest.raises(InvalidInput, match=r"poisson = 0\.5"):
-        lame(0.5)
 
 
 @pytest.mark.parametrize("element", ["Hex1", "Hex2"])

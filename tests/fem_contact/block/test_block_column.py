@@ -10,7 +10,6 @@ from fem_contact.block.mesh import graded_layers
 from fem_contact.block.reduced.column import FoldedLayers, fold, surface_compliance
 from fem_contact.block.reduced.fields import FourierSource
 from fem_contact.block.reduced.surface import surface_operator
-from fem_contact.errors import InvalidInput
 from fem_contact.solid import Solid
 
 UNIT = Solid(young=1.0, poisson=0.3)
@@ -190,9 +189,3 @@ def test_response_protocol_agrees_with_the_operator_at_every_wavevector():
     table = response.compliance(qx[:, None], qy[None, :])
     assert_allclose(table, surface_operator(response).compliance, rtol=1e-13)
     assert response.compliance(qx[:, None], qy[None, :]).shape == (10, 4)
-
-
-@pytest.mark.parametrize(("name", "poisson"), [("Hex1", 0.5), ("Hex2", 0.5), ("Hex1/P0", 0.5), ("Hex7", 0.3)])
-def test_element_that_cannot_represent_the_solid_is_refused(name, poisson):
-    with pytest.raises(InvalidInput, match="element"):
-        element_for(name, poisson=poisson)

@@ -9,12 +9,12 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from fem_contact.block import ELEMENTS, BlockMesh, plan_mesh, solve_finite_strain, solve_slopes
+from fem_contact.block import ELEMENTS, BlockMesh, plan_mesh, solve_finite_strain
 from fem_contact.block.hyperelastic import solver
 from fem_contact.block.hyperelastic.cells import Cells, Strained, stress
 from fem_contact.block.hyperelastic.newton import descend
 from fem_contact.block.hyperelastic.profile import Profile
-from fem_contact.errors import InvalidInput, NotConverged
+from fem_contact.errors import NotConverged
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from tests.surfaces import rough_surface
@@ -180,14 +180,6 @@ def test_a_tangent_that_is_not_definite_is_refused_by_name():
     surface = rough_surface((12, 12), seed=11, waves=4, gradient=2.0)
     with pytest.raises(NotConverged, match="of the slope asked for: "):
         solve_finite_strain(surface, SOLID, mean_pressure=0.2 * 2.0 * SOLID.contact_modulus, **MESH)
-
-
-def test_incompressible_solids_and_quadratic_cells_are_refused():
-    surface = rough_surface((8, 8), seed=11, waves=2)
-    with pytest.raises(InvalidInput, match="finite strain takes 'Hex1' or 'Hex1/P0'"):
-        solve_finite_strain(surface, Solid(young=1.0, poisson=0.5), mean_pressure=0.1)
-    with pytest.raises(InvalidInput, match="slopes: must rise"):
-        solve_slopes(surface, SOLID, mean_pressure=0.1, slopes=(0.2, 0.1))
 
 
 def test_mean_dilatation_is_that_of_the_cell():
