@@ -15,7 +15,7 @@ from persson.adhesion import (
     solve_adhesion,
 )
 from persson.capillary import CapillaryWaves
-from persson.errors import InvalidInput, NotConverged
+from persson.errors import InvalidInput
 from persson.limits import critical_roughness, pull_off_stress
 from persson.scale import Scale
 from persson.spectrum import SelfAffine
@@ -205,11 +205,6 @@ def test_hardness_beyond_reach_changes_nothing_and_a_low_one_yields():
     assert soft.area_plastic[-1] > 0.01
     rising = rim(yield_stress=lambda q: 5e6 * (1 + q / 1e6) ** 0.1)
     assert 0 < rising.area_plastic[-1] < soft.area_plastic[-1]
-
-
-def test_rounds_that_do_not_suffice_are_said():
-    with pytest.raises(NotConverged, match="rounds"):
-        rim(rounds=2)
 
 
 def test_ideal_strength_bounds_the_detachment_stress():
