@@ -93,6 +93,7 @@ def test_energy_of_full_contact_is_the_sum_over_waves():
     q = 2 * np.pi * np.hypot(numbers[:, None], numbers[None, :])
     power = np.abs(np.fft.fft2(surface.heights, norm="forward")) ** 2
     assert elastic_energy(result) == pytest.approx(0.25 * np.sum(q * power), rel=1e-12)
+    assert surface.spectral_sum(lambda q: q / 4) == pytest.approx(0.25 * np.sum(q * power), rel=1e-12)
 
 
 def test_stiffness_of_a_periodic_hertzian_contact_is_two_modulus_radius():

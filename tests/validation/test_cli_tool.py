@@ -389,17 +389,6 @@ def test_a_file_that_does_not_say_size_or_unit_is_asked_for_them(tool, tmp_path)
     assert "scan.npy: 16 x 16 points" in facts["treatment"]
 
 
-@pytest.mark.parametrize("length", ["2 um, 1 um", '["2 um", "1 um"]', "[2e-6, 1e-6]"])
-def test_two_lengths_are_read_as_the_option_and_as_a_scene_write_them(tool, tmp_path, length):
-    np.save(tmp_path / "scan.npy", np.outer(np.sin(np.arange(16)), np.cos(np.arange(8))))
-    assert '"Lx, Ly"' in tool("surface", "inspect", "scan.npy")[2]
-    out = tool("surface", "inspect", "scan.npy", "--length", length, "--unit", "1 nm", "--json")[1]
-    assert json.loads(out)["size [m]"] == [2e-06, 1e-06]
-    assert (
-        "size: 2 um x 1 um" in tool("surface", "inspect", "scan.npy", "--length", length, "--unit", "1 nm")[1]
-    )
-
-
 def test_the_version_is_that_of_the_package(tool):
     assert tool("--version") == (0, f"fem-contact {validation.__version__}\n", "")
 

@@ -325,13 +325,6 @@ def test_nan_in_a_surface_file_is_refused_before_computing(write_scene, tmp_path
         run_scene(scene, tmp_path / "results")
 
 
-def test_a_missing_surface_file_is_refused(write_scene, tmp_path):
-    path = _file_scene(write_scene, tmp_path, np.zeros((8, 8)))
-    (tmp_path / "heights.npy").unlink()
-    with pytest.raises(UsageError, match=r"surface\.path = .*cannot be read"):
-        run_scene(load_scene(str(path)), tmp_path / "results")
-
-
 def test_an_under_resolved_grid_presses_the_point_values_of_the_true_surface(write_scene):
     scene = load_scene(
         str(write_scene(("grids = [12, 24, 48]", "grids = [6]\nunder_resolved = true"), fem=False))

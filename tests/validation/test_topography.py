@@ -76,7 +76,7 @@ def measured_patch(n: int = 96) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("suffix", [".npy", ".txt", ".nc"])
 def test_every_format_is_written_and_read_back_exactly(tmp_path, suffix):
-    field = HeightField(heights=patch(48)[:24, :18], lengths=(2.4e-6, 1.8e-6))
+    field = HeightField(heights=patch(48)[:24, :18], lengths=(2.4e-6, 2.7e-6))
     path = tmp_path / f"surface{suffix}"
     write_topography(path, field)
     says_size = suffix == ".nc"
@@ -645,7 +645,10 @@ def test_faults_of_a_map_and_of_other_tables_come_at_once(sweep, tmp_path):
     assert str(caught.value).endswith('tilt = "plane"')
 
 
-@pytest.mark.parametrize("length", ["64 um, 48 um", "64 um", "[64 um, 48 um]", "6.4e-5,4.8e-5"])
+@pytest.mark.parametrize(
+    "length",
+    ["64 um, 48 um", "64 um", "[64 um, 48 um]", '["64 um", "48 um"]', "[6.4e-5, 4.8e-5]", "6.4e-5,4.8e-5"],
+)
 def test_the_table_to_paste_is_a_scene_whatever_the_length_was_written_as(length, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     shape = (64, 48) if "," in length else (64, 64)
@@ -653,6 +656,7 @@ def test_the_table_to_paste_is_a_scene_whatever_the_length_was_written_as(length
     np.save("afm.npy", waves + 5 * np.arange(shape[0])[:, None])
     arguments = ["surface", "inspect", "afm.npy", "--length", length, "--unit", "nm"]
     shown = CliRunner().invoke(app, arguments).output
+    assert f"size: 64 um x {shape[1]} um" in shown
     table = re.search(r"^\[surface\]\n(?:\w+ = .*\n)+", shown, re.M)[0]
     (tmp_path / "scene.toml").write_text(table + REST)
     assert 'tilt = "plane"' in table
