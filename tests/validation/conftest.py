@@ -46,6 +46,12 @@ def write_scene(tmp_path):
     return write
 
 
+@pytest.fixture
+def read_scene(write_scene):
+    """Read the small scene with pieces of its text replaced."""
+    return lambda *replacements, fem=True: load_scene(str(write_scene(*replacements, fem=fem)))
+
+
 @pytest.fixture(scope="session")
 def bench(tmp_path_factory, worker_id) -> Bench:
     """One store of this session, which all its processes share: what one test solves, no other does."""

@@ -1,5 +1,17 @@
 """A small scene as text: one rough surface on one solid, to which a test adds what it is about."""
 
+from pathlib import Path
+
+from validation.scenes.scene import Scene
+from validation.scenes.sweep import Sweep, load_asked
+
+
+def scene_in(folder: Path, text: str, *settings: str, name: str = "scene") -> Scene | Sweep:
+    """Return the scene, or the sweep, of a text that is written into a folder, with keys set."""
+    path = folder / f"{name}.toml"
+    path.write_text(text, encoding="utf-8")
+    return load_asked(str(path), settings)
+
 
 def small_scene(
     more: str = "",

@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
-from small_scene import small_scene
+from small_scene import scene_in, small_scene
 
 from validation.comparison.run import run_scene
 from validation.execution.bench import Bench
 from validation.execution.store import check_store
 from validation.report.estimates import shown_sources, total_error
-from validation.scenes.scene import load_scene
 
 
 @pytest.fixture(scope="module")
@@ -22,9 +21,8 @@ def fresh(tmp_path_factory):
     """A run from nothing, what lies in its store, and when it began and ended (whole seconds)."""
     folder = tmp_path_factory.mktemp("balance")
     began = datetime.now(UTC).replace(microsecond=0)
-    path = folder / "balance.toml"
-    path.write_text(small_scene("shifts = 2\n[methods.fem]\ngrids = [12, 24]\n"))
-    outputs = run_scene(load_scene(str(path)), folder / "results", bench=Bench.at(folder / "solves"))
+    scene = scene_in(folder, small_scene("shifts = 2\n[methods.fem]\ngrids = [12, 24]\n"))
+    outputs = run_scene(scene, folder / "results", bench=Bench.at(folder / "solves"))
     made = {checked.path: checked.made for checked in check_store(folder / "solves")}
     solves = {}
     for path in made:

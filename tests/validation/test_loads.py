@@ -3,7 +3,7 @@
 import itertools
 
 import pytest
-from small_scene import OBLONG
+from small_scene import OBLONG, scene_in
 
 from fem_contact import bem, block
 from fem_contact.response import HalfSpace
@@ -16,7 +16,6 @@ from validation.errors import SceneError, UsageError
 from validation.execution.press import solves_of
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import realise
-from validation.scenes.scene import load_scene
 from validation.scenes.sweep import load_asked
 
 SOLID = Solid(young=2e6, poisson=0.3)
@@ -28,8 +27,7 @@ STICKS = '\n[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "20 nm"\n
 def scene(tmp_path):
     def read(load='pressure = "10 kPa"', *, more="", solid=""):
         text = OBLONG.replace('pressure = "10 kPa"', load).replace("poisson = 0.3", f"poisson = 0.3\n{solid}")
-        (tmp_path / "mine.toml").write_text(text + more)
-        return load_scene(str(tmp_path / "mine.toml"))
+        return scene_in(tmp_path, text + more, name="mine")
 
     return read
 
@@ -160,11 +158,10 @@ def test_a_load_that_cannot_be_is_refused_by_name(scene, monkeypatch, load, more
 
 def test_the_theory_alone_is_told_a_load(tmp_path):
     text = OBLONG.partition("[methods.bem]")[0].replace('pressure = "10 kPa"', 'offset = "1 nm"')
-    (tmp_path / "mine.toml").write_text(text + "[methods.theory]\n")
     with pytest.raises(
         SceneError, match=r"load.offset: the theory is told a load; add a method that presses"
     ):
-        load_scene(str(tmp_path / "mine.toml"))
+        scene_in(tmp_path, text + "[methods.theory]\n", name="mine")
 
 
 @pytest.mark.parametrize(

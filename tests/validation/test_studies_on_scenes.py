@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 from pydantic import ValidationError
-from small_scene import small_scene
+from small_scene import scene_in, small_scene
 
 from fem_contact import bem
 from fem_contact.area import contact_areas
@@ -20,7 +20,6 @@ from validation.execution.outputs import show
 from validation.execution.press import solves_of
 from validation.measurements.measurement import truncated_heights
 from validation.scenes.problem import realise
-from validation.scenes.scene import load_scene
 from validation.solvers.theory import predict
 from validation.studies import (
     area,
@@ -63,8 +62,7 @@ def scene(tmp_path):
     np.save(tmp_path / "map.npy", rough.heights * (0.08 / rough.rms_gradient))
 
     def read(text, name="mine"):
-        (tmp_path / f"{name}.toml").write_text(text)
-        return load_scene(str(tmp_path / f"{name}.toml"))
+        return scene_in(tmp_path, text, name=f"{name}")
 
     return read
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from small_scene import scene_in
 
 from persson.spectrum import SelfAffine
 from validation.comparison.run import run_scene
 from validation.errors import SceneError, UsageError
 from validation.scenes.problem import realise
-from validation.scenes.scene import load_scene
 
 SPECTRUM = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=2 * np.pi / 5e-5, q_short=2 * np.pi / 5e-6)
 REST = """
@@ -44,8 +44,7 @@ def scene(tmp_path):
     def write(text, table=None):
         if table is not None:
             np.savetxt(tmp_path / "psd.csv", table, delimiter=",", header="q, C")
-        (tmp_path / "mine.toml").write_text(text + REST, encoding="utf-8")
-        return load_scene(str(tmp_path / "mine.toml"))
+        return scene_in(tmp_path, text + REST, name="mine")
 
     return write
 

@@ -8,6 +8,7 @@ import sys
 
 import numpy as np
 import pytest
+from small_scene import scene_in
 from typer.testing import CliRunner
 
 from persson.capillary import CapillaryWaves
@@ -74,9 +75,7 @@ def scene(tmp_path):
         for old, new in changes:
             assert old in text, old
             text = text.replace(old, new)
-        path = tmp_path / "mine.toml"
-        path.write_text(text, encoding="utf-8")
-        return load_scene(str(path))
+        return scene_in(tmp_path, text, name="mine")
 
     return write
 

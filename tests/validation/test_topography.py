@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
+from small_scene import scene_in
 from typer.testing import CliRunner
 
 import fem_contact as fc
@@ -276,8 +277,7 @@ depth = "5 um"
 def test_a_measured_topography_goes_through_theory_and_solvers(tmp_path):
     heights, _ = measured_patch()
     np.save(tmp_path / "afm.npy", heights * 1e9)
-    (tmp_path / "scene.toml").write_text(SCENE.format(path="afm.npy", length='length = "10 um"\nunit = "nm"'))
-    scene = load_scene(str(tmp_path / "scene.toml"))
+    scene = scene_in(tmp_path, SCENE.format(path="afm.npy", length='length = "10 um"\nunit = "nm"'))
     outputs = run_scene(scene, tmp_path / "results")
     c = outputs.data
     treatment = c.attrs["treatment"].splitlines()
@@ -305,8 +305,7 @@ def test_two_measured_bodies_are_the_map_of_their_sum_with_one_turned_over(tmp_p
     unit, areas = 'length = "10 um"\nunit = "nm"\n', {}
     for name, line in {"both": 'path = "a.npy"\nsecond_path = "b.npy"', "sum": 'path = "sum.npy"'}.items():
         scene = text.replace('path = "{path}"', line).format(length=unit)
-        (tmp_path / f"{name}.toml").write_text(scene)
-        outputs = run_scene(load_scene(str(tmp_path / f"{name}.toml")), tmp_path / name, report=False)
+        outputs = run_scene(scene_in(tmp_path, scene, name=f"{name}"), tmp_path / name, report=False)
         areas[name] = float(outputs.data.area_own)
         assert ("facing b.npy" in outputs.data.attrs["treatment"]) == (name == "both")
         assert not audit(tmp_path / name).wrong
@@ -328,35 +327,30 @@ def test_several_maps_of_a_surface_are_an_ensemble(tmp_path):
         np.save(tmp_path / f"{name}.npy", patch(40, seed=seed) * 1e9)
     head = SCENE[: SCENE.index("[methods.bem]")] + "[methods.bem]\ngrids = [56, 80]\n"
     head = head.format(path="{path}", length='length = "10 um"\nunit = "nm"\n{more}')
-    more = 'more_paths = ["b.npy", "c.npy"]\ntreatment = false'
-    ensemble = "[ensemble]\nrealisations = {}\ngrids = [56, 80]\n"
-    scene = tmp_path / "all.toml"
-    scene.write_text(head.format(path="a.npy", more=more) + ensemble.format(3))
-    data = run_scene(load_scene(str(scene)), tmp_path / "all").data
+    together = head.format(path="a.npy", more='more_paths = ["b.npy", "c.npy"]\ntreatment = false')
+    ensemble = together + "[ensemble]\nrealisations = {}\ngrids = [56, 80]\n"
+    data = run_scene(scene_in(tmp_path, ensemble.format(3)), tmp_path / "all").data
     for k, name in enumerate("abc"):
-        (tmp_path / f"{name}.toml").write_text(head.format(path=f"{name}.npy", more="treatment = false"))
-        alone = run_scene(load_scene(str(tmp_path / f"{name}.toml")), tmp_path / name, report=False).data
+        scene = scene_in(tmp_path, head.format(path=f"{name}.npy", more="treatment = false"))
+        alone = run_scene(scene, tmp_path / name, report=False).data
         assert float(data.area_each[k]) == pytest.approx(float(alone.area_own), rel=1e-9)
         assert float(data.area_persson_each[k]) == pytest.approx(float(alone.area_persson_own), rel=1e-9)
     assert float(data.area) == pytest.approx(float(data.area_each.mean()), rel=1e-12)
     assert not audit(tmp_path / "all").wrong
     assert "Over 3 maps the mean is" in (tmp_path / "all" / "report.html").read_text()
-    broken = {ensemble.format(4): "has 3 maps; say realisations = 3", "": "add .ensemble. with"}
-    for table, words in broken.items():
-        scene.write_text(head.format(path="a.npy", more=more) + table)
+    broken = {ensemble.format(4): "has 3 maps; say realisations = 3", together: "add .ensemble. with"}
+    for text, words in broken.items():
         with pytest.raises(UsageError, match=words):
-            load_scene(str(scene))
+            scene_in(tmp_path, text)
     np.save(tmp_path / "c.npy", np.ones((8, 8)))
-    scene.write_text(head.format(path="a.npy", more=more) + ensemble.format(3))
     with pytest.raises(UsageError, match=r"surface.path = .*c.npy.*: is flat"):
-        run_scene(load_scene(str(scene)), tmp_path / "flat")
+        run_scene(scene_in(tmp_path, ensemble.format(3)), tmp_path / "flat")
 
 
 def test_a_file_that_says_its_size_needs_no_length_in_the_scene(tmp_path):
     field = HeightField(heights=patch()[:24, :24], lengths=(LENGTH / 4, LENGTH / 4))
     write_topography(tmp_path / "scan.nc", field)
-    (tmp_path / "scene.toml").write_text(SCENE.format(path="scan.nc", length=""))
-    surface = load_scene(str(tmp_path / "scene.toml")).surface
+    surface = scene_in(tmp_path, SCENE.format(path="scan.nc", length="")).surface
     assert_allclose(surface.length, field.lengths, rtol=1e-14)
     assert Measured.read(surface).period.height_field().shape == (24, 24)
 
@@ -364,13 +358,11 @@ def test_a_file_that_says_its_size_needs_no_length_in_the_scene(tmp_path):
 def test_one_length_for_a_map_that_is_not_square_is_refused_and_oblong_cells_are_said(tmp_path):
     np.save(tmp_path / "scan.npy", patch()[:24, :18])
     text = SCENE.format(path="scan.npy", length='length = "10 um"\nunit = "1 nm"')
-    (tmp_path / "scene.toml").write_text(text)
     with pytest.raises(
         UsageError, match=r"surface.length: one length for 24 x 18 points makes oblong cells; give"
     ):
-        load_scene(str(tmp_path / "scene.toml"))
-    (tmp_path / "scene.toml").write_text(text.replace('"10 um"', '["10 um", "10 um"]'))
-    surface = load_scene(str(tmp_path / "scene.toml")).surface
+        scene_in(tmp_path, text)
+    surface = scene_in(tmp_path, text.replace('"10 um"', '["10 um", "10 um"]')).surface
     assert "oblong cells of 416.7 nm x 555.6 nm" in Measured.read(surface).period.history[0]
     assert "oblong" not in read_topography(tmp_path / "scan.npy", lengths=(4.0, 3.0), unit=1.0).history[0]
 
@@ -383,10 +375,9 @@ def test_a_file_is_read_once_until_it_changes(tmp_path, monkeypatch):
     np.save(path, patch()[:24, :24] * 1e9)
     os.utime(path, (1, 1))
     monkeypatch.setattr(reading, "_SETTLED", 0.0)
-    (tmp_path / "scene.toml").write_text(
-        SCENE.format(path="scan.npy", length='length = "2.5 um"\nunit = "1 nm"')
-    )
-    surface = load_scene(str(tmp_path / "scene.toml")).surface
+    surface = scene_in(
+        tmp_path, SCENE.format(path="scan.npy", length='length = "2.5 um"\nunit = "1 nm"')
+    ).surface
     first = Measured.read(surface)
     assert_array_equal(Measured.read(surface).raw.heights, first.raw.heights)
     assert first.digest == hashlib.sha256(path.read_bytes()).hexdigest()
@@ -461,10 +452,9 @@ def test_a_file_that_no_scene_can_press_is_refused_before_anything_is_solved(
 ):
     if heights is not None:
         np.save(tmp_path / "scan.npy", heights)
-    (tmp_path / "scene.toml").write_text(SCENE.format(path="scan.npy", length=length))
     for command in (explain, lambda scene: run_scene(scene, tmp_path / "results")):
         with pytest.raises(UsageError, match=words) as caught:
-            command(load_scene(str(tmp_path / "scene.toml")))
+            command(scene_in(tmp_path, SCENE.format(path="scan.npy", length=length)))
         assert str(caught.value).count("\n") == 0
     assert not list((tmp_path / "results").rglob("*.nc"))
 
@@ -493,22 +483,19 @@ grids = [[160, 96]]
 
 def test_a_tilt_and_a_hole_come_at_once_with_the_table_that_mends_them(tmp_path):
     text = tilted_map(tmp_path)
-    (tmp_path / "scene.toml").write_text(text + REST)
     with pytest.raises(UsageError, match=r"tilt: a plane holds 9\d\.?\d* % of the variance") as caught:
-        explain(load_scene(str(tmp_path / "scene.toml")))
+        explain(scene_in(tmp_path, text + REST))
     said = str(caught.value)
     assert "missing: 42 of 15360 heights are NaN or infinite" in said
     # The plane made the edges differ: without it they match, and no taper is called for.
     assert "edges" not in said
     pasted = said[said.index("[surface]") :] + text.partition('"afm.txt"')[2]
-    (tmp_path / "scene.toml").write_text(pasted + REST)
-    found = Measured.read(load_scene(str(tmp_path / "scene.toml")).surface)
+    found = Measured.read(scene_in(tmp_path, pasted + REST).surface)
     assert found.period.missing == 0
     assert found.faults == {}
     # Without a size all faults come before the first is mended.
-    (tmp_path / "scene.toml").write_text('[surface]\nkind = "file"\npath = "afm.txt"\n' + REST)
     with pytest.raises(UsageError, match=r"surface\.length: missing") as caught:
-        load_scene(str(tmp_path / "scene.toml"))
+        scene_in(tmp_path, '[surface]\nkind = "file"\npath = "afm.txt"\n' + REST)
     asked = ("surface.unit: missing", 'unit = "..."', 'length = ["...", "..."]')
     for words in (*asked, 'tilt = "plane"', 'missing = "harmonic"'):
         assert words in str(caught.value)
@@ -523,8 +510,7 @@ def treated(tmp_path_factory):
     heights[[20, 70, 110], [30, 60, 80]] += 40
     np.savetxt(folder / "afm.txt", heights)
     rest = REST.replace("[[160, 96]]", "[[160, 96], [320, 192]]")
-    (folder / "scene.toml").write_text(text + rest)
-    return folder, run_scene(load_scene(str(folder / "scene.toml")), folder / "results")
+    return folder, run_scene(scene_in(folder, text + rest), folder / "results")
 
 
 def test_the_budget_of_the_treatment_is_what_a_scene_so_treated_says(treated, tmp_path):
@@ -546,8 +532,11 @@ def test_the_budget_of_the_treatment_is_what_a_scene_so_treated_says(treated, tm
     areas = {}
     treatments = {"": "", "spikes clipped": 'spikes = "clip"\n', names[0]: 'lambda_short = "0.5 um"\n'}
     for name, line in treatments.items():
-        (tmp_path / "scene.toml").write_text(text.replace("tilt =", line + "tilt ="))
-        alone = run_scene(load_scene(str(tmp_path / "scene.toml")), tmp_path / f"r{len(areas)}", report=False)
+        alone = run_scene(
+            scene_in(tmp_path, text.replace("tilt =", line + "tilt =")),
+            tmp_path / f"r{len(areas)}",
+            report=False,
+        )
         assert "variation" not in alone.data.dims  # five more solves on its one grid are not cheap
         areas[name] = float(alone.data.area_own)
     for name in (names[0], "spikes clipped"):
@@ -636,9 +625,8 @@ def test_the_map_of_the_docs_is_made_and_gets_the_table_that_they_show(tmp_path,
 def test_faults_of_a_map_and_of_other_tables_come_at_once(sweep, tmp_path):
     np.save(tmp_path / "afm.npy", np.arange(64.0)[:, None] + np.random.default_rng(3).normal(size=(64, 64)))
     table = '[surface]\nkind = "file"\npath = "afm.npy"\n'
-    (tmp_path / "scene.toml").write_text(table + REST.replace("2 MPa", "2 kg").replace("0.3", "0.7") + sweep)
     with pytest.raises(UsageError) as caught:
-        load_asked(str(tmp_path / "scene.toml"))
+        scene_in(tmp_path, table + REST.replace("2 MPa", "2 kg").replace("0.3", "0.7") + sweep)
     words = "solid.young = '2 kg'", "solid.poisson = 0.7", "surface.length: missing", 'tilt = "plane"'
     places = [str(caught.value).index(each) for each in words]
     assert places == sorted(places)
@@ -668,8 +656,7 @@ def test_the_table_to_paste_is_a_scene_whatever_the_length_was_written_as(length
 def test_a_plane_under_a_taper_is_said(tmp_path):
     text = tilted_map(tmp_path) + 'missing = "nearest"\nedges = "tukey"\n'
     for tilt in ("", 'tilt = "keep"\n', 'tilt = "plane"\n'):
-        (tmp_path / "scene.toml").write_text(text + tilt + REST)
-        history = Measured.read(load_scene(str(tmp_path / "scene.toml")).surface).period.history
+        history = Measured.read(scene_in(tmp_path, text + tilt + REST).surface).period.history
         warned = any("a plane that was not taken out holds" in words for words in history)
         assert warned == ("plane" not in tilt)
 
@@ -685,8 +672,8 @@ def test_what_makes_a_map_doubtful_is_among_the_findings_and_in_what_python_show
     assert "p0 = 50 bar" in repr(contact)
     assert any(finding.startswith(f"The map is doubtful: {words}") for finding in contact.findings)
     table = '[surface]\nkind = "file"\npath = "tilted.npy"\nlength = "5 um"\nunit = 1\nedges = "tukey"\n'
-    (tmp_path / "scene.toml").write_text(table + REST.partition("[methods")[0] + "[methods.theory]\n")
-    outputs = run_scene(load_scene(str(tmp_path / "scene.toml")), tmp_path / "run", report=False)
+    scene = scene_in(tmp_path, table + REST.partition("[methods")[0] + "[methods.theory]\n")
+    outputs = run_scene(scene, tmp_path / "run", report=False)
     assert words in outputs.page.findings[0]
 
 
