@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.response import Response
+from fem_contact import Response
 
 Array = NDArray[np.float64]
 

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from fem_contact.area import ContactAreas
-from fem_contact.contact import ContactResult, Cost, Residuals, Status
+from fem_contact import ContactAreas, ContactResult, Cost, Residuals, Status
 
 
 def made_contact(touches: np.ndarray, /, **changes: object) -> ContactResult:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.surface import HeightField, random_surface
+from fem_contact import HeightField, random_surface
 
 #: Sum of |n|^-3 over the points of the square lattice but the origin: what the images of a load do to
 #: the curvature below it.

@@ -23,8 +23,8 @@ from pathlib import Path
 import area_cases
 import numpy as np
 
-from fem_contact.area import EDGE_CONSTANTS, contact_areas
-from fem_contact.extrapolation import Limit
+from fem_contact import Limit, contact_areas
+from fem_contact.area import EDGE_CONSTANTS
 from validation.comparison.accuracy import AccuracyResult, reach
 from validation.effects.base import Effect
 from validation.effects.coating import Coating

@@ -15,11 +15,8 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from fem_contact import adhesion, bem, block
-from fem_contact.contact import ContactResult
-from fem_contact.graded import ExponentialSolid, LayeredSolid
+from fem_contact import ContactResult, ExponentialSolid, LayeredSolid, Solid, adhesion, bem, block
 from fem_contact.response import BondedLayer, FreeHalfSpace, FrictionlessLayer, HalfSpace, Response
-from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, Patch, random_surface
 
 Array = NDArray[np.float64]

@@ -27,9 +27,9 @@ import scipy.optimize
 from area_cases import Case
 from numpy.typing import NDArray
 
-from fem_contact.area import EDGE_MAPS, ContactAreas, contact_areas, contact_edges, subgrid_shifts
+from fem_contact import ContactAreas, Limit, contact_areas, located_limit, perimeter_limit, subgrid_shifts
+from fem_contact.area import EDGE_MAPS, contact_edges
 from fem_contact.area_error import GAP_POWER, LOCATED, WIDEST, ErrorLaw, PlannedGrid, error_covariance
-from fem_contact.extrapolation import Limit, located_limit, perimeter_limit
 
 Array = NDArray[np.float64]
 

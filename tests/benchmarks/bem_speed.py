@@ -17,11 +17,9 @@ import time
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact import FreeHalfSpace, HalfSpace, Residuals, Solid, measure_residuals
 from fem_contact.bem import Method, solve
 from fem_contact.complementarity import FourierOperator
-from fem_contact.contact import Residuals, measure_residuals
-from fem_contact.response import FreeHalfSpace, HalfSpace
-from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))

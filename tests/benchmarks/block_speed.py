@@ -17,11 +17,7 @@ import time
 import numpy as np
 from bem_speed import benchmark_surface
 
-from fem_contact import bem, block
-from fem_contact.contact import ContactResult
-from fem_contact.response import HalfSpace
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
+from fem_contact import ContactResult, HalfSpace, HeightField, Solid, bem, block
 
 SOLID = Solid(young=1.0, poisson=0.3)
 ELEMENTS = {"quadratic": "Hex2", "incompressible": "Hex2/P1disc"}

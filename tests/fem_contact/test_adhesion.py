@@ -3,15 +3,11 @@ import pytest
 from scipy.optimize import minimize_scalar
 from surfaces import rough_surface
 
-from fem_contact import adhesion, bem
+from fem_contact import BondedLayer, HalfSpace, InvalidInput, NotConverged, Solid, Status, adhesion, bem
 from fem_contact.adhesion import path as adhesion_path
 from fem_contact.adhesion.descent import Landscape, Point, descend, least_curvature
 from fem_contact.adhesion.laws import Dugdale, Exponential
-from fem_contact.contact import Status
-from fem_contact.errors import InvalidInput, NotConverged
-from fem_contact.response import BondedLayer, HalfSpace
 from fem_contact.settings import Settings
-from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 
 ELASTIC = HalfSpace(solid=Solid(young=1.0, poisson=0.0))

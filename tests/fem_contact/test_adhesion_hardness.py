@@ -7,13 +7,9 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from surfaces import rough_surface
 
-from fem_contact import adhesion
+from fem_contact import HalfSpace, Hardness, HeightField, Solid, adhesion, press_yielding, yielded
 from fem_contact.adhesion.descent import Landscape
 from fem_contact.adhesion.laws import Dugdale, Exponential
-from fem_contact.hardness import Hardness, press_yielding, yielded
-from fem_contact.response import HalfSpace
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 
 HALF = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 LOAD, POINTS = 0.01, 64

@@ -7,14 +7,9 @@ import pytest
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq, minimize_scalar
 
-from fem_contact import adhesion
+from fem_contact import HalfSpace, HeightField, NotConverged, Solid, Status, adhesion
 from fem_contact.adhesion import path as adhesion_path
 from fem_contact.adhesion.laws import Dugdale, Exponential
-from fem_contact.contact import Status
-from fem_contact.errors import NotConverged
-from fem_contact.response import HalfSpace
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 
 ELASTIC = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 RADIUS = 100.0

@@ -7,23 +7,23 @@ import pytest
 from made_results import made_areas, made_contact
 from surfaces import periodic_paraboloid, rough_surface
 
-from fem_contact import block
-from fem_contact.area import (
-    EDGE_CONSTANTS,
-    EDGE_MAPS,
+from fem_contact import (
     ContactAreas,
+    ContactResult,
+    FreeHalfSpace,
+    HalfSpace,
+    HeightField,
+    InvalidInput,
+    Patch,
+    Solid,
+    block,
     contact_areas,
-    contact_edges,
     mean_areas,
     subcell_area,
     subgrid_shifts,
 )
+from fem_contact.area import EDGE_CONSTANTS, EDGE_MAPS, contact_edges
 from fem_contact.bem import solve
-from fem_contact.contact import ContactResult
-from fem_contact.errors import InvalidInput
-from fem_contact.response import FreeHalfSpace, HalfSpace
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField, Patch
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 

@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 from surfaces import rough_surface
 
+from fem_contact import BondedLayer, HalfSpace, HeightField, Solid
 from fem_contact.bem import solve
 from fem_contact.complementarity.arrays import ArrayGrids, PlainIterationArrays
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.grids import Grids
 from fem_contact.complementarity.iteration_arrays import IterationArrays
-from fem_contact.response import BondedLayer, HalfSpace
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 
 SOLID = Solid(young=1.0, poisson=0.3)
 LIBRARIES = ("numpy", "array_api_strict", "torch")

@@ -4,12 +4,9 @@ import numpy as np
 import pytest
 from surfaces import rough_surface
 
+from fem_contact import BondedLayer, FrictionlessLayer, HalfSpace, InvalidInput, NotConverged, Solid, Status
 from fem_contact.bem import solve, solve_displacement, solve_path
 from fem_contact.complementarity.fourier import FourierOperator
-from fem_contact.contact import Status
-from fem_contact.errors import InvalidInput, NotConverged
-from fem_contact.response import BondedLayer, FrictionlessLayer, HalfSpace
-from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))

@@ -7,11 +7,8 @@ import numpy as np
 import pytest
 from surfaces import rough_surface
 
+from fem_contact import ContactResult, HalfSpace, HeightField, Solid, measure_residuals
 from fem_contact.bem import solve
-from fem_contact.contact import ContactResult, measure_residuals
-from fem_contact.response import HalfSpace
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 

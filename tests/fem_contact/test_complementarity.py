@@ -4,14 +4,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fem_contact import HalfSpace, Solid, Status
 from fem_contact.complementarity import polonsky_keer, solve_bounded, solve_nested
 from fem_contact.complementarity.fourier import FourierOperator, coarsened, refined
 from fem_contact.complementarity.iteration_arrays import IterationArrays
 from fem_contact.complementarity.rows import Rows
-from fem_contact.contact import Status
-from fem_contact.response import HalfSpace
 from fem_contact.settings import Settings
-from fem_contact.solid import Solid
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 Array = np.ndarray

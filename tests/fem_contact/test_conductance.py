@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from fem_contact import HalfSpace, Solid, bem
-from fem_contact.conductance import frozen_contact
-from fem_contact.surface import random_surface
+from fem_contact import HalfSpace, Solid, bem, frozen_contact, random_surface
 
 SOLID = Solid(young=1.0, poisson=0.2)
 HALF_SPACE = HalfSpace(solid=SOLID)

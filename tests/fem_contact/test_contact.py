@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from made_results import made_contact
 
-from fem_contact.contact import Residuals, Status
-from fem_contact.errors import FemContactError, NotConverged
+from fem_contact import FemContactError, NotConverged, Residuals, Status
 
 SHAPE = (3, 4)
 FIELDS = ("pressure", "gap", "displacement", "in_contact", "at_bound", "heights")

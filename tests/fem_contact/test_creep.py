@@ -5,8 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from fem_contact import HalfSpace, HeightField, PronySolid, Solid, bem, creep
-from fem_contact.surface import random_surface
+from fem_contact import HalfSpace, HeightField, PronySolid, Solid, bem, creep, random_surface
 
 RUBBER = PronySolid(relaxed=1.0, moduli=(3.0, 0.0, 4.0, 2.0), times=(0.1, 0.5, 1.0, 10.0), poisson=0.3)
 

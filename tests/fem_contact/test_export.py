@@ -7,11 +7,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from fem_contact import HeightField, InvalidInput, Solid, render_section, render_surface, write_block
 from fem_contact.block import solve
-from fem_contact.errors import InvalidInput
-from fem_contact.export import render_section, render_surface, write_block
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 
 LENGTHS = (2e-6, 3e-6)
 

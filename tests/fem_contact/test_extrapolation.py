@@ -6,18 +6,17 @@ import numpy as np
 import pytest
 from made_results import made_areas
 
-from fem_contact.area import ContactAreas, contact_areas
-from fem_contact.bem import solve
-from fem_contact.extrapolation import (
-    PlannedGrid,
+from fem_contact import (
+    ContactAreas,
+    HalfSpace,
+    HeightField,
+    Solid,
+    contact_areas,
     located_limit,
     perimeter_limit,
-    predicted_uncertainty,
-    too_small,
 )
-from fem_contact.response import HalfSpace
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
+from fem_contact.bem import solve
+from fem_contact.extrapolation import PlannedGrid, predicted_uncertainty, too_small
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 

@@ -9,11 +9,8 @@ from numpy.testing import assert_allclose
 from scipy.integrate import dblquad
 from surfaces import rough_surface
 
-from fem_contact import adhesion, bem
+from fem_contact import FreeHalfSpace, HalfSpace, InvalidInput, Solid, UnsupportedEffect, adhesion, bem
 from fem_contact.complementarity import FreeOperator
-from fem_contact.errors import InvalidInput, UnsupportedEffect
-from fem_contact.response import FreeHalfSpace, HalfSpace
-from fem_contact.solid import Solid
 from fem_contact.stress import elastic_energy, loading_work
 from fem_contact.subsurface import fields_below
 from fem_contact.surface import HeightField, Patch

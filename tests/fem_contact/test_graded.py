@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from fem_contact import BondedLayer, ExponentialSolid, HalfSpace, LayeredSolid, Response, Solid
 from fem_contact.block import ELEMENTS, BlockMesh, BlockResponse
-from fem_contact.graded import ExponentialSolid, LayeredSolid
-from fem_contact.response import BondedLayer, HalfSpace, Response
-from fem_contact.solid import Solid
 
 Q = np.geomspace(1e-2, 1e3, 41)
 ZERO = np.zeros_like(Q)

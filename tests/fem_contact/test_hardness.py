@@ -6,11 +6,8 @@ import pytest
 from numpy.testing import assert_allclose
 from surfaces import rough_surface
 
-from fem_contact import HeightField, Status, bem, find_patches
-from fem_contact.errors import InvalidInput
+from fem_contact import HalfSpace, HeightField, InvalidInput, Solid, Status, bem, find_patches
 from fem_contact.hardness import Hardness, press_by_patches, press_yielding, yielded
-from fem_contact.response import HalfSpace
-from fem_contact.solid import Solid
 
 ELASTIC = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 LOAD = 0.01

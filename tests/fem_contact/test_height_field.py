@@ -7,8 +7,7 @@ import pickle
 import numpy as np
 import pytest
 
-from fem_contact.errors import InvalidInput
-from fem_contact.surface import HeightField
+from fem_contact import HeightField, InvalidInput
 
 
 def rough():

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from fem_contact import Patch, measured_lay, random_surface
-from fem_contact.surface import radial_spectrum
+from fem_contact import Patch, measured_lay, radial_spectrum, random_surface
 
 STRETCH, Q_LONG, Q_SHORT = 3.0, 2 * np.pi * 8, 2 * np.pi * 60
 

@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fem_contact.leak import critical_gap, flow_conductance, percolates
-from fem_contact.patches import find_patches
+from fem_contact import critical_gap, find_patches, flow_conductance, percolates
 
 
 def test_the_flux_is_the_same_through_every_section_of_a_gap_of_many_decades():

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fem_contact.contact import Residuals, measure_residuals
+from fem_contact import Residuals, measure_residuals
 
 MODULUS, GRADIENT, LENGTH = 5.0, 0.2, 8.0
 

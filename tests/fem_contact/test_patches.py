@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem_contact.patches import find_patches
+from fem_contact import find_patches
 
 
 def test_patches_are_joined_across_both_periods():

@@ -10,12 +10,9 @@ import pytest
 from dense_contact import Contact, pressed, response_matrix
 from numpy.typing import NDArray
 
+from fem_contact import ContactResult, HeightField, InvalidInput, Solid, Status
 from fem_contact.bem import solve, solve_displacement
-from fem_contact.contact import ContactResult, Status
-from fem_contact.errors import InvalidInput
 from fem_contact.response import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace, Response
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 
 Array = NDArray[np.float64]
 Generator = np.random.Generator

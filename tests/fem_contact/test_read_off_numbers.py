@@ -8,17 +8,12 @@ import numpy as np
 import pytest
 from made_results import made_areas
 
-from fem_contact import adhesion, bem
+from fem_contact import HalfSpace, Solid, Status, adhesion, bem, located_limit, pressure_distribution
 from fem_contact.adhesion.descent import Minimum
 from fem_contact.adhesion.laws import Exponential
 from fem_contact.adhesion.path import _Walk
 from fem_contact.adhesion.state import AdhesionProblem, Stability
-from fem_contact.contact import Status
-from fem_contact.extrapolation import located_limit
-from fem_contact.response import HalfSpace
 from fem_contact.settings import Settings
-from fem_contact.solid import Solid
-from fem_contact.stress import pressure_distribution
 from fem_contact.surface import HeightField
 
 

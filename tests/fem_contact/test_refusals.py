@@ -8,7 +8,7 @@ import pytest
 from made_results import made_areas, made_contact
 from surfaces import rough_surface
 
-from fem_contact import HeightField, Solid, adhesion, bem, block, creep, find_patches, measured_lay
+from fem_contact import HeightField, Solid, adhesion, bem, block, creep, find_patches, measured_lay, slide
 from fem_contact.adhesion import path as adhesion_path
 from fem_contact.area import subcell_area
 from fem_contact.block.elements import element_for
@@ -29,7 +29,6 @@ from fem_contact.hardness import Hardness, press_by_patches
 from fem_contact.leak import flow_conductance, percolates
 from fem_contact.response import BondedLayer, GivenResponse, HalfSpace
 from fem_contact.settings import Settings
-from fem_contact.sliding import slide
 from fem_contact.stress import density_at_zero, gap_distribution, pressure_distribution, von_mises
 from fem_contact.subsurface import fields_below, strongest_point
 from fem_contact.surface import random_surface

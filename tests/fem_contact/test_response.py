@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem_contact.response import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace, Response
-from fem_contact.solid import Solid
+from fem_contact import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace, Response, Solid
 
 
 def test_half_space_compliance_is_two_over_modulus_and_wavevector():

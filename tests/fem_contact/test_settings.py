@@ -3,10 +3,7 @@ import time
 import numpy as np
 import pytest
 
-from fem_contact import HalfSpace, HeightField, Solid, bem
-from fem_contact.contact import Status
-from fem_contact.errors import NotConverged
-from fem_contact.hardness import Hardness, press_yielding
+from fem_contact import HalfSpace, Hardness, HeightField, NotConverged, Solid, Status, bem, press_yielding
 from fem_contact.settings import Settings
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))

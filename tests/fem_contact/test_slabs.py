@@ -10,17 +10,14 @@ from numpy.testing import assert_allclose
 from surfaces import rough_surface
 from thread_processes import run_threads
 
-from fem_contact import HeightField, contact_areas, random_surface
+from fem_contact import HeightField, InvalidInput, Solid, Status, contact_areas, random_surface
 from fem_contact.bem import SlabSurface, solve
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.grids import Grids
 from fem_contact.complementarity.in_slabs import SlabGrids, SlabIterationArrays, SlabOperator
 from fem_contact.complementarity.iteration_arrays import IterationArrays
 from fem_contact.complementarity.slabs import Slabs
-from fem_contact.contact import Status
-from fem_contact.errors import InvalidInput
 from fem_contact.response import BondedLayer, FreeHalfSpace, GivenResponse, HalfSpace
-from fem_contact.solid import Solid
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.3))
 JELLY = BondedLayer(solid=Solid(young=1.0, poisson=0.5), thickness=0.02)

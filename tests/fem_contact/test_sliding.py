@@ -3,10 +3,7 @@
 import numpy as np
 import pytest
 
-from fem_contact import GivenResponse, HeightField, bem
-from fem_contact.contact import Status
-from fem_contact.errors import InvalidInput, NotConverged
-from fem_contact.sliding import slide
+from fem_contact import GivenResponse, HeightField, InvalidInput, NotConverged, Status, bem, slide
 from fem_contact.surface import random_surface
 from fem_contact.viscoelastic import PronySolid, TabulatedSolid
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fem_contact.solid import Solid, composite_modulus
+from fem_contact import Solid, composite_modulus
 
 moduli = st.floats(1e-3, 1e13)
 ratios = st.floats(-1, 0.5, exclude_min=True)

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from surfaces import rough_surface
 
-from fem_contact.bem import solve, solve_path
-from fem_contact.contact import ContactResult
-from fem_contact.response import HalfSpace
-from fem_contact.solid import Solid
-from fem_contact.stress import (
+from fem_contact import (
+    ContactResult,
+    HalfSpace,
+    HeightField,
+    Solid,
     contact_stiffness,
     density_at_zero,
     elastic_energy,
@@ -16,7 +16,7 @@ from fem_contact.stress import (
     pressure_distribution,
     window_slope,
 )
-from fem_contact.surface import HeightField
+from fem_contact.bem import solve, solve_path
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 

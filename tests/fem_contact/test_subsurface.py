@@ -7,13 +7,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from fem_contact import bem
-from fem_contact.contact import ContactResult
-from fem_contact.export import write_subsurface
-from fem_contact.graded import ExponentialSolid, LayeredSolid
+from fem_contact import ContactResult, ExponentialSolid, LayeredSolid, Solid, bem, von_mises, write_subsurface
 from fem_contact.response import BondedLayer, FrictionlessLayer, HalfSpace
-from fem_contact.solid import Solid
-from fem_contact.stress import von_mises
 from fem_contact.subsurface import default_depths, fields_below, planes_below, strongest_point
 from fem_contact.surface import HeightField
 

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from fem_contact.errors import InvalidInput
-from fem_contact.surface import HeightField, radial_spectrum, random_surface, random_waves, resolves
+from fem_contact import HeightField, InvalidInput, radial_spectrum, random_surface, resolves
+from fem_contact.surface import random_waves
 
 EPS = np.finfo(float).eps
 LENGTHS = (1.0, 1.0)

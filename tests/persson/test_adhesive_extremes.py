@@ -6,12 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from persson.adhesion import Interface, solve_adhesion
-from persson.capillary import CapillaryWaves
+from persson import CapillaryWaves, GradedModulus, Interface, Scale, solve_adhesion
 from persson.flaw_tolerance import crack_stress, flaw_tolerant_gradient, optimal_modulus
-from persson.graded import GradedModulus
 from persson.interface import detachment_stress
-from persson.scale import Scale
 from persson.spectrum import SelfAffine, area_factor
 from persson.spheres import derjaguin_pull_off, hertz
 from persson.squeezed_spheres import hertz_pressure, roughness_barrier, yielded_pull_off, yielded_share

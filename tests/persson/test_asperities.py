@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from persson.asperities import Asperities, FullerTabor, bush_gibson_thomas
+from persson import FullerTabor, InvalidInput, SelfAffine, bush_gibson_thomas
+from persson.asperities import Asperities
 from persson.elastic import KAPPA_BGT
-from persson.errors import InvalidInput
-from persson.spectrum import SelfAffine
 
 BUMPS = Asperities(density=1e9, radius=2e-5, rms_height=3e-7)
 

@@ -9,11 +9,8 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.special import erf
 
-from persson import _galerkin
-from persson.diffusion import solve_diffusion
-from persson.elastic import pressure_distribution
+from persson import _galerkin, pressure_distribution, sine_expansion, solve_diffusion
 from persson.errors import NotConverged, OutsideTheory
-from persson.sine import sine_expansion
 
 
 def moving(v):

@@ -5,12 +5,10 @@ import pytest
 from scipy.integrate import trapezoid
 from scipy.special import erf
 
+from persson import ExponentialLayers, GradedModulus, Scale, SelfAffine, SurfaceLayer
 from persson.elastic import KAPPA_PERSSON, contact_area
 from persson.errors import OutsideTheory
-from persson.graded import ExponentialLayers, GradedModulus, SurfaceLayer
-from persson.scale import Scale
 from persson.separation import macroasperity_magnification, mean_separation
-from persson.spectrum import SelfAffine
 from persson.variants import corrected_contact_area, light_load_kappa
 
 STEEL = SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e9, rolloff="smooth", q_min=1e3)

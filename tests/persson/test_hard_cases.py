@@ -5,11 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from persson import Scale, constant_hardness, contact_area, mean_separation, size_dependent_hardness
 from persson.adhesion import AdhesionStatus, Interface, solve_adhesion
-from persson.elastic import contact_area
-from persson.hardness import constant_hardness, size_dependent_hardness
-from persson.scale import Scale
-from persson.separation import mean_separation
 from persson.spectrum import SelfAffine
 from persson.tabulated import Tabulated
 

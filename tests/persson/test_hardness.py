@@ -8,10 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from persson.elastic import contact_area
-from persson.hardness import constant_hardness, size_dependent_hardness
-from persson.scale import Scale
-from persson.spectrum import SelfAffine
+from persson import Scale, SelfAffine, constant_hardness, contact_area, size_dependent_hardness
 
 
 @given(x=st.floats(1e-12, 1 - 1e-9), v=st.floats(1e-4, 5))

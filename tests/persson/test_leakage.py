@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from persson.leakage import effective_medium
+from persson import effective_medium
 
 
 def test_a_mixture_of_two_solves_its_quadratic():

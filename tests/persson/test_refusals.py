@@ -5,16 +5,13 @@ from functools import partial
 import numpy as np
 import pytest
 
-from persson.adhesion import Interface, solve_adhesion
-from persson.asperities import bush_gibson_thomas, nayak_asperities
+from persson import Interface, Scale, bush_gibson_thomas, nayak_asperities, solve_adhesion, solve_diffusion
 from persson.capillary import CapillaryWaves, maximum_height
-from persson.diffusion import solve_diffusion
 from persson.errors import InvalidInput, NotConverged, OutsideTheory
 from persson.flaw_tolerance import optimal_modulus
 from persson.graded import ExponentialLayers
 from persson.hardness import constant_hardness, size_dependent_hardness
 from persson.leakage import effective_medium
-from persson.scale import Scale
 from persson.separation import macroasperity_magnification
 from persson.sliding import rubber_friction
 from persson.spectrum import Moments, SelfAffine

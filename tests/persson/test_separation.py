@@ -8,10 +8,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import erf, erfinv
 
-from persson.elastic import contact_area
-from persson.gaps import gap_distribution
-from persson.scale import Scale
-from persson.separation import contact_stiffness, elastic_energy, mean_separation
+from persson import Scale, contact_area, contact_stiffness, elastic_energy, gap_distribution, mean_separation
 from persson.spectrum import SelfAffine
 from persson.variants import EnergyReading, corrected_contact_area, energy_share
 

@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from persson.capillary import CapillaryWaves
-from persson.spectrum import SelfAffine, Spectrum
-from persson.tabulated import Tabulated, smoothed
+from persson import CapillaryWaves, SelfAffine, Spectrum, Tabulated, smoothed
 
 PMMA = CapillaryWaves(
     temperature=370.0, surface_tension=0.04, q_bend=1.7e9, q_min=2 * math.pi / 1e-4, q_short=7e9

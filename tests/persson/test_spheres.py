@@ -6,13 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from persson.spheres import (
-    DoubleHertz,
-    effective_radius,
-    hertz,
-    hertz_pressure_distribution,
-    maugis_pull_off,
-)
+from persson import hertz
+from persson.spheres import DoubleHertz, effective_radius, hertz_pressure_distribution, maugis_pull_off
 
 
 def test_hertz_relations_hold_together():

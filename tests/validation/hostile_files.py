@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fem_contact.surface import HeightField
+from fem_contact import HeightField
 from validation.scenes.topography.writing import write_topography
 
 Files = Iterator[tuple[str, bytes]]

@@ -7,8 +7,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from pydantic import ValidationError
 from scipy.special import ndtr
 
-from persson import elastic
-from persson.diffusion import solve_diffusion
+from persson import elastic, solve_diffusion
 from validation.execution.measurement import Call
 from validation.measurements import diffusion, limits, rings
 from validation.measurements.budgets import (

@@ -5,9 +5,7 @@ import os
 import numpy as np
 import pytest
 
-from fem_contact.errors import NotConverged
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
+from fem_contact import HeightField, NotConverged, Solid
 from validation.effects.base import ContactModel
 from validation.solvers import find_solver
 from validation.solvers.base import Job, example_field

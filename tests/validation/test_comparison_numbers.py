@@ -9,13 +9,8 @@ import pytest
 import xarray as xr
 from made_results import made_areas
 
-from fem_contact import bem
-from fem_contact.extrapolation import located_limit
-from fem_contact.response import BondedLayer, FrictionlessLayer, HalfSpace
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
-from persson import elastic
-from persson.spectrum import SelfAffine
+from fem_contact import BondedLayer, FrictionlessLayer, HalfSpace, HeightField, Solid, bem, located_limit
+from persson import SelfAffine, elastic
 from validation.comparison.accuracy_search import Ladder, Search
 from validation.comparison.reductions import Reading
 from validation.effects.adhesion import Adhesion

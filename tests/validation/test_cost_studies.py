@@ -7,8 +7,7 @@ import pytest
 import xarray as xr
 from gold.asked import STUDIES
 
-from fem_contact import HalfSpace, bem, contact_areas
-from fem_contact.errors import NotConverged
+from fem_contact import HalfSpace, NotConverged, bem, contact_areas
 from validation.execution.measurement import Call
 from validation.execution.results import Result
 from validation.measurements import external_codes, ways

@@ -6,9 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem_contact.errors import NotConverged
-from fem_contact.response import GivenResponse
-from fem_contact.surface import HeightField
+from fem_contact import GivenResponse, HeightField, NotConverged
 from validation.cases import run_cases
 from validation.cases.scorecard import Subject, rows, score
 from validation.cases.scorecard.diagnosis import diagnose

@@ -6,10 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from fem_contact.solid import Solid
-from persson import elastic
-from persson.hardness import constant_hardness
-from persson.spectrum import SelfAffine
+from fem_contact import Solid
+from persson import SelfAffine, constant_hardness, elastic
 from validation.comparison.fields import with_distribution
 from validation.comparison.numbers import scene_data
 from validation.comparison.run_views import pressure_figure, run_views

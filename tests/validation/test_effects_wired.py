@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
-from fem_contact import bem
-from fem_contact.response import BondedLayer, HalfSpace
-from fem_contact.solid import Solid
+from fem_contact import BondedLayer, HalfSpace, Solid, bem
 from validation.comparison.explain import explain
 from validation.comparison.run import run_scene
 from validation.effects.base import ContactModel, Roughness, TheoryInputs, full_contact_energy

@@ -5,11 +5,8 @@ import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
 
-from fem_contact import HalfSpace, bem, frozen_contact
-from fem_contact.stress import elastic_energy
-from persson import separation
-from persson.scale import Scale
-from persson.spectrum import SelfAffine
+from fem_contact import HalfSpace, bem, elastic_energy, frozen_contact
+from persson import Scale, SelfAffine, separation
 from validation.measurements.limits import two_grid_step
 from validation.measurements.measurement import grid_for
 from validation.measurements.theory import Waves

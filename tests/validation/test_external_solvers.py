@@ -10,10 +10,7 @@ import psutil
 import pytest
 from solving import still_running
 
-from fem_contact.area import contact_areas
-from fem_contact.contact import Status
-from fem_contact.errors import NotConverged
-from fem_contact.solid import Solid
+from fem_contact import NotConverged, Solid, Status, contact_areas
 from validation import sandbox
 from validation.effects import effect_kinds
 from validation.effects.base import ContactModel

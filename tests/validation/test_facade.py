@@ -10,8 +10,8 @@ from reading_back import misdrawn
 import fem_contact
 import persson
 import validation
-from fem_contact import HalfSpace, HeightField, Solid
-from fem_contact.area import EDGE_CONSTANTS, contact_areas
+from fem_contact import HalfSpace, HeightField, Solid, contact_areas
+from fem_contact.area import EDGE_CONSTANTS
 from validation import measured, press, self_affine, table, theory
 from validation.errors import NoLimit, UsageError
 from validation.studies import GROUPS, find_study

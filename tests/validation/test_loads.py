@@ -5,10 +5,8 @@ import itertools
 import pytest
 from small_scene import OBLONG, scene_in
 
-from fem_contact import bem, block
-from fem_contact.response import HalfSpace
-from fem_contact.solid import Solid
-from persson.elastic import contact_area, stress_variance
+from fem_contact import HalfSpace, Solid, bem, block
+from persson import contact_area, stress_variance
 from validation.audit import audit
 from validation.comparison.run import run_scene
 from validation.comparison.sweep import run_sweep

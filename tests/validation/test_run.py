@@ -19,8 +19,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from small_scene import OBLONG, scene_in
 
-from fem_contact.errors import NotConverged
-from fem_contact.patches import find_patches
+from fem_contact import NotConverged, find_patches
 from validation.comparison.run import report_scene, run_scene
 from validation.errors import RunFailed, UsageError
 from validation.execution.press import Press, solves_of

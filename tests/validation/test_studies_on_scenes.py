@@ -8,12 +8,8 @@ import pytest
 from pydantic import ValidationError
 from small_scene import scene_in, small_scene
 
-from fem_contact import bem
-from fem_contact.area import contact_areas
-from fem_contact.extrapolation import located_limit, perimeter_limit
-from fem_contact.hardness import Hardness, press_yielding
+from fem_contact import Hardness, Solid, bem, contact_areas, located_limit, perimeter_limit, press_yielding
 from fem_contact.response import HalfSpace
-from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 from validation.errors import UsageError
 from validation.execution.outputs import show

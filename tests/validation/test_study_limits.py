@@ -8,14 +8,8 @@ import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 from planted import edge_data
 
-from fem_contact import bem
-from fem_contact.area import contact_areas
-from fem_contact.response import HalfSpace
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
-from persson.elastic import contact_area, stress_variance
-from persson.scale import Scale
-from persson.separation import mean_separation
+from fem_contact import HalfSpace, HeightField, Solid, bem, contact_areas
+from persson import Scale, contact_area, mean_separation, stress_variance
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.convergence import bandwidth_order, fitted_line, line
 from validation.measurements.distributions import distance_to_reference

@@ -9,12 +9,8 @@ import xarray as xr
 from numpy.testing import assert_allclose
 from planted import STUDENT, PlantedBench, measurement
 
-from fem_contact import bem
-from fem_contact.hardness import yielded
-from fem_contact.response import HalfSpace
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
-from persson.hardness import constant_hardness
+from fem_contact import HalfSpace, HeightField, Solid, bem, yielded
+from persson import constant_hardness
 from validation.effects.base import full_contact_energy
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.convergence import fitted_line, spectral_errors

@@ -11,7 +11,7 @@ import scipy.stats
 from small_scene import scene_in
 from typer.testing import CliRunner
 
-from fem_contact.errors import NotConverged
+from fem_contact import NotConverged
 from validation.audit import audit
 from validation.audit.files import page_tables
 from validation.cli.commands import app

@@ -7,7 +7,7 @@ import pytest
 from gold.asked import STUDIES
 from small_scene import scene_in
 
-from fem_contact.surface import random_surface
+from fem_contact import random_surface
 from validation.comparison.run import run_scene
 from validation.comparison.sweep import run_sweep
 from validation.studies import find_study

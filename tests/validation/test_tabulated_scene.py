@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 from small_scene import scene_in
 
-from persson.spectrum import SelfAffine
+from persson import SelfAffine
 from validation.comparison.run import run_scene
 from validation.errors import SceneError, UsageError
 from validation.scenes.problem import realise

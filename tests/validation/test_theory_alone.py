@@ -11,11 +11,7 @@ import pytest
 from small_scene import scene_in
 from typer.testing import CliRunner
 
-from persson.capillary import CapillaryWaves
-from persson.elastic import contact_area
-from persson.hardness import constant_hardness
-from persson.scale import Scale
-from persson.spectrum import SelfAffine
+from persson import CapillaryWaves, Scale, SelfAffine, constant_hardness, contact_area
 from validation.cli import commands as cli
 from validation.comparison.explain import explain, roughness_of
 from validation.comparison.run import report_scene, run_scene

@@ -17,9 +17,9 @@ from small_scene import scene_in
 from typer.testing import CliRunner
 
 import fem_contact as fc
-from fem_contact.surface import HeightField, radial_spectrum, random_surface
-from fem_contact.surface.spectra import estimate_spectrum, window_weights
-from persson.spectrum import SelfAffine
+from fem_contact import HeightField, estimate_spectrum, radial_spectrum, random_surface
+from fem_contact.surface.spectra import window_weights
+from persson import SelfAffine
 from validation.audit.files import page_tables
 from validation.audit.reading import audit
 from validation.cli.commands import app

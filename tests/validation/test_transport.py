@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from small_scene import OBLONG, scene_in
 
-from fem_contact import HalfSpace, flow_conductance, frozen_contact, open_gap
-from fem_contact.solid import Solid
+from fem_contact import HalfSpace, Solid, flow_conductance, frozen_contact, open_gap
 from validation.comparison.numbers import scene_data
 from validation.comparison.run import report_scene, run_scene
 from validation.comparison.sweep import run_sweep

@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
 
+from fem_contact import HeightField, Solid
 from fem_contact.block import solve, wave_errors
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 
 
 def test_announced_error_is_the_error_of_a_solved_full_contact():

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from fem_contact import HeightField, Solid, Status
 from fem_contact.block import plan_mesh, solve
 from fem_contact.block.full import active_set
 from fem_contact.block.full.active_set import solve_contact
@@ -11,9 +12,6 @@ from fem_contact.block.full.block import Block
 from fem_contact.block.full.linear import LinearSolution
 from fem_contact.block.full.multigrid import build_hierarchy
 from fem_contact.block.full.system import highest_nodes
-from fem_contact.contact import Status
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 
 LIMITS = {"tolerance": 1e-9, "max_iterations": 30}
 

@@ -5,10 +5,9 @@ import pytest
 from numpy.testing import assert_allclose
 from surfaces import periodic_paraboloid
 
-from fem_contact.area import EDGE_CONSTANTS, contact_areas
+from fem_contact import HeightField, Solid, contact_areas
+from fem_contact.area import EDGE_CONSTANTS
 from fem_contact.block import solve
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 
 
 def press_paraboloid(

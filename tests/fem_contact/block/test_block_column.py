@@ -3,14 +3,13 @@ import pytest
 import scipy.sparse.linalg as sla
 from numpy.testing import assert_allclose
 
-from fem_contact.block import ELEMENTS, BlockMesh, BlockResponse, Element, plan_mesh
+from fem_contact import Solid
+from fem_contact.block import ELEMENTS, BlockMesh, BlockResponse, Element, graded_layers, plan_mesh
 from fem_contact.block.elements import element_for
 from fem_contact.block.full.assembly import assemble
-from fem_contact.block.mesh import graded_layers
 from fem_contact.block.reduced.column import FoldedLayers, fold, surface_compliance
 from fem_contact.block.reduced.fields import FourierSource
 from fem_contact.block.reduced.surface import surface_operator
-from fem_contact.solid import Solid
 
 UNIT = Solid(young=1.0, poisson=0.3)
 

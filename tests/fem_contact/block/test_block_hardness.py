@@ -5,11 +5,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from surfaces import rough_surface
 
-from fem_contact import bem, block
-from fem_contact.errors import InvalidInput
-from fem_contact.hardness import yielded
-from fem_contact.response import BondedLayer
-from fem_contact.solid import Solid
+from fem_contact import BondedLayer, InvalidInput, Solid, bem, block, yielded
 
 SOLID = Solid(young=1.0, poisson=0.3)
 LOAD = 0.01

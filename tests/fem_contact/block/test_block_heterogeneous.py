@@ -3,10 +3,8 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from surfaces import rough_surface
 
+from fem_contact import HeightField, InvalidInput, Solid
 from fem_contact.block import BlockSolution, solve, solve_displacement, solve_path
-from fem_contact.errors import InvalidInput
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 
 SOLID = Solid(young=3e9, poisson=0.3)
 LENGTH = 1e-5

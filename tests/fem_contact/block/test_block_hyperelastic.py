@@ -9,14 +9,12 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from fem_contact import HeightField, NotConverged, Solid
 from fem_contact.block import ELEMENTS, BlockMesh, plan_mesh, solve_finite_strain
 from fem_contact.block.hyperelastic import solver
 from fem_contact.block.hyperelastic.cells import Cells, Strained, stress
 from fem_contact.block.hyperelastic.newton import descend
 from fem_contact.block.hyperelastic.profile import Profile
-from fem_contact.errors import NotConverged
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 from tests.surfaces import rough_surface
 
 Array = NDArray[np.float64]

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from fem_contact import Solid
 from fem_contact.block import FiniteStrain, solve_finite_strain
-from fem_contact.solid import Solid
 from tests.surfaces import rough_surface
 
 Array = NDArray[np.float64]

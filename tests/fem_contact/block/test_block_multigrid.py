@@ -5,6 +5,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from surfaces import rough_surface
 
+from fem_contact import Solid
 from fem_contact.block import ELEMENTS, estimate, plan_mesh, solve
 from fem_contact.block.full import kernels
 from fem_contact.block.full.assembly import assemble
@@ -14,7 +15,6 @@ from fem_contact.block.full.linear import conjugate_gradients
 from fem_contact.block.full.multigrid import Hierarchy, Transfer, build_hierarchy
 from fem_contact.block.full.quadratic import QuadraticBlock, parity_blocks, refined_hierarchy
 from fem_contact.block.session import needed_bytes
-from fem_contact.solid import Solid
 
 SOLID = Solid(young=1.0, poisson=0.3)
 

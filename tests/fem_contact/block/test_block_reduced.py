@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from surfaces import rough_surface
 
-from fem_contact import bem
+from fem_contact import HeightField, InsufficientMemory, Solid, Status, bem
 from fem_contact.block import (
     ELEMENTS,
     BlockResponse,
@@ -16,10 +16,6 @@ from fem_contact.block import (
     solve_path,
 )
 from fem_contact.block.solution import ArraySource
-from fem_contact.contact import Status
-from fem_contact.errors import InsufficientMemory
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 
 SOLID = Solid(young=3e9, poisson=0.3)
 

@@ -3,9 +3,8 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from surfaces import rough_surface
 
+from fem_contact import HeightField, Solid
 from fem_contact.block import BlockSolution, estimate, solve
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 
 SOLID = Solid(young=3e9, poisson=0.3)
 
