@@ -3,8 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact import HeightField, random_surface
+from fem_contact import HalfSpace, HeightField, Solid, random_surface
 
+#: A half-space of E* = 1.
+SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 #: Sum of |n|^-3 over the points of the square lattice but the origin: what the images of a load do to
 #: the curvature below it.
 LATTICE_CUBE = 9.03362168

@@ -5,13 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 from made_results import made_areas, made_contact
-from surfaces import periodic_paraboloid, rough_surface
+from surfaces import SOFT, periodic_paraboloid, rough_surface
 
 from fem_contact import (
     ContactAreas,
     ContactResult,
     FreeHalfSpace,
-    HalfSpace,
     HeightField,
     InvalidInput,
     Patch,
@@ -24,8 +23,6 @@ from fem_contact import (
 )
 from fem_contact.area import EDGE_CONSTANTS, EDGE_MAPS, contact_edges
 from fem_contact.bem import solve
-
-SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
 
 def test_edges_are_counted_along_both_directions_per_nominal_area():

@@ -2,14 +2,12 @@
 
 import numpy as np
 import pytest
-from surfaces import rough_surface
+from surfaces import SOFT, rough_surface
 
-from fem_contact import BondedLayer, FrictionlessLayer, HalfSpace, InvalidInput, NotConverged, Solid, Status
+from fem_contact import BondedLayer, FrictionlessLayer, InvalidInput, NotConverged, Solid, Status
 from fem_contact.bem import solve, solve_displacement, solve_path
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.surface import HeightField
-
-SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
 
 def rough(shape: tuple[int, int] = (64, 64), *, seed: int = 7, ratio: float = 8.0) -> HeightField:

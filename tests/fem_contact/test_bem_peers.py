@@ -5,12 +5,10 @@ The comparisons need the codes installed (extra ``peers``) and are skipped other
 
 import numpy as np
 import pytest
-from surfaces import rough_surface
+from surfaces import SOFT, rough_surface
 
-from fem_contact import ContactResult, HalfSpace, HeightField, Solid, measure_residuals
+from fem_contact import ContactResult, HeightField, measure_residuals
 from fem_contact.bem import solve
-
-SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
 
 def shared_surface(shape: tuple[int, int] = (64, 64), seed: int = 51) -> HeightField:

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from surfaces import SOFT
 
-from fem_contact import HalfSpace, Solid, Status
+from fem_contact import Status
 from fem_contact.complementarity import polonsky_keer, solve_bounded, solve_nested
 from fem_contact.complementarity.fourier import FourierOperator, coarsened, refined
 from fem_contact.complementarity.iteration_arrays import IterationArrays
 from fem_contact.complementarity.rows import Rows
 from fem_contact.settings import Settings
 
-SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 Array = np.ndarray
 
 

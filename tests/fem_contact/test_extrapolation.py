@@ -5,20 +5,17 @@ import dataclasses
 import numpy as np
 import pytest
 from made_results import made_areas
+from surfaces import SOFT
 
 from fem_contact import (
     ContactAreas,
-    HalfSpace,
     HeightField,
-    Solid,
     contact_areas,
     located_limit,
     perimeter_limit,
 )
 from fem_contact.bem import solve
 from fem_contact.extrapolation import PlannedGrid, predicted_uncertainty, too_small
-
-SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
 #: Of the coefficients of the law, by power of the width.
 MEANS = {1.0: -0.00359, 1.5: 0.00919, 2.0: -0.00678, 3.0: 0.00087}

@@ -2,11 +2,10 @@ import time
 
 import numpy as np
 import pytest
+from surfaces import SOFT
 
-from fem_contact import HalfSpace, Hardness, HeightField, NotConverged, Solid, Status, bem, press_yielding
+from fem_contact import Hardness, HeightField, NotConverged, Status, bem, press_yielding
 from fem_contact.settings import Settings
-
-SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
 
 def rough(n=48):

@@ -94,21 +94,6 @@ def test_sliding_backwards_is_the_mirror_image():
     assert np.abs(turned - ahead.contact.pressure).max() < 1e-6 * ahead.contact.pressure.max()
 
 
-def test_other_units_change_no_bit():
-    surface, load = rough(24), load_of(rough(24))
-    length, stress = 2.0**20, 2.0**-30
-    found = slide(surface, standard(100.0), velocity=0.1, mean_pressure=load)
-    scaled = slide(
-        HeightField(heights=surface.heights * length, lengths=(length, length)),
-        PronySolid.standard(relaxed=stress, unrelaxed=100 * stress, time=1.0, poisson=0.3),
-        velocity=0.1 * length,
-        mean_pressure=load * stress,
-    )
-    assert found.friction == scaled.friction
-    assert np.array_equal(found.contact.pressure * stress, scaled.contact.pressure)
-    assert np.array_equal(found.contact.gap * length, scaled.contact.gap)
-
-
 def test_a_start_shortens_the_way_and_changes_nothing_else():
     surface, solid = rough(32), standard(100.0)
     load = load_of(surface)

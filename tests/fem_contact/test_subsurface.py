@@ -152,15 +152,6 @@ def test_the_mean_pressure_compresses_without_sideways_strain():
     assert_allclose(plane.displacement[..., 2], 3.0 * 0.2 / confined, rtol=1e-12)
 
 
-def test_fields_do_not_depend_on_the_unit_system():
-    response = RESPONSES["bonded"]
-    here = strongest_point(pressed(response), response)
-    far = BondedLayer(solid=Solid(young=2.0**-30, poisson=0.3), thickness=0.15 * 2**20)
-    there = strongest_point(pressed(far, lengths=(2.0**20, 1.5 * 2**20), scale=2.0**-30), far)
-    assert there.von_mises == here.von_mises * 2.0**-30
-    assert there.depth == here.depth * 2**20
-
-
 def test_the_strongest_point_is_found_between_the_depths_given():
     response = RESPONSES["half-space"]
     contact = pressed(response)

@@ -262,27 +262,6 @@ def test_any_seed_gives_the_same_surface_on_any_grid(seed, extra, amplitudes, wi
     assert_same_heights(fine.heights, surface_on(shape, **options).heights)
 
 
-@pytest.mark.parametrize("amplitudes", ["exact", "gaussian"])
-def test_scaling_all_lengths_by_a_power_of_two_changes_no_bit(amplitudes):
-    scale = 2.0**20
-    plain = surface_on((20, 27), lengths=(1.0, 1.1), amplitudes=amplitudes)
-    scaled = random_surface(
-        lambda q: self_affine(q * scale) * scale**4,
-        q_short=Q_SHORT / scale,
-        lengths=(scale, 1.1 * scale),
-        shape=(20, 27),
-        seed=7,
-        amplitudes=amplitudes,
-    )
-    assert_array_equal(scaled.heights, scale * plain.heights)
-    assert scaled.rms_gradient == plain.rms_gradient
-    assert scaled.nayak == plain.nayak
-    assert scaled.rms_height == scale * plain.rms_height
-    for method, argument in [("resampled", (33, 16)), ("shifted", (0.3, -0.6))]:
-        moved, expected = (getattr(surface, method)(argument).heights for surface in (scaled, plain))
-        assert_array_equal(moved, scale * expected)
-
-
 def test_the_shortest_wave_of_an_even_grid_carries_the_power_of_a_cosine():
     # +-1 on the points is a cosine between them, whose mean square is one half, whichever way it is measured.
     heights = np.cos(np.pi * np.arange(8))[:, None] * np.ones(9)
