@@ -7,7 +7,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 
 
-def imports() -> dict[str, set[str]]:
+def imports():
     """Each module of the three packages, and those of them that it imports anywhere."""
     paths = [
         path for name in ("persson", "fem_contact", "validation") for path in (ROOT / name).rglob("*.py")

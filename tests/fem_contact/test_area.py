@@ -8,8 +8,6 @@ from made_results import made_areas, made_contact
 from surfaces import SOFT, periodic_paraboloid, rough_surface
 
 from fem_contact import (
-    ContactAreas,
-    ContactResult,
     FreeHalfSpace,
     HeightField,
     InvalidInput,
@@ -89,9 +87,7 @@ def test_points_count_by_their_weight():
     assert contact_areas(made_contact(contact, weights=weights)).pixel == pytest.approx(2 / 16)
 
 
-def areas_on(
-    n: int, *, limit: float, constant: float, edge: float = 10.0, noise: float = 0.0
-) -> ContactAreas:
+def areas_on(n, *, limit, constant, edge=10.0, noise=0.0):
     pixel = limit + constant * edge / n + noise
     return made_areas(pixel, n, edge / n, perimeter=pixel - 0.1 * edge / n, subcell=None)
 
@@ -104,7 +100,7 @@ def test_constants_are_named_by_discretisation():
         EDGE_CONSTANTS["bem"] = 1.0  # type: ignore[index]
 
 
-def paraboloid(n: int, radius: float, shift: tuple[float, float]) -> tuple[ContactResult, float]:
+def paraboloid(n, radius, shift):
     """Hertzian contact with the curvature that periodic images add; its true relative area."""
     surface, load, _ = periodic_paraboloid(n, radius, shift)
     return solve(surface, SOFT, mean_pressure=load).checked(), float(np.pi * radius**2)
@@ -153,7 +149,7 @@ def test_discs_on_a_patch_with_free_surroundings_have_an_edge_of_their_own():
     assert areas.edge_constant == EDGE_CONSTANTS["bem free"]
 
 
-def traits_of(heights: np.ndarray, lengths: tuple[float, float] = (1.0, 1.0)) -> ContactAreas:
+def traits_of(heights, lengths=(1.0, 1.0)):
     surface = HeightField(heights=heights, lengths=lengths)
     return contact_areas(solve(surface, SOFT, mean_pressure=0.01 * surface.rms_gradient, threads=1))
 
@@ -181,11 +177,11 @@ def test_isotropic_heights_that_the_grid_resolves_show_nothing_and_kinks_a_third
         assert traits_of(np.tile(np.sign(x)[:, None], (1, n))).unresolved > 0.7
 
 
-def rough(seed: int) -> HeightField:
+def rough(seed):
     return rough_surface((64, 64), seed=seed, waves=16, longest=1.95, gradient=1.0)
 
 
-def rough_areas(seed: int, resolution: int) -> ContactAreas:
+def rough_areas(seed, resolution):
     surface = rough(seed).resampled((16 * resolution, 16 * resolution))
     return contact_areas(solve(surface, SOFT, mean_pressure=0.05).checked(), subcell=True)
 

@@ -17,7 +17,7 @@ SOLID = Solid(young=1.0, poisson=0.3)
 LIBRARIES = ("numpy", "array_api_strict", "torch")
 
 
-def place(library: str) -> Any:
+def place(library):
     """Return an array of a library on the CPU."""
     pytest.importorskip("numpy" if library == "numpy" else "array_api_compat")
     return pytest.importorskip(library).zeros(1)

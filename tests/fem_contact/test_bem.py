@@ -10,7 +10,7 @@ from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.surface import HeightField
 
 
-def rough(shape: tuple[int, int] = (64, 64), *, seed: int = 7, ratio: float = 8.0) -> HeightField:
+def rough(shape=(64, 64), *, seed=7, ratio=8.0):
     lengths = (1.0, shape[1] / shape[0])
     waves = max(shape) / ratio
     return rough_surface(shape, lengths, seed=seed, waves=waves, longest=4 * max(lengths), gradient=1.0)

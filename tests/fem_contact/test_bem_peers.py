@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from surfaces import SOFT, rough_surface
 
-from fem_contact import ContactResult, HeightField, measure_residuals
+from fem_contact import measure_residuals
 from fem_contact.bem import solve
 
 
-def shared_surface(shape: tuple[int, int] = (64, 64), seed: int = 51) -> HeightField:
+def shared_surface(shape=(64, 64), seed=51):
     return rough_surface(shape, seed=seed, waves=min(shape) / 8, longest=2, gradient=1.0)
 
 
-def difference(result: ContactResult, pressure: np.ndarray) -> float:
+def difference(result, pressure):
     return float(np.linalg.norm(result.pressure - pressure) / np.linalg.norm(result.pressure))
 
 

@@ -35,7 +35,7 @@ def test_blocks_of_rows_cover_each_row_once():
         assert rows == list(range(count))
 
 
-def wavy(shape: tuple[int, int], seed: int = 5) -> Array:
+def wavy(shape, seed=5):
     generator = np.random.default_rng(seed)
     spectrum = np.fft.fft2(generator.standard_normal(shape))
     q = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n) * n for n in shape), indexing="ij"))
@@ -43,9 +43,7 @@ def wavy(shape: tuple[int, int], seed: int = 5) -> Array:
     return np.ascontiguousarray(heights / heights.std())
 
 
-def run(
-    heights: Array, *, load: float, bound: Array | None = None, threads: int = 1, tolerance: float = 1e-10
-):
+def run(heights, *, load, bound=None, threads=1, tolerance=1e-10):
     operator = FourierOperator(
         SOFT, heights.shape, (1.0, heights.shape[1] / heights.shape[0]), threads=threads
     )
@@ -59,7 +57,7 @@ def run(
     )
 
 
-def run_nested(heights: Array, *, tolerance: float = 1e-10, **options: object):
+def run_nested(heights, *, tolerance=1e-10, **options):
     """Solve from a coarse start under a load of 0.3."""
     lengths = (1.0, heights.shape[1] / heights.shape[0])
     return solve_nested(

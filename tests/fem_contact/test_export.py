@@ -48,7 +48,7 @@ def test_hexahedra_have_positive_volume_and_fill_the_block(solution, tmp_path):
     check_boxes(mesh.points[mesh.cells_dict["hexahedron"]], LENGTHS[0] * LENGTHS[1] * solution.depth)
 
 
-def check_boxes(corner: np.ndarray, volume: float) -> None:
+def check_boxes(corner, volume):
     """Cells are boxes with their corners in VTK's order, and fill a volume."""
     size = corner[:, 6] - corner[:, 0]
     assert size.min() > 0

@@ -8,7 +8,6 @@ from made_results import made_areas
 from surfaces import SOFT
 
 from fem_contact import (
-    ContactAreas,
     HeightField,
     contact_areas,
     located_limit,
@@ -21,9 +20,7 @@ from fem_contact.extrapolation import PlannedGrid, predicted_uncertainty, too_sm
 MEANS = {1.0: -0.00359, 1.5: 0.00919, 2.0: -0.00678, 3.0: 0.00087}
 
 
-def areas_on(
-    n: int, *, limit: float = 0.1, terms: dict[float, float], edge: float = 6.0, repeats: int = 1
-) -> ContactAreas:
+def areas_on(n, *, limit=0.1, terms, edge=6.0, repeats=1):
     """Areas that follow the law exactly: f = `edge`/n, and beyond its means `terms` by power of the width.
 
     A contact that `repeats` itself in the period has that many times the cells, and less noise.
@@ -149,7 +146,7 @@ def test_no_accuracy_is_predicted_for_grids_too_coarse_for_the_contact():
     assert predicted_uncertainty(coarse, plan) < np.inf
 
 
-def straight_wave(n: int, area: float, *, shift: float, along: tuple[int, int] = (1, 0)) -> ContactAreas:
+def straight_wave(n, area, *, shift, along=(1, 0)):
     """Westergaard's wave, pressed until it touches over `area` of all; `along` are its periods."""
     count = n if along[1] else 4
     x, y = (np.arange(n) + shift) / n, np.arange(count) / n
@@ -192,7 +189,7 @@ def test_what_is_predicted_knows_of_edges_that_run_alike():
     assert predicted > 2 * predicted_uncertainty(dataclasses.replace(areas[0], alignment=0.0), plan)
 
 
-def kinked_on(n: int, *, off: float) -> ContactAreas:
+def kinked_on(n, *, off):
     """Area of a surface with kinks, which converges in first order only."""
     area = areas_on(n, terms={}, repeats=10**4)
     return dataclasses.replace(area, subcell=area.subcell + off * area.edge_fraction, unresolved=0.5)

@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import time
-from typing import Any
 
 import h5py
 import pytest
@@ -49,25 +48,25 @@ if all(comm.allgather(True)) and comm.rank == 0:
 SCENE = small_scene(grids="[32, 48]")
 
 
-def mpiexec(count: int, *arguments: str) -> list[str]:
+def mpiexec(count, *arguments):
     assert MPIEXEC is not None
     return [MPIEXEC, "--oversubscribe", "-n", str(count), sys.executable, *arguments]
 
 
-def surroundings() -> dict[str, str]:
+def surroundings():
     """Return what Open MPI asks for in containers, and on fewer processors than processes."""
     names = ("OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "OMPI_MCA_mpi_yield_when_idle")
     return os.environ | dict.fromkeys(names, "1") | {"OMP_NUM_THREADS": "1"}
 
 
-def run(count: int, *arguments: str) -> subprocess.CompletedProcess[str]:
+def run(count, *arguments):
     command = mpiexec(count, *arguments)
     return subprocess.run(
         command, env=surroundings(), capture_output=True, text=True, timeout=300, check=False
     )
 
 
-def told(text: str) -> Any:
+def told(text):
     """Return the JSON in what all processes have printed; Open MPI adds codes for terminals."""
     return json.loads(text[text.index("{") : text.rindex("}") + 1])
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from dense_contact import Contact, pressed, response_matrix
+from dense_contact import pressed, response_matrix
 from numpy.typing import NDArray
 
-from fem_contact import ContactResult, HeightField, InvalidInput, Solid, Status
+from fem_contact import HeightField, InvalidInput, Solid, Status
 from fem_contact.bem import solve, solve_displacement
 from fem_contact.response import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace, Response
 
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 Generator = np.random.Generator
 
 
-def heights(rng: Generator, shape: tuple[int, int]) -> Array:
+def heights(rng, shape):
     """Heights of about unit size: rough, smooth, stepped, single peaks, flat but for a little."""
     noise = rng.standard_normal(shape)
     i, j = np.indices(shape)
@@ -41,7 +41,7 @@ def heights(rng: Generator, shape: tuple[int, int]) -> Array:
     return -((i / shape[0] - 0.5) ** 2) - (j / shape[1] - 0.5) ** 2
 
 
-def solid_of(rng: Generator, *, modulus: float, length: float) -> Response:
+def solid_of(rng, *, modulus, length):
     poisson = float(rng.choice([0.0, 0.3, 0.5, -0.9, rng.uniform(-0.5, 0.5)]))
     solid, thickness = Solid(young=modulus, poisson=poisson), length * 10.0 ** rng.uniform(-2, 2)
     kind = rng.integers(4)
@@ -71,7 +71,7 @@ class Case:
     ordinary: bool
 
     @classmethod
-    def drawn(cls, seed: int) -> Case:
+    def drawn(cls, seed):
         rng = np.random.default_rng([seed, 20261122])
         shape = int(rng.integers(1, 11)), int(rng.integers(2, 13))
         extreme = rng.random() < 0.3
@@ -103,14 +103,14 @@ class Case:
             ordinary=not (extreme or far),
         )
 
-    def scales(self, load: float) -> tuple[float, float]:
+    def scales(self, load):
         """Unit of length and of pressure in which the conditions are judged."""
         surface, modulus = self.surface, self.response.contact_modulus
         rough = surface.rms_height > 8 * np.finfo(float).eps * np.abs(surface.heights).max()
         return (surface.rms_height if rough else load * max(surface.lengths) / modulus), load
 
 
-def solved(case: Case, exact: Contact, rng: Generator, unit: float) -> tuple[ContactResult, float | None]:
+def solved(case, exact, rng, unit):
     """Solve a case in its mode; with the target [m] where there is one."""
     if case.mode == "load":
         start = rng.random(case.surface.shape) if rng.random() < 0.2 else None
@@ -126,7 +126,7 @@ def solved(case: Case, exact: Contact, rng: Generator, unit: float) -> tuple[Con
     return solve_displacement(case.surface, case.response, offset=offset, **options), offset
 
 
-def faults(case: Case, result: ContactResult, matrix: Array, target: float | None) -> list[str]:
+def faults(case, result, matrix, target):
     """By what a result that is called converged misses the conditions of contact, in words."""
     tolerance, found = case.tolerance, []
     load = case.load if case.mode == "load" else result.mean_pressure
@@ -172,7 +172,7 @@ def faults(case: Case, result: ContactResult, matrix: Array, target: float | Non
     return found
 
 
-def outcome(seed: int) -> str:
+def outcome(seed):
     """What became of one case: a status, a refusal; raises where what is called converged is not."""
     case = Case.drawn(seed)
     rng = np.random.default_rng([seed, 77])
@@ -195,7 +195,7 @@ def outcome(seed: int) -> str:
     return "converged"
 
 
-def searched(seeds: range) -> Counter[str]:
+def searched(seeds):
     return Counter(outcome(seed) for seed in seeds)
 
 

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from surfaces import rough_surface
 from thread_processes import run_threads
 
-from fem_contact import HeightField, InvalidInput, Solid, Status, contact_areas, random_surface
+from fem_contact import InvalidInput, Solid, Status, contact_areas, random_surface
 from fem_contact.bem import SlabSurface, solve
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.grids import Grids
@@ -27,11 +27,11 @@ OBLIQUE = GivenResponse(
 )
 
 
-def field(shape: tuple[int, int]) -> HeightField:
+def field(shape):
     return rough_surface(shape, (1.0, shape[1] / shape[0]), seed=7, waves=12, longest=4, gradient=1.0)
 
 
-def hardness_field(shape: tuple[int, int]) -> np.ndarray:
+def hardness_field(shape):
     return 0.5 + 0.1 * np.random.default_rng(3).random(shape)
 
 

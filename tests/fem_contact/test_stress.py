@@ -5,7 +5,6 @@ import pytest
 from surfaces import SOFT, rough_surface
 
 from fem_contact import (
-    ContactResult,
     HeightField,
     contact_stiffness,
     density_at_zero,
@@ -17,11 +16,11 @@ from fem_contact import (
 from fem_contact.bem import solve, solve_path
 
 
-def rough(n: int) -> HeightField:
+def rough(n):
     return rough_surface((n, n), seed=3, waves=8, longest=1.6, gradient=1.0)
 
 
-def rough_contact(n: int) -> ContactResult:
+def rough_contact(n):
     return solve(rough(n), SOFT, mean_pressure=0.1).checked()
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from fem_contact import ContactResult, ExponentialSolid, LayeredSolid, Solid, bem, von_mises, write_subsurface
+from fem_contact import ExponentialSolid, LayeredSolid, Solid, bem, von_mises, write_subsurface
 from fem_contact.response import BondedLayer, FrictionlessLayer, HalfSpace
 from fem_contact.subsurface import default_depths, fields_below, planes_below, strongest_point
 from fem_contact.surface import HeightField
@@ -26,7 +26,7 @@ RESPONSES = {
 MESHED = (16, 15)
 
 
-def pressed(response, *, lengths=(1.0, 1.5), scale=1.0) -> ContactResult:
+def pressed(response, *, lengths=(1.0, 1.5), scale=1.0):
     """Full contact with a few long waves, so that pressures are smooth; odd and even numbers of points."""
     x, y = (np.arange(n) / n for n in MESHED)
     waves = np.cos(2 * np.pi * x)[:, None] * (1 + 0.4 * np.sin(4 * np.pi * y + 0.3))[None, :]

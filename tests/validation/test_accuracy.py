@@ -51,7 +51,7 @@ def bench(tmp_path):
     return Bench.at(tmp_path / "solves")
 
 
-def truth_of(scene, folder) -> tuple[float, float]:
+def truth_of(scene, folder):
     """Limit of the area over grids of 12 to 32 points per shortest wave, with its uncertainty."""
     bem = BemOptions(grids=((48, 48), (64, 64), (96, 96), (128, 128)), shifts=1)
     fine = scene.model_copy(update={"methods": scene.methods.model_copy(update={"bem": bem})})

@@ -8,7 +8,6 @@ from pydantic import ValidationError
 from scipy.special import ndtr
 
 from persson import elastic, solve_diffusion
-from validation.execution.measurement import Call
 from validation.measurements import diffusion, limits, rings
 from validation.measurements.budgets import (
     Memory,
@@ -26,7 +25,7 @@ from validation.studies import autopsy
 SMALL = {"periods": 2, "bandwidth": 4.0, "surfaces": 2, "probe_surfaces": 2, "probes": (2.0,)}
 
 
-def chain(*, load: float, **changes: object) -> Call:
+def chain(*, load, **changes):
     surface = base_surface(hurst=0.8, periods=2.0, bandwidth=4.0, seed=71)
     settings = {
         "problem": base_case(surface, reduced_pressure=load),
@@ -152,7 +151,7 @@ def test_persson_s_own_distribution_goes_on_as_if_nothing_had_happened():
     assert area == pytest.approx(float(elastic.contact_area(0.4, stress_variance=2.0)), rel=1e-3)
 
 
-def states(*rows: str) -> list[Pressed]:
+def states(*rows):
     """States of five points, x in contact."""
     contact = [np.array([letter == "x" for letter in row]) for row in rows]
     return [Pressed(pressure=flags.astype(float), in_contact=flags) for flags in contact]

@@ -15,7 +15,7 @@ CALCULIX, FEM = find_solver("calculix"), find_solver("fem")
 present = pytest.mark.skipif(CALCULIX.available() is not None, reason=str(CALCULIX.available()))
 
 
-def pressed(solver, field: HeightField, load: float, solid: Solid, **settings):
+def pressed(solver, field, load, solid, **settings):
     load = {"mean_pressure": load * solid.young}
     return solver.solve(
         Job(field=field, load=load, model=ContactModel(solid=solid), settings=settings)

@@ -19,7 +19,7 @@ from validation.scenes.problem import realise
 from validation.scenes.scene import load_scene
 
 
-def alone() -> ThreadComm:
+def alone():
     return ThreadComm(0, [None], threading.Barrier(1))
 
 

@@ -2,21 +2,18 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.measurement import area_limits, grid_for, press_on_grids
 
 
-def measured(
-    seed: int, *, hurst: float, load: float, bandwidth: float, grids: tuple[float, ...]
-) -> xr.Dataset:
+def measured(seed, *, hurst, load, bandwidth, grids):
     surface = base_surface(hurst=hurst, periods=2.0, bandwidth=bandwidth, seed=seed)
     pressed = base_case(surface, reduced_pressure=load)
     return press_on_grids(problem=pressed, grids=tuple(grid_for(pressed, n) for n in grids), shifts=2).do()
 
 
-def holds(data: xr.Dataset, used: tuple[int, ...], truth: tuple[int, ...]) -> tuple[bool, float]:
+def holds(data, used, truth):
     """Whether the interval from some grids holds the limit of finer ones, and its half width, relative."""
     per_wave = np.rint(data.points_per_wave.values).astype(int)
     (value,), (error,) = area_limits(data.isel(grid=np.isin(per_wave, used)))

@@ -23,7 +23,7 @@ class Spoilt(Bem):
     def __init__(self, before=lambda job: job, after=lambda p, job: p, mask=lambda mask, p: mask):
         self.before, self.after, self.mask = before, after, mask
 
-    def claim(self, job) -> Claim:
+    def claim(self, job):
         found = Claim.of(self.solve(self.before(job)).contact)
         pressure = np.array(self.after(found.pressure, job), dtype=float)
         return replace(found, pressure=pressure, in_contact=self.mask(found.in_contact, found.pressure))
@@ -203,7 +203,7 @@ PLANTS = {
 TOLD = {"repeatable", "tension", "full-contact", "load", "contact-set", "honesty", "symmetry"}
 
 
-def verdicts_of(subject: Subject) -> dict[str, str]:
+def verdicts_of(subject):
     return {one.case: one.word for one in run_cases([row for row in rows(subject) if row.name in TOLD])}
 
 

@@ -70,7 +70,7 @@ def {quantity}({arguments}, *, contact_modulus, moments, spectrum):
 )
 
 
-def differing(first: xr.Dataset, second: xr.Dataset, *, rtol: float = 0.0) -> list[str]:
+def differing(first, second, *, rtol=0.0):
     """Names of what both records have and is not the same, in value, unit or dimension."""
     wrong = []
     for name in map(str, set(first.variables) & set(second.variables)):
@@ -85,14 +85,14 @@ def differing(first: xr.Dataset, second: xr.Dataset, *, rtol: float = 0.0) -> li
     return sorted(wrong)
 
 
-def only(first: xr.Dataset, second: xr.Dataset) -> set[str]:
+def only(first, second):
     """Names that one of two records has alone, but for what is drawn."""
     return {
         name for name in map(str, set(first.variables) ^ set(second.variables)) if not _DRAWN.fullmatch(name)
     }
 
 
-def invoke(*arguments: object) -> str:
+def invoke(*arguments):
     outcome = CliRunner().invoke(app, [*map(str, arguments)])
     assert outcome.exit_code == 0, outcome.output
     return outcome.stdout
@@ -117,7 +117,7 @@ def doors(request, tmp_path_factory):
 ONE_SURFACE = pytest.mark.parametrize("doors", ["elastic", "yielding"], indirect=True)
 
 
-def numbers(folder: Path) -> xr.Dataset:
+def numbers(folder):
     return read_results(folder).data
 
 

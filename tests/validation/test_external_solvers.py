@@ -55,20 +55,18 @@ def own_module(tmp_path, monkeypatch):
     return tmp_path
 
 
-def job(
-    load: float = 0.01, *, points: int = 32, model: ContactModel | None = None, **settings: object
-) -> Job:
+def job(load=0.01, *, points=32, model=None, **settings):
     model = model or ContactModel(solid=Solid(young=1.0, poisson=0.0))
     return Job(
         field=example_field(points), load={"mean_pressure": load}, model=model, settings=settings, threads=1
     )
 
 
-def pressed(solver: str, **settings: float):
+def pressed(solver, **settings):
     return find_solver("own").solve(job(solver=solver, **settings)).contact
 
 
-def written(name: str, body: str) -> str:
+def written(name, body):
     code = "import numpy as np\ndef solve(heights, lengths, *, contact_modulus, mean_pressure):\n"
     Path(f"{name}.py").write_text(code + textwrap.indent(textwrap.dedent(body), "    "), encoding="utf-8")
     return f"{name}:solve"
@@ -212,7 +210,7 @@ NIGHTLY_MISDEEDS = {
 }
 
 
-def started_under(mark: str) -> list[psutil.Process]:
+def started_under(mark):
     """Every process that has a mark in its environment."""
     marked = []
     for process in psutil.process_iter():

@@ -57,7 +57,7 @@ def with_value(tree, place, value):
     return copy
 
 
-def problem(tree) -> str:
+def problem(tree):
     """What the reader of scenes says; empty if it has no objection."""
     try:
         Scene.model_validate(tree)
@@ -149,7 +149,7 @@ CHANGES = st.lists(
 )
 
 
-def explained(changes) -> str:
+def explained(changes):
     """Read and explain a scene with extreme values: how it ended."""
     tree = {**TREE}
     # Tables before what is in them, or the load of a table that was replaced would be set.

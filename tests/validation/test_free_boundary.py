@@ -31,11 +31,11 @@ BALL = {
 }
 
 
-def scene(**changed) -> Scene:
+def scene(**changed):
     return Scene.model_validate(BALL | changed)
 
 
-def checked(**changed) -> None:
+def checked(**changed):
     asked = scene(**changed)
     check_scene(asked, realise(asked))
 

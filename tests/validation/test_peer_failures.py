@@ -18,7 +18,7 @@ def _in_this_folder(monkeypatch):
     monkeypatch.chdir(Path(__file__).parent)
 
 
-def failed(name: str, package: str, *, among: set[str]) -> dict[str, str]:
+def failed(name, package, *, among):
     """Rows that a solver fails, of some, with the first check that is missed."""
     pytest.importorskip(package)
     solver, settings = chosen_solver(name)

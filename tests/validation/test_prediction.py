@@ -25,7 +25,7 @@ LIST = [
 ]
 
 
-def job_of(number: int, *, small: bool = False) -> Press:
+def job_of(number, *, small=False):
     method, n, pressure, settings = LIST[number]
     surface = SelfAffineSurface(
         kind="self-affine",

@@ -12,11 +12,11 @@ from typer.testing import CliRunner
 
 from validation.cases import Verdict, below, run_cases
 from validation.cases._result import claims_dataset, claims_page, claims_views
-from validation.cases.scorecard import Scorecard, Subject, rows, score
+from validation.cases.scorecard import Subject, rows, score
 from validation.cli import app
 from validation.execution.results import read_results
 from validation.solvers import chosen_solver
-from validation.solvers.base import Claim, Cost
+from validation.solvers.base import Cost
 from validation.solvers.bem import Bem
 
 
@@ -26,13 +26,13 @@ class Toy(Bem):
     score_points = 16
     stiffness = 1.0
 
-    def claim(self, job) -> Claim:
+    def claim(self, job):
         solid = replace(job.model.solid, young=self.stiffness * job.model.solid.young)
         found = super().claim(replace(job, model=replace(job.model, solid=solid)))
         return replace(found, cpu_seconds=1e-3)
 
 
-def card_of(stiffness: float) -> Scorecard:
+def card_of(stiffness):
     solver = Toy()
     solver.stiffness = stiffness
     return score(Subject(name="toy", solver=solver, settings={}))
@@ -123,7 +123,7 @@ class Deaf(Bem):
     score_points = 16
     ignored = ""
 
-    def claim(self, job) -> Claim:
+    def claim(self, job):
         if self.ignored == "layer":
             job = replace(job, model=replace(job.model, response=None))
         if self.ignored == "hardness":
@@ -134,7 +134,7 @@ class Deaf(Bem):
         return replace(found, converged=None) if self.ignored == "end" else found
 
 
-def rows_of(subject: Subject, names: set[str]) -> dict[str, Verdict]:
+def rows_of(subject, names):
     return {one.case: one for one in run_cases([row for row in rows(subject) if row.name in names])}
 
 
@@ -162,7 +162,7 @@ class Hazy(Bem):
 
     score_points = 16
 
-    def claim(self, job) -> Claim:
+    def claim(self, job):
         found = super().claim(job)
         return replace(found, pressure=np.maximum(found.pressure, 1e-9 * found.pressure.max()))
 
@@ -193,10 +193,10 @@ class Dear(Bem):
 
     score_points = 16
 
-    def cost(self, size) -> Cost:
+    def cost(self, size):
         return Cost(pairs=float(size.points), peak_bytes=1, unknowns=1)
 
-    def claim(self, job) -> Claim:
+    def claim(self, job):
         found = super().claim(job)
         return replace(found, cpu_seconds=1e-3 * found.pressure.size)
 

@@ -7,11 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from validation.errors import UsageError
-from validation.execution.measurement import Call
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.measurement import grid_for, press_on_grids, truncated_heights
 from validation.scenes import surfaces
-from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import load_scene
 from validation.scenes.tables import SolidSpec
 from validation.studies import cross, find_study
@@ -20,11 +18,11 @@ SOLID = SolidSpec(young=3e8, poisson=0.25)
 SMALL = {"periods": 2.0, "bandwidth": 2.0}
 
 
-def pressed(*, seed: int = 61, solid: SolidSpec = SOLID) -> ContactProblem:
+def pressed(*, seed=61, solid=SOLID):
     return base_case(base_surface(hurst=0.6, seed=seed, **SMALL), reduced_pressure=0.05, solid=solid)
 
 
-def measurement(**changes: object) -> Call:
+def measurement(**changes):
     settings = {
         "problem": pressed(),
         "reduced_pressures": (0.05, 0.2),

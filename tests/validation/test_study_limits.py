@@ -196,7 +196,7 @@ def hertzian():
     return found
 
 
-def slope_in_window(result, reach: float) -> float:
+def slope_in_window(result, reach):
     """Slope over that of Hertz, pi^3/2, from a window of `reach` pressures at one cell from the edge."""
     areas = contact_areas(result)
     radius = np.sqrt(areas.perimeter / np.pi)
@@ -228,7 +228,7 @@ def test_the_slope_from_the_contour_tends_to_that_of_a_hertzian_contact_in_first
     assert coarse / fine == pytest.approx(2.0, abs=0.7)
 
 
-def synthetic_edge(*, value: float, slope: float, bend: float) -> xr.Dataset:
+def synthetic_edge(*, value, slope, bend):
     """P = value + slope sigma - bend sigma^2 / 2 of four surfaces, in windows that close like sqrt(dx)."""
     spacing = 1 / np.array([16.0, 32.0, 64.0, 128.0])
     eps = 0.4 * np.sqrt(spacing)

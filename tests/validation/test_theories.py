@@ -26,11 +26,11 @@ def rough():
     return Rough.of(base_case(surface, reduced_pressure=0.05))
 
 
-def unit(rough: Rough) -> float:
+def unit(rough):
     return rough.contact_modulus * rough.moments.rms_gradient
 
 
-def written(body: str, name: str = "my_theory") -> None:
+def written(body, name="my_theory"):
     Path(f"{name}.py").write_text(textwrap.dedent(body), encoding="utf-8")
 
 
@@ -155,7 +155,7 @@ class Elsewhere(Theory):
         return pressure / pressure.max()
 
 
-def offered(monkeypatch: pytest.MonkeyPatch, load) -> tuple[type[Theory], ...]:
+def offered(monkeypatch, load):
     """What is found where another package's entry point is loaded by a function."""
     entry = metadata.EntryPoint(name="elsewhere", value=f"{__name__}:Elsewhere", group="fem_contact.theories")
     monkeypatch.setattr(type(entry), "load", lambda self: load())

@@ -45,7 +45,7 @@ SPECTRUM = SelfAffine.from_rms_gradient(
 )
 
 
-def npy(array: np.ndarray) -> bytes:
+def npy(array):
     """The bytes of a .npy file."""
     file = io.BytesIO()
     np.save(file, array)
@@ -56,7 +56,7 @@ def npy(array: np.ndarray) -> bytes:
 AS_IT_IS = {"tilt": None, "missing": "refuse", "edges": None}
 
 
-def patch(n: int = 96, *, seed: int = 31) -> np.ndarray:
+def patch(n=96, *, seed=31):
     """A quarter of a periodic surface of twice the size: its opposite edges do not match."""
     whole = random_surface(
         SPECTRUM, q_short=SPECTRUM.q_short, lengths=(2 * LENGTH,) * 2, shape=(2 * n, 2 * n), seed=seed
@@ -64,7 +64,7 @@ def patch(n: int = 96, *, seed: int = 31) -> np.ndarray:
     return np.array(whole.heights[:n, :n])
 
 
-def measured_patch(n: int = 96) -> tuple[np.ndarray, np.ndarray]:
+def measured_patch(n=96):
     """A patch as it comes from an instrument, with tilt and holes; and the mask of the holes."""
     heights = patch(n)
     x = np.arange(n) * LENGTH / n
@@ -459,7 +459,7 @@ def test_a_file_that_no_scene_can_press_is_refused_before_anything_is_solved(
     assert not list((tmp_path / "results").rglob("*.nc"))
 
 
-def tilted_map(folder) -> str:
+def tilted_map(folder):
     """One period of a rough surface as an instrument gives it: tilted, in um, with a hole; a scene of it."""
     waves = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1.3e6, q_short=1.2e7)
     whole = random_surface(waves, q_short=1.2e7, lengths=(2e-5, 1.2e-5), shape=(160, 96), seed=9)

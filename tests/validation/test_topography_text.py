@@ -10,7 +10,7 @@ from validation.scenes.topography.reading import file_says, read_topography
 NUMBERS = np.round(np.random.default_rng(15).normal(size=(5, 4)), 3)
 
 
-def written(heights: np.ndarray, delimiter: str = " ", *, comma: bool = False, end: str = "\n") -> str:
+def written(heights, delimiter=" ", *, comma=False, end="\n"):
     """A matrix as text."""
     text = end.join(delimiter.join(f"{h:.3f}" for h in row) for row in heights) + end
     return text.replace(".", ",") if comma else text
@@ -123,7 +123,7 @@ def test_hdf5_of_several_data_sets_takes_the_size_that_is_given_and_damage_has_w
             read_topography(tmp_path / name)
 
 
-def points(heights: np.ndarray, *, digits: int = 4, order: int = 3) -> str:
+def points(heights, *, digits=4, order=3):
     """Lines x y z of a map with steps of 1/3 and 1/7, in any order."""
     i, j = np.indices(heights.shape)
     rows = np.column_stack([i.ravel() / 3 + 2, j.ravel() / 7 - 1, heights.ravel()])

@@ -16,7 +16,7 @@ from fem_contact.block.full.system import highest_nodes
 LIMITS = {"tolerance": 1e-9, "max_iterations": 30}
 
 
-def bumpy_block() -> Block:
+def bumpy_block():
     mesh = plan_mesh((4, 4), (1.0, 1.0))
     heights = -np.random.default_rng(21).random((4, 4))
     return Block(hierarchy=build_hierarchy(mesh, poisson=0.3), heights=heights)

@@ -10,9 +10,7 @@ from fem_contact.area import EDGE_CONSTANTS
 from fem_contact.block import solve
 
 
-def press_paraboloid(
-    n: int, edge: float, *, shift: tuple[float, float] = (0.0, 0.0), poisson: float = 0.3, **changes: object
-):
+def press_paraboloid(n, edge, *, shift=(0.0, 0.0), poisson=0.3, **changes):
     """Contact of radius `edge` on a paraboloid of radius 1 in a unit period, the distances, and the peak."""
     solid = Solid(young=1.0, poisson=poisson)
     surface, load, r = periodic_paraboloid(n, edge, shift, modulus=solid.contact_modulus)

@@ -4,10 +4,10 @@ import scipy.sparse.linalg as sla
 from numpy.testing import assert_allclose
 
 from fem_contact import Solid
-from fem_contact.block import ELEMENTS, BlockMesh, BlockResponse, Element, graded_layers, plan_mesh
+from fem_contact.block import ELEMENTS, BlockMesh, BlockResponse, graded_layers, plan_mesh
 from fem_contact.block.elements import element_for
 from fem_contact.block.full.assembly import assemble
-from fem_contact.block.reduced.column import FoldedLayers, fold, surface_compliance
+from fem_contact.block.reduced.column import fold, surface_compliance
 from fem_contact.block.reduced.fields import FourierSource
 from fem_contact.block.reduced.surface import surface_operator
 
@@ -17,7 +17,7 @@ UNIT = Solid(young=1.0, poisson=0.3)
 SHARES = {1: np.ones(1), 2: np.array([1, 2, 2, 4]) / 9}
 
 
-def bonded_layer(q: float, *, depth: float, poisson: float) -> float:
+def bonded_layer(q, *, depth, poisson):
     """Compliance of a layer on a rigid base without tangential traction, times Young's modulus."""
     k, a = 3 - 4 * poisson, q * depth
     if a > 300:
@@ -26,13 +26,11 @@ def bonded_layer(q: float, *, depth: float, poisson: float) -> float:
     return float(2 * (1 - poisson**2) / q * shape)
 
 
-def mesh_of(element: Element, *, growth: float = 1.5) -> BlockMesh:
+def mesh_of(element, *, growth=1.5):
     return plan_mesh((5 * element.order, 8), (1.0, 1.2), element=element, growth=growth)
 
 
-def wave_error(
-    element: Element, poisson: float, *, nodes: int, growth: float, diagonal: bool = False
-) -> float:
+def wave_error(element, poisson, *, nodes, growth, diagonal=False):
     """Relative error of the compliance of a wave of some nodes per wavelength on a deep block.
 
     Quadratic elements respond as a pressure wave of equal value at all kinds of nodes sees it: forces by node
@@ -101,7 +99,7 @@ def test_incompressible_block_does_not_yield_to_uniform_pressure():
     assert np.linalg.eigvalsh(matrix)[1:].min() > 1e-3 * np.abs(matrix).max()
 
 
-def solved_at_once(folded: FoldedLayers, phase: tuple[float, float]) -> np.ndarray:
+def solved_at_once(folded, phase):
     """Vertical displacement of the surface under unit vertical forces: all planes of one column together."""
     functions = [np.array([1, np.cos(t / 2), np.cos(t), np.sin(t / 2), np.sin(t)]) for t in phase]
     layers = np.einsum("lijrc,i,j->lrc", folded.coefficients, *functions)
@@ -156,7 +154,7 @@ def test_compiled_elimination_solves_whole_columns(name, poisson):
     assert_allclose(surface_compliance(folded, phases), twin, atol=2e-12 * np.abs(twin).max())
 
 
-def refined_error(element: Element, poisson: float, nodes: int) -> float:
+def refined_error(element, poisson, nodes):
     """Error of one diagonal wave on a block whose growth - 1 shrinks with the cell."""
     shape, lengths = (nodes, 2 * element.order), (float(nodes), 2.0 * element.order)
     growth = 1 + 1.6 * element.order / nodes

@@ -3,18 +3,18 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from surfaces import rough_surface
 
-from fem_contact import HeightField, InvalidInput, Solid
-from fem_contact.block import BlockSolution, solve, solve_displacement, solve_path
+from fem_contact import InvalidInput, Solid
+from fem_contact.block import solve, solve_displacement, solve_path
 
 SOLID = Solid(young=3e9, poisson=0.3)
 LENGTH = 1e-5
 
 
-def rough(n: int) -> HeightField:
+def rough(n):
     return rough_surface((n, n), (LENGTH, LENGTH), seed=7, waves=4)
 
 
-def particle(surface: HeightField, contrast: float):
+def particle(surface, contrast):
     """A ball of another modulus just below the highest point."""
     i, j = np.unravel_index(surface.heights.argmax(), surface.shape)
     x0, y0 = i * surface.spacing[0], j * surface.spacing[1]
@@ -27,7 +27,7 @@ def particle(surface: HeightField, contrast: float):
     return modulus
 
 
-def press(surface: HeightField, contrast: float, **changes: object) -> BlockSolution:
+def press(surface, contrast, **changes):
     pressure = 0.05 * SOLID.contact_modulus * surface.rms_gradient
     modulus = particle(surface, contrast)
     return solve(surface, SOLID, mean_pressure=pressure, modulus=modulus, **({"tolerance": 1e-9} | changes))

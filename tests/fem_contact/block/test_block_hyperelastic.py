@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from fem_contact import HeightField, NotConverged, Solid
-from fem_contact.block import ELEMENTS, BlockMesh, plan_mesh, solve_finite_strain
+from fem_contact.block import ELEMENTS, plan_mesh, solve_finite_strain
 from fem_contact.block.hyperelastic import solver
 from fem_contact.block.hyperelastic.cells import Cells, Strained, stress
 from fem_contact.block.hyperelastic.newton import descend
@@ -22,11 +22,11 @@ SOLID = Solid(young=2e6, poisson=0.3)
 MESH = {"depth": 0.5, "growth": 2.0}
 
 
-def small_mesh(element: str) -> BlockMesh:
+def small_mesh(element):
     return plan_mesh((4, 5), (4.0, 6.0), depth=4.0, element=ELEMENTS[element])
 
 
-def rotation(seed: int) -> Array:
+def rotation(seed):
     q, r = np.linalg.qr(np.random.default_rng(seed).standard_normal((3, 3)))
     q = q * np.sign(np.diag(r))
     return q * np.sign(np.linalg.det(q))

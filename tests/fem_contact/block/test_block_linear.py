@@ -1,14 +1,14 @@
 import numpy as np
 import pytest
 
-from fem_contact.block.full.linear import LinearSolution, conjugate_gradients
+from fem_contact.block.full.linear import conjugate_gradients
 
 
-def laplacian(n: int) -> np.ndarray:
+def laplacian(n):
     return 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
 
 
-def solved(apply, right: np.ndarray, **changes) -> LinearSolution:
+def solved(apply, right, **changes):
     """Conjugate gradients from 0, without preconditioner."""
     options = {"precondition": np.copy, "start": np.zeros(right.size), "scale": float(np.linalg.norm(right))}
     return conjugate_gradients(apply, right, **(options | changes))

@@ -12,7 +12,7 @@ from fem_contact.block.full.assembly import assemble
 from fem_contact.block.full.block import Block
 from fem_contact.block.full.cells import overlap_means
 from fem_contact.block.full.linear import conjugate_gradients
-from fem_contact.block.full.multigrid import Hierarchy, Transfer, build_hierarchy
+from fem_contact.block.full.multigrid import Transfer, build_hierarchy
 from fem_contact.block.full.quadratic import QuadraticBlock, parity_blocks, refined_hierarchy
 from fem_contact.block.session import needed_bytes
 
@@ -171,7 +171,7 @@ def test_a_single_column_is_solved_exactly():
     assert_allclose(level.apply(u), f, atol=1e-12)
 
 
-def steps_of(hierarchy: Hierarchy, tied, block=None) -> int:
+def steps_of(hierarchy, tied, block=None):
     """Conjugate-gradient steps to 1e-8 under random forces with tied nodes."""
     block = block or Block(hierarchy=hierarchy, heights=np.zeros(tied.shape))
     masks, held = hierarchy.tied(tied), block.vertical(tied)

@@ -9,7 +9,6 @@ from fem_contact import HeightField, InsufficientMemory, Solid, Status, bem
 from fem_contact.block import (
     ELEMENTS,
     BlockResponse,
-    BlockSolution,
     plan_mesh,
     solve,
     solve_displacement,
@@ -20,15 +19,11 @@ from fem_contact.block.solution import ArraySource
 SOLID = Solid(young=3e9, poisson=0.3)
 
 
-def rough(
-    shape: tuple[int, int], lengths: tuple[float, float] = (1e-5, 1e-5), *, seed: int = 7
-) -> HeightField:
+def rough(shape, lengths=(1e-5, 1e-5), *, seed=7):
     return rough_surface(shape, lengths, seed=seed, waves=4)
 
 
-def press(
-    surface: HeightField, solid: Solid = SOLID, reduced: float = 0.05, **changes: object
-) -> BlockSolution:
+def press(surface, solid=SOLID, reduced=0.05, **changes):
     pressure = reduced * solid.contact_modulus * surface.rms_gradient
     return solve(surface, solid, mean_pressure=pressure, **({"tolerance": 1e-12} | changes))
 
@@ -182,7 +177,7 @@ def _alternating(x, y, z):
     return np.where(np.arange(z.size) % 2 == 0, 1e4, 1.0)[None, None]
 
 
-def _tied() -> HeightField:
+def _tied():
     surface = rough((20, 20))
     step = surface.rms_height / 2
     return HeightField(heights=np.round(surface.heights / step) * step, lengths=surface.lengths)
@@ -232,7 +227,7 @@ def test_field_beyond_memory_is_refused_while_layers_still_flow(monkeypatch):
         next(quadratic.stress_layers())
 
 
-def _quadratic_response(shape: tuple[int, int]) -> BlockResponse:
+def _quadratic_response(shape):
     mesh = plan_mesh(shape, (1.0, 1.0), element=ELEMENTS["Hex2"])
     return BlockResponse(mesh=mesh, solid=Solid(young=1.0, poisson=0.3), width=1.0)
 

@@ -3,19 +3,17 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from surfaces import rough_surface
 
-from fem_contact import HeightField, Solid
-from fem_contact.block import BlockSolution, estimate, solve
+from fem_contact import Solid
+from fem_contact.block import estimate, solve
 
 SOLID = Solid(young=3e9, poisson=0.3)
 
 
-def rough(
-    shape: tuple[int, int], lengths: tuple[float, float] = (1e-5, 1e-5), *, seed: int = 7
-) -> HeightField:
+def rough(shape, lengths=(1e-5, 1e-5), *, seed=7):
     return rough_surface(shape, lengths, seed=seed, waves=4)
 
 
-def press(surface: HeightField, reduced: float = 0.05, **changes: object) -> BlockSolution:
+def press(surface, reduced=0.05, **changes):
     pressure = reduced * SOLID.contact_modulus * surface.rms_gradient
     return solve(surface, SOLID, mean_pressure=pressure, **({"method": "full"} | changes))
 
