@@ -12,8 +12,6 @@ from fem_contact.complementarity.iteration_arrays import IterationArrays
 from fem_contact.complementarity.rows import Rows
 from fem_contact.settings import Settings
 
-Array = np.ndarray
-
 
 def test_number_of_threads_changes_no_bit_of_the_passes():
     heights = wavy((1024, 20))

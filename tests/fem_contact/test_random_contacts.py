@@ -8,13 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from dense_contact import pressed, response_matrix
-from numpy.typing import NDArray
 
 from fem_contact import HeightField, InvalidInput, Solid, Status
 from fem_contact.bem import solve, solve_displacement
 from fem_contact.response import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace, Response
 
-Array = NDArray[np.float64]
 Generator = np.random.Generator
 
 
@@ -65,7 +63,7 @@ class Case:
     surface: HeightField
     response: Response
     load: float
-    bound: Array | float | None
+    bound: np.ndarray | float | None
     tolerance: float
     mode: str
     ordinary: bool
@@ -87,7 +85,7 @@ class Case:
         reduced = 10.0 ** (rng.uniform(-25, 13) if extreme else rng.uniform(-4, 1))
         scale = modulus * (surface.rms_gradient if surface.rms_gradient > 0 else 1.0)
         load = reduced * scale
-        bound: Array | float | None = None
+        bound: np.ndarray | float | None = None
         if rng.random() < 0.4:
             bound = load * (1 + 10.0 ** rng.uniform(-6, 3))
             if rng.random() < 0.5:

@@ -1,25 +1,16 @@
 """A small scene as text: one rough surface on one solid, to which a test adds what it is about."""
 
-from pathlib import Path
-
-from validation.scenes.scene import Scene
-from validation.scenes.sweep import Sweep, load_asked
+from validation.scenes.sweep import load_asked
 
 
-def scene_in(folder: Path, text: str, *settings: str, name: str = "scene") -> Scene | Sweep:
+def scene_in(folder, text, *settings, name="scene"):
     """Return the scene, or the sweep, of a text that is written into a folder, with keys set."""
     path = folder / f"{name}.toml"
     path.write_text(text, encoding="utf-8")
     return load_asked(str(path), settings)
 
 
-def small_scene(
-    more: str = "",
-    *,
-    length: str = '"10 um"',
-    load: str = "reduced_pressure = 0.1",
-    grids: str = "[24, 36, 48]",
-) -> str:
+def small_scene(more="", *, length='"10 um"', load="reduced_pressure = 0.1", grids="[24, 36, 48]"):
     """Return the scene, with further tables after it."""
     return f"""
 [surface]

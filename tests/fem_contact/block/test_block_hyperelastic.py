@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from fem_contact import HeightField, NotConverged, Solid
@@ -17,7 +16,6 @@ from fem_contact.block.hyperelastic.newton import descend
 from fem_contact.block.hyperelastic.profile import Profile
 from tests.surfaces import rough_surface
 
-Array = NDArray[np.float64]
 SOLID = Solid(young=2e6, poisson=0.3)
 MESH = {"depth": 0.5, "growth": 2.0}
 

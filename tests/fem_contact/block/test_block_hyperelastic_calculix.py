@@ -6,13 +6,11 @@ import subprocess
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from fem_contact import Solid
 from fem_contact.block import solve_finite_strain
 from tests.surfaces import rough_surface
 
-Array = NDArray[np.float64]
 SOLID = Solid(young=1e6, poisson=0.3)
 
 
