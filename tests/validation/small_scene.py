@@ -31,6 +31,20 @@ grids = {grids}
 {more}"""
 
 
+def changed(tree, place, value):
+    """A copy of the tree with one place set; places that do not exist any more are left alone."""
+    key, *rest = place
+    if isinstance(tree, dict):
+        copy = dict(tree)
+        copy[key] = changed(tree.get(key, {}), rest, value) if rest else value
+        return copy
+    if isinstance(tree, list) and isinstance(key, int) and key < len(tree):
+        copy = list(tree)
+        copy[key] = changed(tree[key], rest, value) if rest else value
+        return copy
+    return tree
+
+
 #: Twice as long as wide.
 OBLONG = small_scene(
     length='["10 um", "5 um"]', load='pressure = "10 kPa"', grids="[[24, 12], [32, 16], [48, 24]]"
