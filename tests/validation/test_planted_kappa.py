@@ -186,21 +186,8 @@ def test_the_budget_of_hurst_adds_the_planted_half_widths_as_a_root_of_squares(e
 
 
 def test_without_ladders_size_and_bandwidth_are_not_measured_and_their_solves_not_asked_for():
-    options = find_study("hurst").parse(
-        [
-            "--methods",
-            "bem",
-            "--no-ladders",
-            "--hursts",
-            "0.2",
-            "--pairs",
-            "2",
-            "--periods",
-            "2",
-            "--bandwidths",
-            "2",
-        ]
-    )
+    told = "--methods bem --no-ladders --hursts 0.2 --pairs 2 --periods 2 --bandwidths 2"
+    options = find_study("hurst").parse(told.split())
     cases = hurst.design(options)
     assert len(cases) == 5
     data = hurst.run(options, bench=PlantedBench(_kappa_of))
