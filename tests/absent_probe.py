@@ -25,7 +25,7 @@ SCENE = {
 }
 
 
-def main(effects: list[dict[str, object]]) -> None:
+def main(effects):
     """Solve twice: once to load and compile, once to measure."""
     # Where ducc0 is installed it transforms in place; without it every installation allocates the same.
     sys.modules["ducc0"] = None  # type: ignore[assignment]
@@ -38,7 +38,7 @@ def main(effects: list[dict[str, object]]) -> None:
     transforms = 0
     plain = fourier.FourierOperator._filter
 
-    def counted(self: fourier.FourierOperator, *arguments: object, **options: object) -> None:
+    def counted(self, *arguments, **options):
         nonlocal transforms
         transforms += 1
         plain(self, *arguments, **options)  # type: ignore[arg-type]

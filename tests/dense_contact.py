@@ -1,18 +1,11 @@
 """Contact on a few points by a dense matrix and an active set: shares no line with the solvers it judges."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-
-from fem_contact.response import Response
-
-Array = NDArray[np.float64]
 
 
-def response_matrix(response: Response, shape: tuple[int, int], lengths: tuple[float, float]) -> Array:
+def response_matrix(response, shape, lengths):
     """Displacement [m] of point i under a pressure [Pa] at point j: the sum of C(q) over all waves."""
     (nx, ny), (lx, ly) = shape, lengths
     kx, ky = np.arange(nx) - nx // 2, np.arange(ny) - ny // 2
@@ -31,20 +24,13 @@ def response_matrix(response: Response, shape: tuple[int, int], lengths: tuple[f
 class Contact:
     """Pressure and gap of the exact solution, flat arrays; `exact` is false where rounding hid it."""
 
-    pressure: Array
-    gap: Array
+    pressure: np.ndarray
+    gap: np.ndarray
     offset: float
     exact: bool
 
 
-def pressed(
-    matrix: Array,
-    heights: Array,
-    *,
-    load: float,
-    bound: Array | float | None = None,
-    start: Array | None = None,
-) -> Contact:
+def pressed(matrix, heights, *, load, bound=None, start=None):
     """Solve min p.S p / 2 - p.h, 0 <= p <= bound, mean p = load, by the primal active-set method.
 
     The energy falls from step to step: a point that runs into its bound is held there, and the held point
@@ -85,9 +71,7 @@ def pressed(
     return Contact(pressure=p, gap=gap, offset=offset, exact=False)
 
 
-def _balanced(
-    matrix: Array, h: Array, *, top: Array, held: NDArray[np.int_], load: float
-) -> tuple[Array, float]:
+def _balanced(matrix, h, *, top, held, load):
     """Pressure that closes the gap of the points not held and carries the load, with the offset."""
     free, full = held == 0, held > 0
     p = np.where(full, top, 0.0)

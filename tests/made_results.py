@@ -1,14 +1,11 @@
 """Contacts and areas that nobody solved: what a test names, and nothing else."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from fem_contact.area import ContactAreas
-from fem_contact.contact import ContactResult, Cost, Residuals, Status
+from fem_contact import ContactAreas, ContactResult, Cost, Residuals, Status
 
 
-def made_contact(touches: np.ndarray, /, **changes: object) -> ContactResult:
+def made_contact(touches, /, **changes):
     """A converged contact on a unit period, of unit pressure wherever it touches."""
     fields = dict.fromkeys(("gap", "displacement", "heights"), np.zeros(touches.shape))
     fields |= {"in_contact": touches, "at_bound": np.zeros_like(touches), "pressure": 1.0 * touches}
@@ -22,7 +19,7 @@ def made_contact(touches: np.ndarray, /, **changes: object) -> ContactResult:
     return ContactResult(**(fields | numbers | made | changes))
 
 
-def made_areas(value: float, n: int, fraction: float, **changes: object) -> ContactAreas:
+def made_areas(value, n, fraction, **changes):
     """An area on n x n points of a unit period, counted and located alike, with that many edges."""
     areas = {"pixel": value, "perimeter": value, "subcell": value, "cells": n * n, "spacing": (1 / n, 1 / n)}
     edges = {"edge_length": fraction * n, "edge_fraction": fraction, "edge_constant": 0.1}

@@ -1,7 +1,5 @@
 """Fresh interpreters that see what this one does."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
@@ -10,15 +8,13 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 
 
-def environment_of(*paths: Path, **changes: str) -> dict[str, str]:
+def environment_of(*paths, **changes):
     """Variables of this process, changed; its modules, and those of further paths, can be imported."""
     path = os.pathsep.join([*map(str, paths), str(ROOT), *filter(None, sys.path)])
     return {**os.environ, "PYTHONPATH": path, **changes}
 
 
-def run_python(
-    *arguments: object, shell: str = "", folder: Path = ROOT, paths: tuple[Path, ...] = (), **changes: str
-) -> subprocess.CompletedProcess[str]:
+def run_python(*arguments, shell="", folder=ROOT, paths=(), **changes):
     """Run Python in a folder, after commands of the shell."""
     return subprocess.run(
         ["bash", "-c", f'{shell} exec "$0" "$@"', sys.executable, *map(str, arguments)],

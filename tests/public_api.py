@@ -1,10 +1,6 @@
 """Every public door of `fem_contact`, with arguments it accepts; of `persson`: public_api_of_theory.py."""
 
-from __future__ import annotations
-
 import inspect
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -31,18 +27,14 @@ from fem_contact import (
     viscoelastic,
 )
 
-Door = tuple[Callable[..., Any], dict[str, Any]]
-
 X = np.arange(12) / 12
 WAVE = 0.02 * np.cos(2 * np.pi * X)[:, None] * np.cos(4 * np.pi * X)[None, :]
 MESH = {"depth": 1.0, "growth": 1.5, "first_layer": 0.1}
 
 
-def doors_with(
-    common: dict[str, Any], *functions: Callable[..., Any] | tuple[Callable[..., Any], dict[str, Any]]
-) -> dict[str, Door]:
+def doors_with(common, *functions):
     """Doors by name: what a function is given beside those of the common arguments that it has."""
-    doors: dict[str, Door] = {}
+    doors = {}
     for entry in functions:
         function, own = entry if isinstance(entry, tuple) else (entry, {})
         parameters = inspect.signature(function).parameters
@@ -56,7 +48,7 @@ def doors_with(
     return doors
 
 
-def solver_doors() -> dict[str, Door]:
+def solver_doors():
     """The public functions of `fem_contact` but for those of the block."""
     field = surface.HeightField(heights=WAVE, lengths=(1.0, 1.0))
     solid = fem_contact.Solid(young=1.0, poisson=0.3)
@@ -185,7 +177,7 @@ def solver_doors() -> dict[str, Door]:
     )
 
 
-def block_doors() -> dict[str, Door]:
+def block_doors():
     """The public functions of `fem_contact.block`."""
     solid = fem_contact.Solid(young=1.0, poisson=0.3)
     common = MESH | {

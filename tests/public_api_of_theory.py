@@ -1,9 +1,7 @@
 """Every public door of `persson`, with arguments it accepts."""
 
-from __future__ import annotations
-
 import numpy as np
-from public_api import Door, doors_with
+from public_api import doors_with
 
 from persson import (
     adhesion,
@@ -45,7 +43,7 @@ WAVES = {
 }
 
 
-def theory_doors() -> dict[str, Door]:
+def theory_doors():
     """The public functions of `persson`."""
     rough = spectrum.SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e5, q_short=1e6)
     bent = spectrum.SelfAffine.from_rms_gradient(

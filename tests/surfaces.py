@@ -1,26 +1,17 @@
 """Surfaces that the tests of solvers share, and the lattice sum behind Hertz's contact on a period."""
 
-from __future__ import annotations
-
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_contact.surface import HeightField, random_surface
+from fem_contact import HalfSpace, HeightField, Solid, random_surface
 
+#: A half-space of E* = 1.
+SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 #: Sum of |n|^-3 over the points of the square lattice but the origin: what the images of a load do to
 #: the curvature below it.
 LATTICE_CUBE = 9.03362168
 
 
-def rough_surface(
-    shape: tuple[int, int],
-    lengths: tuple[float, float] = (1.0, 1.0),
-    *,
-    seed: int,
-    waves: float,
-    longest: float = 0.0,
-    gradient: float = 0.1,
-) -> HeightField:
+def rough_surface(shape, lengths=(1.0, 1.0), *, seed, waves, longest=0.0, gradient=0.1):
     """Heights of H = 0.8 with waves of 1/`longest` to 1/`waves` of the longer side, and that rms gradient."""
     unit = 2 * np.pi / max(lengths)
     surface = random_surface(
@@ -33,9 +24,7 @@ def rough_surface(
     return HeightField(heights=surface.heights * (gradient / surface.rms_gradient), lengths=lengths)
 
 
-def periodic_paraboloid(
-    n: int, radius: float, shift: tuple[float, float] = (0.0, 0.0), *, modulus: float = 1.0
-) -> tuple[HeightField, float, NDArray[np.float64]]:
+def periodic_paraboloid(n, radius, shift=(0.0, 0.0), *, modulus=1.0):
     """Tip of radius 1 in a unit period, the pressure whose contact has that radius, and distances from it.
 
     The periodic images add F / (2 pi E*) sum 1 / r^3 to the curvature, which the paraboloid is given less.

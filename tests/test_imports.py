@@ -1,7 +1,5 @@
 """No module imports itself by way of others, in functions and for annotations included."""
 
-from __future__ import annotations
-
 import ast
 from graphlib import TopologicalSorter
 from pathlib import Path
@@ -9,7 +7,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 
 
-def imports() -> dict[str, set[str]]:
+def imports():
     """Each module of the three packages, and those of them that it imports anywhere."""
     paths = [
         path for name in ("persson", "fem_contact", "validation") for path in (ROOT / name).rglob("*.py")

@@ -23,7 +23,7 @@ def checked(function):
     for call in ast.walk(function):
         match call:
             case ast.Call(func=ast.Name(id=check), args=[ast.Constant(value=word), value, *_]) if (
-                check in CHECKS
+                check in CHECKS or check.startswith("check")
             ):
                 match value:
                     case ast.Attribute(value=ast.Name(id="self"), attr=name):

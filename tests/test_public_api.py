@@ -16,10 +16,9 @@ from hypothesis import strategies as st
 from public_api import block_doors, solver_doors
 from public_api_of_theory import theory_doors
 
-from fem_contact import face
-from fem_contact.errors import FemContactError
+from fem_contact import FemContactError, face
 from fem_contact.settings import Settings
-from persson.errors import PerssonError
+from persson import PerssonError
 
 #: Modules whose public names are all public_api, or results, constants and types that need none.
 FEM = solver_doors() | {f"block.{name}": door for name, door in block_doors().items()}

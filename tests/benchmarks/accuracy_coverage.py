@@ -16,17 +16,15 @@ from __future__ import annotations
 import math
 import sys
 import tempfile
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import area_cases
 import numpy as np
 
-from fem_contact.area import EDGE_CONSTANTS, contact_areas
-from fem_contact.extrapolation import Limit
-from validation.comparison.accuracy import AccuracyResult, reach
-from validation.effects.base import Effect
+from fem_contact import contact_areas
+from fem_contact.area import EDGE_CONSTANTS
+from validation.comparison.accuracy import reach
 from validation.effects.coating import Coating
 from validation.effects.graded import Graded
 from validation.effects.hardness import Hardness
@@ -46,7 +44,7 @@ _MAPS = ("smooth", "kinked", "measured")
 _LENGTH = 1e-3
 
 
-def _log_uniform(generator: np.random.Generator, low: float, high: float) -> float:
+def _log_uniform(generator, low, high):
     return float(np.exp(generator.uniform(math.log(low), math.log(high))))
 
 
@@ -58,13 +56,13 @@ class Case:
     target: float
 
     @classmethod
-    def drawn(cls, seed: int, kind: str, folder: Path) -> Case:
+    def drawn(cls, seed, kind, folder):
         """Draw one; a map lies in the folder."""
         generator = np.random.default_rng([seed, 20261122])
         ratio = _log_uniform(generator, 2, 8)
         periods = _log_uniform(generator, 1, min(4.0, _WAVES / ratio))
         stretch = _log_uniform(generator, 1.5, 8) if kind == "stretched" else None
-        surface: SelfAffineSurface | FileSurface = SelfAffineSurface(
+        surface = SelfAffineSurface(
             kind="self-affine",
             length=(_LENGTH, _LENGTH),
             hurst=generator.uniform(0.1, 1.0),
@@ -76,7 +74,7 @@ class Case:
             stretch=stretch,
         )
         load = _log_uniform(generator, 0.01, 0.6)
-        effects: tuple[Effect, ...] = ()
+        effects = ()
         solid, scale = SolidSpec(young=0.91e9, poisson=0.3), 1e9 * 0.1
         if kind in _MAPS:
             surface = _mapped(seed, kind, folder, points=int(generator.integers(32, 49)))
@@ -101,7 +99,7 @@ class Case:
         asked = (0.01, 0.1) if kind in _EFFECTS else (0.002, 0.05)
         return cls(scene=scene, target=_log_uniform(generator, *asked))
 
-    def truth(self) -> Limit:
+    def truth(self):
         """Return the limit over fine grids."""
         problem = realise(self.scene)
         grids = tuple(grid_for(problem, level) for level in _TRUTH[not self.scene.effects])
@@ -112,7 +110,7 @@ class Case:
         return limit_over([contact_areas(result, **told) for result in results])
 
 
-def _mapped(seed: int, kind: str, folder: Path, *, points: int) -> FileSurface:
+def _mapped(seed, kind, folder, *, points):
     """Write a map of heights; a measured one is a window of a larger surface."""
     drawn = area_cases.Case.drawn(seed, kind="stretched" if kind == "measured" else kind)
     larger = points * 3 // 2 if kind == "measured" else points
@@ -122,7 +120,7 @@ def _mapped(seed: int, kind: str, folder: Path, *, points: int) -> FileSurface:
     return FileSurface(kind="file", path=path, length=(_LENGTH, _LENGTH), unit=1.0, edges=edges, tilt="plane")
 
 
-def judged(case: Case) -> tuple[AccuracyResult, float, bool]:
+def judged(case):
     """Return what was reached, its error in claimed half-widths, and whether the interval holds the truth."""
     with tempfile.TemporaryDirectory() as folder:
         reached = reach(case.scene, Bench.at(folder), target=case.target)
@@ -131,7 +129,7 @@ def judged(case: Case) -> tuple[AccuracyResult, float, bool]:
     return reached, (reached.area - truth.value) / half, abs(reached.area - truth.value) <= half
 
 
-def main(arguments: Sequence[str]) -> None:
+def main(arguments):
     """Print each case that fails, and the share that holds."""
     kind = arguments[0] if arguments else "elastic"
     cases, first = (int(text) for text in (*arguments[1:], *("100", "7001")[len(arguments[1:]) :]))

@@ -6,23 +6,15 @@ those that the law of error was fitted to (`SHAPES`).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
-from fem_contact import adhesion, bem, block
-from fem_contact.contact import ContactResult
-from fem_contact.graded import ExponentialSolid, LayeredSolid
-from fem_contact.response import BondedLayer, FreeHalfSpace, FrictionlessLayer, HalfSpace, Response
-from fem_contact.solid import Solid
+from fem_contact import ExponentialSolid, LayeredSolid, Solid, adhesion, bem, block
+from fem_contact.response import BondedLayer, FreeHalfSpace, FrictionlessLayer, HalfSpace
 from fem_contact.surface import HeightField, Patch, random_surface
-
-Array = NDArray[np.float64]
 
 #: What surfaces are pressed on.
 KINDS = (
@@ -83,7 +75,7 @@ class Case:
     bend: float = 0.0
 
     @classmethod
-    def drawn(cls, seed: int, *, kind: str = "elastic", waves: float = 32) -> Case:
+    def drawn(cls, seed, *, kind="elastic", waves=32):
         """Draw a spectrum of at most so many shortest waves on the period, and a load."""
         generator, further = (np.random.default_rng([seed, key]) for key in (20261122, 7))
         hurst = generator.uniform(0.1, 1.0)
@@ -91,9 +83,9 @@ class Case:
         most = min(4.0, waves / ratio)
         periods = float(np.exp(generator.uniform(0, np.log(most)))) if most > 1 else 1.0
         load = float(np.exp(generator.uniform(np.log(0.01), np.log(0.6))))
-        told: dict[str, Any] = {}
+        told = {}
 
-        def between(low: float, high: float) -> float:
+        def between(low, high):
             return float(np.exp(further.uniform(np.log(low), np.log(high))))
 
         if kind.startswith("elements"):
@@ -125,17 +117,17 @@ class Case:
         return cls(seed=seed, kind=kind, hurst=hurst, ratio=ratio, periods=periods, load=load, **told)
 
     @property
-    def located(self) -> bool:
+    def located(self):
         """Whether its edges are located inside the cells."""
         return self.kind == "elastic" or self.kind in SHAPES
 
     @property
-    def waves(self) -> float:
+    def waves(self):
         """Number of shortest waves on the period."""
         return self.periods * self.ratio
 
     @cached_property
-    def surface(self) -> HeightField:
+    def surface(self):
         """On three points per shortest wave, before heights are transformed."""
         reach = {"correlated": 1.4, "map": 2**0.5}.get(self.shape, 1.0) * self.waves
         n = 2 * int(np.ceil(1.5 * reach))
@@ -149,7 +141,7 @@ class Case:
         )
         return HeightField(heights=surface.heights / surface.rms_gradient, lengths=(1.0, 1.0))
 
-    def _density(self, x: Array, y: Array) -> Array:
+    def _density(self, x, y):
         """Power by waves on the period along x and y."""
         q, decay, waves = np.hypot(x, y), -2 - 2 * self.hurst, self.waves
         if self.shape == "correlated":
@@ -169,7 +161,7 @@ class Case:
         # Grinding leaves a little of everything else.
         return lay + 0.003 * q**decay if self.shape == "ground" else lay
 
-    def field(self, n: int, shift: tuple[float, float]) -> HeightField:
+    def field(self, n, shift):
         """Heights on a grid that begins at a shift."""
         if self.shape in ("pyramid", "cone", "wedge", "spheres"):
             x, y = ((np.arange(n) + part) / n for part in shift)
@@ -181,11 +173,11 @@ class Case:
         heights = self._transformed(moved.heights[::finer, ::finer] / rms) * rms
         return HeightField(heights=heights, lengths=(1.0, 1.0))
 
-    def _transformed(self, z: Array) -> Array:
+    def _transformed(self, z):
         """Heights in h_rms as the shape makes them."""
         level = 2 * self.bend - 1
         steep = 4 * self.bend
-        transforms: dict[str, Callable[[], Array]] = {
+        transforms = {
             "exp": lambda: np.exp(self.bend * z),
             "sinh": lambda: np.sinh(self.bend * z),
             "plateau": lambda: -np.logaddexp(0, -steep * (z - level)) / steep,
@@ -197,7 +189,7 @@ class Case:
         }
         return transforms.get(self.shape, lambda: z)()
 
-    def _regular(self, x: Array, y: Array) -> Array:
+    def _regular(self, x, y):
         """Bodies side by side, as many as long waves."""
         count = max(round(self.periods), 1)
         x, y = ((count * part + 0.3 * self.bend) % 1 - 0.5 for part in (x, y))
@@ -209,7 +201,7 @@ class Case:
             "spheres": np.sqrt(np.maximum(wide**2 - x**2 - y**2, 0.0)),
         }[self.shape] / count
 
-    def pressed(self, level: int, shift: tuple[float, float]) -> ContactResult:
+    def pressed(self, level, shift):
         """Press on a grid of at least so many points per shortest wave."""
         n = 2 * scipy.fft.next_fast_len(int(np.ceil(level * self.waves / 2)), real=True)
         field = self.field(n, shift)
@@ -234,10 +226,10 @@ class Case:
             field, self._response(solid), mean_pressure=load, pressure_bound=self.hardness, threads=1
         ).checked()
 
-    def _graded(self, x: Array, y: Array, z: Array) -> Array:
+    def _graded(self, x, y, z):
         return np.asarray(self.stiffness + (1 - self.stiffness) * np.exp(z / self.depth) + 0 * (x + y))
 
-    def _response(self, solid: Solid) -> Response:
+    def _response(self, solid):
         if self.kind in ("bonded", "frictionless"):
             layer = BondedLayer if self.kind == "bonded" else FrictionlessLayer
             return layer(solid=solid, thickness=self.depth)
@@ -248,7 +240,7 @@ class Case:
             return ExponentialSolid(surface=solid, bulk_young=self.stiffness, depth=self.depth)
         return FreeHalfSpace(solid=solid) if self.kind in ("ball", "patch") else HalfSpace(solid=solid)
 
-    def _attracted(self, field: HeightField, solid: Solid) -> ContactResult:
+    def _attracted(self, field, solid):
         work = self.work * self.surface.spectral_sum(lambda q: 0.25 * q)
         # The zone is E* w / sigma_th^2, and sigma_th is w over the reach.
         law = adhesion.Exponential(work=work, reach=float(np.sqrt(self.zone * work / self.waves)))
@@ -257,7 +249,7 @@ class Case:
         )
         return found.contact.checked()
 
-    def _alone(self, n: int) -> tuple[HeightField, float]:
+    def _alone(self, n):
         """Return one period with free surroundings, on a ball or flat, and what presses it."""
         middles = self.surface.resampled((n, n)).shifted((0.5, 0.5)).heights
         if self.kind == "patch":

@@ -19,19 +19,16 @@ surfaces far off make it wider than intervals of 95 % ask for.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import scipy.optimize
 from area_cases import Case
-from numpy.typing import NDArray
 
-from fem_contact.area import EDGE_MAPS, ContactAreas, contact_areas, contact_edges, subgrid_shifts
+from fem_contact import ContactAreas, Limit, contact_areas, located_limit, perimeter_limit, subgrid_shifts
+from fem_contact.area import EDGE_MAPS, contact_edges
 from fem_contact.area_error import GAP_POWER, LOCATED, WIDEST, ErrorLaw, PlannedGrid, error_covariance
-from fem_contact.extrapolation import Limit, located_limit, perimeter_limit
-
-Array = NDArray[np.float64]
 
 #: Seeds of the surfaces to which the edge map is fitted, and to which the law of error.
 FITTED = range(1, 141)
@@ -53,7 +50,7 @@ LADDERS = (
 )
 
 
-def measured(case: Case, levels: Mapping[int, int]) -> dict[int, list[ContactAreas]]:
+def measured(case, levels):
     """Return the areas of one surface at every level and shift."""
     return {
         level: [
@@ -65,13 +62,7 @@ def measured(case: Case, levels: Mapping[int, int]) -> dict[int, list[ContactAre
     }
 
 
-def limit_of(
-    areas: Mapping[int, list[ContactAreas]],
-    ladder: Sequence[int],
-    *,
-    limit: Callable[[Sequence[ContactAreas]], Limit],
-    truth: Limit,
-) -> tuple[float, float]:
+def limit_of(areas, ladder, *, limit, truth):
     """Return how far the limit of a ladder is off, over both uncertainties, and its own relative one."""
     found = limit([area for level in ladder for area in areas[level]])
     if not found.determinable:
@@ -81,7 +72,7 @@ def limit_of(
     return (found.value - truth.value) / both, found.uncertainty / found.value
 
 
-def coverage(kind: str, surfaces: int, first: int) -> Array:
+def coverage(kind, surfaces, first):
     """Return distances from the truth over uncertainties, and relative ones, by ladder and surface."""
     rows = []
     # Wide bands take too long on the finest grids.
@@ -95,7 +86,7 @@ def coverage(kind: str, surfaces: int, first: int) -> Array:
     return np.swapaxes(rows, 0, 1)
 
 
-def truth_of(case: Case, areas: Mapping[int, list[ContactAreas]]) -> Limit:
+def truth_of(case, areas):
     """Limit over the finest grids; in first order from two of them where heights have kinks."""
     if case.kind != "kinked":
         fine = [area for level in TRUTH if level in areas for area in areas[level]]
@@ -107,7 +98,7 @@ def truth_of(case: Case, areas: Mapping[int, list[ContactAreas]]) -> Limit:
     return Limit(value=fine + half, uncertainty=abs(half) + 1e-12, grids=2, definition="subcell")
 
 
-def check(kind: str, surfaces: int, first: int = 1001) -> None:
+def check(kind, surfaces, first=1001):
     """Print how far limits are off on surfaces that were not fitted, over what they claim."""
     for ladder, both in zip(LADDERS, coverage(kind, surfaces, first), strict=True):
         off, share = both[np.isfinite(both[:, 1])].T
@@ -130,10 +121,10 @@ class _Row:
     fraction: float
     plain: float
     islands: float
-    sums: Array
+    sums: np.ndarray
 
 
-def _rows(case: Case) -> list[_Row]:
+def _rows(case):
     """Solve the levels of one surface; `plain` is the area by the first part of the edge map alone."""
     straight = np.array(EDGE_MAPS["bem"])
     bends = contact_edges(case.pressed(4, (0.0, 0.0))).bends().shape[1]
@@ -157,7 +148,7 @@ def _rows(case: Case) -> list[_Row]:
     return rows
 
 
-def _islands(contact: NDArray[np.bool_]) -> float:
+def _islands(contact):
     """Patches less holes of a periodic contact map, from its corners."""
     corners = contact.astype(int)
     for axis in (0, 1):
@@ -165,7 +156,7 @@ def _islands(contact: NDArray[np.bool_]) -> float:
     return float(np.count_nonzero(corners == 1) - np.count_nonzero(corners == 3)) / 4
 
 
-def _truth(rows: Sequence[_Row]) -> tuple[float, float]:
+def _truth(rows):
     """Limit of the area without the second order, and its standard error, from the finest four grids.
 
     What the error is on average, by patches less holes, and the deviations of the rest are of largest
@@ -187,7 +178,7 @@ def _truth(rows: Sequence[_Row]) -> tuple[float, float]:
     return limit, float(np.sqrt(max(scatter, 1.0) / weights.sum()))
 
 
-def fit(seeds: Iterable[int] = FITTED) -> None:
+def fit(seeds=FITTED):
     """Print the second part of the edge map."""
     surfaces = [_rows(Case.drawn(seed)) for seed in seeds]
     truths = [_truth(rows) for rows in surfaces]
@@ -214,14 +205,14 @@ def fit(seeds: Iterable[int] = FITTED) -> None:
 class _Ladder:
     """Mean areas of one surface, finest grid first, and what the law has to know of them."""
 
-    areas: Array
+    areas: np.ndarray
     fraction: float
     grids: Sequence[PlannedGrid]
-    orders: Array
+    orders: np.ndarray
     like: ContactAreas
 
     @classmethod
-    def of(cls, levels: Mapping[int, list[ContactAreas]]) -> _Ladder:
+    def of(cls, levels):
         """Average over shifts; grids without area inside their edges are left out."""
         groups = [levels[level] for level in sorted(levels, reverse=True)]
         groups = [g for g in groups if np.mean([one.subcell for one in g]) > 0]
@@ -238,7 +229,7 @@ class _Ladder:
             like=groups[0][0],
         )
 
-    def weights(self, law: ErrorLaw) -> tuple[Array, float]:
+    def weights(self, law):
         """Inverse covariance, whatever the area is, and the logarithm of its determinant."""
         covariance = error_covariance(law, float(self.areas[0]), self.fraction, self.grids, like=self.like)
         inverse = np.linalg.inv(covariance)
@@ -247,7 +238,7 @@ class _Ladder:
         return inverse - np.outer(ones, ones) / ones.sum(), logarithm
 
 
-def _means(ladders: Sequence[_Ladder], law: ErrorLaw) -> tuple[Array, float]:
+def _means(ladders, law):
     """Most likely means under given deviations, and minus the logarithm of the likelihood."""
     normal, right, total = np.zeros((4, 4)), np.zeros(4), 0.0
     for one in ladders:
@@ -260,11 +251,11 @@ def _means(ladders: Sequence[_Ladder], law: ErrorLaw) -> tuple[Array, float]:
     return means, float(total - right @ means) / 2
 
 
-def fit_law(ladders: Sequence[_Ladder]) -> None:
+def fit_law(ladders):
     """Print means, deviations and noise of the law of error, and how likely the one in use is beside them."""
     powers = [power for power, _, _ in LOCATED.terms]
 
-    def law(logarithms: Array) -> ErrorLaw:
+    def law(logarithms):
         *deviations, low, high, odd = np.exp(logarithms).tolist()
         terms = tuple((power, 0.0, d) for power, d in zip(powers, deviations, strict=True))
         return ErrorLaw(terms=terms, odd=odd, noise=(low, high), alike=LOCATED.alike, averaging=0.25)

@@ -10,27 +10,22 @@ tamaas, aspher or free, the same surface as a patch of a `FreeHalfSpace`. The la
 and compared by processor time; ASPHER takes no number of threads (set OMP_NUM_THREADS=1).
 """
 
-from __future__ import annotations
-
 import resource
 import sys
 import time
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_contact.bem import Method, solve
+from fem_contact import FreeHalfSpace, HalfSpace, Solid, measure_residuals
+from fem_contact.bem import solve
 from fem_contact.complementarity import FourierOperator
-from fem_contact.contact import Residuals, measure_residuals
-from fem_contact.response import FreeHalfSpace, HalfSpace
-from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 PRESSURE = 0.05
 
 
-def benchmark_surface(n: int, seed: int = 7) -> HeightField:
+def benchmark_surface(n, seed=7):
     """Unit rms gradient."""
     q_long = 8 * np.pi
     surface = random_surface(
@@ -43,7 +38,7 @@ def benchmark_surface(n: int, seed: int = 7) -> HeightField:
     return HeightField(heights=surface.heights / surface.rms_gradient, lengths=(1.0, 1.0))
 
 
-def pair_seconds(n: int, threads: int) -> tuple[float, float]:
+def pair_seconds(n, threads):
     """Least wall and processor time of one pair of transforms with the multiplication between them."""
     operator = FourierOperator(SOFT, (n, n), (1.0, 1.0), threads=threads)
     field = np.random.default_rng(3).standard_normal((n, n))
@@ -57,7 +52,7 @@ def pair_seconds(n: int, threads: int) -> tuple[float, float]:
     return min(walls), min(processors)
 
 
-def run_ours(n: int, threads: int, method: Method) -> float:
+def run_ours(n, threads, method):
     """Print one line of the table; the seconds of the solve."""
     surface = benchmark_surface(n)
     pair, pair_processor = pair_seconds(n, threads)
@@ -82,14 +77,14 @@ def run_ours(n: int, threads: int, method: Method) -> float:
     return cost.wall_seconds
 
 
-def run_tamaas(n: int) -> tuple[float, Residuals]:
+def run_tamaas(n):
     """Seconds and residuals of tamaas' PolonskyKeerRey on the same surface."""
     import tamaas
 
     surface = benchmark_surface(n)
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [n, n])
     model.E, model.nu = 1.0, 0.0
-    heights: NDArray[np.float64] = surface.heights.copy()
+    heights = surface.heights.copy()
     kind = tamaas.PolonskyKeerRey
     for tolerance in (1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11):
         solver = kind(model, heights, tolerance, kind.pressure, kind.pressure)
@@ -115,7 +110,7 @@ def run_tamaas(n: int) -> tuple[float, Residuals]:
     return seconds, residuals
 
 
-def run_aspher(n: int, pressure: float) -> str:
+def run_aspher(n, pressure):
     """Ratio of processor times at one load; of ASPHER's settings the fastest that meets the same residual."""
     import aspher
 
@@ -150,7 +145,7 @@ def run_aspher(n: int, pressure: float) -> str:
     )
 
 
-def run_free(n: int, pressure: float) -> str:
+def run_free(n, pressure):
     """Pairs and processor seconds of a patch beside those of the periodic surface."""
     surface, patch = benchmark_surface(n), FreeHalfSpace(solid=SOFT.solid)
     period, free = (
@@ -164,9 +159,7 @@ def run_free(n: int, pressure: float) -> str:
     )
 
 
-def main(
-    sizes: str = "512,1024,2048", threads: int = 2, method: Method = "preconditioned", peer: str = ""
-) -> None:
+def main(sizes="512,1024,2048", threads=2, method="preconditioned", peer=""):
     """Print the table."""
     solve(benchmark_surface(64), SOFT, mean_pressure=PRESSURE, threads=threads, method=method)
     print("     n  steps   pairs  seconds  pair [ms]  ratio    cpu  arrays     RSS  complem.  penetr.")

@@ -9,8 +9,6 @@ bem, field (reduced, and the stress of every cell), and particle (full, with a b
 ten times stiffer).
 """
 
-from __future__ import annotations
-
 import resource
 import subprocess
 import sys
@@ -19,11 +17,7 @@ import time
 import numpy as np
 from bem_speed import benchmark_surface
 
-from fem_contact import bem, block
-from fem_contact.contact import ContactResult
-from fem_contact.response import HalfSpace
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
+from fem_contact import HalfSpace, Solid, bem, block
 
 SOLID = Solid(young=1.0, poisson=0.3)
 ELEMENTS = {"quadratic": "Hex2", "incompressible": "Hex2/P1disc"}
@@ -46,14 +40,14 @@ DEFAULT = (
 )
 
 
-def particle(surface: HeightField, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+def particle(surface, x, y, z):
     """Ten times stiffer in a ball below the highest point."""
     i, j = np.unravel_index(surface.heights.argmax(), surface.shape)
     away = (x - i / surface.shape[0] + 0.5) % 1 - 0.5, (y - j / surface.shape[1] + 0.5) % 1 - 0.5
     return np.where(away[0] ** 2 + away[1] ** 2 + (z + 0.12) ** 2 < 0.01, 10.0, 1.0)
 
 
-def solve(method: str, surface: HeightField) -> ContactResult:
+def solve(method, surface):
     """Solve, and with "field" walk through the whole block."""
     solid = Solid(young=1.0, poisson=0.4999) if method == "incompressible" else SOLID
     load = 0.05 * solid.contact_modulus * surface.rms_gradient
@@ -65,7 +59,7 @@ def solve(method: str, surface: HeightField) -> ContactResult:
     name = "full" if method == "full" else "reduced"
     if method == "particle":
 
-        def modulus(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+        def modulus(x, y, z):
             return particle(surface, x, y, z)
 
         return block.solve(surface, SOLID, mean_pressure=load, modulus=modulus, method="full").contact
@@ -76,7 +70,7 @@ def solve(method: str, surface: HeightField) -> ContactResult:
     return solution.contact
 
 
-def measure(method: str, n: int) -> str:
+def measure(method, n):
     """One row."""
     solve(method, benchmark_surface(32))
     surface = benchmark_surface(n)
@@ -92,7 +86,7 @@ def measure(method: str, n: int) -> str:
     )
 
 
-def main(rows: list[str]) -> None:
+def main(rows):
     """Print the table."""
     if len(rows) == 2 and rows[0] == "--row":
         method, n = rows[1].split(":")

@@ -8,8 +8,6 @@ answer. "off" is the largest difference of the pressure from that of the compile
 Run as ``python tests/benchmarks/device_speed.py [device, as cuda] [sizes, comma separated]``.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 
@@ -24,7 +22,7 @@ from fem_contact.complementarity.arrays import ArrayGrids
 PAIR_BYTES, COMPARED = 84, 2048
 
 
-def pair_seconds(n: int, device: str) -> float:
+def pair_seconds(n, device):
     """Least time of one pair of transforms with the multiplication between them."""
     grids = ArrayGrids(device, (n, n), threads=1)
     operator = grids.operator_of(SOFT, (n, n), (1.0, 1.0))
@@ -38,12 +36,12 @@ def pair_seconds(n: int, device: str) -> float:
     return min(times)
 
 
-def main(device: str = "cpu", sizes: str = "256,512,1024") -> None:
+def main(device="cpu", sizes="256,512,1024"):
     """Print the table."""
     inside = [0.0]
     bounded = iteration.solve_bounded
 
-    def timed(*arguments: object, **options: object) -> object:
+    def timed(*arguments, **options):
         clock = time.perf_counter()
         solution = bounded(*arguments, **options)
         inside[0] += time.perf_counter() - clock

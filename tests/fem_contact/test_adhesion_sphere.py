@@ -6,17 +6,12 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq, minimize_scalar
+from surfaces import SOFT
 
-from fem_contact import adhesion
+from fem_contact import HeightField, NotConverged, Status, adhesion
 from fem_contact.adhesion import path as adhesion_path
 from fem_contact.adhesion.laws import Dugdale, Exponential
-from fem_contact.contact import Status
-from fem_contact.errors import NotConverged
-from fem_contact.response import HalfSpace
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 
-ELASTIC = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 RADIUS = 100.0
 MAUGIS_K = 4 / 3
 #: Work of adhesion for which Maugis's length (pi w R^2 / K)^(1/3) is 1.
@@ -70,7 +65,7 @@ class Sphere:
         self.unit = FORCE / self.length**2
 
     def follow(self, **path):
-        return adhesion_path.follow(self.surface, ELASTIC, law=self.law, threads=1, **path)
+        return adhesion_path.follow(self.surface, SOFT, law=self.law, threads=1, **path)
 
     def approach(self, point):
         """Approach of a body that is not periodic, over Maugis's unit."""
@@ -140,9 +135,7 @@ def test_tension_beyond_pull_off_ends_the_path_and_is_no_result():
     path = sphere.follow(mean_pressures=np.arange(0, -2.05, -0.25) * sphere.unit)
     assert path.jumps[-1].after is None
     assert path.greatest_tension / sphere.unit == pytest.approx(pull_off(1.0), rel=0.02)
-    parted = adhesion.solve(
-        sphere.surface, ELASTIC, law=sphere.law, mean_pressure=-3 * sphere.unit, threads=1
-    )
+    parted = adhesion.solve(sphere.surface, SOFT, law=sphere.law, mean_pressure=-3 * sphere.unit, threads=1)
     assert parted.contact.status is Status.SEPARATED
     with pytest.raises(NotConverged, match="pulled apart"):
         parted.checked()
@@ -209,7 +202,7 @@ def test_a_sphere_with_the_law_of_greenwood_and_johnson_has_the_double_hertz_str
     surface = HeightField(heights=-(radius**2) / (2 * RADIUS), lengths=(length, length))
     force = 2 * np.pi / 3 * (a_amp - b_amp * eta**3)
     offset = -approach + IMAGES * force / length
-    state = adhesion.solve(surface, ELASTIC, law=law, offset=offset, threads=1).checked()
+    state = adhesion.solve(surface, SOFT, law=law, offset=offset, threads=1).checked()
     pressure = state.contact.pressure
     exact = a_amp * np.sqrt(np.maximum(1 - radius**2, 0)) - b_amp * np.sqrt(np.maximum(eta**2 - radius**2, 0))
     assert pressure.max() == pytest.approx(ratio * tension, rel=0.02)

@@ -1,13 +1,11 @@
 """Whether limits hold on surfaces that had no part in their law of error."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from area_cases import KINDS, SHAPES, Case
 from area_law import LADDERS, TRUTH, coverage, limit_of, measured
 
-from fem_contact.extrapolation import located_limit, perimeter_limit
+from fem_contact import located_limit, perimeter_limit
 
 #: Seeds that no fit has seen: those of `area_law.py` are below 10,000.
 FRESH = 20_000

@@ -1,28 +1,23 @@
 """The iteration in plain array operations: the answers of the compiled passes, in any library."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 import pytest
 from surfaces import rough_surface
 
+from fem_contact import BondedLayer, HalfSpace, HeightField, Solid
 from fem_contact.bem import solve
 from fem_contact.complementarity.arrays import ArrayGrids, PlainIterationArrays
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.grids import Grids
 from fem_contact.complementarity.iteration_arrays import IterationArrays
-from fem_contact.errors import InvalidInput
-from fem_contact.response import BondedLayer, HalfSpace
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 
 SOLID = Solid(young=1.0, poisson=0.3)
 LIBRARIES = ("numpy", "array_api_strict", "torch")
 
 
-def place(library: str) -> Any:
+def place(library):
     """Return an array of a library on the CPU."""
     pytest.importorskip("numpy" if library == "numpy" else "array_api_compat")
     return pytest.importorskip(library).zeros(1)
@@ -41,9 +36,7 @@ def place(library: str) -> Any:
         ((48, 40), BondedLayer(solid=SOLID, thickness=0.06), 0.1, None),
     ],
 )
-def test_plain_arrays_give_the_answer_of_the_compiled_passes(
-    library: str, shape: tuple[int, int], response: Any, load: float, bound: float | None
-) -> None:
+def test_plain_arrays_give_the_answer_of_the_compiled_passes(library, shape, response, load, bound):
     there = place(library)
     surface = rough_surface(shape, (1.0, shape[1] / shape[0]), seed=7, waves=12, longest=4, gradient=1.0)
     options = {"mean_pressure": load, "pressure_bound": bound, "tolerance": 1e-13}
@@ -59,9 +52,7 @@ def test_plain_arrays_give_the_answer_of_the_compiled_passes(
 @pytest.mark.parametrize("units", [None, (3.0, 0.25)], ids=["double", "single"])
 @pytest.mark.parametrize("bounded", [False, True])
 @pytest.mark.parametrize("shape", [(16, 16), (13, 10), (1, 12), (70, 33)])
-def test_each_pass_is_the_twin_of_the_compiled_one(
-    shape: tuple[int, int], bounded: bool, units: tuple[float, float] | None
-) -> None:
+def test_each_pass_is_the_twin_of_the_compiled_one(shape, bounded, units):
     generator = np.random.default_rng(29)
     heights = generator.standard_normal(shape)
     bound = 1 + generator.random(shape) if bounded else None
@@ -109,9 +100,7 @@ def test_each_pass_is_the_twin_of_the_compiled_one(
 @pytest.mark.parametrize(
     ("shape", "coarse"), [((24, 20), (12, 10)), ((45, 61), (23, 31)), ((1, 40), (1, 20))]
 )
-def test_fields_are_carried_between_grids_as_by_numpy(
-    library: str, shape: tuple[int, int], coarse: tuple[int, int]
-) -> None:
+def test_fields_are_carried_between_grids_as_by_numpy(library, shape, coarse):
     surface = HeightField(heights=np.random.default_rng(9).standard_normal(shape), lengths=(1.0, 1.7))
     plain, there = Grids(shape, threads=1), ArrayGrids(place(library), shape, threads=1)
     heights = there.put(surface.heights)
@@ -127,7 +116,7 @@ def test_fields_are_carried_between_grids_as_by_numpy(
 
 
 @pytest.mark.parametrize("library", LIBRARIES)
-def test_nothing_but_the_answer_is_fetched(library: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_but_the_answer_is_fetched(library, monkeypatch):
     there, fetched, fetch = place(library), [], ArrayGrids.fetched_field
     monkeypatch.setattr(
         ArrayGrids, "fetched_field", lambda self, field: fetched.append(field.shape) or fetch(self, field)
@@ -139,12 +128,3 @@ def test_nothing_but_the_answer_is_fetched(library: str, monkeypatch: pytest.Mon
             surface, HalfSpace(solid=SOLID), mean_pressure=load, pressure_bound=bound, device=there
         ).checked()
         assert fetched == [surface.shape] * 5, "pressure, displacement, gap and two sets, once"
-
-
-@pytest.mark.parametrize("where", ["nowhere", 5, None.__class__, [1.0]])
-def test_what_is_no_device_is_refused(where: object) -> None:
-    surface = rough_surface((16, 16), seed=7, waves=6)
-    with pytest.raises(InvalidInput, match="device"):
-        solve(surface, HalfSpace(solid=SOLID), mean_pressure=0.01, device=where)
-    with pytest.raises(InvalidInput, match="runs on no device"):
-        solve(surface, HalfSpace(solid=SOLID), mean_pressure=0.01, device=np.zeros(1), method="polonsky-keer")

@@ -1,29 +1,22 @@
 """The boundary-element solver against closed forms, symmetries and changes of unit."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from surfaces import rough_surface
+from surfaces import SOFT, rough_surface
 
+from fem_contact import BondedLayer, FrictionlessLayer, InvalidInput, NotConverged, Solid, Status
 from fem_contact.bem import solve, solve_displacement, solve_path
 from fem_contact.complementarity.fourier import FourierOperator
-from fem_contact.contact import Status
-from fem_contact.errors import InvalidInput, NotConverged
-from fem_contact.response import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace
-from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 
-SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
-
-def rough(shape: tuple[int, int] = (64, 64), *, seed: int = 7, ratio: float = 8.0) -> HeightField:
+def rough(shape=(64, 64), *, seed=7, ratio=8.0):
     lengths = (1.0, shape[1] / shape[0])
     waves = max(shape) / ratio
     return rough_surface(shape, lengths, seed=seed, waves=waves, longest=4 * max(lengths), gradient=1.0)
 
 
-def test_flat_surface_gives_uniform_pressure() -> None:
+def test_flat_surface_gives_uniform_pressure():
     for level in (0.0, 3.0, 1e6):
         flat = HeightField(heights=np.full((9, 6), level), lengths=(2.0, 1.0))
         result = solve(flat, SOFT, mean_pressure=0.25).checked()
@@ -32,7 +25,7 @@ def test_flat_surface_gives_uniform_pressure() -> None:
         assert result.residuals.worst < 1e-12
 
 
-def test_offset_of_the_heights_only_moves_the_offset() -> None:
+def test_offset_of_the_heights_only_moves_the_offset():
     surface = rough((48, 48))
     lifted = HeightField(heights=surface.heights + 0.75, lengths=surface.lengths)
     first, second = (solve(s, SOFT, mean_pressure=0.05, tolerance=1e-11).checked() for s in (surface, lifted))
@@ -40,14 +33,14 @@ def test_offset_of_the_heights_only_moves_the_offset() -> None:
     assert np.linalg.norm(first.pressure - second.pressure) < 1e-8 * np.linalg.norm(first.pressure)
 
 
-def test_iteration_limit_is_a_status_with_a_remedy() -> None:
+def test_iteration_limit_is_a_status_with_a_remedy():
     result = solve(rough(), SOFT, mean_pressure=0.05, max_iterations=3)
     assert result.status is Status.ITERATION_LIMIT
     with pytest.raises(NotConverged, match="allow more iterations"):
         result.checked()
 
 
-def test_bound_equal_to_the_load_leaves_no_choice_and_below_it_is_refused() -> None:
+def test_bound_equal_to_the_load_leaves_no_choice_and_below_it_is_refused():
     surface = rough()
     result = solve(surface, SOFT, mean_pressure=0.3, pressure_bound=0.3).checked()
     assert np.all(result.pressure == 0.3)
@@ -57,7 +50,7 @@ def test_bound_equal_to_the_load_leaves_no_choice_and_below_it_is_refused() -> N
         solve(surface, SOFT, mean_pressure=0.3, pressure_bound=0.29)
 
 
-def test_offset_control_of_a_layer_goes_through_full_contact() -> None:
+def test_offset_control_of_a_layer_goes_through_full_contact():
     surface = rough((32, 32))
     layer = BondedLayer(solid=Solid(young=1.0, poisson=0.3), thickness=0.06)
     loads = [
@@ -69,7 +62,7 @@ def test_offset_control_of_a_layer_goes_through_full_contact() -> None:
     assert loads[4] - loads[3] == pytest.approx(40 * surface.rms_height * stiffness, rel=1e-9)
 
 
-def test_surfaces_too_far_apart_do_not_touch() -> None:
+def test_surfaces_too_far_apart_do_not_touch():
     surface = rough((32, 32))
     result = solve_displacement(surface, SOFT, offset=2 * float(surface.heights.max())).checked()
     assert not result.in_contact.any()
@@ -77,7 +70,7 @@ def test_surfaces_too_far_apart_do_not_touch() -> None:
     assert result.gap.min() == pytest.approx(float(surface.heights.max()))
 
 
-def test_zero_mean_gap_is_full_contact_at_the_least_load_and_less_is_refused() -> None:
+def test_zero_mean_gap_is_full_contact_at_the_least_load_and_less_is_refused():
     surface = rough((32, 32))
     result = solve_displacement(surface, SOFT, mean_gap=0.0).checked()
     assert result.in_contact.all()
@@ -88,7 +81,7 @@ def test_zero_mean_gap_is_full_contact_at_the_least_load_and_less_is_refused() -
         solve_displacement(surface, SOFT)
 
 
-def test_path_up_and_down_does_not_remember() -> None:
+def test_path_up_and_down_does_not_remember():
     surface = rough((48, 48))
     loads = [0.01, 0.05, 0.2, 1.0, 0.2, 0.05, 0.01]
     path = [result.checked() for result in solve_path(surface, SOFT, mean_pressures=loads, tolerance=1e-10)]
@@ -109,7 +102,7 @@ HARD = {
 
 @pytest.mark.parametrize("name", HARD)
 @pytest.mark.parametrize("reduced", [1e-6, 0.1, 10.0])
-def test_hard_surfaces_end_in_a_right_answer(name: str, reduced: float) -> None:
+def test_hard_surfaces_end_in_a_right_answer(name, reduced):
     surface = HeightField(heights=HARD[name](), lengths=(1.0, 1.5))
     scale = max(surface.rms_gradient, 1e-12)
     result = solve(surface, SOFT, mean_pressure=reduced * scale).checked()
@@ -117,18 +110,7 @@ def test_hard_surfaces_end_in_a_right_answer(name: str, reduced: float) -> None:
     assert result.in_contact.any()
 
 
-def test_settings_that_make_no_sense_are_refused() -> None:
-    surface = rough((16, 16), ratio=4.0)
-    with pytest.raises(InvalidInput, match="pressure_bound"):
-        solve(surface, SOFT, mean_pressure=0.1, pressure_bound=np.ones((3, 3)))
-    with pytest.raises(InvalidInput, match="polonsky-keer"):
-        solve(surface, SOFT, mean_pressure=0.1, pressure_bound=1.0, method="polonsky-keer")
-    broken = GivenResponse(contact_modulus=1.0, function=lambda qx, qy: -np.ones(qx.shape))
-    with pytest.raises(InvalidInput, match="compliance"):
-        solve(surface, broken, mean_pressure=0.1)
-
-
-def test_cost_counts_pairs_and_memory() -> None:
+def test_cost_counts_pairs_and_memory():
     surface = rough((256, 256))
     result = solve(surface, SOFT, mean_pressure=0.05)
     assert result.cost.fft_pairs < 45
@@ -142,7 +124,7 @@ def test_cost_counts_pairs_and_memory() -> None:
 
 
 @pytest.mark.parametrize("kind", [BondedLayer, FrictionlessLayer])
-def test_a_flat_body_driven_into_a_layer_compresses_it(kind: type) -> None:
+def test_a_flat_body_driven_into_a_layer_compresses_it(kind):
     layer = kind(solid=Solid(young=1.0, poisson=0.3), thickness=0.2)
     flat = HeightField(heights=np.zeros((8, 8)), lengths=(1.0, 1.0))
     # Confined compression: (1 - nu) E / ((1 + nu) (1 - 2 nu)) times the strain of a half.
@@ -154,15 +136,8 @@ def test_a_flat_body_driven_into_a_layer_compresses_it(kind: type) -> None:
         assert result.offset == pytest.approx(-0.1, rel=1e-12)
 
 
-def test_a_flat_body_driven_in_until_all_yields_is_refused() -> None:
-    layer = BondedLayer(solid=Solid(young=1.0, poisson=0.3), thickness=0.2)
-    flat = HeightField(heights=np.zeros((8, 8)), lengths=(1.0, 1.0))
-    with pytest.raises(InvalidInput, match="prescribe a mean pressure"):
-        solve_displacement(flat, layer, offset=-0.1, pressure_bound=0.5)
-
-
 @pytest.mark.parametrize("reduced", [1e10, 1e12, 1e20])
-def test_full_contact_whose_gap_is_lost_to_rounding_is_not_converged(reduced: float) -> None:
+def test_full_contact_whose_gap_is_lost_to_rounding_is_not_converged(reduced):
     surface = rough()
     pressed = solve(surface, SOFT, mean_pressure=reduced * surface.rms_gradient)
     assert pressed.residuals.worst > 1e-7
@@ -171,13 +146,8 @@ def test_full_contact_whose_gap_is_lost_to_rounding_is_not_converged(reduced: fl
         pressed.checked()
 
 
-def test_a_pressure_beyond_all_sizes_is_refused() -> None:
-    with pytest.raises(InvalidInput, match="mean_pressure = 1e\\+306"):
-        solve(rough(), SOFT, mean_pressure=1e306)
-
-
 @pytest.mark.parametrize(("seed", "n", "reduced"), [(7, 32, 1e-30), (8, 16, 1e-20), (9, 24, 1e-100)])
-def test_a_load_that_steps_round_away_is_carried_all_the_same(seed: int, n: int, reduced: float) -> None:
+def test_a_load_that_steps_round_away_is_carried_all_the_same(seed, n, reduced):
     surface = rough_surface((n, n), seed=seed, waves=6.0)  # a division by a load of 0 on each of them once
     result = solve(surface, SOFT, mean_pressure=reduced * surface.rms_gradient).checked()
     assert result.mean_pressure == pytest.approx(reduced * surface.rms_gradient, rel=1e-12)
@@ -186,9 +156,7 @@ def test_a_load_that_steps_round_away_is_carried_all_the_same(seed: int, n: int,
 @pytest.mark.parametrize(
     ("thickness", "load", "pairs"), [(0.03, 0.05, 120), (0.01, 0.05, 140), (0.003, 0.5, 80)]
 )
-def test_a_thin_incompressible_layer_takes_a_hundred_pairs(
-    thickness: float, load: float, pairs: float
-) -> None:
+def test_a_thin_incompressible_layer_takes_a_hundred_pairs(thickness, load, pairs):
     """182, 496 and 857 of them before; at .01 and a load of .5 the iteration stagnated."""
     layer = BondedLayer(solid=Solid(young=1.0, poisson=0.5), thickness=thickness)
     assert solve(rough(), layer, mean_pressure=load).checked().cost.fft_pairs < pairs
@@ -196,12 +164,12 @@ def test_a_thin_incompressible_layer_takes_a_hundred_pairs(
 
 
 @pytest.mark.parametrize(("lengths", "shape"), [((1.0, 0.1), (160, 16)), ((0.1, 1.0), (16, 160))])
-def test_the_long_stiff_waves_of_a_strip_lie_along_it(lengths, shape) -> None:
+def test_the_long_stiff_waves_of_a_strip_lie_along_it(lengths, shape):
     layer = BondedLayer(solid=Solid(young=1.0, poisson=0.5), thickness=0.05)
     assert FourierOperator(layer, shape, lengths, threads=1).long_waves is not None
 
 
-def test_full_contact_is_answered_at_once_with_a_bound_it_does_not_reach_and_not_with_one_it_does() -> None:
+def test_full_contact_is_answered_at_once_with_a_bound_it_does_not_reach_and_not_with_one_it_does():
     surface = rough((32, 32))
     least = solve_displacement(surface, SOFT, mean_gap=0.0).checked()
     free, bounded, yielding = (
@@ -213,7 +181,7 @@ def test_full_contact_is_answered_at_once_with_a_bound_it_does_not_reach_and_not
     assert yielding.at_bound.any()
 
 
-def test_a_residual_that_rests_on_oblong_cells_says_so() -> None:
+def test_a_residual_that_rests_on_oblong_cells_says_so():
     heights = np.random.default_rng(31).standard_normal((128, 32))
     surface = HeightField(heights=heights, lengths=(1.0, 1e4))
     result = solve(surface, SOFT, mean_pressure=0.05 * surface.rms_gradient)
@@ -223,7 +191,7 @@ def test_a_residual_that_rests_on_oblong_cells_says_so() -> None:
 
 
 @pytest.mark.parametrize("sizes", [10.0, 1e9])
-def test_where_all_has_yielded_the_body_sinks_as_far_as_it_is_pushed(sizes: float) -> None:
+def test_where_all_has_yielded_the_body_sinks_as_far_as_it_is_pushed(sizes):
     surface = rough()
     result = solve_displacement(
         surface, SOFT, mean_gap=-sizes * surface.rms_height, pressure_bound=0.5
@@ -233,7 +201,7 @@ def test_where_all_has_yielded_the_body_sinks_as_far_as_it_is_pushed(sizes: floa
     assert np.mean(result.gap) == pytest.approx(-sizes * surface.rms_height, rel=1e-12)
 
 
-def test_points_that_touch_below_the_bound_sink_no_further() -> None:
+def test_points_that_touch_below_the_bound_sink_no_further():
     """A gap below full contact needs points that yield: full contact was called the answer."""
     surface = rough((32, 32))
     full = solve_displacement(surface, SOFT, mean_gap=0.0).checked()
@@ -251,7 +219,7 @@ def test_points_that_touch_below_the_bound_sink_no_further() -> None:
 
 
 @pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
-def test_two_equal_peaks_that_have_yielded_bear_one_load_over_a_range_of_offsets(share: float) -> None:
+def test_two_equal_peaks_that_have_yielded_bear_one_load_over_a_range_of_offsets(share):
     """The load does not change between their yielding and the next point's touch: no search finds it."""
     heights = np.zeros((6, 6))
     heights[1, 2] = heights[4, 5] = 1.0
@@ -266,7 +234,7 @@ def test_two_equal_peaks_that_have_yielded_bear_one_load_over_a_range_of_offsets
     assert result.at_bound.sum() == 2
 
 
-def test_points_that_a_loose_solve_leaves_on_the_wrong_side_are_in_its_area_interval() -> None:
+def test_points_that_a_loose_solve_leaves_on_the_wrong_side_are_in_its_area_interval():
     """No interval of a rough solve misses the strict area, and it narrows in proportion to the tolerance."""
     moved, widths = 0, []
     for seed in (7, 11):
@@ -284,9 +252,3 @@ def test_points_that_a_loose_solve_leaves_on_the_wrong_side_are_in_its_area_inte
                 widths.append((most - least) / area)
     assert moved > 10
     assert max(widths[1::2]) < 0.1 * max(widths[::2])
-
-
-def test_a_result_without_tolerance_has_no_area_interval() -> None:
-    result = solve(rough(), SOFT, mean_pressure=0.1)
-    with pytest.raises(InvalidInput, match="area_interval"):
-        _ = replace(result, tolerance=None).area_interval

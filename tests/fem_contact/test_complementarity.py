@@ -2,22 +2,19 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from surfaces import SOFT
 
+from fem_contact import Status
 from fem_contact.complementarity import polonsky_keer, solve_bounded, solve_nested
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.grids import Grids
 from fem_contact.complementarity.iteration_arrays import IterationArrays
 from fem_contact.complementarity.rows import Rows
-from fem_contact.contact import Status
-from fem_contact.response import HalfSpace
 from fem_contact.settings import Settings
-from fem_contact.solid import Solid
-
-SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
-Array = np.ndarray
 
 
-def test_number_of_threads_changes_no_bit_of_the_passes() -> None:
+def test_number_of_threads_changes_no_bit_of_the_passes():
     heights = wavy((1024, 20))
     operator = FourierOperator(SOFT, heights.shape, (1.0, 20 / 1024), threads=1)
     counts = [
@@ -31,13 +28,13 @@ def test_number_of_threads_changes_no_bit_of_the_passes() -> None:
         assert answers[0].offset == other.offset
 
 
-def test_blocks_of_rows_cover_each_row_once() -> None:
+def test_blocks_of_rows_cover_each_row_once():
     for count in (1, 31, 32, 65, 1000):
         rows = [row for lo, hi in Rows(count, threads=1).blocks for row in range(lo, hi)]
         assert rows == list(range(count))
 
 
-def wavy(shape: tuple[int, int], seed: int = 5) -> Array:
+def wavy(shape, seed=5):
     generator = np.random.default_rng(seed)
     spectrum = np.fft.fft2(generator.standard_normal(shape))
     q = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n) * n for n in shape), indexing="ij"))
@@ -45,9 +42,7 @@ def wavy(shape: tuple[int, int], seed: int = 5) -> Array:
     return np.ascontiguousarray(heights / heights.std())
 
 
-def run(
-    heights: Array, *, load: float, bound: Array | None = None, threads: int = 1, tolerance: float = 1e-10
-):
+def run(heights, *, load, bound=None, threads=1, tolerance=1e-10):
     operator = FourierOperator(
         SOFT, heights.shape, (1.0, heights.shape[1] / heights.shape[0]), threads=threads
     )
@@ -61,7 +56,7 @@ def run(
     )
 
 
-def run_nested(heights: Array, *, tolerance: float = 1e-10, **options: object):
+def run_nested(heights, *, tolerance=1e-10, **options):
     """Solve from a coarse start under a load of 0.3."""
     lengths = (1.0, heights.shape[1] / heights.shape[0])
     return solve_nested(
@@ -76,7 +71,7 @@ def run_nested(heights: Array, *, tolerance: float = 1e-10, **options: object):
 
 
 @pytest.mark.parametrize("load", [1e-3, 0.3, 3.0, 12.0])
-def test_preconditioned_and_plain_solver_agree(load: float) -> None:
+def test_preconditioned_and_plain_solver_agree(load):
     heights = wavy((48, 45))
     fast = run(heights, load=load, tolerance=1e-11)
     operator = FourierOperator(SOFT, heights.shape, (1.0, 45 / 48), threads=1)
@@ -93,7 +88,7 @@ def test_preconditioned_and_plain_solver_agree(load: float) -> None:
     assert np.array_equal(fast.in_contact, slow.in_contact)
 
 
-def test_coarse_start_changes_the_cost_and_not_the_answer() -> None:
+def test_coarse_start_changes_the_cost_and_not_the_answer():
     heights = wavy((128, 96))
     nested = run_nested(heights)
     cold = run(heights, load=0.3)
@@ -105,10 +100,10 @@ def test_coarse_start_changes_the_cost_and_not_the_answer() -> None:
     assert handed.fft_pairs == int(handed.fft_pairs)
 
 
-def test_plain_solver_takes_the_shape_of_its_start_and_not_its_load() -> None:
+def test_plain_solver_takes_the_shape_of_its_start_and_not_its_load():
     heights = wavy((32, 30))
 
-    def plain(start: Array | None):
+    def plain(start):
         return polonsky_keer(
             FourierOperator(SOFT, heights.shape, (1.0, 30 / 32), threads=1),
             heights,
@@ -123,22 +118,22 @@ def test_plain_solver_takes_the_shape_of_its_start_and_not_its_load() -> None:
         assert plain(factor * cold.force).iterations < 0.2 * cold.iterations
 
 
-def test_weights_turn_the_interpolated_pressure_into_forces() -> None:
+def test_weights_turn_the_interpolated_pressure_into_forces():
     """With node weights the start is w p; where it starts changes no answer."""
     heights = wavy((40, 40))
     weights = np.where(np.add.outer(np.arange(40), np.arange(40)) % 2, 0.5, 1.5)
     plain, nested = run(heights, load=0.3), run_nested(heights, weights=weights)
-    np.testing.assert_allclose(nested.force, plain.force, atol=1e-7 * plain.force.max())
+    assert_allclose(nested.force, plain.force, atol=1e-7 * plain.force.max())
 
 
-def test_residual_that_cannot_be_reached_is_called_stagnation() -> None:
+def test_residual_that_cannot_be_reached_is_called_stagnation():
     solution = run(wavy((32, 32)), load=0.3, tolerance=1e-22)
     assert solution.status is Status.STAGNATED
 
 
 @pytest.mark.parametrize("single", [False, True])
 @pytest.mark.parametrize("steps", [1, 3, 10, 500])
-def test_displacements_are_those_of_the_forces_wherever_a_solve_ends(single: bool, steps: int) -> None:
+def test_displacements_are_those_of_the_forces_wherever_a_solve_ends(single, steps):
     heights = wavy((64, 48))
     operator, found = FourierOperator(SOFT, heights.shape, (1.0, 0.75), threads=1), np.empty(heights.shape)
     settings = Settings(tolerance=1e-12, max_iterations=steps)
@@ -147,10 +142,10 @@ def test_displacements_are_those_of_the_forces_wherever_a_solve_ends(single: boo
     )
     assert (solution.status is Status.CONVERGED) == (steps == 500)
     operator.apply(solution.force, found)
-    np.testing.assert_allclose(solution.displacement, found, atol=1e-12 * np.abs(found).max())
+    assert_allclose(solution.displacement, found, atol=1e-12 * np.abs(found).max())
 
 
-def test_where_all_that_bear_yield_the_body_sinks_no_deeper_than_the_last_of_them_asks() -> None:
+def test_where_all_that_bear_yield_the_body_sinks_no_deeper_than_the_last_of_them_asks():
     for seed in range(40):
         generator = np.random.default_rng(seed)
         heights = 1e-3 * generator.normal(size=(24, 24))
@@ -164,18 +159,18 @@ def test_where_all_that_bear_yield_the_body_sinks_no_deeper_than_the_last_of_the
         assert abs(gap.flat[high].max()) < 1e-9, seed
 
 
-def test_coarsening_keeps_low_waves_and_refinement_keeps_values() -> None:
+def test_coarsening_keeps_low_waves_and_refinement_keeps_values():
     fine, half, x = (24, 20), (12, 10), np.arange(24) / 24
     grids = Grids(fine, threads=1)
     wave, short = (np.cos(2 * np.pi * n * x)[:, None] * np.ones(20) for n in (3, 9))
     coarse = grids.coarsened(wave, fine, half)
-    np.testing.assert_allclose(coarse, wave[::2, ::2], atol=1e-14)
-    np.testing.assert_allclose(grids.coarsened(short, fine, half), 0, atol=1e-14)
+    assert_allclose(coarse, wave[::2, ::2], atol=1e-14)
+    assert_allclose(grids.coarsened(short, fine, half), 0, atol=1e-14)
     assert np.array_equal(grids.refined(coarse, half, fine)[::2, ::2], coarse)
 
 
 @pytest.mark.parametrize("bounded", [False, True])
-def test_steps_in_single_precision_change_the_path_and_not_the_answer(bounded: bool) -> None:
+def test_steps_in_single_precision_change_the_path_and_not_the_answer(bounded):
     heights = wavy((264, 257)) + 20.0
     options = {"tolerance": 1e-11, "bound": np.full(heights.shape, 4.0) if bounded else None}
     double, single = run_nested(heights, double=True, **options), run_nested(heights, **options)
@@ -188,7 +183,7 @@ def test_steps_in_single_precision_change_the_path_and_not_the_answer(bounded: b
 
 
 @pytest.mark.parametrize("shape", [(64, 64), (70, 33), (200, 128)])
-def test_the_response_in_single_precision_is_the_double_one_to_its_digits(shape: tuple[int, int]) -> None:
+def test_the_response_in_single_precision_is_the_double_one_to_its_digits(shape):
     operator = FourierOperator(SOFT, shape, (1.0, shape[1] / shape[0]), threads=1)
     field = np.random.default_rng(37).standard_normal(shape)
     field -= field.mean()

@@ -1,23 +1,20 @@
 import subprocess
 import sys
-from pathlib import Path
 from unittest.mock import MagicMock
 
 import meshio
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
-from fem_contact.block import BlockSolution, solve
-from fem_contact.errors import InvalidInput
-from fem_contact.export import render_section, render_surface, write_block
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
+from fem_contact import HeightField, InvalidInput, Solid, render_section, render_surface, write_block
+from fem_contact.block import solve
 
 LENGTHS = (2e-6, 3e-6)
 
 
 @pytest.fixture(scope="module")
-def solution() -> BlockSolution:
+def solution():
     x, y = np.arange(6)[:, None] / 6, np.arange(9)[None, :] / 9
     heights = 1e-8 * (np.cos(2 * np.pi * x) + 0.3 * np.sin(2 * np.pi * y))
     surface = HeightField(heights=heights, lengths=LENGTHS)
@@ -25,59 +22,57 @@ def solution() -> BlockSolution:
 
 
 @pytest.mark.parametrize("suffix", [".vtu", ".xdmf"])
-def test_written_block_gives_back_fields_and_periodic_copies(
-    solution: BlockSolution, tmp_path: Path, suffix: str
-) -> None:
+def test_written_block_gives_back_fields_and_periodic_copies(solution, tmp_path, suffix):
     path = tmp_path / f"block{suffix}"
     write_block(path, solution, deformation=0.0)
     mesh = meshio.read(path)
     nodes = (7, 10, solution.planes.size)
     points = mesh.points.reshape(*nodes, 3)
-    np.testing.assert_allclose(points[-1, -1, :, :2], np.broadcast_to(LENGTHS, (nodes[2], 2)), rtol=1e-12)
+    assert_allclose(points[-1, -1, :, :2], np.broadcast_to(LENGTHS, (nodes[2], 2)), rtol=1e-12)
     displacement = mesh.point_data["displacement"].reshape(*nodes, 3)
-    np.testing.assert_array_equal(displacement[:-1, :-1], solution.field)
-    np.testing.assert_array_equal(displacement[-1, :-1], solution.field[0])
+    assert_array_equal(displacement[:-1, :-1], solution.field)
+    assert_array_equal(displacement[-1, :-1], solution.field[0])
     pressure = mesh.point_data["pressure"].reshape(nodes)
-    np.testing.assert_array_equal(pressure[:-1, :-1, -1], solution.contact.pressure)
+    assert_array_equal(pressure[:-1, :-1, -1], solution.contact.pressure)
     assert not pressure[:, :, :-1].any()
     flag = mesh.point_data["contact"].reshape(nodes)[:-1, :-1, -1]
-    np.testing.assert_array_equal(flag == 1, solution.contact.in_contact)
+    assert_array_equal(flag == 1, solution.contact.in_contact)
     von_mises = np.asarray(mesh.cell_data["von_mises"][0]).reshape(solution.stress().von_mises.shape)
-    np.testing.assert_array_equal(von_mises, solution.stress().von_mises)
+    assert_array_equal(von_mises, solution.stress().von_mises)
     assert [entry.name for entry in tmp_path.iterdir() if entry.name.startswith(".partial")] == []
 
 
-def test_hexahedra_have_positive_volume_and_fill_the_block(solution: BlockSolution, tmp_path: Path) -> None:
+def test_hexahedra_have_positive_volume_and_fill_the_block(solution, tmp_path):
     write_block(tmp_path / "block.vtu", solution, deformation=0.0)
     mesh = meshio.read(tmp_path / "block.vtu")
     check_boxes(mesh.points[mesh.cells_dict["hexahedron"]], LENGTHS[0] * LENGTHS[1] * solution.depth)
 
 
-def check_boxes(corner: np.ndarray, volume: float) -> None:
+def check_boxes(corner, volume):
     """Cells are boxes with their corners in VTK's order, and fill a volume."""
     size = corner[:, 6] - corner[:, 0]
     assert size.min() > 0
-    np.testing.assert_allclose(size.prod(axis=1).sum(), volume, rtol=1e-12)
+    assert_allclose(size.prod(axis=1).sum(), volume, rtol=1e-12)
     around = ((0, 0), (1, 0), (1, 1), (0, 1))
     for k, place in enumerate((*((i, j, 0) for i, j in around), *((i, j, 1) for i, j in around))):
-        np.testing.assert_allclose(corner[:, k], corner[:, 0] + place * size, atol=1e-12 * LENGTHS[1])
+        assert_allclose(corner[:, k], corner[:, 0] + place * size, atol=1e-12 * LENGTHS[1])
 
 
-def test_deformed_nodes_move_by_their_displacement(solution: BlockSolution, tmp_path: Path) -> None:
+def test_deformed_nodes_move_by_their_displacement(solution, tmp_path):
     write_block(tmp_path / "a.vtu", solution, deformation=0.0)
     write_block(tmp_path / "b.vtu", solution)
     rest, deformed = meshio.read(tmp_path / "a.vtu"), meshio.read(tmp_path / "b.vtu")
     moved = deformed.points - rest.points
-    np.testing.assert_allclose(moved, deformed.point_data["displacement"], atol=1e-15 * LENGTHS[1])
+    assert_allclose(moved, deformed.point_data["displacement"], atol=1e-15 * LENGTHS[1])
 
 
-def test_unknown_suffix_is_refused_by_name(solution: BlockSolution, tmp_path: Path) -> None:
+def test_unknown_suffix_is_refused_by_name(solution, tmp_path):
     with pytest.raises(InvalidInput, match=r"\.vtu or \.xdmf"):
         write_block(tmp_path / "block.stl", solution)
 
 
 @pytest.mark.parametrize("element", ["Hex2", "Hex2/P1disc"])
-def test_quadratic_cells_are_written_with_all_their_nodes(element: str, tmp_path: Path) -> None:
+def test_quadratic_cells_are_written_with_all_their_nodes(element, tmp_path):
     x, y = np.arange(8)[:, None] / 8, np.arange(6)[None, :] / 6
     surface = HeightField(heights=1e-8 * np.cos(2 * np.pi * (x + y)), lengths=LENGTHS)
     solution = solve(surface, Solid(young=2e9, poisson=0.25), mean_pressure=1e6, element=element)
@@ -90,11 +85,11 @@ def test_quadratic_cells_are_written_with_all_their_nodes(element: str, tmp_path
     lower, upper = [(k, (k + 1) % 4) for k in range(4)], [(4 + k, 4 + (k + 1) % 4) for k in range(4)]
     sides = [(0, 7), (1, 6), (0, 5), (2, 7), (0, 2), (4, 6), (0, 6)]
     for node, corners in enumerate([*lower, *upper, *((k, k + 4) for k in range(4)), *sides], start=8):
-        np.testing.assert_allclose(nodes[:, node], nodes[:, corners].mean(axis=1), atol=1e-12 * LENGTHS[1])
+        assert_allclose(nodes[:, node], nodes[:, corners].mean(axis=1), atol=1e-12 * LENGTHS[1])
 
 
 @pytest.mark.slow
-def test_pictures_show_pressure_where_the_contact_is(solution: BlockSolution, tmp_path: Path) -> None:
+def test_pictures_show_pressure_where_the_contact_is(solution, tmp_path):
     pyvista = pytest.importorskip("pyvista")
     # Without a graphics library the renderer does not fail but kills its process.
     probe = "import pyvista; p = pyvista.Plotter(off_screen=True); p.add_mesh(pyvista.Cube()); p.show()"
@@ -121,7 +116,7 @@ def test_a_cut_spans_the_other_side_of_the_period(solution, tmp_path, monkeypatc
 
 
 @pytest.mark.parametrize("position", [1.0, "middle", np.nan])
-def test_cut_outside_the_period_is_refused(solution: BlockSolution, tmp_path: Path, position: object) -> None:
+def test_cut_outside_the_period_is_refused(solution, tmp_path, position):
     with pytest.raises(InvalidInput, match=r"^position"):
         render_section(tmp_path / "cut.png", solution, position=position)
 

@@ -5,14 +5,12 @@ import pickle
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from scipy.integrate import dblquad
 from surfaces import rough_surface
 
-from fem_contact import adhesion, bem
+from fem_contact import FreeHalfSpace, HalfSpace, InvalidInput, Solid, UnsupportedEffect, adhesion, bem
 from fem_contact.complementarity import FreeOperator
-from fem_contact.errors import InvalidInput, UnsupportedEffect
-from fem_contact.response import FreeHalfSpace, HalfSpace
-from fem_contact.solid import Solid
 from fem_contact.stress import elastic_energy, loading_work
 from fem_contact.subsurface import fields_below
 from fem_contact.surface import HeightField, Patch
@@ -63,15 +61,15 @@ def test_the_operator_is_the_sum_over_all_cells_of_the_patch():
             for i in range(5)
         ]
     )
-    np.testing.assert_allclose(out, at, rtol=3e-6)
+    assert_allclose(out, at, rtol=3e-6)
 
 
 def test_neither_the_size_of_the_patch_nor_the_place_on_it_matters():
     here, larger = pressed(48, side=0.24), pressed(96, side=0.48)
-    np.testing.assert_allclose(larger.pressure[24:72, 24:72], here.pressure, atol=1e-5 * here.pressure.max())
+    assert_allclose(larger.pressure[24:72, 24:72], here.pressure, atol=1e-5 * here.pressure.max())
     assert larger.offset == pytest.approx(here.offset, rel=1e-6)
     aside = pressed(96, side=0.48, centre=(0.05, -0.1))
-    np.testing.assert_allclose(
+    assert_allclose(
         np.roll(aside.pressure, (-10, 20), (0, 1)), larger.pressure, atol=1e-5 * here.pressure.max()
     )
 
@@ -124,7 +122,7 @@ def test_a_patch_knows_its_slopes_and_keeps_its_edges():
     # Half a cell at each edge has no difference.
     assert patch.rms_gradient == pytest.approx(exact, rel=1 / 40)
     for n in (20, 57, 80):
-        np.testing.assert_allclose(patch.resampled((n, n)).heights, heights(n), atol=1e-6)
+        assert_allclose(patch.resampled((n, n)).heights, heights(n), atol=1e-6)
     jumping = HeightField(heights=patch.heights, lengths=(1.0, 1.0))
     assert jumping.rms_gradient > 2 * patch.rms_gradient
     again = pickle.loads(pickle.dumps(patch))

@@ -2,12 +2,10 @@ import itertools
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
+from fem_contact import BondedLayer, ExponentialSolid, HalfSpace, LayeredSolid, Response, Solid
 from fem_contact.block import ELEMENTS, BlockMesh, BlockResponse
-from fem_contact.errors import InvalidInput
-from fem_contact.graded import ExponentialSolid, LayeredSolid
-from fem_contact.response import BondedLayer, HalfSpace, Response
-from fem_contact.solid import Solid
 
 Q = np.geomspace(1e-2, 1e3, 41)
 ZERO = np.zeros_like(Q)
@@ -24,9 +22,7 @@ def exponential(sublayers=64, ratio=5.0, depth=1.0):
 def test_layers_of_one_material_are_a_half_space(poisson):
     solid = Solid(young=2.0, poisson=poisson)
     layered = LayeredSolid(layers=[solid] * 3, thicknesses=[0.1, 1.0, 30.0], base=solid)
-    np.testing.assert_allclose(
-        layered.compliance(Q, ZERO), HalfSpace(solid=solid).compliance(Q, ZERO), rtol=1e-13
-    )
+    assert_allclose(layered.compliance(Q, ZERO), HalfSpace(solid=solid).compliance(Q, ZERO), rtol=1e-13)
     assert isinstance(layered, Response)
 
 
@@ -50,7 +46,7 @@ def test_cutting_a_layer_in_two_changes_nothing(poisson, contrast):
     whole = LayeredSolid(layers=[top], thicknesses=[1.0], base=base).compliance(Q, ZERO)
     cut = LayeredSolid(layers=[top, top], thicknesses=[0.3, 0.7], base=base).compliance(Q, ZERO)
     assert np.all(whole > 0)
-    np.testing.assert_allclose(cut, whole, rtol=1e-8)
+    assert_allclose(cut, whole, rtol=1e-8)
 
 
 def test_short_waves_feel_the_coating_and_long_ones_the_base():
@@ -58,7 +54,7 @@ def test_short_waves_feel_the_coating_and_long_ones_the_base():
     coated = LayeredSolid(layers=[top], thicknesses=[1e-3], base=base)
     ends = np.array([1e-3, 1e6])
     expected = [2 / (solid.contact_modulus * q) for solid, q in zip((base, top), ends, strict=True)]
-    np.testing.assert_allclose(coated.compliance(ends, np.zeros(2)), expected, rtol=1e-4)
+    assert_allclose(coated.compliance(ends, np.zeros(2)), expected, rtol=1e-4)
     assert coated.contact_modulus == top.contact_modulus
 
 
@@ -74,7 +70,7 @@ def test_finite_elements_find_the_same_two_layer_compliance():
     q = 2 * np.pi * np.array([1.0, 2.0, 4.0])
     # Trilinear elements: about a quarter of a percent at 64 nodes per wave, 1.6 % at 8.
     found = block.compliance(q[:, None], np.zeros((1, 1)))[:, 0]
-    np.testing.assert_allclose(found, layered.compliance(q, np.zeros(3)), rtol=0.01)
+    assert_allclose(found, layered.compliance(q, np.zeros(3)), rtol=0.01)
 
 
 @pytest.mark.parametrize("ratio", [0.05, 5.0])
@@ -85,25 +81,11 @@ def test_sublayers_of_an_exponential_profile_converge_to_second_order(ratio):
     assert second < 1e-3
 
 
-def test_other_units_of_length_and_pressure_change_no_bit():
-    length, pressure = 2.0**20, 2.0**-30
-    for make in (
-        lambda a, b: LayeredSolid(
-            layers=[Solid(young=b, poisson=0.3)], thicknesses=[a], base=Solid(young=7 * b, poisson=0.2)
-        ),
-        lambda a, b: ExponentialSolid(surface=Solid(young=b, poisson=0.3), bulk_young=7 * b, depth=a),
-    ):
-        one, two = make(1.0, 1.0), make(length, pressure)
-        np.testing.assert_array_equal(
-            two.compliance(Q / length, ZERO), one.compliance(Q, ZERO) * (length / pressure)
-        )
-
-
 def test_many_waves_are_interpolated_to_far_below_the_error_of_the_sublayers():
     q = np.geomspace(0.1, 1e4, 5000)
     many = exponential().compliance(q, np.zeros_like(q))
     few = exponential().compliance(q[::50], np.zeros(100))
-    np.testing.assert_allclose(many[::50], few, rtol=1e-8)
+    assert_allclose(many[::50], few, rtol=1e-8)
 
 
 def test_the_mean_is_left_out_and_directions_do_not_matter():
@@ -111,14 +93,3 @@ def test_the_mean_is_left_out_and_directions_do_not_matter():
     values = graded.compliance(np.array([0.0, 3.0, -3.0]), np.array([0.0, 4.0, -4.0]))
     assert values[0] == 0
     assert values[1] == values[2] == graded.compliance(np.array([5.0]), np.array([0.0]))[0]
-
-
-def test_bad_layers_are_refused():
-    solid = Solid(young=1.0, poisson=0.3)
-    with pytest.raises(InvalidInput, match="2 thicknesses for 1 layers"):
-        LayeredSolid(layers=[solid], thicknesses=[1.0, 2.0], base=solid)
-    for bad in (0.0, -1.0, np.nan, np.inf):
-        with pytest.raises(InvalidInput, match="thicknesses"):
-            LayeredSolid(layers=[solid], thicknesses=[bad], base=solid)
-    with pytest.raises(InvalidInput, match="sublayers = 3"):
-        ExponentialSolid(surface=solid, bulk_young=1.0, depth=1.0, sublayers=3)

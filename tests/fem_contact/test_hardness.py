@@ -3,15 +3,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from surfaces import rough_surface
+from numpy.testing import assert_allclose
+from surfaces import SOFT, rough_surface
 
-from fem_contact import HeightField, Status, bem, find_patches
-from fem_contact.errors import InvalidInput
+from fem_contact import InvalidInput, Status, bem, find_patches
 from fem_contact.hardness import Hardness, press_by_patches, press_yielding, yielded
-from fem_contact.response import HalfSpace
-from fem_contact.solid import Solid
 
-ELASTIC = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 LOAD = 0.01
 
 
@@ -21,7 +18,7 @@ def rough(points=64, *, waves=8, gradient=0.1):
 
 def pressed(hardness, load=LOAD, **options):
     return press_yielding(
-        rough(), ELASTIC, hardness=Hardness(pressure=hardness), mean_pressure=load, threads=1, **options
+        rough(), SOFT, hardness=Hardness(pressure=hardness), mean_pressure=load, threads=1, **options
     ).checked()
 
 
@@ -34,11 +31,11 @@ def test_areas_add_up_to_the_nominal_area_and_loads_to_the_load(hardness):
 
 
 def test_a_hardness_above_every_pressure_changes_nothing():
-    elastic = bem.solve(rough(), ELASTIC, mean_pressure=LOAD, threads=1).checked()
+    elastic = bem.solve(rough(), SOFT, mean_pressure=LOAD, threads=1).checked()
     found = pressed(2 * float(elastic.pressure.max()))
     assert yielded(found).plastic_area == 0
     assert yielded(found).volume == 0
-    np.testing.assert_allclose(found.pressure, elastic.pressure, atol=1e-6 * elastic.pressure.max())
+    assert_allclose(found.pressure, elastic.pressure, atol=1e-6 * elastic.pressure.max())
 
 
 def test_plastic_area_tends_to_load_over_hardness_as_the_solid_gets_softer():
@@ -50,19 +47,19 @@ def test_plastic_area_tends_to_load_over_hardness_as_the_solid_gets_softer():
 def test_pressing_the_smoothed_surface_again_is_elastic_and_gives_the_same_pressure():
     first = pressed(0.05, tolerance=1e-10)
     smooth = yielded(first).surface
-    again = bem.solve(smooth, ELASTIC, mean_pressure=LOAD, tolerance=1e-10, threads=1).checked()
-    np.testing.assert_allclose(again.pressure, first.pressure, atol=1e-4 * 0.05)
+    again = bem.solve(smooth, SOFT, mean_pressure=LOAD, tolerance=1e-10, threads=1).checked()
+    assert_allclose(again.pressure, first.pressure, atol=1e-4 * 0.05)
     assert again.offset == pytest.approx(first.offset, rel=1e-6)
 
 
 def test_what_is_shown_of_a_yielded_contact_has_no_arrays():
-    found = yielded(press_yielding(rough(), ELASTIC, hardness=Hardness(pressure=1.0), mean_pressure=0.3))
+    found = yielded(press_yielding(rough(), SOFT, hardness=Hardness(pressure=1.0), mean_pressure=0.3))
     assert "array" not in repr(found)
 
 
 def test_unloading_is_elastic_and_has_more_contact_than_loading():
     first = pressed(0.05)
-    (back,) = bem.solve_path(yielded(first).surface, ELASTIC, mean_pressures=[LOAD / 4], threads=1)
+    (back,) = bem.solve_path(yielded(first).surface, SOFT, mean_pressures=[LOAD / 4], threads=1)
     loading = pressed(0.05, load=LOAD / 4)
     assert back.checked().pressure.max() < 0.05
     assert back.in_contact.mean() > loading.in_contact.mean()
@@ -74,7 +71,7 @@ def test_a_field_of_hardness_bounds_every_point_by_its_own():
     contact = pressed(field)
     assert np.all(contact.pressure <= field * (1 + 1e-12))
     assert contact.at_bound.any()
-    np.testing.assert_allclose(contact.pressure[contact.at_bound], field[contact.at_bound], rtol=1e-12)
+    assert_allclose(contact.pressure[contact.at_bound], field[contact.at_bound], rtol=1e-12)
     found = yielded(contact)
     assert found.elastic_load + found.plastic_load == pytest.approx(LOAD, rel=1e-12)
 
@@ -85,12 +82,6 @@ def test_load_equal_to_hardness_yields_everywhere_and_above_it_is_refused():
     assert found.surface.rms_height < rough().rms_height
     with pytest.raises(InvalidInput, match="pressure_bound"):
         pressed(0.9 * LOAD)
-
-
-@pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf, np.array([1.0, 0.0]), np.array([])])
-def test_a_hardness_that_is_not_positive_and_finite_is_refused(value):
-    with pytest.raises(InvalidInput, match="pressure: "):
-        Hardness(pressure=value)
 
 
 SIZED = Hardness(pressure=0.045, length=0.02, exponent=0.7)
@@ -106,7 +97,7 @@ def by_hand(contact, hardness):
 
 
 def test_every_patch_bears_what_its_size_allows_and_not_more():
-    contact = press_yielding(rough(), ELASTIC, hardness=SIZED, mean_pressure=LOAD / 4).checked()
+    contact = press_yielding(rough(), SOFT, hardness=SIZED, mean_pressure=LOAD / 4).checked()
     bears = by_hand(contact, SIZED)
     assert contact.at_bound.sum() > 50
     assert contact.pressure[contact.at_bound] == pytest.approx(bears[contact.at_bound], rel=1e-12)
@@ -115,7 +106,7 @@ def test_every_patch_bears_what_its_size_allows_and_not_more():
     # Harder than the bulk everywhere, softer than single cells.
     plain, cells = (
         yielded(
-            press_yielding(rough(), ELASTIC, hardness=Hardness(pressure=p), mean_pressure=LOAD / 4)
+            press_yielding(rough(), SOFT, hardness=Hardness(pressure=p), mean_pressure=LOAD / 4)
         ).plastic_area
         for p in (SIZED.pressure, SIZED.of_patches(np.zeros(contact.shape, bool), contact.spacing)[0, 0])
     )
@@ -123,25 +114,17 @@ def test_every_patch_bears_what_its_size_allows_and_not_more():
     assert contact.cost.fft_pairs > 20
 
 
-def test_a_hardness_without_a_size_is_the_plain_one_and_units_change_no_bit():
-    plain = press_yielding(
-        rough(), ELASTIC, hardness=Hardness(pressure=SIZED.pressure), mean_pressure=LOAD / 4
-    )
+def test_a_hardness_without_a_size_is_the_plain_one():
+    plain = press_yielding(rough(), SOFT, hardness=Hardness(pressure=SIZED.pressure), mean_pressure=LOAD / 4)
     for length, exponent in ((0.0, 0.7), (0.1, 0.0)):
         same = Hardness(pressure=SIZED.pressure, length=length, exponent=exponent)
         assert np.array_equal(
-            press_yielding(rough(), ELASTIC, hardness=same, mean_pressure=LOAD / 4).pressure, plain.pressure
+            press_yielding(rough(), SOFT, hardness=same, mean_pressure=LOAD / 4).pressure, plain.pressure
         )
-    here = press_yielding(rough(), ELASTIC, hardness=SIZED, mean_pressure=LOAD / 4)
-    other = HeightField(heights=rough().heights * 2**20, lengths=(2.0**20, 2.0**20))
-    there = Hardness(pressure=SIZED.pressure, length=SIZED.length * 2**20, exponent=0.7)
-    assert np.array_equal(
-        press_yielding(other, ELASTIC, hardness=there, mean_pressure=LOAD / 4).pressure, here.pressure
-    )
 
 
 def test_patches_that_do_not_settle_and_solves_that_fail_are_said():
-    contact = press_yielding(rough(), ELASTIC, hardness=SIZED, mean_pressure=LOAD / 4)
+    contact = press_yielding(rough(), SOFT, hardness=SIZED, mean_pressure=LOAD / 4)
     rounds = []
 
     def endless(limits):
@@ -156,8 +139,3 @@ def test_patches_that_do_not_settle_and_solves_that_fail_are_said():
     assert (last.cost.unknowns, last.cost.peak_bytes) == (once.unknowns, once.peak_bytes)
     failed = replace(contact, status=Status.STAGNATED)
     assert press_by_patches(rough(), SIZED, lambda limits: failed).status is Status.STAGNATED
-    for given in (({"surface": 1.0}), ({"hardness": 1.0})):
-        with pytest.raises(InvalidInput, match=f"^{next(iter(given))}"):
-            press_by_patches(**{"surface": rough(), "hardness": SIZED, "press": endless} | given)
-    with pytest.raises(InvalidInput, match="length"):
-        Hardness(pressure=1.0, length=-1.0)

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from fem_contact import HeightField, InvalidInput, Patch, measured_lay, random_surface
-from fem_contact.surface import radial_spectrum
+from fem_contact import Patch, measured_lay, radial_spectrum, random_surface
 
 STRETCH, Q_LONG, Q_SHORT = 3.0, 2 * np.pi * 8, 2 * np.pi * 60
 
@@ -78,17 +77,3 @@ def test_rings_of_the_spectrum_are_its_average_over_directions():
     q = rings.q[own, None]
     average = ground(q * np.cos(angle), q * np.sin(angle)).mean(axis=1)
     assert np.median(rings.power[own] / average) == pytest.approx(1, abs=0.02)
-
-
-def test_what_has_no_lay_and_what_is_no_spectrum_is_refused():
-    with pytest.raises(InvalidInput, match="no lay"):
-        measured_lay(HeightField(heights=np.zeros((8, 8)), lengths=(1.0, 1.0)))
-    with pytest.raises(InvalidInput, match="its opposite"):
-        random_surface(
-            lambda qx, qy: 1 + 0.1 * np.sign(qx),
-            q_short=20.0,
-            lengths=(1.0, 1.0),
-            shape=(16, 16),
-            seed=3,
-            isotropic=False,
-        )

@@ -1,7 +1,5 @@
 """The processes of MPI themselves, skipped where there is none; test_slabs.py has threads in their place."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil
@@ -9,8 +7,6 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
-from typing import Any
 
 import h5py
 import pytest
@@ -52,37 +48,37 @@ if all(comm.allgather(True)) and comm.rank == 0:
 SCENE = small_scene(grids="[32, 48]")
 
 
-def mpiexec(count: int, *arguments: str) -> list[str]:
+def mpiexec(count, *arguments):
     assert MPIEXEC is not None
     return [MPIEXEC, "--oversubscribe", "-n", str(count), sys.executable, *arguments]
 
 
-def surroundings() -> dict[str, str]:
+def surroundings():
     """Return what Open MPI asks for in containers, and on fewer processors than processes."""
     names = ("OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "OMPI_MCA_mpi_yield_when_idle")
     return os.environ | dict.fromkeys(names, "1") | {"OMP_NUM_THREADS": "1"}
 
 
-def run(count: int, *arguments: str) -> subprocess.CompletedProcess[str]:
+def run(count, *arguments):
     command = mpiexec(count, *arguments)
     return subprocess.run(
         command, env=surroundings(), capture_output=True, text=True, timeout=300, check=False
     )
 
 
-def told(text: str) -> Any:
+def told(text):
     """Return the JSON in what all processes have printed; Open MPI adds codes for terminals."""
     return json.loads(text[text.index("{") : text.rindex("}") + 1])
 
 
 @pytest.mark.parametrize("count", [1, 3])
-def test_any_number_of_processes_gives_the_answer_of_one(count: int) -> None:
+def test_any_number_of_processes_gives_the_answer_of_one(count):
     done = run(count, "-c", EQUAL)
     assert done.returncode == 0, done.stderr
     assert f"equal {count}" in done.stdout
 
 
-def test_the_command_writes_the_same_with_one_process_and_with_three(tmp_path: Path) -> None:
+def test_the_command_writes_the_same_with_one_process_and_with_three(tmp_path):
     scene = tmp_path / "small.toml"
     scene.write_text(SCENE)
     found = []
@@ -102,7 +98,7 @@ def test_the_command_writes_the_same_with_one_process_and_with_three(tmp_path: P
     assert refused.stderr.count("--accuracy: does not go with --mpi") == 1
 
 
-def test_a_killed_process_ends_the_run_and_what_was_stored_stays(tmp_path: Path) -> None:
+def test_a_killed_process_ends_the_run_and_what_was_stored_stays(tmp_path):
     scene = tmp_path / "large.toml"
     scene.write_text(SCENE.replace("[32, 48]", "[32, 2048]"))
     command = mpiexec(3, "-m", "validation.cli", "run", str(scene), "--mpi", "-o", str(tmp_path / "out"))

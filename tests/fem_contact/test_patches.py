@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from fem_contact.errors import InvalidInput
-from fem_contact.patches import find_patches
+from fem_contact import find_patches
 
 
-def test_patches_are_joined_across_both_periods() -> None:
+def test_patches_are_joined_across_both_periods():
     contact = np.zeros((7, 9), dtype=bool)
     contact[[0, 0, -1, -1], [0, -1, 0, -1]] = True
     contact[3, 3:6] = True
@@ -18,7 +17,7 @@ def test_patches_are_joined_across_both_periods() -> None:
     assert np.array_equal(patches.labels > 0, contact)
 
 
-def test_patches_do_not_depend_on_where_the_period_starts() -> None:
+def test_patches_do_not_depend_on_where_the_period_starts():
     contact = np.random.default_rng(5).random((40, 33)) < 0.45
     areas = sorted(find_patches(contact, (1.0, 1.0)).areas)
     moved = np.roll(contact, (17, 8), axis=(0, 1))
@@ -26,16 +25,11 @@ def test_patches_do_not_depend_on_where_the_period_starts() -> None:
     assert sum(areas) == contact.sum()
 
 
-def test_corners_do_not_join() -> None:
+def test_corners_do_not_join():
     assert find_patches(np.eye(6, dtype=bool), (1.0, 1.0)).count == 6
 
 
-def test_no_contact_and_full_contact() -> None:
+def test_no_contact_and_full_contact():
     assert find_patches(np.zeros((4, 4), dtype=bool), (1.0, 1.0)).count == 0
     assert find_patches(np.zeros((4, 4), dtype=bool), (1.0, 1.0)).mean_size == 0
     assert find_patches(np.ones((4, 4), dtype=bool), (1.0, 1.0)).mean_size == 16
-
-
-def test_a_map_that_is_not_two_dimensional_is_refused() -> None:
-    with pytest.raises(InvalidInput, match="two-dimensional"):
-        find_patches(np.ones(4, dtype=bool), (1.0, 1.0))

@@ -7,21 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from dense_contact import Contact, pressed, response_matrix
-from numpy.typing import NDArray
+from dense_contact import pressed, response_matrix
 
+from fem_contact import HeightField, InvalidInput, Solid, Status
 from fem_contact.bem import solve, solve_displacement
-from fem_contact.contact import ContactResult, Status
-from fem_contact.errors import InvalidInput
 from fem_contact.response import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace, Response
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 
-Array = NDArray[np.float64]
 Generator = np.random.Generator
 
 
-def heights(rng: Generator, shape: tuple[int, int]) -> Array:
+def heights(rng, shape):
     """Heights of about unit size: rough, smooth, stepped, single peaks, flat but for a little."""
     noise = rng.standard_normal(shape)
     i, j = np.indices(shape)
@@ -44,7 +39,7 @@ def heights(rng: Generator, shape: tuple[int, int]) -> Array:
     return -((i / shape[0] - 0.5) ** 2) - (j / shape[1] - 0.5) ** 2
 
 
-def solid_of(rng: Generator, *, modulus: float, length: float) -> Response:
+def solid_of(rng, *, modulus, length):
     poisson = float(rng.choice([0.0, 0.3, 0.5, -0.9, rng.uniform(-0.5, 0.5)]))
     solid, thickness = Solid(young=modulus, poisson=poisson), length * 10.0 ** rng.uniform(-2, 2)
     kind = rng.integers(4)
@@ -68,13 +63,13 @@ class Case:
     surface: HeightField
     response: Response
     load: float
-    bound: Array | float | None
+    bound: np.ndarray | float | None
     tolerance: float
     mode: str
     ordinary: bool
 
     @classmethod
-    def drawn(cls, seed: int) -> Case:
+    def drawn(cls, seed):
         rng = np.random.default_rng([seed, 20261122])
         shape = int(rng.integers(1, 11)), int(rng.integers(2, 13))
         extreme = rng.random() < 0.3
@@ -90,7 +85,7 @@ class Case:
         reduced = 10.0 ** (rng.uniform(-25, 13) if extreme else rng.uniform(-4, 1))
         scale = modulus * (surface.rms_gradient if surface.rms_gradient > 0 else 1.0)
         load = reduced * scale
-        bound: Array | float | None = None
+        bound: np.ndarray | float | None = None
         if rng.random() < 0.4:
             bound = load * (1 + 10.0 ** rng.uniform(-6, 3))
             if rng.random() < 0.5:
@@ -106,14 +101,14 @@ class Case:
             ordinary=not (extreme or far),
         )
 
-    def scales(self, load: float) -> tuple[float, float]:
+    def scales(self, load):
         """Unit of length and of pressure in which the conditions are judged."""
         surface, modulus = self.surface, self.response.contact_modulus
         rough = surface.rms_height > 8 * np.finfo(float).eps * np.abs(surface.heights).max()
         return (surface.rms_height if rough else load * max(surface.lengths) / modulus), load
 
 
-def solved(case: Case, exact: Contact, rng: Generator, unit: float) -> tuple[ContactResult, float | None]:
+def solved(case, exact, rng, unit):
     """Solve a case in its mode; with the target [m] where there is one."""
     if case.mode == "load":
         start = rng.random(case.surface.shape) if rng.random() < 0.2 else None
@@ -129,7 +124,7 @@ def solved(case: Case, exact: Contact, rng: Generator, unit: float) -> tuple[Con
     return solve_displacement(case.surface, case.response, offset=offset, **options), offset
 
 
-def faults(case: Case, result: ContactResult, matrix: Array, target: float | None) -> list[str]:
+def faults(case, result, matrix, target):
     """By what a result that is called converged misses the conditions of contact, in words."""
     tolerance, found = case.tolerance, []
     load = case.load if case.mode == "load" else result.mean_pressure
@@ -175,7 +170,7 @@ def faults(case: Case, result: ContactResult, matrix: Array, target: float | Non
     return found
 
 
-def outcome(seed: int) -> str:
+def outcome(seed):
     """What became of one case: a status, a refusal; raises where what is called converged is not."""
     case = Case.drawn(seed)
     rng = np.random.default_rng([seed, 77])
@@ -198,11 +193,11 @@ def outcome(seed: int) -> str:
     return "converged"
 
 
-def searched(seeds: range) -> Counter[str]:
+def searched(seeds):
     return Counter(outcome(seed) for seed in seeds)
 
 
-def test_two_hundred_random_contacts_meet_their_conditions() -> None:
+def test_two_hundred_random_contacts_meet_their_conditions():
     assert searched(range(200))["converged"] > 140
 
 
@@ -210,19 +205,17 @@ def test_two_hundred_random_contacts_meet_their_conditions() -> None:
 #: a corner (5266), stuck at a load that many offsets balance (53, 277, 4788), taken for full contact (26),
 #: begun at no load on a flat surface (30786).
 @pytest.mark.parametrize("seed", [26, 53, 246, 277, 2383, 4788, 5266, 30786])
-def test_contacts_that_were_missed_are_found(seed: int) -> None:
+def test_contacts_that_were_missed_are_found(seed):
     assert outcome(seed) == "converged"
 
 
-def test_steps_in_single_precision_leave_nothing_behind(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_steps_in_single_precision_leave_nothing_behind(monkeypatch):
     monkeypatch.setattr("fem_contact.complementarity.solve._SINGLE", 1)
-    assert searched(range(200, 350))["converged"] > 105
+    assert searched(range(200, 280))["converged"] > 56
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("single", [1, 10**9])
-def test_ten_thousand_random_contacts_meet_their_conditions(
-    single: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_ten_thousand_random_contacts_meet_their_conditions(single, monkeypatch):
     monkeypatch.setattr("fem_contact.complementarity.solve._SINGLE", single)
     assert searched(range(1000, 11_000))["converged"] > 9000

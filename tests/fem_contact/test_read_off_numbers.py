@@ -1,7 +1,5 @@
 """Limits, errors and states by closed forms that share nothing with the code."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from types import SimpleNamespace
@@ -10,18 +8,13 @@ import numpy as np
 import pytest
 from made_results import made_areas
 
-from fem_contact import adhesion, bem
+from fem_contact import HalfSpace, Solid, Status, adhesion, bem, located_limit, pressure_distribution
 from fem_contact.adhesion.descent import Minimum
 from fem_contact.adhesion.laws import Exponential
 from fem_contact.adhesion.path import _Walk
 from fem_contact.adhesion.state import AdhesionProblem, Stability
-from fem_contact.contact import Status
-from fem_contact.extrapolation import located_limit
-from fem_contact.response import HalfSpace
 from fem_contact.settings import Settings
-from fem_contact.solid import Solid
-from fem_contact.stress import pressure_distribution
-from fem_contact.surface import HeightField, estimate_spectrum, random_surface
+from fem_contact.surface import HeightField
 
 
 def _width(area, fraction):
@@ -174,22 +167,6 @@ def test_the_distribution_of_pressure_counts_each_point_by_its_weight():
     exact = 1.75 * np.count_nonzero(contact) / 64
     assert found.area == pytest.approx(exact, rel=1e-12)
     assert found.density[0] * 2 == pytest.approx(exact, rel=1e-12)
-
-
-def test_what_a_window_takes_from_the_power_is_made_up_for():
-    surface = random_surface(
-        lambda q: q**0.0, q_short=2 * np.pi * 40, lengths=(1.0, 1.0), shape=(96, 96), seed=23
-    )
-    bare, hann = (
-        estimate_spectrum(surface.heights, surface.lengths, window=window) for window in ("none", "hann")
-    )
-
-    def middle(rings):
-        inside = (rings.q > 2 * np.pi * 10) & (rings.q < 2 * np.pi * 30)
-        return float(np.sum((rings.power * rings.count)[inside]) / np.sum(rings.count[inside]))
-
-    # Some 2500 waves, of which a window sees about a quarter as independent: 4 %.
-    assert middle(hann) == pytest.approx(middle(bare), rel=0.1)
 
 
 def test_energy_lost_in_a_step_is_the_work_of_the_mean_load_less_what_is_stored():

@@ -2,60 +2,54 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
-from fem_contact.errors import InvalidInput
-from fem_contact.response import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace, Response
-from fem_contact.solid import Solid
+from fem_contact import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace, Response, Solid
 
 
-def test_half_space_compliance_is_two_over_modulus_and_wavevector() -> None:
+def test_half_space_compliance_is_two_over_modulus_and_wavevector():
     response = HalfSpace(solid=Solid(young=2.0, poisson=0.5))
     assert isinstance(response, Response)
     qx, qy = np.array([0.0, 3.0])[:, None], np.array([0.0, 4.0])[None, :]
     expected = 2 / (2.0 / 0.75 * np.array([[np.inf, 4.0], [3.0, 5.0]]))
-    np.testing.assert_allclose(response.compliance(qx, qy), expected, rtol=1e-15)
+    assert_allclose(response.compliance(qx, qy), expected, rtol=1e-15)
 
 
 @pytest.mark.parametrize("poisson", [0.0, 0.3, 0.49, 0.5])
 @pytest.mark.parametrize("layer", [BondedLayer, FrictionlessLayer])
-def test_thick_layer_is_a_half_space_but_for_its_mean(layer: type[BondedLayer], poisson: float) -> None:
+def test_thick_layer_is_a_half_space_but_for_its_mean(layer, poisson):
     solid = Solid(young=3.0, poisson=poisson)
     q = np.array([2.0, 5.0, 1e4])
     thick = layer(solid=solid, thickness=20.0).compliance(q, 0 * q)
-    np.testing.assert_allclose(thick, HalfSpace(solid=solid).compliance(q, 0 * q), rtol=1e-12)
+    assert_allclose(thick, HalfSpace(solid=solid).compliance(q, 0 * q), rtol=1e-12)
     mean = layer(solid=solid, thickness=20.0).compliance(np.zeros(1), np.zeros(1))
     expected = 20.0 * (1 + poisson) * (1 - 2 * poisson) / (3.0 * (1 - poisson))
-    np.testing.assert_allclose(mean, expected, atol=1e-15)
+    assert_allclose(mean, expected, atol=1e-15)
 
 
-def test_thin_bonded_layer_is_a_bed_of_springs() -> None:
+def test_thin_bonded_layer_is_a_bed_of_springs():
     solid = Solid(young=2.0, poisson=0.3)
     q = np.array([1e-3])
     bonded = BondedLayer(solid=solid, thickness=1.0).compliance(q, 0 * q)
-    np.testing.assert_allclose(bonded, 1.3 * 0.4 / (2.0 * 0.7), rtol=1e-5)
+    assert_allclose(bonded, 1.3 * 0.4 / (2.0 * 0.7), rtol=1e-5)
 
 
-def test_thin_frictionless_layer_yields_by_its_plane_strain_modulus() -> None:
+def test_thin_frictionless_layer_yields_by_its_plane_strain_modulus():
     solid = Solid(young=2.0, poisson=0.3)
     q = np.array([1e-3])
     sliding = FrictionlessLayer(solid=solid, thickness=1.0).compliance(q, 0 * q)
-    np.testing.assert_allclose(sliding, 1 / solid.contact_modulus, rtol=1e-5)
+    assert_allclose(sliding, 1 / solid.contact_modulus, rtol=1e-5)
 
 
-def test_thin_incompressible_bonded_layer_yields_with_the_cube_of_its_thickness() -> None:
+def test_thin_incompressible_bonded_layer_yields_with_the_cube_of_its_thickness():
     solid = Solid(young=1.0, poisson=0.5)
     q = np.array([1e-6, 1e-4, 1e-2])
     thin = BondedLayer(solid=solid, thickness=1.0).compliance(q, 0 * q)
     # C = q^2 d^3 / (3 G), the lubrication limit, with G = E/3.
-    np.testing.assert_allclose(thin, q**2, rtol=2e-4)
+    assert_allclose(thin, q**2, rtol=2e-4)
 
 
-def test_given_response_is_used_as_given() -> None:
+def test_given_response_is_used_as_given():
     given = GivenResponse(contact_modulus=2.0, function=lambda qx, qy: 1 / (1 + qx**2 + 2 * qy**2))
     assert isinstance(given, Response)
-    np.testing.assert_allclose(given.compliance(np.ones((2, 1)), np.ones((1, 3))), np.full((2, 3), 0.25))
-
-
-def test_a_function_of_one_number_is_no_compliance():
-    with pytest.raises(InvalidInput, match="must be a function of qx and qy"):
-        GivenResponse(contact_modulus=1.0, function=float)
+    assert_allclose(given.compliance(np.ones((2, 1)), np.ones((1, 3))), np.full((2, 3), 0.25))

@@ -2,37 +2,14 @@ import time
 
 import numpy as np
 import pytest
+from surfaces import SOFT
 
-from fem_contact import HalfSpace, HeightField, Solid, bem
-from fem_contact.contact import Status
-from fem_contact.errors import InvalidInput, NotConverged
-from fem_contact.hardness import Hardness, press_yielding
+from fem_contact import Hardness, HeightField, NotConverged, Status, bem, press_yielding
 from fem_contact.settings import Settings
-
-SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
 
 def rough(n=48):
     return HeightField(heights=np.random.default_rng(29).standard_normal((n, n)), lengths=(1.0, 1.0))
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        {"tolerance": 0.11},
-        {"max_iterations": 1e30},
-        {"max_iterations": 2**63},
-        {"max_iterations": 10.0},
-        {"threads": 2**40},
-        {"threads": 1.5},
-    ],
-)
-def test_a_setting_that_means_nothing_is_refused_by_name(wrong):
-    (name,) = wrong
-    with pytest.raises(InvalidInput, match=f"^{name} = .*: must "):
-        Settings(**wrong)
-    with pytest.raises(InvalidInput, match=f"^{name} = "):
-        bem.solve(rough(), SOFT, mean_pressure=0.1, **wrong)
 
 
 def test_the_largest_tolerance_is_a_tenth():

@@ -1,28 +1,23 @@
 """One surface in slabs: the answer of one process, for any number of processes; here they are threads."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from surfaces import rough_surface
-from thread_processes import ThreadComm, run_threads
+from thread_processes import run_threads
 
-from fem_contact import HeightField, contact_areas, random_surface
+from fem_contact import InvalidInput, Solid, Status, contact_areas, random_surface
 from fem_contact.bem import SlabSurface, solve
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.grids import Grids
 from fem_contact.complementarity.in_slabs import SlabGrids, SlabIterationArrays, SlabOperator
 from fem_contact.complementarity.iteration_arrays import IterationArrays
 from fem_contact.complementarity.slabs import Slabs
-from fem_contact.contact import ContactResult, Status
-from fem_contact.errors import InvalidInput
 from fem_contact.response import BondedLayer, FreeHalfSpace, GivenResponse, HalfSpace
-from fem_contact.solid import Solid
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.3))
 JELLY = BondedLayer(solid=Solid(young=1.0, poisson=0.5), thickness=0.02)
@@ -32,11 +27,11 @@ OBLIQUE = GivenResponse(
 )
 
 
-def field(shape: tuple[int, int]) -> HeightField:
+def field(shape):
     return rough_surface(shape, (1.0, shape[1] / shape[0]), seed=7, waves=12, longest=4, gradient=1.0)
 
 
-def hardness_field(shape: tuple[int, int]) -> np.ndarray:
+def hardness_field(shape):
     return 0.5 + 0.1 * np.random.default_rng(3).random(shape)
 
 
@@ -55,9 +50,7 @@ def hardness_field(shape: tuple[int, int]) -> np.ndarray:
         ((48, 40), SOFT, 40.0, None),
     ],
 )
-def test_slabs_give_the_answer_of_one_process(
-    count: int, shape: tuple[int, int], response: Any, load: float, bound: Any
-) -> None:
+def test_slabs_give_the_answer_of_one_process(count, shape, response, load, bound):
     surface = field(shape)
     options = {
         "mean_pressure": load,
@@ -66,7 +59,7 @@ def test_slabs_give_the_answer_of_one_process(
     }
     alone = solve(surface, response, threads=1, **options).checked()
 
-    def press(comm: ThreadComm) -> tuple[ContactResult, Any]:
+    def press(comm):
         result = solve(surface, response, comm=comm, **options).checked()
         return result.whole(), result.areas()
 
@@ -87,16 +80,14 @@ def test_slabs_give_the_answer_of_one_process(
 @pytest.mark.parametrize("count", [2, 3])
 @pytest.mark.parametrize("shape", [(48, 45), (45, 37), (9, 30), (129, 64)])
 @pytest.mark.parametrize("bounded", [False, True])
-def test_each_pass_over_slabs_is_that_over_the_whole(
-    count: int, shape: tuple[int, int], bounded: bool
-) -> None:
+def test_each_pass_over_slabs_is_that_over_the_whole(count, shape, bounded):
     generator = np.random.default_rng(29)
     heights = generator.standard_normal(shape)
     bound = 1 + generator.random(shape) if bounded else None
     fields = [generator.standard_normal(shape) for _ in range(3)]
     force = np.clip(generator.standard_normal(shape), 0, 1)
 
-    def passed(arrays: IterationArrays, own: slice) -> list[Any]:
+    def passed(arrays, own):
         arrays.force[...], arrays.step[...], arrays.image[...] = (v[own] for v in (force, *fields[:2]))
         numbers = [*arrays.start(), *vars(arrays.place(0.2)).values(), *vars(arrays.move(0.3, 0.1)).values()]
         numbers += arrays.precondition()
@@ -111,7 +102,7 @@ def test_each_pass_over_slabs_is_that_over_the_whole(
     operator = FourierOperator(JELLY, shape, (1.0, 1.2), threads=1)
     alone = passed(IterationArrays(operator, heights, bound=bound, caution=0.1, threads=1), slice(None))
 
-    def work(comm: ThreadComm) -> list[Any]:
+    def work(comm):
         slabs = Slabs(comm, shape)
         own = slice(slabs.first, slabs.last)
         there = SlabOperator(JELLY, slabs, (1.0, 1.2), threads=1)
@@ -125,11 +116,11 @@ def test_each_pass_over_slabs_is_that_over_the_whole(
     for found in run_threads(count, work):
         for value, expected in zip(found, alone, strict=True):
             size = np.abs(expected[np.isfinite(expected)]).max()
-            np.testing.assert_allclose(value, expected, rtol=1e-10, atol=1e-11 * size)
+            assert_allclose(value, expected, rtol=1e-10, atol=1e-11 * size)
 
 
 @pytest.mark.parametrize("count", [2, 3])
-def test_single_precision_in_slabs_differs_by_less_than_the_tolerance(count: int) -> None:
+def test_single_precision_in_slabs_differs_by_less_than_the_tolerance(count):
     surface = field((300, 270))
     alone = solve(surface, SOFT, mean_pressure=0.05, tolerance=1e-10, threads=1).checked()
     results = run_threads(
@@ -141,15 +132,13 @@ def test_single_precision_in_slabs_differs_by_less_than_the_tolerance(count: int
 
 @pytest.mark.parametrize("count", [2, 3])
 @pytest.mark.parametrize("shape", [(64, 64), (45, 61), (128, 40), (64, 6)])
-def test_fields_are_carried_between_grids_in_slabs_as_between_whole_ones(
-    count: int, shape: tuple[int, int]
-) -> None:
+def test_fields_are_carried_between_grids_in_slabs_as_between_whole_ones(count, shape):
     values = np.random.default_rng(5).standard_normal(shape)
     half = (-(-shape[0] // 2), -(-shape[1] // 2))
     plain = Grids(shape, threads=1)
     coarse = plain.coarsened(values, shape, half)
 
-    def carry(comm: ThreadComm) -> list[np.ndarray]:
+    def carry(comm):
         slabs = Slabs(comm, shape)
         grids = SlabGrids(slabs, threads=1)
         own = grids.put(values)
@@ -164,17 +153,15 @@ def test_fields_are_carried_between_grids_in_slabs_as_between_whole_ones(
         ]
 
     for there, back, below in run_threads(count, carry):
-        np.testing.assert_allclose(there, coarse, atol=1e-13)
-        np.testing.assert_allclose(back, plain.refined(coarse, half, shape), atol=1e-13)
+        assert_allclose(there, coarse, atol=1e-13)
+        assert_allclose(back, plain.refined(coarse, half, shape), atol=1e-13)
         assert np.array_equal(below, plain.nearest(values, half))
 
 
 @pytest.mark.parametrize("count", [1, 3])
 @pytest.mark.parametrize("amplitudes", ["exact", "gaussian"])
 @pytest.mark.parametrize("isotropic", [True, False])
-def test_a_random_surface_made_in_slabs_is_that_made_at_once(
-    count: int, amplitudes: Any, isotropic: bool
-) -> None:
+def test_a_random_surface_made_in_slabs_is_that_made_at_once(count, amplitudes, isotropic):
     options: dict[str, Any] = {
         "q_short": 2 * np.pi * 11,
         "lengths": (1.0, 1.5),
@@ -184,25 +171,25 @@ def test_a_random_surface_made_in_slabs_is_that_made_at_once(
         "isotropic": isotropic,
     }
 
-    def power(qx: np.ndarray, qy: np.ndarray | float = 0.0) -> np.ndarray:
+    def power(qx, qy=0.0):
         return (qx**2 + 2 * qy**2 + 1) ** -2.0
 
     whole = random_surface(power, **options)
 
-    def make(comm: ThreadComm) -> tuple[np.ndarray, float, float]:
+    def make(comm):
         surface = SlabSurface.random(power, comm=comm, **options)
         return surface.slabs.whole(surface.heights), surface.rms_height, surface.rms_gradient
 
     for heights, rms_height, rms_gradient in run_threads(count, make):
-        np.testing.assert_allclose(heights, whole.heights, atol=1e-13 * whole.rms_height)
+        assert_allclose(heights, whole.heights, atol=1e-13 * whole.rms_height)
         assert rms_height == pytest.approx(whole.rms_height, rel=1e-12)
         assert rms_gradient == pytest.approx(whole.rms_gradient, rel=1e-12)
 
 
-def test_the_file_of_all_processes_is_that_of_one(tmp_path: Path) -> None:
+def test_the_file_of_all_processes_is_that_of_one(tmp_path):
     surface, path = field((37, 44)), tmp_path / "fields.h5"
 
-    def press(comm: ThreadComm) -> ContactResult:
+    def press(comm):
         result = solve(surface, SOFT, mean_pressure=0.1, pressure_bound=0.4, comm=comm)
         result.write(path, about={"scene": "three slabs"})
         return result.whole()
@@ -220,8 +207,8 @@ def test_the_file_of_all_processes_is_that_of_one(tmp_path: Path) -> None:
     assert [entry.name for entry in tmp_path.iterdir()] == ["fields.h5"]
 
 
-def test_what_cannot_be_shared_is_refused_by_all_in_one_line() -> None:
-    def press(surface: HeightField, **options: Any) -> Any:
+def test_what_cannot_be_shared_is_refused_by_all_in_one_line():
+    def press(surface, **options):
         return lambda comm: solve(
             surface, options.pop("response", SOFT), mean_pressure=0.1, comm=comm, **options
         )
@@ -236,7 +223,7 @@ def test_what_cannot_be_shared_is_refused_by_all_in_one_line() -> None:
         run_threads(2, lambda comm: press(rough_surface((32, 32), (1.0, 2.0), seed=7, waves=6))(comm).areas())
 
 
-def test_all_processes_stop_at_the_time_limit_of_the_first() -> None:
+def test_all_processes_stop_at_the_time_limit_of_the_first():
     surface = field((64, 64))
     results = run_threads(
         3, lambda comm: solve(surface, SOFT, mean_pressure=0.1, time_limit=1e-6, comm=comm).contact.status

@@ -2,14 +2,10 @@
 
 import numpy as np
 import pytest
-from surfaces import rough_surface
+from surfaces import SOFT, rough_surface
 
-from fem_contact.bem import solve, solve_path
-from fem_contact.contact import ContactResult
-from fem_contact.errors import InvalidInput
-from fem_contact.response import HalfSpace
-from fem_contact.solid import Solid
-from fem_contact.stress import (
+from fem_contact import (
+    HeightField,
     contact_stiffness,
     density_at_zero,
     elastic_energy,
@@ -17,20 +13,18 @@ from fem_contact.stress import (
     pressure_distribution,
     window_slope,
 )
-from fem_contact.surface import HeightField
-
-SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
+from fem_contact.bem import solve, solve_path
 
 
-def rough(n: int) -> HeightField:
+def rough(n):
     return rough_surface((n, n), seed=3, waves=8, longest=1.6, gradient=1.0)
 
 
-def rough_contact(n: int) -> ContactResult:
+def rough_contact(n):
     return solve(rough(n), SOFT, mean_pressure=0.1).checked()
 
 
-def test_distribution_integrates_to_the_contact_area() -> None:
+def test_distribution_integrates_to_the_contact_area():
     result = rough_contact(64)
     top = result.pressure.max()
     edges = top * np.linspace(0, 1.001, 40) ** 2
@@ -41,31 +35,13 @@ def test_distribution_integrates_to_the_contact_area() -> None:
     assert first_moment == pytest.approx(result.mean_pressure, rel=0.02)
 
 
-def test_density_at_zero_is_free_of_units() -> None:
-    result = rough_contact(32)
-    doubled = solve(
-        HeightField(heights=result.heights * 2.0**20, lengths=(2.0**20, 2.0**20)),
-        HalfSpace(solid=Solid(young=2.0**-30, poisson=0.0)),
-        mean_pressure=0.1 * 2.0**-30,
-    )
-    assert density_at_zero(doubled).reduced == density_at_zero(result).reduced
-
-
-def test_flat_surface_and_wrong_edges_are_refused() -> None:
-    flat = solve(HeightField(heights=np.zeros((8, 8)), lengths=(1.0, 1.0)), SOFT, mean_pressure=0.1)
-    with pytest.raises(InvalidInput, match="flat"):
-        density_at_zero(flat)
-    with pytest.raises(InvalidInput, match="edges"):
-        pressure_distribution(flat, [1.0, 0.5])
-
-
-def test_density_at_zero_falls_like_the_root_of_the_spacing() -> None:
+def test_density_at_zero_falls_like_the_root_of_the_spacing():
     found = [density_at_zero(rough_contact(n)) for n in (64, 96, 128, 192, 256, 384)]
     spacing, density = np.log([one.spacing for one in found]), np.log([one.reduced for one in found])
     assert 0.3 < np.polyfit(spacing, density, 1, w=np.sqrt([one.points for one in found]))[0] < 0.7
 
 
-def test_initial_slope_of_one_hertzian_contact_is_the_closed_form() -> None:
+def test_initial_slope_of_one_hertzian_contact_is_the_closed_form():
     """One patch: P' = pi^3 R^2 / (2 E*^2 A0), whatever its size."""
     for n, shift in ((384, 0.37), (512, 0.11)):
         x = (np.arange(n) + shift) / n - 0.5
@@ -80,7 +56,7 @@ def test_initial_slope_of_one_hertzian_contact_is_the_closed_form() -> None:
         assert slope.patches == 1
 
 
-def test_gap_distribution_integrates_to_the_non_contact_area() -> None:
+def test_gap_distribution_integrates_to_the_non_contact_area():
     result = rough_contact(64)
     edges = np.linspace(-1e-6, result.gap.max() * 1.0001, 50)
     distribution = gap_distribution(result, edges)
@@ -91,11 +67,9 @@ def test_gap_distribution_integrates_to_the_non_contact_area() -> None:
     assert np.sum(distribution.density * np.diff(edges) * centres) == pytest.approx(
         distribution.mean, rel=5e-3
     )
-    with pytest.raises(InvalidInput, match="edges"):
-        gap_distribution(result, [0.0])
 
 
-def test_energy_of_full_contact_is_the_sum_over_waves() -> None:
+def test_energy_of_full_contact_is_the_sum_over_waves():
     """U = (E*/4) sum q |h(q)|^2 per area at full contact (Persson 2006, Eq. 43 with P = 1)."""
     surface = rough(48)
     result = solve(surface, SOFT, mean_pressure=5.0).checked()
@@ -104,9 +78,10 @@ def test_energy_of_full_contact_is_the_sum_over_waves() -> None:
     q = 2 * np.pi * np.hypot(numbers[:, None], numbers[None, :])
     power = np.abs(np.fft.fft2(surface.heights, norm="forward")) ** 2
     assert elastic_energy(result) == pytest.approx(0.25 * np.sum(q * power), rel=1e-12)
+    assert surface.spectral_sum(lambda q: q / 4) == pytest.approx(0.25 * np.sum(q * power), rel=1e-12)
 
 
-def test_stiffness_of_a_periodic_hertzian_contact_is_two_modulus_radius() -> None:
+def test_stiffness_of_a_periodic_hertzian_contact_is_two_modulus_radius():
     """dF/d(approach) = 2 E* a, less the share of the periodic images."""
     n, radius = 256, 0.06
     x = (np.arange(n) + 0.41) / n - 0.5

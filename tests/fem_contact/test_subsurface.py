@@ -5,15 +5,10 @@ from dataclasses import replace
 import meshio
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
-from fem_contact import bem
-from fem_contact.contact import ContactResult
-from fem_contact.errors import InvalidInput, UnsupportedEffect
-from fem_contact.export import write_subsurface
-from fem_contact.graded import ExponentialSolid, LayeredSolid
-from fem_contact.response import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace
-from fem_contact.solid import Solid
-from fem_contact.stress import von_mises
+from fem_contact import ExponentialSolid, LayeredSolid, Solid, bem, von_mises, write_subsurface
+from fem_contact.response import BondedLayer, FrictionlessLayer, HalfSpace
 from fem_contact.subsurface import default_depths, fields_below, planes_below, strongest_point
 from fem_contact.surface import HeightField
 
@@ -31,7 +26,7 @@ RESPONSES = {
 MESHED = (16, 15)
 
 
-def pressed(response, *, lengths=(1.0, 1.5), scale=1.0) -> ContactResult:
+def pressed(response, *, lengths=(1.0, 1.5), scale=1.0):
     """Full contact with a few long waves, so that pressures are smooth; odd and even numbers of points."""
     x, y = (np.arange(n) / n for n in MESHED)
     waves = np.cos(2 * np.pi * x)[:, None] * (1 + 0.4 * np.sin(4 * np.pi * y + 0.3))[None, :]
@@ -80,10 +75,10 @@ def test_stress_is_hookes_of_the_displacement(body):
     xx, yy, zz, yz, xz, xy = np.moveaxis(stress, -1, 0)
     for axis, (own, others) in enumerate(((xx, yy + zz), (yy, xx + zz), (zz, xx + yy))):
         expected = (own - solid.poisson * others) / solid.young
-        np.testing.assert_allclose(strain[..., axis, axis], expected, atol=2e-4 * np.abs(strain).max())
+        assert_allclose(strain[..., axis, axis], expected, atol=2e-4 * np.abs(strain).max())
     for (i, j), shear in (((1, 2), yz), ((0, 2), xz), ((0, 1), xy)):
         expected = shear / (2 * solid.shear_modulus)
-        np.testing.assert_allclose(strain[..., i, j], expected, atol=2e-4 * np.abs(strain).max())
+        assert_allclose(strain[..., i, j], expected, atol=2e-4 * np.abs(strain).max())
 
 
 def along(field, *, axis, length):
@@ -111,8 +106,8 @@ def test_layers_of_one_solid_are_a_half_space():
     )
     contact, depths = pressed(half), [0.0, 0.05, 0.1, 0.15, 0.4]
     one, other = (fields_below(contact, response, depths=depths) for response in (half, layered))
-    np.testing.assert_allclose(other.stress, one.stress, atol=1e-12)
-    np.testing.assert_allclose(other.displacement, one.displacement, atol=1e-12)
+    assert_allclose(other.stress, one.stress, atol=1e-12)
+    assert_allclose(other.displacement, one.displacement, atol=1e-12)
 
 
 def test_a_modulus_that_varies_continuously_is_the_limit_of_layers():
@@ -134,7 +129,7 @@ def test_a_modulus_that_varies_continuously_is_the_limit_of_layers():
     )
     # Sideways stress jumps from layer to layer; what acts on a plane does not.
     by_layers = fields_below(contact, layered, depths=[0.03, 0.2]).stress
-    np.testing.assert_allclose(by_layers[..., 2:5], exact[..., 2:5], atol=3e-4)
+    assert_allclose(by_layers[..., 2:5], exact[..., 2:5], atol=3e-4)
 
 
 def test_many_waves_of_a_graded_solid_go_through_a_spline():
@@ -144,7 +139,7 @@ def test_many_waves_of_a_graded_solid_go_through_a_spline():
     rng = np.random.default_rng(7)
     contact = replace(pressed(HalfSpace(solid=SOFT)), pressure=rng.random((48, 40)))
     plain = fields_below(contact, HalfSpace(solid=SOFT), depths=[0.02, 0.1]).stress
-    np.testing.assert_allclose(fields_below(contact, half, depths=[0.02, 0.1]).stress, plain, atol=1e-8)
+    assert_allclose(fields_below(contact, half, depths=[0.02, 0.1]).stress, plain, atol=1e-8)
     assert np.abs(fields_below(contact, graded, depths=[0.02, 0.1]).stress - plain).max() > 0.01
 
 
@@ -152,18 +147,9 @@ def test_the_mean_pressure_compresses_without_sideways_strain():
     flat = replace(pressed(RESPONSES["half-space"]), pressure=np.full(MESHED, 3.0), mean_pressure=3.0)
     (plane,) = planes_below(flat, HalfSpace(solid=HARD), depths=[0.2])
     sideways = -3.0 * 0.45 / 0.55
-    np.testing.assert_allclose(plane.stress[4, 7], [sideways, sideways, -3, 0, 0, 0], atol=1e-12)
+    assert_allclose(plane.stress[4, 7], [sideways, sideways, -3, 0, 0, 0], atol=1e-12)
     confined = 8.0 * 0.55 / (1.45 * 0.1)
-    np.testing.assert_allclose(plane.displacement[..., 2], 3.0 * 0.2 / confined, rtol=1e-12)
-
-
-def test_fields_do_not_depend_on_the_unit_system():
-    response = RESPONSES["bonded"]
-    here = strongest_point(pressed(response), response)
-    far = BondedLayer(solid=Solid(young=2.0**-30, poisson=0.3), thickness=0.15 * 2**20)
-    there = strongest_point(pressed(far, lengths=(2.0**20, 1.5 * 2**20), scale=2.0**-30), far)
-    assert there.von_mises == here.von_mises * 2.0**-30
-    assert there.depth == here.depth * 2**20
+    assert_allclose(plane.displacement[..., 2], 3.0 * 0.2 / confined, rtol=1e-12)
 
 
 def test_the_strongest_point_is_found_between_the_depths_given():
@@ -196,34 +182,15 @@ def test_a_file_gives_back_the_fields_upside_up(tmp_path):
     mesh = meshio.read(tmp_path / "below.vtu")
     nodes = (17, 16, 3)
     points = mesh.points.reshape(*nodes, 3)
-    np.testing.assert_allclose(points[0, 0, :, 2], [-0.3, -0.05, 0.0])
+    assert_allclose(points[0, 0, :, 2], [-0.3, -0.05, 0.0])
     stress = mesh.point_data["stress"].reshape(*nodes, 6)
-    np.testing.assert_allclose(stress[:-1, :-1, ::-1], below.stress, rtol=1e-6, atol=1e-6)
-    np.testing.assert_array_equal(stress[-1, :-1], stress[0, :-1])
+    assert_allclose(stress[:-1, :-1, ::-1], below.stress, rtol=1e-6, atol=1e-6)
+    assert_array_equal(stress[-1, :-1], stress[0, :-1])
     corner = mesh.points[mesh.cells_dict["hexahedron"]]
     edges = np.stack([corner[:, k] - corner[:, 0] for k in (1, 3, 4)], axis=1)
     assert np.linalg.det(edges).min() > 0
 
 
-def test_what_has_no_fields_below_is_refused_by_name(tmp_path):
-    response = RESPONSES["bonded"]
-    contact = pressed(response)
-    given = GivenResponse(contact_modulus=1.0, function=lambda qx, qy: 1 / (1 + np.hypot(qx, qy)))
-    with pytest.raises(UnsupportedEffect, match="GivenResponse: only its surface is known"):
-        fields_below(contact, given)
-    with pytest.raises(InvalidInput, match=r"below the base of the layer, at 0\.15 m"):
-        fields_below(contact, response, depths=[0.1, 0.2])
-    with pytest.raises(InvalidInput, match="must rise"):
-        fields_below(contact, response, depths=[0.1, 0.1])
-    weighed = replace(contact, weights=np.ones(MESHED))
-    with pytest.raises(UnsupportedEffect, match="quadratic elements"):
-        strongest_point(weighed, response)
-    with pytest.raises(InvalidInput, match="at least two"):
-        write_subsurface(tmp_path / "a.vtu", fields_below(contact, response, depths=[0.1]))
-
-
 def test_von_mises_of_known_states():
     assert von_mises([0, 0, 0, 0, 0, 2.0]) == pytest.approx(2 * np.sqrt(3))
     assert von_mises([5.0, 5.0, 5.0, 0, 0, 0]) == 0
-    with pytest.raises(InvalidInput, match="6 components"):
-        von_mises(np.ones((4, 3)))

@@ -8,8 +8,6 @@ its number comes and is wrong: a case that ends with an error has judged nothing
 themselves do not count. Left out are constants outside of functions, and compiled code.
 """
 
-from __future__ import annotations
-
 import argparse
 import ast
 import contextlib
@@ -19,24 +17,22 @@ import json
 import multiprocessing
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from types import CodeType, FrameType, FunctionType
-from typing import Any
+from types import CodeType, FunctionType
 
 import driver
-from driver import ROOT, Mutant
+from driver import ROOT
 
 TABLE = Path(__file__).with_name("checks.json")
 Function = tuple[str, int]
 
 
-def in_a_child(work: Callable[..., Iterable[Any]], *arguments: Any, limit: float) -> Iterator[Any]:
+def in_a_child(work, *arguments, limit):
     """Yield what work yields in a process of its own, until it ends or takes too long for one."""
     context = multiprocessing.get_context("fork")
     ours, theirs = context.Pipe(duplex=False)
 
-    def child() -> None:
+    def child():
         for value in work(*arguments):
             theirs.send(value)
 
@@ -50,18 +46,18 @@ def in_a_child(work: Callable[..., Iterable[Any]], *arguments: Any, limit: float
     process.join()
 
 
-def verdict_of(name: str) -> Any:
+def verdict_of(name):
     """Judge one case."""
     from validation.cases import all_cases, run_cases
 
     return next(run_cases(case for case in all_cases() if case.name == name))
 
 
-def recorded(name: str) -> Iterator[dict[str, Any]]:
+def recorded(name):
     """Run a case without a fault: its seconds, its checks, the functions it calls, what is imported then."""
-    functions: set[Function] = set()
+    functions = set()
 
-    def note(frame: FrameType, event: str, _: object) -> None:
+    def note(frame, event, _):
         code = frame.f_code
         if event == "call" and code.co_filename.startswith(f"{ROOT}/"):
             functions.add((code.co_filename.removeprefix(f"{ROOT}/"), code.co_firstlineno))
@@ -77,7 +73,7 @@ def recorded(name: str) -> Iterator[dict[str, Any]]:
            "modules": sorted(sys.modules)}  # fmt: skip
 
 
-def function_of(sound: str, changed: str) -> int | None:
+def function_of(sound, changed):
     """Return where the innermost function around the first change begins; None outside of functions."""
     same = next((k for k, (old, new) in enumerate(zip(sound, changed, strict=False)) if old != new), 0)
     line = sound.count("\n", 0, same) + 1
@@ -89,7 +85,7 @@ def function_of(sound: str, changed: str) -> int | None:
     return max(around, default=None)
 
 
-def put_in(file: Path, changed: str) -> None:
+def put_in(file, changed):
     """Give every function of a file that lives in this process its code in the changed text."""
     codes, waiting = {}, [compile(changed, str(file), "exec", dont_inherit=True)]
     while waiting:
@@ -103,7 +99,7 @@ def put_in(file: Path, changed: str) -> None:
                 function.__code__ = code
 
 
-def broken_by(file: Path, changed: str, names: Sequence[str]) -> Iterator[tuple[str, list[str]]]:
+def broken_by(file, changed, names):
     """Yield cases with their checks that fail with a fault."""
     put_in(file, changed)
     for name in names:
@@ -113,8 +109,8 @@ def broken_by(file: Path, changed: str, names: Sequence[str]) -> Iterator[tuple[
 class Coverage:
     """Cases as they run without a fault, and which fault breaks each check."""
 
-    def __init__(self, names: Sequence[str], *, known: Sequence[str]) -> None:
-        self.cases: dict[str, dict[str, Any]] = {}
+    def __init__(self, names, *, known):
+        self.cases = {}
         for name in names:
             (self.cases[name],) = in_a_child(recorded, name, limit=900)
             for module in self.cases[name]["modules"]:  # so that no later child imports it anew
@@ -127,23 +123,23 @@ class Coverage:
         }
         self.others = {name: checks for name, checks in stored.items() if name in {*known} - {*names}}
 
-    def unbroken(self, name: str) -> list[str]:
+    def unbroken(self, name):
         """Return the checks of a case that nothing has broken."""
         return [check for check in self.cases[name]["checks"] if not self.table[name].get(check)]
 
-    def reached(self, fault: Mutant) -> list[str]:
+    def reached(self, fault):
         """Return the cases with unbroken checks that call the function of a fault, the fastest first."""
         sound = (ROOT / fault.file).read_text(encoding="utf-8")
         place = fault.file, function_of(sound, fault.applied(sound))
         names = [n for n, case in self.cases.items() if place in case["functions"] and self.unbroken(n)]
         return sorted(names, key=lambda name: self.cases[name]["seconds"])
 
-    def gain(self, names: Sequence[str]) -> float:
+    def gain(self, names):
         """Return how many checks a second some cases may give."""
         seconds = sum(self.cases[name]["seconds"] for name in names)
         return sum(len(self.unbroken(name)) for name in names) / (1 + seconds)
 
-    def judge(self, fault: Mutant, names: Sequence[str]) -> Iterator[tuple[str, str]]:
+    def judge(self, fault, names):
         """Put a fault in, run cases, and yield the checks that it is the first to break."""
         changed = fault.applied((ROOT / fault.file).read_text(encoding="utf-8"))
         for name, failed in in_a_child(broken_by, ROOT / fault.file, changed, names, limit=120):
@@ -151,7 +147,7 @@ class Coverage:
                 self.table[name][check] = fault.name
                 yield name, check
 
-    def write(self) -> None:
+    def write(self):
         """Write which fault breaks which check; none where there is no word."""
         whole = {
             name: dict.fromkeys(case["checks"], "") | self.table[name] for name, case in self.cases.items()
@@ -160,7 +156,7 @@ class Coverage:
         TABLE.write_text(text + "\n", encoding="utf-8")
 
 
-def main() -> int:
+def main():
     """Judge the faults, write the table; 1 where a check is broken by none."""
     from validation.cases import all_cases
 

@@ -8,8 +8,6 @@ until one fails, then ``validate --quick`` and ``audit``. The coverage file of
 ``drawn.toml`` holds by hand what no test can notice, with the reason.
 """
 
-from __future__ import annotations
-
 import argparse
 import ast
 import os
@@ -20,10 +18,8 @@ import subprocess
 import sys
 import tomllib
 from collections import Counter, defaultdict
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import driver
 from driver import PACKAGES, ROOT
@@ -48,18 +44,18 @@ class Fault:
     line: int
     scope: tuple[str, ...]
 
-    def applied(self, text: str) -> str:
+    def applied(self, text):
         """Return the text of the file with the fault."""
         raw = text.encode()
         return (raw[: self.start] + self.new.encode() + raw[self.end :]).decode()
 
     @property
-    def kernel(self) -> bool:
+    def kernel(self):
         """Whether compiled code may change."""
         return "numba" in (ROOT / self.file).read_text(encoding="utf-8")
 
     @property
-    def name(self) -> str:
+    def name(self):
         """Name that stays while other lines move."""
         old, new = (" ".join(text.split()) for text in (self.old, self.new))
         return f"{self.file}:{'.'.join(self.scope)}: {old} -> {new}"
@@ -79,21 +75,21 @@ class _Scope:
 class _Places:
     """All faults that can be put into one file."""
 
-    def __init__(self, file: str, raw: bytes) -> None:
+    def __init__(self, file, raw):
         self.file, self.raw, self.starts = file, raw, [0]
         for row in raw.splitlines(keepends=True):
             self.starts.append(self.starts[-1] + len(row))
         self.faults = list(self._inside(ast.parse(raw), _Scope(names={}, stored=set())))
 
-    def _text(self, first: Any, last: Any = None) -> str:
+    def _text(self, first, last=None):
         return self.raw[slice(*self._span(first, last))].decode()
 
-    def _span(self, first: Any, last: Any = None) -> tuple[int, int]:
+    def _span(self, first, last=None):
         end = last or first
         start = self.starts[first.lineno - 1] + first.col_offset
         return start, self.starts[end.end_lineno - 1] + end.end_col_offset
 
-    def _inside(self, node: ast.AST, scope: _Scope) -> Iterator[Fault]:
+    def _inside(self, node, scope):
         for field, value in ast.iter_fields(node):
             if field in {"annotation", "returns", "decorator_list"}:
                 continue
@@ -108,7 +104,7 @@ class _Places:
                 if isinstance(part, ast.stmt):
                     scope.stored.update(_named(part, ast.Store))
 
-    def _lines(self, node: ast.stmt, after: ast.stmt | None, scope: _Scope) -> Iterator[Fault]:
+    def _lines(self, node, after, scope):
         """Yield a line lost, if its names have a value without it, and two lines swapped that share names."""
         fresh = _named(node, ast.Store) - scope.stored
         if isinstance(node, _SIMPLE | ast.Continue | ast.Break) and not fresh:
@@ -121,14 +117,14 @@ class _Places:
                 swapped = self._text(after) + between + self._text(node)
                 yield self._fault("lines swapped", scope, swapped, node, after)
 
-    def _fault(self, kind: str, scope: _Scope, new: str, first: Any, last: Any = None) -> Fault:
+    def _fault(self, kind, scope, new, first, last=None):
         start, end = self._span(first, last)
         if scope.constant == "default" or (kind == "constant" and scope.constant):
             kind = scope.constant
         return Fault(file=self.file, kind=kind, start=start, end=end, old=self._text(first, last), new=new,
                      line=first.lineno, scope=scope.path)  # fmt: skip
 
-    def _visit(self, node: Any, scope: _Scope) -> Iterator[Fault]:
+    def _visit(self, node, scope):
         match node:
             case ast.Raise() | ast.JoinedStr() | ast.Assert() | ast.If(test=ast.Name(id="TYPE_CHECKING")):
                 return
@@ -145,7 +141,7 @@ class _Places:
             yield self._fault(kind, scope, new, node)
         yield from self._inside(node, scope)
 
-    def _function(self, node: ast.FunctionDef, outer: _Scope) -> Iterator[Fault]:
+    def _function(self, node, outer):
         arguments = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
         names = {a.arg: ast.unparse(a.annotation) for a in arguments if a.annotation}
         names = dict.fromkeys(sorted(_named(node, ast.Store)), "local") | names
@@ -155,7 +151,7 @@ class _Places:
         yield from self._visit(node.args, replace(scope, constant="default"))
         yield from self._inside(ast.Module(body=node.body, type_ignores=[]), scope)
 
-    def _changed(self, node: Any, scope: _Scope) -> Iterator[tuple[str, str]]:
+    def _changed(self, node, scope):
         """Yield what may stand in place of an expression."""
         match node:
             case ast.BinOp() if sign := _SIGNS.get(type(node.op).__name__):
@@ -182,17 +178,17 @@ class _Places:
                 yield from (("name", other) for other in others)
 
 
-def _named(node: ast.AST, context: type) -> set[str]:
+def _named(node, context):
     return {n.id for n in ast.walk(node) if isinstance(n, ast.Name) and isinstance(n.ctx, context)}
 
 
-def _is_word(node: ast.AST) -> bool:
+def _is_word(node):
     return isinstance(node, ast.Constant) and re.fullmatch("[a-z_]{2,20}", str(node.value)) is not None
 
 
-def drawn(package: str, *, seed: int, count: int) -> list[Fault]:
+def drawn(package, *, seed, count):
     """Draw the kind with equal chance, then the place with equal chance in all files."""
-    kinds: dict[str, dict[tuple[str, int], list[Fault]]] = defaultdict(lambda: defaultdict(list))
+    kinds = defaultdict(lambda: defaultdict(list))
     for path in sorted((ROOT / package).rglob("*.py")):
         for fault in _Places(str(path.relative_to(ROOT)), path.read_bytes()).faults:
             kinds[fault.kind][fault.file, fault.start].append(fault)
@@ -207,13 +203,13 @@ def drawn(package: str, *, seed: int, count: int) -> list[Fault]:
 class Covering:
     """Which tests ran each line of the packages, by the contexts of a coverage file."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path):
         from coverage import CoverageData  # which the tests alone do without
 
         data = CoverageData(str(path))
         data.read()
-        self.lines: dict[str, dict[int, list[str]]] = {}
-        self.functions: list[tuple[str, str, range, set[str]]] = []
+        self.lines = {}
+        self.functions = []
         for measured in (name for name in data.measured_files() if name.endswith(".py")):  # no templates
             contexts = data.contexts_by_lineno(measured).items()
             file = next(f"{p}/{measured.partition(f'/{p}/')[2]}" for p in PACKAGES if f"/{p}/" in measured)
@@ -225,10 +221,10 @@ class Covering:
         runs = (test for lines in self.lines.values() for found in lines.values() for test in found)
         self.lengths = Counter(runs)
 
-    def _of(self, file: str, lines: range) -> set[str]:
+    def _of(self, file, lines):
         return {test for n in lines for test in self.lines.get(file, {}).get(n, ())}
 
-    def tests(self, fault: Fault, count: int) -> list[str]:
+    def tests(self, fault, count):
         """Return tests that run a line, the most particular first, and some of all others.
 
         Of a default, a constant of a module or compiled code they are those of what uses it, and so they are
@@ -257,7 +253,7 @@ class Covering:
         return ordered[: count // 2] + rest[:: max(1, -(-2 * len(rest) // count))]
 
 
-def _identifiers(node: ast.AST) -> set[str]:
+def _identifiers(node):
     texts = (
         getattr(part, field, None)
         for part in ast.walk(node)
@@ -271,7 +267,7 @@ _MAIN = "from fem_contact.face import main; main()"
 _COMMANDS = ["validate --quick -o checks", "run quickstart -o run", "audit run"]
 
 
-def judge(fault: Fault, tree: Path, tests: list[str]) -> tuple[str, str]:
+def judge(fault, tree, tests):
     """Return what becomes of a fault: survived, or killed, by which test or command."""
     # What the public functions refuse, and by which name.
     doors = [] if fault.file.startswith("validation") else ["tests/test_public_api.py"]
@@ -299,7 +295,7 @@ def judge(fault: Fault, tree: Path, tests: list[str]) -> tuple[str, str]:
     return "survived", ""
 
 
-def main() -> None:
+def main():
     """Draw, judge, print."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("packages", nargs="+")

@@ -6,8 +6,6 @@ the words, ``--tests PATH ...`` against other tests than the catalogue names, to
 them.
 """
 
-from __future__ import annotations
-
 import argparse
 import compileall
 import os
@@ -20,7 +18,6 @@ import sys
 import tempfile
 import time
 import tomllib
-from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -57,7 +54,7 @@ class Mutant:
     kernel: bool = False
     survives: str = ""
 
-    def applied(self, text: str) -> str:
+    def applied(self, text):
         """Return the text of the file with the fault."""
         found = text.count(self.old)
         if found != 1:
@@ -67,12 +64,12 @@ class Mutant:
         return text.replace(self.old, self.new)
 
 
-def catalogue() -> tuple[Mutant, ...]:
+def catalogue():
     """Return all faults."""
     return tuple(mutant for file in sorted(Path(__file__).parent.glob("*.toml")) for mutant in _read(file))
 
 
-def _read(file: Path) -> Iterator[Mutant]:
+def _read(file):
     said = tomllib.loads(file.read_text(encoding="utf-8"))
     groups = said.get("tests", {})
     for entry in said.get("mutant", ()):
@@ -80,7 +77,7 @@ def _read(file: Path) -> Iterator[Mutant]:
         yield Mutant(tests=tests, **entry)
 
 
-def tests_of_audit() -> set[str]:
+def tests_of_audit():
     """Return the tests of the independent reader, each of which a fault of that reader must break."""
     return {
         f"{path.relative_to(ROOT).as_posix()}::{name}"
@@ -101,7 +98,7 @@ class Outcome:
 
 
 @contextmanager
-def copied_tree() -> Iterator[Path]:
+def copied_tree():
     """Make a copy of the tree that may be damaged."""
     with tempfile.TemporaryDirectory(prefix="mutants-") as name:
         tree = Path(name) / "tree"
@@ -121,7 +118,7 @@ def copied_tree() -> Iterator[Path]:
         yield tree
 
 
-def run_tests(tree: Path, tests: Sequence[str], *, cache: Path, limit: float = 600) -> tuple[int, str]:
+def run_tests(tree, tests, *, cache, limit=600):
     """Run tests in a tree, and return pytest's exit code with its output."""
     # The results of one fault must not be mistaken for those of another.
     options = [
@@ -149,7 +146,7 @@ def run_tests(tree: Path, tests: Sequence[str], *, cache: Path, limit: float = 6
     return done.returncode, done.stdout + done.stderr
 
 
-def judge(mutant: Mutant, tree: Path, *, tests: Sequence[str] = ()) -> Outcome:
+def judge(mutant, tree, *, tests=()):
     """Put a fault into a copy of the tree, run its tests, and take it out again."""
     path, began = tree / mutant.file, time.perf_counter()
     sound = path.read_text(encoding="utf-8")
@@ -170,12 +167,12 @@ def judge(mutant: Mutant, tree: Path, *, tests: Sequence[str] = ()) -> Outcome:
     )
 
 
-def run_all(mutants: Sequence[Mutant], *, workers: int, tests: Sequence[str] = ()) -> Iterator[Outcome]:
+def run_all(mutants, *, workers, tests=()):
     """Judge faults, several at a time, each worker in its own copy of the tree."""
     with ThreadPoolExecutor(workers) as pool:
-        trees: queue.SimpleQueue[Path] = queue.SimpleQueue()
+        trees = queue.SimpleQueue()
 
-        def one(mutant: Mutant) -> Outcome:
+        def one(mutant):
             tree = trees.get()
             try:
                 return judge(mutant, tree, tests=tests)
@@ -193,7 +190,7 @@ def run_all(mutants: Sequence[Mutant], *, workers: int, tests: Sequence[str] = (
                 context.__exit__(None, None, None)
 
 
-def main() -> int:
+def main():
     """Run the catalogue, or a part of it; 1 where a fault survived that a test should notice."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--only", nargs="+", default=[""], help="words of the name or file, any of them")
@@ -201,7 +198,7 @@ def main() -> int:
     parser.add_argument("--workers", type=int, default=2)
     asked = parser.parse_args()
     chosen = [m for m in catalogue() if any(word in m.name or word in m.file for word in asked.only)]
-    counts: dict[str, int] = {}
+    counts = {}
     unexpected, left = 0, tests_of_audit()
     for outcome in run_all(chosen, workers=asked.workers, tests=asked.tests):
         mutant, verdict = outcome.mutant, outcome.verdict

@@ -1,7 +1,5 @@
 """The catalogue of faults: each still applies exactly once, and, with `-m mutants`, each is noticed."""
 
-from __future__ import annotations
-
 import ast
 import importlib.util
 import json

@@ -4,21 +4,18 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_banded
 
-from persson import adhesion
-from persson.adhesion import (
-    AdhesionStatus,
+from persson import (
+    CapillaryWaves,
     Interface,
-    closing_work,
-    crossover_length,
-    detachment_stress,
-    opening_work,
+    InvalidInput,
+    Scale,
+    SelfAffine,
+    adhesion,
+    critical_roughness,
+    pull_off_stress,
     solve_adhesion,
 )
-from persson.capillary import CapillaryWaves
-from persson.errors import InvalidInput, NotConverged
-from persson.limits import critical_roughness, pull_off_stress
-from persson.scale import Scale
-from persson.spectrum import SelfAffine
+from persson.adhesion import AdhesionStatus, closing_work, crossover_length, detachment_stress, opening_work
 
 RIM = SelfAffine.from_rms_height(0.5e-6, hurst=0.8, q_long=1e5, q_short=1e10)
 MODULUS = 10e6 / (1 - 0.5**2)
@@ -205,11 +202,6 @@ def test_hardness_beyond_reach_changes_nothing_and_a_low_one_yields():
     assert soft.area_plastic[-1] > 0.01
     rising = rim(yield_stress=lambda q: 5e6 * (1 + q / 1e6) ** 0.1)
     assert 0 < rising.area_plastic[-1] < soft.area_plastic[-1]
-
-
-def test_rounds_that_do_not_suffice_are_said():
-    with pytest.raises(NotConverged, match="rounds"):
-        rim(rounds=2)
 
 
 def test_ideal_strength_bounds_the_detachment_stress():

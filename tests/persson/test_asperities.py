@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from persson.asperities import Asperities, FullerTabor, bush_gibson_thomas, nayak_asperities
+from persson import FullerTabor, InvalidInput, SelfAffine, bush_gibson_thomas
+from persson.asperities import Asperities
 from persson.elastic import KAPPA_BGT
-from persson.errors import InvalidInput
-from persson.spectrum import Moments, SelfAffine
 
 BUMPS = Asperities(density=1e9, radius=2e-5, rms_height=3e-7)
 
@@ -76,13 +75,6 @@ def test_bush_gibson_thomas_at_finite_load_has_left_the_asymptote():
     )
     kappa = float(np.interp(-0.03, -found.area, found.area / (found.pressure / 1e8)))
     assert 1.0 < kappa < 0.85 * KAPPA_BGT
-
-
-def test_a_single_wavelength_cannot_be_broad():
-    with pytest.raises(InvalidInput, match="Nayak"):
-        bush_gibson_thomas(0.0, moments=Moments(m0=1.0, m2=1.0, m4=1.0), contact_modulus=1.0)
-    with pytest.raises(InvalidInput, match="flat"):
-        nayak_asperities(Moments(m0=0.0, m2=0.0, m4=0.0))
 
 
 def test_without_adhesion_fuller_tabor_is_greenwood_williamson():

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from persson import InvalidInput, SelfAffine
 from persson.elastic import (
     KAPPA_BGT,
     KAPPA_PERSSON,
@@ -22,8 +23,6 @@ from persson.elastic import (
     reduced_pressure,
     stress_variance,
 )
-from persson.errors import InvalidInput
-from persson.spectrum import SelfAffine
 
 RATIOS = (0.03, 0.4, 1.0, 3.0, 8.0)
 

@@ -5,12 +5,10 @@ import pytest
 from scipy.integrate import trapezoid
 from scipy.special import erf
 
+from persson import ExponentialLayers, GradedModulus, Scale, SelfAffine, SurfaceLayer
 from persson.elastic import KAPPA_PERSSON, contact_area
-from persson.errors import InvalidInput, OutsideTheory
-from persson.graded import ExponentialLayers, GradedModulus, SurfaceLayer
-from persson.scale import Scale
+from persson.errors import OutsideTheory
 from persson.separation import macroasperity_magnification, mean_separation
-from persson.spectrum import SelfAffine
 from persson.variants import corrected_contact_area, light_load_kappa
 
 STEEL = SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e9, rolloff="smooth", q_min=1e3)
@@ -82,16 +80,3 @@ def test_uniform_grading_is_no_grading():
     assert Scale(STEEL, contact_modulus=uniform).variance(q) == pytest.approx(
         Scale(STEEL, contact_modulus=1e9).variance(q), rel=1e-12
     )
-
-
-@pytest.mark.parametrize(
-    ("call", "named"),
-    [
-        (lambda: ExponentialLayers(bulk=1.0, excess=(1.0,), depths=(), poisson=0.3), "depths"),
-        (lambda: ExponentialLayers(bulk=1.0, excess=(-2.0,), depths=(1.0,), poisson=0.3), "excess"),
-        (lambda: Scale(STEEL, contact_modulus=lambda q: -q), "contact_modulus"),
-    ],
-)
-def test_wrong_arguments_are_refused_by_name(call, named):
-    with pytest.raises(InvalidInput, match=named):
-        call()

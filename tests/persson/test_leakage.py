@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from persson.errors import InvalidInput
-from persson.leakage import effective_medium
+from persson import effective_medium
 
 
 def test_a_mixture_of_two_solves_its_quadratic():
@@ -24,8 +23,3 @@ def test_resistance_and_conductance_are_treated_alike():
     k = np.random.default_rng(4).lognormal(0, 2, 50)
     w = np.full(50, 1 / 50)
     assert effective_medium(1 / k, w) == pytest.approx(1 / effective_medium(k, w), rel=1e-10)
-
-
-def test_sequences_of_unlike_length_are_refused():
-    with pytest.raises(InvalidInput, match="one length"):
-        effective_medium([1.0, 2.0], [1.0])

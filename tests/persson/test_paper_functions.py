@@ -7,13 +7,9 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import erfc
 
-from persson.archard import archard_hierarchy
+from persson import ElasticPlate, archard_hierarchy, height_distribution, maximum_height, solve_diffusion
 from persson.asperities import Asperities, yielding_asperities
-from persson.capillary import maximum_height
-from persson.diffusion import solve_diffusion
 from persson.errors import InvalidInput, OutsideTheory
-from persson.graded import ElasticPlate
-from persson.heights import height_distribution
 from persson.percolation import MEASURED_THRESHOLD, percolation_magnification
 from persson.scale import Scale
 from persson.sliding import adhesional_pressure, local_shear_stress, nominal_shear_stress, slip_energy

@@ -8,11 +8,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import erf, erfinv
 
-from persson.elastic import contact_area
-from persson.errors import OutsideTheory
-from persson.gaps import gap_distribution
-from persson.scale import Scale
-from persson.separation import contact_stiffness, elastic_energy, macroasperity_magnification, mean_separation
+from persson import Scale, contact_area, contact_stiffness, elastic_energy, gap_distribution, mean_separation
 from persson.spectrum import SelfAffine
 from persson.variants import EnergyReading, corrected_contact_area, energy_share
 
@@ -140,9 +136,3 @@ def test_mean_of_the_gap_distribution_is_the_mean_separation_at_light_load():
 def test_there_is_no_gap_below_zero_nor_at_full_contact():
     assert gap_distribution(-1e-9, pressure=0.1 * UNIT, scale=SCALE) == 0
     assert np.all(gap_distribution([0.0, 1e-9], pressure=30 * UNIT, scale=SCALE) == 0)
-
-
-def test_where_the_contact_is_complete_there_are_no_macroasperities():
-    steel = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e5, q_short=8e5, rolloff="smooth", q_min=1e4)
-    with pytest.raises(OutsideTheory, match="no macroasperity scale"):
-        macroasperity_magnification(steel, pressure=1e9, contact_modulus=1e10, q_reference=1e5)

@@ -7,10 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from persson.capillary import CapillaryWaves, maximum_height
-from persson.errors import InvalidInput
-from persson.spectrum import SelfAffine, Spectrum
-from persson.tabulated import Tabulated, smoothed
+from persson import CapillaryWaves, SelfAffine, Spectrum, Tabulated, smoothed
 
 PMMA = CapillaryWaves(
     temperature=370.0, surface_tension=0.04, q_bend=1.7e9, q_min=2 * math.pi / 1e-4, q_short=7e9
@@ -86,25 +83,3 @@ def test_smoothing_removes_short_waves_only():
     assert gradual(q[low]) == pytest.approx(PYREX(q[low]), rel=1e-12)
     assert gradual.m2() < PYREX.m2()
     assert sharp.q_short == pytest.approx(1e9 * math.exp(0.5), rel=0.04)
-
-
-@pytest.mark.parametrize(
-    ("call", "named"),
-    [
-        (lambda: Tabulated(wavevectors=[1.0], power=[1.0]), "n >= 2"),
-        (lambda: Tabulated(wavevectors=[2.0, 1.0], power=[1.0, 1.0]), "increasing"),
-        (lambda: Tabulated(wavevectors=[1.0, 2.0], power=[1.0, 0.0]), "power"),
-        (lambda: smoothed(PYREX, wavevectors=[1e8, 1e9], yielded=[0.5, 1.5]), "yielded"),
-        (lambda: maximum_height(2.0), "independent_points"),
-        (lambda: CapillaryWaves(temperature=1, surface_tension=1, q_bend=1, q_min=3, q_short=2), "q_short"),
-        (
-            lambda: CapillaryWaves(
-                temperature=1, surface_tension=1, q_bend=1, q_min=1, q_short=2, q_gravity=0.6
-            ),
-            "q_gravity",
-        ),
-    ],
-)
-def test_wrong_spectra_are_refused_by_name(call, named):
-    with pytest.raises(InvalidInput, match=named):
-        call()

@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from persson.errors import InvalidInput
 from persson.spectrum import SelfAffine, Spectrum, area_factor
 
 ROLLOFFS = ("sharp", "smooth", "plateau")
@@ -147,22 +146,3 @@ def test_area_factor_is_the_average_over_gaussian_slopes():
         assert area_factor(m2) == pytest.approx(mean, rel=1e-12)
     assert area_factor(1e-8) - 1 == pytest.approx(0.5e-8, rel=1e-6)
     assert area_factor(1e12) == pytest.approx(math.sqrt(math.pi) / 2 * 1e6, rel=2e-6)
-
-
-@pytest.mark.parametrize(
-    ("change", "named"),
-    [
-        ({"q_short": 1.0}, "q_short"),
-        ({"q_min": 1.0}, "q_min"),
-        ({"q_min": 9.0, "rolloff": "plateau"}, "q_min"),
-    ],
-)
-def test_a_wrong_parameter_is_refused_by_name(change, named):
-    good = {"hurst": 0.8, "q_long": 2.0, "q_short": 20.0, "amplitude": 1.0}
-    with pytest.raises(InvalidInput, match=named):
-        SelfAffine(**(good | change))
-
-
-def test_an_empty_range_cannot_be_given_a_height():
-    with pytest.raises(InvalidInput, match="q_short"):
-        SelfAffine.from_rms_height(1e-6, hurst=0.8, q_long=5.0, q_short=5.0)

@@ -6,14 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from persson.errors import InvalidInput
-from persson.spheres import (
-    DoubleHertz,
-    effective_radius,
-    hertz,
-    hertz_pressure_distribution,
-    maugis_pull_off,
-)
+from persson import hertz
+from persson.spheres import DoubleHertz, effective_radius, hertz_pressure_distribution, maugis_pull_off
 
 
 def test_hertz_relations_hold_together():
@@ -76,8 +70,3 @@ def test_double_hertz_starts_linearly_and_contains_hertz():
     assert plain.distribution(s) == pytest.approx(
         hertz_pressure_distribution(s, peak_pressure=3.0), rel=1e-12
     )
-
-
-def test_a_tensile_ring_needs_a_width():
-    with pytest.raises(InvalidInput, match="eta"):
-        DoubleHertz(peak_pressure=1.0, tensile_limit=0.1, eta=1.0)

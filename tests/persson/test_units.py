@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from persson.archard import archard_hierarchy
-from persson.asperities import FullerTabor, bush_gibson_thomas, nayak_asperities, yielding_asperities
+from persson import FullerTabor, archard_hierarchy, bush_gibson_thomas, nayak_asperities, yielding_asperities
 from persson.capillary import CapillaryWaves
 from persson.flaw_tolerance import optimal_modulus
 from persson.gaps import gap_distribution

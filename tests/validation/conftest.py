@@ -1,19 +1,14 @@
 """A small scene for the tests of the comparison: seconds, but every part of a real one."""
 
-from __future__ import annotations
-
 import pickle
-from pathlib import Path
 
 import pytest
-import xarray as xr
 from gold.asked import STUDIES
 from gold.make import new_numbers
 from small_scene import small_scene
 
 from validation.comparison.run import run_scene
 from validation.execution.bench import Bench
-from validation.execution.outputs import Outputs
 from validation.files import atomic_path
 from validation.scenes.scene import load_scene
 from validation.studies import find_study
@@ -28,7 +23,7 @@ depth = "5 um"
 """
 
 
-def _written(folder: Path, *replacements: tuple[str, str], fem: bool = True) -> Path:
+def _written(folder, *replacements, fem=True):
     text = _HEAD + (_FEM if fem else "")
     for old, new in replacements:
         assert old in text, old
@@ -42,14 +37,20 @@ def _written(folder: Path, *replacements: tuple[str, str], fem: bool = True) -> 
 def write_scene(tmp_path):
     """Write the small scene with pieces of its text replaced; `fem=False` leaves the finite elements out."""
 
-    def write(*replacements: tuple[str, str], fem: bool = True) -> Path:
+    def write(*replacements, fem=True):
         return _written(tmp_path, *replacements, fem=fem)
 
     return write
 
 
+@pytest.fixture
+def read_scene(write_scene):
+    """Read the small scene with pieces of its text replaced."""
+    return lambda *replacements, fem=True: load_scene(str(write_scene(*replacements, fem=fem)))
+
+
 @pytest.fixture(scope="session")
-def bench(tmp_path_factory, worker_id) -> Bench:
+def bench(tmp_path_factory, worker_id):
     """One store of this session, which all its processes share: what one test solves, no other does."""
     folder = tmp_path_factory.getbasetemp()
     return Bench.at((folder if worker_id == "master" else folder.parent) / "solves")
@@ -59,7 +60,7 @@ def bench(tmp_path_factory, worker_id) -> Bench:
 def numbers(bench, tmp_path_factory):
     """Numbers of a study as its gold file asks for them, by name: computed once for all processes."""
 
-    def known(name: str) -> xr.Dataset:
+    def known(name):
         path = bench.store.folder.parent / f"{name}.pickle"
         if not path.exists():
             data = new_numbers(name, bench, tmp_path_factory.mktemp("asked"))
@@ -77,7 +78,7 @@ def asked(numbers):
 
 
 @pytest.fixture(scope="session")
-def small_run(tmp_path_factory) -> Outputs:
+def small_run(tmp_path_factory):
     """The small scene, run once."""
     folder = tmp_path_factory.mktemp("small")
     return run_scene(load_scene(str(_written(folder))), folder / "results")

@@ -1,24 +1,11 @@
 """Other ways to call the peers than their methods do, in which their known failures show."""
 
-from __future__ import annotations
-
 import warnings
-from typing import Any
 
 import numpy as np
 
-from validation.arrays import Array
 
-
-def tamaas_by_gaps(
-    heights: Array,
-    lengths: tuple[float, float],
-    *,
-    contact_modulus: float,
-    mean_pressure: float,
-    tolerance: float,
-    max_iterations: int = 10_000,
-) -> Array:
+def tamaas_by_gaps(heights, lengths, *, contact_modulus, mean_pressure, tolerance, max_iterations=10_000):
     """Return pressures [Pa] of tamaas with the gap as its unknown, which it offers beside the pressure."""
     import tamaas
 
@@ -33,15 +20,8 @@ def tamaas_by_gaps(
 
 
 def contact_mechanics_by_default(
-    heights: Array,
-    lengths: tuple[float, float],
-    *,
-    contact_modulus: float,
-    mean_pressure: float | None,
-    offset: float | None = None,
-    tolerance: float,
-    max_iterations: int = 10_000,
-) -> dict[str, Any]:
+    heights, lengths, *, contact_modulus, mean_pressure, offset=None, tolerance, max_iterations=10_000
+):
     """Return pressures [Pa] of ContactMechanics in the units of the user, with its own tolerances of forces.
 
     At an offset its half-space has a mean displacement as stiff as its longest waves.
@@ -55,7 +35,7 @@ def contact_mechanics_by_default(
     )
     surface = SurfaceTopography.Topography(np.array(heights), lengths, periodic=True)
     system = ContactMechanics.make_system(substrate=substrate, surface=surface)
-    told: dict[str, float] = {"pentol": tolerance * float(np.std(heights))}
+    told = {"pentol": tolerance * float(np.std(heights))}
     if mean_pressure is None:
         assert offset is not None
         told["offset"] = -offset

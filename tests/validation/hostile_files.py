@@ -1,7 +1,5 @@
 """Small files that bring readers of heights down, made by code; and damage done to good ones."""
 
-from __future__ import annotations
-
 import io
 import struct
 import tempfile
@@ -12,13 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from fem_contact.surface import HeightField
+from fem_contact import HeightField
 from validation.scenes.topography.writing import write_topography
 
 Files = Iterator[tuple[str, bytes]]
 
 
-def good(suffix: str, shape: tuple[int, int] = (12, 10)) -> bytes:
+def good(suffix, shape=(12, 10)):
     """A file that is read without complaint."""
     heights = np.random.default_rng(77).normal(size=shape) * 1e-9
     with tempfile.TemporaryDirectory() as folder:
@@ -27,7 +25,7 @@ def good(suffix: str, shape: tuple[int, int] = (12, 10)) -> bytes:
         return path.read_bytes()
 
 
-def all_hostile() -> Files:
+def all_hostile():
     """Every one of them, with the name it should have."""
     yield from _nothing()
     yield from _npy()
@@ -36,7 +34,7 @@ def all_hostile() -> Files:
     yield from _netcdf()
 
 
-def _nothing() -> Files:
+def _nothing():
     for suffix in (".npy", ".txt", ".csv", ".dat", ".asc", ".nc"):
         yield f"empty{suffix}", b""
         yield f"zeros{suffix}", bytes(4096)
@@ -45,12 +43,12 @@ def _nothing() -> Files:
         yield f"half{suffix}", good(".txt" if suffix in (".csv", ".dat", ".asc") else suffix)[:-70]
 
 
-def _npy() -> Files:
-    def header(text: str, version: bytes = b"\x01\x00") -> bytes:
+def _npy():
+    def header(text, version=b"\x01\x00"):
         size = struct.pack("<H" if version[0] == 1 else "<I", len(text))
         return b"\x93NUMPY" + version + size + text.encode()
 
-    def says(kind: str, shape: str) -> bytes:
+    def says(kind, shape):
         return header(f"{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}\n")
 
     yield "petabytes.npy", says("<f8", "(100000000, 100000000)")
@@ -73,7 +71,7 @@ def _npy() -> Files:
     yield "archive.npy", _archive({"main.xml": b"", "a.npy": b""})
 
 
-def _text() -> Files:
+def _text():
     rows = b"1 2 3 4\n5 6 7 8\n9 1 2 3\n4 5 6 7\n"
     yield "utf-16-half.txt", "1 2\n3 4\n".encode("utf-16")[:-1]
     yield "no-utf-8.txt", b"# Width: 10 \xb5m \xff\xfe\n" + b"x" + rows
@@ -108,7 +106,7 @@ def _text() -> Files:
     yield "huge-heights.csv", b"1e300,2\n3,4\n"
 
 
-def _archive(entries: dict[str, bytes]) -> bytes:
+def _archive(entries):
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in entries.items():
@@ -116,11 +114,11 @@ def _archive(entries: dict[str, bytes]) -> bytes:
     return file.getvalue()
 
 
-def _x3p() -> Files:
+def _x3p():
     """Archives for the reader of SurfaceTopography, which has its own views of what is damaged."""
     xml, data = X3P.encode(), np.arange(120.0).tobytes()
 
-    def with_xml(text: bytes, data: bytes = data) -> bytes:
+    def with_xml(text, data=data):
         return _archive({"main.xml": text, "data.bin": data})
 
     yield "no-data.x3p", _archive({"main.xml": xml})
@@ -155,10 +153,10 @@ X3P = (
 )
 
 
-def _netcdf() -> Files:
+def _netcdf():
     import netCDF4
 
-    def made(build, **options) -> bytes:
+    def made(build, **options):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "made.nc"
             with netCDF4.Dataset(path, "w", **options) as file:
@@ -258,7 +256,7 @@ def _netcdf() -> Files:
     for name, value in {"text": "long", "array": np.arange(3.0), "nan": np.nan, "minus": -6.0}.items():
         yield f"length-{name}.nc", made(length(value))
 
-    def elsewhere(build) -> bytes:
+    def elsewhere(build):
         import h5py
 
         with tempfile.TemporaryDirectory() as folder:
@@ -288,7 +286,7 @@ def _netcdf() -> Files:
     yield "packed.nc", zlib.compress(made(plain()))
 
 
-def damaged(raw: bytes, *, seed: int) -> bytes:
+def damaged(raw, *, seed):
     """A good file after a flipped bit, a zeroed or repeated block, a cut, or a number made extreme."""
     chance = np.random.default_rng(seed)
     copy = bytearray(raw)

@@ -1,9 +1,6 @@
 """Benches that return planted results: what a study makes of numbers whose answer is known."""
 
-from __future__ import annotations
-
 import re
-from collections.abc import Callable
 from types import SimpleNamespace
 
 import numpy as np
@@ -28,14 +25,14 @@ class PlantedBench:
 
     plan_only = False
 
-    def __init__(self, answer: Callable) -> None:
+    def __init__(self, answer):
         self.answer = answer
 
     def solve(self, solves):
         return {solve: self.answer(solve) for solve in solves}
 
 
-def located(area: float, edges: float, law: area_error.ErrorLaw = area_error.LOCATED) -> float:
+def located(area, edges, law=area_error.LOCATED):
     """Return the located area, or that of another law, whose mean error, taken out, leaves `area`."""
     value = np.array([area])
     for _ in range(50):
@@ -43,7 +40,7 @@ def located(area: float, edges: float, law: area_error.ErrorLaw = area_error.LOC
     return float(value[0])
 
 
-def measurement(solve, area: Callable[[float], float], **planted: Callable) -> xr.Dataset:
+def measurement(solve, area, **planted):
     """What `press_on_grids` leaves of a contact of known area; others by name, of p* and the grid.
 
     Counting adds .1 per edge and cell, the corrected area is right, and the located one off by what
@@ -54,7 +51,7 @@ def measurement(solve, area: Callable[[float], float], **planted: Callable) -> x
     shape = (points.size, solve["shifts"] ** 2, len(loads))
     dims = ("grid", "shift", "load")
 
-    def over(value: Callable) -> np.ndarray:
+    def over(value):
         rows = [[value(p, n) for p in loads] for n in points]
         return np.broadcast_to(np.array(rows, dtype=float)[:, None, :], shape).copy()
 
@@ -107,13 +104,13 @@ def measurement(solve, area: Callable[[float], float], **planted: Callable) -> x
     )
 
 
-def realisation(solve) -> int:
+def realisation(solve):
     """Number of the surface of a solve; +h and -h of a pair follow each other."""
     own = solve["problem"]
     return 2 * own.realisation + own.inverted
 
 
-def block(**numbers: float) -> xr.Dataset:
+def block(**numbers):
     """What `beside_bem` leaves of a block."""
     usual = {
         "pixel": 0.1,
@@ -135,25 +132,25 @@ def block(**numbers: float) -> xr.Dataset:
     return xr.Dataset({name: ((), float(value)) for name, value in usual.items()})
 
 
-def contact(**fields: object) -> SimpleNamespace:
+def contact(**fields):
     """A converged result that has what is given."""
     result = SimpleNamespace(**fields)
     result.checked = lambda: result
     return result
 
 
-def column(table, title: str) -> list:
+def column(table, title):
     """The cells of a column of a table."""
     k = table.columns.index(title)
     return [row[k] for row in table.rows]
 
 
-def numbers(text: str) -> list[float]:
+def numbers(text):
     """All numbers of a sentence."""
     return [float(found) for found in re.findall(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?", text)]
 
 
-def edge_data(*, density, slope, contour) -> xr.Dataset:
+def edge_data(*, density, slope, contour):
     """What `stress-near-zero` makes of starts of P(sigma), (surface, grid), of 16 to 128 points per wave."""
     from validation.studies import stress_near_zero
 

@@ -3,17 +3,13 @@
 It knows the registry by its file and the dataset by its names, and nothing of the code that draws.
 """
 
-from __future__ import annotations
-
 import math
 import re
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pint
-import xarray as xr
 
 import validation.report
 
@@ -24,7 +20,7 @@ FACTORS = {"p": 1e12, "n": 1e9, "u": 1e6, "m": 1e3, "": 1.0, "k": 1e-3, "M": 1e-
 SPECTRAL = ("size", "bandwidth")
 
 
-def known(name: str) -> tuple[dict, str]:
+def known(name):
     """Entry of the quantity that a name begins with, longest first, and the rest of the name."""
     parts = name.split("_")
     for cut in range(len(parts), 0, -1):
@@ -34,7 +30,7 @@ def known(name: str) -> tuple[dict, str]:
     raise KeyError(name)
 
 
-def misdrawn(drawing, data: xr.Dataset) -> Iterator[str]:
+def misdrawn(drawing, data):
     """Yield what a figure shows otherwise than the dataset has it."""
     for one in drawing.drawn:
         for problem in _mark(one, data):
@@ -45,7 +41,7 @@ def misdrawn(drawing, data: xr.Dataset) -> Iterator[str]:
             yield f"{drawing.name}: an axis of {names} has no label"
 
 
-def _mark(one, data: xr.Dataset) -> Iterator[str]:
+def _mark(one, data):
     kind = type(one.mark).__name__
     if kind == "Image":
         factor, shown = _factor(one.mark.y, one.label), np.asarray(one.artist.get_array())
@@ -84,7 +80,7 @@ def _mark(one, data: xr.Dataset) -> Iterator[str]:
         yield "its bars are not the 95 % of its slice"
 
 
-def _drawn(one, kind: str):
+def _drawn(one, kind):
     """Abscissae, ordinates and half lengths of the bars of an artist."""
     if kind == "Level":
         y = np.asarray(one.artist.get_ydata(), dtype=float)[:1]
@@ -100,7 +96,7 @@ def _drawn(one, kind: str):
     return x, y, np.array(halves)
 
 
-def _slices(one, data: xr.Dataset, kind: str):
+def _slices(one, data, kind):
     """Yield every slice of a variable that the mark could be of: place, abscissae, ordinates, 95 %."""
     values = data[one.mark.y]
     along = data[one.x] if kind != "Level" and one.x in data.variables else None
@@ -127,7 +123,7 @@ def _slices(one, data: xr.Dataset, kind: str):
         yield place, x, numbers[there], None if error is None else np.ravel(error)[there]
 
 
-def _total(data: xr.Dataset, name: str):
+def _total(data, name):
     if f"{name}_error" not in data.variables:
         return None
     errors = data[f"{name}_error"]
@@ -138,12 +134,12 @@ def _total(data: xr.Dataset, name: str):
     return np.where(known.any(axis=0), np.sqrt(np.where(known, squares, 0.0).sum(axis=0)), np.nan)
 
 
-def _same(found, expected) -> bool:
+def _same(found, expected):
     found, expected = np.ravel(found), np.ravel(expected)
     return found.shape == expected.shape and np.allclose(found, expected, rtol=1e-9, atol=0, equal_nan=True)
 
 
-def _same_x(found, expected, factor: float) -> bool:
+def _same_x(found, expected, factor):
     if expected is None:
         return True
     if expected.dtype.kind in "OU":
@@ -151,7 +147,7 @@ def _same_x(found, expected, factor: float) -> bool:
     return _same(np.asarray(found, dtype=float), expected.astype(float) * factor)
 
 
-def _bars(bars, error, factor: float, points) -> bool:
+def _bars(bars, error, factor, points):
     x, values = points
     if error is None or not np.nansum(error) > 0:
         return bars is None or not np.size(bars)
@@ -167,7 +163,7 @@ def _bars(bars, error, factor: float, points) -> bool:
     )
 
 
-def _named(one, place: dict[str, int], data: xr.Dataset) -> bool:
+def _named(one, place, data):
     """Whether each coordinate of a place along which marks are repeated stands in the label or the title."""
     text = f"{one.label} {one.axes.get_title()}"
     by = (one.mark.by,) if isinstance(one.mark.by, str) else one.mark.by
@@ -189,7 +185,7 @@ def _named(one, place: dict[str, int], data: xr.Dataset) -> bool:
     return True
 
 
-def _words(one) -> Iterator[str]:
+def _words(one):
     """What tells the variable from its like stands in the legend, if the legend is not the author's own."""
     _, rest = known(one.mark.y)
     for name, entry in REGISTRY["qualifiers"].items():
@@ -197,7 +193,7 @@ def _words(one) -> Iterator[str]:
             yield f"its label lacks {entry['words']!r}"
 
 
-def _factor(name: str, axis: str) -> float:
+def _factor(name, axis):
     """What SI is multiplied by on an axis, from the unit that its label names; NaN for another unit."""
     unit = known(name)[0].get("unit", "1")
     told = re.search(r"\[([^\]]*)\]\s*$", axis.replace("\n", " "))

@@ -1,13 +1,16 @@
 """A small scene as text: one rough surface on one solid, to which a test adds what it is about."""
 
+from validation.scenes.sweep import load_asked
 
-def small_scene(
-    more: str = "",
-    *,
-    length: str = '"10 um"',
-    load: str = "reduced_pressure = 0.1",
-    grids: str = "[24, 36, 48]",
-) -> str:
+
+def scene_in(folder, text, *settings, name="scene"):
+    """Return the scene, or the sweep, of a text that is written into a folder, with keys set."""
+    path = folder / f"{name}.toml"
+    path.write_text(text, encoding="utf-8")
+    return load_asked(str(path), settings)
+
+
+def small_scene(more="", *, length='"10 um"', load="reduced_pressure = 0.1", grids="[24, 36, 48]"):
     """Return the scene, with further tables after it."""
     return f"""
 [surface]
@@ -26,6 +29,20 @@ poisson = 0.3
 [methods.bem]
 grids = {grids}
 {more}"""
+
+
+def changed(tree, place, value):
+    """A copy of the tree with one place set; places that do not exist any more are left alone."""
+    key, *rest = place
+    if isinstance(tree, dict):
+        copy = dict(tree)
+        copy[key] = changed(tree.get(key, {}), rest, value) if rest else value
+        return copy
+    if isinstance(tree, list) and isinstance(key, int) and key < len(tree):
+        copy = list(tree)
+        copy[key] = changed(tree[key], rest, value) if rest else value
+        return copy
+    return tree
 
 
 #: Twice as long as wide.

@@ -1,7 +1,5 @@
 """Solves, progress and clusters that the tests of the bench share; imported by worker processes, too."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

@@ -1,7 +1,5 @@
 """`run --accuracy`: what it claims holds on finer grids, and what it cannot reach it refuses by name."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import replace
@@ -37,14 +35,14 @@ MIB = 2**20
 
 
 @pytest.fixture
-def scene(write_scene):
-    return load_scene(str(write_scene(fem=False)))
+def scene(read_scene):
+    return read_scene(fem=False)
 
 
 @pytest.fixture
-def ensemble(write_scene):
+def ensemble(read_scene):
     extra = "shifts = 2\n\n[ensemble]\nrealisations = 2\ngrids = [12, 24]"
-    return load_scene(str(write_scene(("shifts = 2", extra), fem=False)))
+    return read_scene(("shifts = 2", extra), fem=False)
 
 
 @pytest.fixture
@@ -52,7 +50,7 @@ def bench(tmp_path):
     return Bench.at(tmp_path / "solves")
 
 
-def truth_of(scene, folder) -> tuple[float, float]:
+def truth_of(scene, folder):
     """Limit of the area over grids of 12 to 32 points per shortest wave, with its uncertainty."""
     bem = BemOptions(grids=((48, 48), (64, 64), (96, 96), (128, 128)), shifts=1)
     fine = scene.model_copy(update={"methods": scene.methods.model_copy(update={"bem": bem})})
@@ -174,9 +172,9 @@ def test_an_effect_without_a_law_of_error_is_refused_by_name(write_scene, bench)
 @pytest.mark.parametrize(
     "effect", ["'hardness'\nhardness = '60 kPa'", "'coating'\nyoung = '4 MPa'\nthickness = '1 um'"]
 )
-def test_with_an_effect_the_corrected_area_is_claimed(effect, write_scene, bench, tmp_path):
+def test_with_an_effect_the_corrected_area_is_claimed(effect, read_scene, bench, tmp_path):
     listed = f"[[effects]]\nkind = {effect}\n\n[solid]"
-    scene = load_scene(str(write_scene(("[solid]", listed), fem=False)))
+    scene = read_scene(("[solid]", listed), fem=False)
     reached = reach(scene, bench, target=0.05)
     assert not reached.located
     assert reached.error <= 0.05
@@ -185,8 +183,8 @@ def test_with_an_effect_the_corrected_area_is_claimed(effect, write_scene, bench
     assert "corrected at its edge" in next(iter(reached.sentences()))
 
 
-def test_finite_elements_are_put_beside_on_their_own_grids(write_scene, bench):
-    scene = load_scene(str(write_scene()))
+def test_finite_elements_are_put_beside_on_their_own_grids(read_scene, bench):
+    scene = read_scene()
     reached = reach(scene, bench, target=0.05)
     (other,) = reached.beside
     grids = scene.methods.options("fem").grids
@@ -220,10 +218,10 @@ def test_what_solves_took_foretells_those_of_their_kind_alone(scene, bench):
     assert metered.seconds(finer) == plain[finer]
 
 
-def test_finite_elements_that_do_not_fit_are_refused_before_anything_is_solved(write_scene, tmp_path):
+def test_finite_elements_that_do_not_fit_are_refused_before_anything_is_solved(read_scene, tmp_path):
     small = Bench.at(tmp_path / "results", execution=Execution(memory=2 * MIB))
     with pytest.raises(UsageError, match=r"methods\.fem needs about .* name coarser ones, or leave it out"):
-        reach(load_scene(str(write_scene())), small, target=0.05)
+        reach(read_scene(), small, target=0.05)
     assert not small.store.folder.exists()
 
 

@@ -5,9 +5,7 @@ import pytest
 from gold.asked import STUDIES
 
 from fem_contact import HalfSpace, bem
-from persson.adhesion import Interface, solve_adhesion
-from persson.elastic import pressure_distribution
-from persson.scale import Scale
+from persson import Interface, Scale, pressure_distribution, solve_adhesion
 from validation.effects.base import full_contact_energy
 from validation.measurements.adhesive import STRESS_EDGES, readings, sticky_contact
 from validation.measurements.distributions import largest_difference

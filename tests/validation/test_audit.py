@@ -1,7 +1,5 @@
 """The independent reader: silent on a sound run, and it finds each number that was changed."""
 
-from __future__ import annotations
-
 import math
 import os
 import shutil
@@ -14,8 +12,8 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from fem_contact.area import EDGE_CONSTANTS, EDGE_MAPS, TRAITS, ContactAreas
-from fem_contact.extrapolation import located_limit, perimeter_limit
+from fem_contact import ContactAreas, located_limit, perimeter_limit
+from fem_contact.area import EDGE_CONSTANTS, EDGE_MAPS, TRAITS
 from validation.audit import audit, stored
 from validation.audit.dataset import Result
 from validation.audit.ledger import Ledger, printed

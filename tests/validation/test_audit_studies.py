@@ -1,7 +1,5 @@
 """Studies read back through the command: what cannot be computed again is listed."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """The audit of values: a study agrees throughout, and each number of it that is blanked or moved is found."""
 
-from __future__ import annotations
-
 import copy
 import math
 import random

@@ -1,16 +1,13 @@
 """The study `autopsy`: its instrument is exact where all is known, its budgets close, its outcomes follow."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr
+from numpy.testing import assert_allclose, assert_array_equal
 from pydantic import ValidationError
 from scipy.special import ndtr
 
-from persson import elastic
-from persson.diffusion import solve_diffusion
-from validation.execution.measurement import Call
+from persson import elastic, solve_diffusion
 from validation.measurements import diffusion, limits, rings
 from validation.measurements.budgets import (
     Memory,
@@ -28,7 +25,7 @@ from validation.studies import autopsy
 SMALL = {"periods": 2, "bandwidth": 4.0, "surfaces": 2, "probe_surfaces": 2, "probes": (2.0,)}
 
 
-def chain(*, load: float, **changes: object) -> Call:
+def chain(*, load, **changes):
     surface = base_surface(hurst=0.8, periods=2.0, bandwidth=4.0, seed=71)
     settings = {
         "problem": base_case(surface, reduced_pressure=load),
@@ -48,17 +45,17 @@ def full():
 def test_at_full_contact_every_term_is_that_of_the_theory_to_rounding(full):
     growth = np.diff(full.variance_share.values) / full.variance_share.values[:-1]
     # D = 1: the mean of delta^2 is Delta V, for the points all together.
-    np.testing.assert_allclose(full.pressure_change_square, growth, rtol=1e-12)
+    assert_allclose(full.pressure_change_square, growth, rtol=1e-12)
     # No drift, for points of any pressure: that of a ring is minus that of its negative.
     assert np.count_nonzero(full.bin_contact.values[-1]) > 10
     rounding = 1e-12 * float(full.nominal)
-    np.testing.assert_allclose(full.bin_change, 0, atol=rounding)
-    np.testing.assert_allclose(full.pressure_cross_change, 0, atol=rounding)
+    assert_allclose(full.bin_change, 0, atol=rounding)
+    assert_allclose(full.pressure_cross_change, 0, atol=rounding)
     # Nothing crosses p = 0: the fluxes of Eqs. 24 to 26 vanish, and with them what they carry.
     for name in ("area_lost", "area_entered", "load_entered", "square_entered", "pressure_change"):
-        np.testing.assert_allclose(full[name], 0, atol=rounding)
-    np.testing.assert_allclose(full.square_change, growth, rtol=1e-9)
-    np.testing.assert_array_equal(full.subcell, 1.0)
+        assert_allclose(full[name], 0, atol=rounding)
+    assert_allclose(full.square_change, growth, rtol=1e-9)
+    assert_array_equal(full.subcell, 1.0)
 
 
 def test_at_full_contact_restarted_diffusion_keeps_all_area_and_nothing_is_remembered(full):
@@ -66,7 +63,7 @@ def test_at_full_contact_restarted_diffusion_keeps_all_area_and_nothing_is_remem
     heavy = chain(load=4.0, ends=(1.0, 2.0, 4.0), points=32).do()
     known = heavy.area_diffused.values[np.isfinite(heavy.area_diffused.values)]
     assert known.size == 5
-    np.testing.assert_allclose(known, 1.0, rtol=1e-12)
+    assert_allclose(known, 1.0, rtol=1e-12)
     assert float(full.points_out.sum()) == 0
     assert float(full.contact_crossed) == 0
 
@@ -78,25 +75,25 @@ def partial():
 
 def test_no_point_is_missing_from_the_budgets_of_area_load_and_square(partial):
     both = partial.pixel.mean("sign").values[1:] - partial.pixel.values[0, :-1]
-    np.testing.assert_allclose(partial.area_entered - partial.area_lost, both, atol=1e-14)
-    np.testing.assert_allclose(partial.pressure_change, -partial.load_entered, rtol=1e-9)
+    assert_allclose(partial.area_entered - partial.area_lost, both, atol=1e-14)
+    assert_allclose(partial.pressure_change, -partial.load_entered, rtol=1e-9)
     told = partial.pressure_change_square + 2 * partial.pressure_cross_change + partial.square_entered
-    np.testing.assert_allclose(told, partial.square_change, rtol=1e-9)
+    assert_allclose(told, partial.square_change, rtol=1e-9)
     for name, total in (
         ("bin_contact", partial.pixel[0, :-1]),
         ("bin_lost", partial.area_lost),
         ("bin_change", partial.pressure_change),
     ):
-        np.testing.assert_allclose(partial[name].sum("bin"), total, atol=1e-12)
+        assert_allclose(partial[name].sum("bin"), total, atol=1e-12)
 
 
 def test_the_chain_ends_at_the_whole_surface(partial):
     case = chain(load=0.1)
     whole, ends = case["problem"].heights((48, 48)).heights, case["ends"]
     own = rings.Rings(case["problem"], 48, 1e-7)
-    np.testing.assert_allclose(own.heights(0.0, 4.0), whole, atol=1e-12 * np.abs(whole).max())
+    assert_allclose(own.heights(0.0, 4.0), whole, atol=1e-12 * np.abs(whole).max())
     total = sum(own.heights(*pair) for pair in zip((0.0, *ends), ends, strict=False))
-    np.testing.assert_allclose(total, whole, atol=1e-12 * np.abs(whole).max())
+    assert_allclose(total, whole, atol=1e-12 * np.abs(whole).max())
     # p* = p0/(E* h'_rms) and E* h'_rms = 2 sqrt(V).
     assert float(partial.nominal) == pytest.approx(0.2, rel=1e-9)
 
@@ -105,7 +102,7 @@ def test_flows_of_a_free_walk_are_those_of_the_normal_distribution():
     rng = np.random.default_rng(77)
     stress, step = rng.normal(0.5, 1.0, 400_000), 0.1 * rng.normal(0.0, 1.0, 400_000)
 
-    def state(values: np.ndarray) -> Pressed:
+    def state(values):
         return Pressed(pressure=np.maximum(values, 0), in_contact=values > 0)
 
     found = mean_of([flows(state(stress), state(stress + sign * step), unit=1.0) for sign in (1, -1)])
@@ -129,7 +126,7 @@ def test_drift_and_diffusivity_are_found_where_they_were_put():
     ]
     bins = mean_of([profile(before, state, unit=1.0) for state in after])
     held = bins["bin_contact"] > 0
-    np.testing.assert_allclose(bins["bin_change"][held], -0.001 * bins["bin_pressure"][held], rtol=1e-9)
+    assert_allclose(bins["bin_change"][held], -0.001 * bins["bin_pressure"][held], rtol=1e-9)
     square = np.mean(step**2) + np.mean((0.001 * p) ** 2)
     assert bins["bin_change_square"].sum() == pytest.approx(square, rel=1e-9)
 
@@ -154,7 +151,7 @@ def test_persson_s_own_distribution_goes_on_as_if_nothing_had_happened():
     assert area == pytest.approx(float(elastic.contact_area(0.4, stress_variance=2.0)), rel=1e-3)
 
 
-def states(*rows: str) -> list[Pressed]:
+def states(*rows):
     """States of five points, x in contact."""
     contact = [np.array([letter == "x" for letter in row]) for row in rows]
     return [Pressed(pressure=flags.astype(float), in_contact=flags) for flags in contact]
@@ -191,7 +188,7 @@ def test_a_ring_is_as_high_as_its_step_asks_for_and_the_load_is_of_the_waves_the
     )
     data = probe.do()
     assert float(data.nominal) == pytest.approx(8.0, rel=1e-12)
-    np.testing.assert_allclose(data.pressure_change_square, (0.01, 0.16), rtol=1e-12)
+    assert_allclose(data.pressure_change_square, (0.01, 0.16), rtol=1e-12)
 
 
 def test_rings_without_a_wave_are_left_out():
@@ -238,18 +235,18 @@ def test_the_grids_share_is_what_finer_grids_change(data, bench):
 def test_at_full_contact_the_budgets_of_every_octave_are_those_of_the_theory(data):
     full = data.isel(load=1)
     for name in ("growth", "diffusion", "told", "growth_path"):
-        np.testing.assert_allclose(full[f"square_{name}_each"], 1, atol=1e-10, err_msg=name)
+        assert_allclose(full[f"square_{name}_each"], 1, atol=1e-10, err_msg=name)
     for name in ("square_drift_each", "square_reentry_each"):
-        np.testing.assert_allclose(full[name], 0, atol=1e-10, err_msg=name)
+        assert_allclose(full[name], 0, atol=1e-10, err_msg=name)
     for name in ("area_exponent", "area_exponent_pixel", "area_exponent_persson"):
-        np.testing.assert_allclose(full[f"{name}_each"], 0, atol=1e-12)
-    np.testing.assert_allclose(full.area_diffused_ratio_each.isel(octave=0), 1, rtol=1e-12)
+        assert_allclose(full[f"{name}_each"], 0, atol=1e-12)
+    assert_allclose(full.area_diffused_ratio_each.isel(octave=0), 1, rtol=1e-12)
 
 
 def test_the_terms_of_partial_contact_add_up_to_the_change(data):
     light = data.isel(load=0)
     terms = light.square_diffusion_each + light.square_drift_each + light.square_reentry_each
-    np.testing.assert_allclose(terms, light.square_growth_each, rtol=1e-9)
+    assert_allclose(terms, light.square_growth_each, rtol=1e-9)
     # Contact is lost and found again at p* = .1, and the load that is found is missing elsewhere.
     assert np.all(light.square_drift_each < 0)
     assert np.all(light.square_reentry_each > 0)
@@ -258,14 +255,14 @@ def test_the_terms_of_partial_contact_add_up_to_the_change(data):
 
 def test_means_over_octaves_of_short_waves_are_of_those_octaves(data):
     # Of two octaves none begins at zeta = 4: the last one stands for short waves.
-    np.testing.assert_allclose(data.square_growth_late_each, data.square_growth_each.isel(octave=-1))
+    assert_allclose(data.square_growth_late_each, data.square_growth_each.isel(octave=-1))
 
 
 def test_what_diffusion_loses_in_half_an_octave_is_told_over_the_truth(data):
     at, start = data.isel(load=0), 0
     half = at.area_each.isel(level=start + 1) / at.area_each.isel(level=start)
     lost = at.area_diffused_ratio_each.isel(octave=0, level=start + 1) * half
-    np.testing.assert_allclose(at.loss_ratio_each.isel(octave=0), np.log(lost) / np.log(half), rtol=1e-10)
+    assert_allclose(at.loss_ratio_each.isel(octave=0), np.log(lost) / np.log(half), rtol=1e-10)
 
 
 def test_the_flow_of_eq_26_is_half_the_slope_over_the_area(data):
@@ -297,7 +294,7 @@ def test_a_limit_of_counted_numbers_is_that_of_the_straight_line_through_the_two
 def test_an_exponent_is_found_between_neighbours_and_over_all_steps():
     steps = xr.DataArray([0.01, 0.04, 0.16], dims="variance_step")
     found = diffusion.exponents(7.0 * steps**0.5, steps)
-    np.testing.assert_allclose(found, 0.5, rtol=1e-12)
+    assert_allclose(found, 0.5, rtol=1e-12)
 
 
 @pytest.mark.parametrize(("excess", "within"), [(0.0, 1e-12), (0.3, 0.004), (0.9, 0.015)])

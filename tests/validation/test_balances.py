@@ -7,13 +7,13 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 import xarray as xr
-from small_scene import small_scene
+from numpy.testing import assert_allclose
+from small_scene import scene_in, small_scene
 
 from validation.comparison.run import run_scene
 from validation.execution.bench import Bench
 from validation.execution.store import check_store
 from validation.report.estimates import shown_sources, total_error
-from validation.scenes.scene import load_scene
 
 
 @pytest.fixture(scope="module")
@@ -21,9 +21,8 @@ def fresh(tmp_path_factory):
     """A run from nothing, what lies in its store, and when it began and ended (whole seconds)."""
     folder = tmp_path_factory.mktemp("balance")
     began = datetime.now(UTC).replace(microsecond=0)
-    path = folder / "balance.toml"
-    path.write_text(small_scene("shifts = 2\n[methods.fem]\ngrids = [12, 24]\n"))
-    outputs = run_scene(load_scene(str(path)), folder / "results", bench=Bench.at(folder / "solves"))
+    scene = scene_in(folder, small_scene("shifts = 2\n[methods.fem]\ngrids = [12, 24]\n"))
+    outputs = run_scene(scene, folder / "results", bench=Bench.at(folder / "solves"))
     made = {checked.path: checked.made for checked in check_store(folder / "solves")}
     solves = {}
     for path in made:
@@ -66,11 +65,9 @@ def test_contact_and_gap_share_the_nominal_area_and_the_load(fresh):
     width = float(data.stress_wide.diff("wide").isel(wide=0))
     counted = data.density_wide.sum("wide", min_count=1) * width
     assert counted.notnull().sum() == data.sizes["solver"]  # of the finest grid of each
-    np.testing.assert_allclose(counted, data.area_pixel.where(counted.notnull()), rtol=1e-9)
+    assert_allclose(counted, data.area_pixel.where(counted.notnull()), rtol=1e-9)
     carried = (data.density_wide * data.stress_wide).sum("wide", min_count=1) * width
-    np.testing.assert_allclose(
-        carried.stack(all=carried.dims).dropna("all"), data.reduced_pressure, rtol=0.02
-    )
+    assert_allclose(carried.stack(all=carried.dims).dropna("all"), data.reduced_pressure, rtol=0.02)
     assert float(data.contact_area) == pytest.approx(float(data.area * data.nominal_area), rel=1e-12)
     load = float(data.pressure_map.fillna(0.0).mean())
     assert load == pytest.approx(float(data.pressure), rel=1e-6)
@@ -84,6 +81,6 @@ def test_shares_of_an_error_make_the_whole(name, fresh, numbers):
         parts, whole = data[error], total_error(data, error.removesuffix("_error"))
         square = sum(parts.sel(source=source, drop=True).fillna(0.0) ** 2 for source in shown_sources(parts))
         known = whole.notnull()
-        np.testing.assert_allclose((whole**2).where(known), square.where(known), rtol=1e-12, err_msg=error)
+        assert_allclose((whole**2).where(known), square.where(known), rtol=1e-12, err_msg=error)
         judged += int((whole > 0).sum())
     assert judged > 0

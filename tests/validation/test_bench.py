@@ -1,7 +1,5 @@
 """Many independent solves: the same tables wherever they run, whatever is killed, full or damaged."""
 
-from __future__ import annotations
-
 import dataclasses
 import importlib.util
 import itertools

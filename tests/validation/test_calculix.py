@@ -1,14 +1,11 @@
 """The block by CalculiX beside our own full finite elements, on one mesh."""
 
 import os
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from fem_contact.errors import NotConverged
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
+from fem_contact import HeightField, NotConverged, Solid
 from validation.effects.base import ContactModel
 from validation.solvers import find_solver
 from validation.solvers.base import Job, example_field
@@ -18,7 +15,7 @@ CALCULIX, FEM = find_solver("calculix"), find_solver("fem")
 present = pytest.mark.skipif(CALCULIX.available() is not None, reason=str(CALCULIX.available()))
 
 
-def pressed(solver, field: HeightField, load: float, solid: Solid, **settings):
+def pressed(solver, field, load, solid, **settings):
     load = {"mean_pressure": load * solid.young}
     return solver.solve(
         Job(field=field, load=load, model=ContactModel(solid=solid), settings=settings)
@@ -35,9 +32,7 @@ def pressed(solver, field: HeightField, load: float, solid: Solid, **settings):
         ((12, 12), (1.0, 1.0), 0.3, 1e-4),
     ],
 )
-def test_calculix_and_our_full_block_agree_in_nodal_forces(
-    shape: tuple[int, int], lengths: tuple[float, float], poisson: float, load: float
-) -> None:
+def test_calculix_and_our_full_block_agree_in_nodal_forces(shape, lengths, poisson, load):
     unit = example_field(32).resampled(shape)
     field = HeightField(heights=unit.heights * lengths[0], lengths=lengths)
     solid = Solid(young=2e9, poisson=poisson)
@@ -49,7 +44,7 @@ def test_calculix_and_our_full_block_agree_in_nodal_forces(
     assert theirs.offset == pytest.approx(ours.offset, abs=1e-6 * np.abs(ours.displacement).max())
 
 
-def test_each_node_of_the_deck_is_one_and_each_that_is_named_is_there() -> None:
+def test_each_node_of_the_deck_is_one_and_each_that_is_named_is_there():
     heights, planes = np.random.default_rng(5).random((3, 4)), np.array([0.0, -0.2, -0.5])
     lines = list(_deck(heights, (0.75, 1.0), planes, poisson=0.3, load=0.1))
     blocks = dict[str, list[list[str]]]()
@@ -79,19 +74,19 @@ def test_each_node_of_the_deck_is_one_and_each_that_is_named_is_there() -> None:
 
 
 @present
-def test_time_that_is_over_is_said() -> None:
+def test_time_that_is_over_is_said():
     solid = Solid(young=1.0, poisson=0.3)
     with pytest.raises(NotConverged, match=r"took more than 0\.01 s"):
         pressed(CALCULIX, example_field(16), 0.01, solid, seconds=0.01)
 
 
-def test_a_missing_program_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_program_is_named(monkeypatch):
     monkeypatch.setattr("shutil.which", lambda name: None)
     assert "apt install calculix-ccx" in str(CALCULIX.available())
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a shell script stands in for the program")
-def test_a_program_that_fails_is_quoted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_program_that_fails_is_quoted(tmp_path, monkeypatch):
     program = tmp_path / "ccx"
     program.write_text("#!/bin/sh\necho ' *ERROR in something: no'\nexit 201\n", encoding="utf-8")
     program.chmod(0o755)

@@ -6,7 +6,6 @@ from validation.comparison.explain import explain
 from validation.execution import calibration
 from validation.execution.press import solves_of
 from validation.files import write_record
-from validation.scenes.scene import load_scene
 
 EFFECT = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n[solid]'
 
@@ -24,20 +23,20 @@ def test_without_a_calibration_the_reference_machine_is_named(cache):
     assert "fem-contact calibrate" in calibration.reference().source
 
 
-def test_a_calibration_is_kept_and_used_and_named(cache, write_scene):
+def test_a_calibration_is_kept_and_used_and_named(cache, read_scene):
     lines = []
     found = calibration.calibrate(points=32, repeats=1, tell=lines.append)
     assert set(found.factors) == set(calibration.reference().factors)
     assert all(value > 0 for value in found.factors.values())
     assert len(lines) == len(found.factors) + 1
     assert calibration.effect_costs() == found
-    scene = load_scene(str(write_scene(("[solid]", EFFECT))))
+    scene = read_scene(("[solid]", EFFECT))
     text = "\n".join(part for part in explain(scene).parts() if isinstance(part, str))
     assert f"hardness {found.factors['hardness']:.2g} times (measured on this machine" in text
 
 
-def test_a_prediction_grows_with_the_factor_that_was_measured(cache, write_scene):
-    solve = solves_of(load_scene(str(write_scene(("[solid]", EFFECT)))))[0]
+def test_a_prediction_grows_with_the_factor_that_was_measured(cache, read_scene):
+    solve = solves_of(read_scene(("[solid]", EFFECT)))[0]
     seconds = []
     for factor in (1.0, 1e4):
         cache.parent.mkdir(parents=True, exist_ok=True)

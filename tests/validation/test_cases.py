@@ -1,7 +1,5 @@
 """The cases with a known answer: quick ones pass, a wrong one fails loudly, more are found by being there."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -19,20 +19,20 @@ SOURCE = Path(__file__).with_name("polonsky_keer.c")
 
 
 @pytest.fixture(scope="module")
-def problems(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def problems(tmp_path_factory):
     folder = tmp_path_factory.mktemp("challenge")
     export(folder, points=16, tolerance=1e-6)
     return folder
 
 
 @pytest.fixture
-def folder(problems: Path, tmp_path: Path) -> Path:
+def folder(problems, tmp_path):
     """A copy that may be answered."""
     return Path(shutil.copytree(problems, tmp_path / "mine"))
 
 
 @pytest.fixture(scope="module")
-def answered(problems: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def answered(problems, tmp_path_factory):
     """Answers of the solver in C to every problem."""
     compiler = shutil.which("cc") or shutil.which("gcc")
     if compiler is None:
@@ -45,7 +45,7 @@ def answered(problems: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_a_solver_in_plain_c_passes_every_row(answered: Path) -> None:
+def test_a_solver_in_plain_c_passes_every_row(answered):
     outcome = CliRunner().invoke(app, ["challenge", "score", str(answered), "--json"])
     assert outcome.exit_code == 0, outcome.output
     (card,) = json.loads(outcome.output)["scorecards"]
@@ -54,7 +54,7 @@ def test_a_solver_in_plain_c_passes_every_row(answered: Path) -> None:
     assert {"hertz", "westergaard", "honesty", "rough-4"} <= {row["case"] for row in card["rows"]}
 
 
-def test_answers_that_are_wrong_by_a_factor_are_named(answered: Path, tmp_path: Path) -> None:
+def test_answers_that_are_wrong_by_a_factor_are_named(answered, tmp_path):
     folder = Path(shutil.copytree(answered, tmp_path / "doubled"))
     for file in folder.glob("problem-*/pressure.txt"):
         pressure = np.loadtxt(file)
@@ -66,7 +66,7 @@ def test_answers_that_are_wrong_by_a_factor_are_named(answered: Path, tmp_path: 
     assert {"tension", "full-contact", "honesty"} <= failed
 
 
-def test_what_is_not_answered_is_left_out_and_said_so(answered: Path, tmp_path: Path) -> None:
+def test_what_is_not_answered_is_left_out_and_said_so(answered, tmp_path):
     folder = Path(shutil.copytree(answered, tmp_path / "part"))
     for place in folder.glob("problem-*"):
         said = json.loads((place / "problem.json").read_text(encoding="utf-8"))
@@ -78,7 +78,7 @@ def test_what_is_not_answered_is_left_out_and_said_so(answered: Path, tmp_path: 
     assert not card.failed
 
 
-def test_problems_say_everything_but_what_they_are(problems: Path) -> None:
+def test_problems_say_everything_but_what_they_are(problems):
     folders = sorted(problems.glob("problem-*"))
     assert len(folders) > 30
     for place in folders:
@@ -102,15 +102,13 @@ def test_problems_say_everything_but_what_they_are(problems: Path) -> None:
         (np.array(["a", "b"]), "cannot be read"),
     ],
 )
-def test_an_answer_that_fits_no_problem_is_refused_by_name(
-    folder: Path, values: np.ndarray, says: str
-) -> None:
+def test_an_answer_that_fits_no_problem_is_refused_by_name(folder, values, says):
     np.save(folder / "problem-004" / "pressure.npy", values)
     with pytest.raises(UsageError, match=rf"problem-004.*{says}"):
         score_folder(folder)
 
 
-def test_an_answer_whose_header_is_damaged_is_refused_by_name(folder: Path) -> None:
+def test_an_answer_whose_header_is_damaged_is_refused_by_name(folder):
     file = folder / "problem-004" / "pressure.npy"
     np.save(file, np.zeros((3, 3)))
     file.write_bytes(file.read_bytes().replace(b"}", b" "))  # NumPy raises what its tokenizer does
@@ -118,16 +116,16 @@ def test_an_answer_whose_header_is_damaged_is_refused_by_name(folder: Path) -> N
         score_folder(folder)
 
 
-def test_a_folder_without_answers_is_refused(folder: Path) -> None:
+def test_a_folder_without_answers_is_refused(folder):
     with pytest.raises(UsageError, match="no answer"):
         score_folder(folder)
 
 
-def test_a_folder_that_is_no_challenge_is_refused(tmp_path: Path) -> None:
+def test_a_folder_that_is_no_challenge_is_refused(tmp_path):
     with pytest.raises(UsageError, match="fem-contact challenge export"):
         score_folder(tmp_path)
 
 
-def test_answers_are_not_exported_over(folder: Path) -> None:
+def test_answers_are_not_exported_over(folder):
     with pytest.raises(UsageError, match="holds a challenge already"):
         export(folder, points=16, tolerance=1e-6)

@@ -1,7 +1,5 @@
 """`fem-contact run --mpi` with threads in place of processes: its numbers, its file, its refusals."""
 
-from __future__ import annotations
-
 import json
 import sys
 import threading
@@ -21,7 +19,7 @@ from validation.scenes.problem import realise
 from validation.scenes.scene import load_scene
 
 
-def alone() -> ThreadComm:
+def alone():
     return ThreadComm(0, [None], threading.Barrier(1))
 
 
@@ -65,8 +63,8 @@ def test_the_command_presses_the_surface_of_the_scene_and_uses_finished_grids_ag
     assert f"{found['limit']['value']:.6g}" in shown
 
 
-def test_all_threads_write_one_file_and_the_first_speaks(tmp_path, write_scene, monkeypatch, capsys):
-    scene = load_scene(str(write_scene(fem=False)))
+def test_all_threads_write_one_file_and_the_first_speaks(tmp_path, read_scene, monkeypatch, capsys):
+    scene = read_scene(fem=False)
     # Threads share their modules: each asks for its own communicator by its name.
     own = threading.local()
     monkeypatch.setattr(parallel, "communicator", lambda: own.comm)
@@ -79,8 +77,8 @@ def test_all_threads_write_one_file_and_the_first_speaks(tmp_path, write_scene, 
     assert json.loads(capsys.readouterr().out)["processes"] == 3
 
 
-def test_what_does_not_go_with_mpi_is_refused_in_one_line(tmp_path, write_scene, monkeypatch):
-    scene = load_scene(str(write_scene(fem=False)))
+def test_what_does_not_go_with_mpi_is_refused_in_one_line(tmp_path, write_scene, read_scene, monkeypatch):
+    scene = read_scene(fem=False)
     monkeypatch.setitem(sys.modules, "mpi4py", None)
     with pytest.raises(UsageError, match="--mpi: MPI: needs pip install"):
         run_parallel(scene, tmp_path, as_json=True, unfit={})

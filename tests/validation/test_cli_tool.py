@@ -1,7 +1,5 @@
 """The command line as one tool: commands, exit codes, JSON, help with examples, no traceback for mistakes."""
 
-from __future__ import annotations
-
 import json
 import re
 
@@ -403,17 +401,6 @@ def test_a_file_that_does_not_say_size_or_unit_is_asked_for_them(tool, tmp_path)
     assert facts["h_rms [m]"] == pytest.approx(1e-9 * np.std(np.sin(np.arange(16))), rel=1e-9)
     assert 0.5 < facts["edge jump over typical step"] < 4
     assert "scan.npy: 16 x 16 points" in facts["treatment"]
-
-
-@pytest.mark.parametrize("length", ["2 um, 1 um", '["2 um", "1 um"]', "[2e-6, 1e-6]"])
-def test_two_lengths_are_read_as_the_option_and_as_a_scene_write_them(tool, tmp_path, length):
-    np.save(tmp_path / "scan.npy", np.outer(np.sin(np.arange(16)), np.cos(np.arange(8))))
-    assert '"Lx, Ly"' in tool("surface", "inspect", "scan.npy")[2]
-    out = tool("surface", "inspect", "scan.npy", "--length", length, "--unit", "1 nm", "--json")[1]
-    assert json.loads(out)["size [m]"] == [2e-06, 1e-06]
-    assert (
-        "size: 2 um x 1 um" in tool("surface", "inspect", "scan.npy", "--length", length, "--unit", "1 nm")[1]
-    )
 
 
 def test_the_version_is_that_of_the_package(tool):

@@ -1,7 +1,5 @@
 """Results side by side: their datasets concatenated and subtracted; what cannot be compared."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What the comparison computes, by numbers known in closed form: loads, theories, intervals, recipes."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from types import SimpleNamespace
@@ -11,13 +9,8 @@ import pytest
 import xarray as xr
 from made_results import made_areas
 
-from fem_contact import bem
-from fem_contact.extrapolation import located_limit
-from fem_contact.response import BondedLayer, FrictionlessLayer, HalfSpace
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
-from persson import elastic
-from persson.spectrum import SelfAffine
+from fem_contact import BondedLayer, FrictionlessLayer, HalfSpace, HeightField, Solid, bem, located_limit
+from persson import SelfAffine, elastic
 from validation.comparison.accuracy_search import Ladder, Search
 from validation.comparison.reductions import Reading
 from validation.effects.adhesion import Adhesion
@@ -26,6 +19,7 @@ from validation.effects.coating import Coating
 from validation.effects.graded import Graded
 from validation.effects.hardness import Hardness
 from validation.effects.thickness import Thickness
+from validation.errors import UsageError
 from validation.execution.attempt import Progress
 from validation.execution.fields import decode_result, fields_dataset
 from validation.execution.netcdf import dataset_bytes
@@ -38,7 +32,7 @@ from validation.report.findings import finding
 from validation.report.table import budget_table, shown
 from validation.scenes.problem import realise
 from validation.scenes.scene import Scene
-from validation.solvers.theory import TheoryOptions, _realised_variance, with_effects
+from validation.solvers.theory import TheoryOptions, with_effects
 
 SOLID = Solid(young=2e9, poisson=0.3)
 SPECTRUM = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=2e5, q_short=8e5)
@@ -77,14 +71,6 @@ def test_agreement_is_claimed_within_the_interval_and_no_more(errors, outcome):
     assert _excess(errors * 0.02, 0.02) == (outcome,)
 
 
-def test_a_modulus_that_is_the_same_for_every_wave_gives_the_variance_of_the_half_space():
-    problem = realise(scene())
-    told = TheoryInputs(solid=SOLID, modulus=lambda q: np.full(np.shape(q), 3e9))
-    constant = _realised_variance(problem, told)
-    exact = float(elastic.stress_variance(problem.field.moments[1], contact_modulus=3e9))
-    assert constant == pytest.approx(exact, rel=1e-12)
-
-
 def _theory(*effects, **options):
     variance = float(elastic.stress_variance(SPECTRUM.m2(), contact_modulus=SOLID.contact_modulus))
     return with_effects(
@@ -104,14 +90,6 @@ def test_contact_of_a_hard_solid_is_that_of_the_elastic_one():
     soft = _theory(Hardness(hardness=5.5e6))
     assert soft.plastic == pytest.approx(5 / 5.5, rel=1e-6)
     assert soft.area == pytest.approx(soft.plastic, abs=1e-6)
-
-
-def test_the_energy_that_is_asked_for_is_used_and_the_other_stands_beside_it():
-    sticky = Adhesion(work=2.0, reach=1e-8)
-    improved, old = _theory(sticky), _theory(sticky, energy="old")
-    assert improved.other == pytest.approx(old.area, rel=1e-9)
-    assert old.other == pytest.approx(improved.area, rel=1e-9)
-    assert abs(old.area / improved.area - 1) > 1e-3
 
 
 def test_areas_are_projected_only_where_that_is_asked_for():
@@ -310,9 +288,12 @@ def test_a_hardness_matters_below_four_deviations_of_the_stress_at_full_contact(
 
 
 def test_hardness_rises_by_its_power_at_its_wavelength():
-    told = TheoryInputs.by(SOLID, [Hardness(hardness=1e9, size_wavelength=1e-6, size_exponent=0.5)])
+    effect = Hardness(hardness=1e9, size_wavelength=1e-6, size_exponent=0.5)
+    told = TheoryInputs.by(SOLID, [effect])
     assert _wave(told.hardness, 1e-6) == pytest.approx(math.sqrt(2) * 1e9, rel=1e-12)
     assert _wave(told.hardness, 1e-6 / 3) == pytest.approx(2e9, rel=1e-12)
+    with pytest.raises(UsageError, match="method 'tamaas' knows one hardness"):
+        effect.check_solver("tamaas", key="effects")
 
 
 def test_the_judgement_of_adhesion_is_free_of_units():

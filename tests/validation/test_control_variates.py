@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem_contact import HalfSpace, HeightField, Solid, bem
-from fem_contact.surface import random_surface
-from persson.spectrum import SelfAffine
+from fem_contact import HalfSpace, HeightField, Solid, bem, random_surface
+from persson import SelfAffine
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.control_variates import unsolved_pairs, unsolved_statistics
 

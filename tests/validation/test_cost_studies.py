@@ -1,7 +1,5 @@
 """What accuracy costs: external_codes, memory, scaling with the grid, levels of grids."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -9,9 +7,7 @@ import pytest
 import xarray as xr
 from gold.asked import STUDIES
 
-from fem_contact import HalfSpace, bem, contact_areas
-from fem_contact.errors import NotConverged
-from validation.execution.measurement import Call
+from fem_contact import HalfSpace, NotConverged, bem, contact_areas
 from validation.execution.results import Result
 from validation.measurements import external_codes, ways
 from validation.measurements.by_solver import beside_bem
@@ -99,7 +95,7 @@ def test_what_is_ranked_and_what_is_compared_is_cited(costs):
     assert "xu" in RANKED.split()
 
 
-def peer(code: str, *, seed: int = 4177, grid_share: float = 0.1) -> Call:
+def peer(code, *, seed=4177, grid_share=0.1):
     surface = base_surface(hurst=0.8, seed=seed, periods=2.0, bandwidth=4.0)
     method, settings = external_codes.asked_of(code)
     asked = {"method": method, "settings": settings, "grid_share": grid_share}

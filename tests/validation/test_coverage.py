@@ -1,24 +1,18 @@
 """The claimed intervals of limits hold as often as they say, on surfaces their law was not measured on."""
 
-from __future__ import annotations
-
 import numpy as np
-import pytest
-import xarray as xr
 
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.measurement import area_limits, grid_for, press_on_grids
 
 
-def measured(
-    seed: int, *, hurst: float, load: float, bandwidth: float, grids: tuple[float, ...]
-) -> xr.Dataset:
+def measured(seed, *, hurst, load, bandwidth, grids):
     surface = base_surface(hurst=hurst, periods=2.0, bandwidth=bandwidth, seed=seed)
     pressed = base_case(surface, reduced_pressure=load)
     return press_on_grids(problem=pressed, grids=tuple(grid_for(pressed, n) for n in grids), shifts=2).do()
 
 
-def holds(data: xr.Dataset, used: tuple[int, ...], truth: tuple[int, ...]) -> tuple[bool, float]:
+def holds(data, used, truth):
     """Whether the interval from some grids holds the limit of finer ones, and its half width, relative."""
     per_wave = np.rint(data.points_per_wave.values).astype(int)
     (value,), (error,) = area_limits(data.isel(grid=np.isin(per_wave, used)))
@@ -43,29 +37,4 @@ def test_intervals_of_coarse_grids_hold_the_limit_of_finer_ones():
     ]
     # Of four, each right with 95 %, three are in 98.6 of 100 cases.
     assert sum(held for held, _ in outcomes) >= 3
-    assert all(width < 0.1 for _, width in outcomes)
-
-
-@pytest.mark.slow
-def test_on_sixty_surfaces_the_intervals_hold_the_truth_as_often_as_they_say():
-    """Three values of the load and two of H; the law was measured on other seeds."""
-    ladders = {(3, 4, 6, 8, 12, 16): (24, 32), (4, 6, 8): (16, 24, 32), (8, 12, 16): (24, 32)}
-    held = dict.fromkeys(ladders, 0)
-    widths: dict[tuple[int, ...], list[float]] = {used: [] for used in ladders}
-    for k in range(60):
-        data = measured(
-            880300 + k,
-            hurst=(0.3, 0.8)[k % 2],
-            load=(0.02, 0.05, 0.2)[k % 3],
-            bandwidth=8,
-            grids=(3, 4, 6, 8, 12, 16, 24, 32),
-        )
-        for used, truth in ladders.items():
-            good, width = holds(data, used, truth)
-            held[used] += good
-            widths[used].append(width)
-    assert all(count >= 0.9 * 60 for count in held.values()), held
-    # Intervals that hold everything say nothing: of those from all grids together one at least must fail.
-    assert held[3, 4, 6, 8, 12, 16] <= 0.99 * 60, held
-    assert np.median(widths[(3, 4, 6, 8, 12, 16)]) < 1e-3
-    assert np.median(widths[(4, 6, 8)]) < 0.01
+    assert all(width < 0.04 for _, width in outcomes)

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from fem_contact import PronySolid, creep
-from fem_contact.area import contact_areas
+from fem_contact import PronySolid, contact_areas, creep
 from persson import StandardSolid, contact_area, stress_variance
 from validation.measurements.common import base_case
 from validation.scenes.tables import SolidSpec

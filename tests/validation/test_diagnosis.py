@@ -6,9 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem_contact.errors import NotConverged
-from fem_contact.response import GivenResponse
-from fem_contact.surface import HeightField
+from fem_contact import GivenResponse, HeightField, NotConverged
 from validation.cases import run_cases
 from validation.cases.scorecard import Subject, rows, score
 from validation.cases.scorecard.diagnosis import diagnose
@@ -25,7 +23,7 @@ class Spoilt(Bem):
     def __init__(self, before=lambda job: job, after=lambda p, job: p, mask=lambda mask, p: mask):
         self.before, self.after, self.mask = before, after, mask
 
-    def claim(self, job) -> Claim:
+    def claim(self, job):
         found = Claim.of(self.solve(self.before(job)).contact)
         pressure = np.array(self.after(found.pressure, job), dtype=float)
         return replace(found, pressure=pressure, in_contact=self.mask(found.in_contact, found.pressure))
@@ -205,12 +203,12 @@ PLANTS = {
 TOLD = {"repeatable", "tension", "full-contact", "load", "contact-set", "honesty", "symmetry"}
 
 
-def verdicts_of(subject: Subject) -> dict[str, str]:
+def verdicts_of(subject):
     return {one.case: one.word for one in run_cases([row for row in rows(subject) if row.name in TOLD])}
 
 
 @pytest.mark.parametrize("kind", PLANTS)
-def test_a_wrong_solver_fails_a_row_and_is_told_what_is_wrong_or_nothing(kind: str) -> None:
+def test_a_wrong_solver_fails_a_row_and_is_told_what_is_wrong_or_nothing(kind):
     solver, words = PLANTS[kind]
     subject = Subject(name=kind, solver=solver, settings={})
     assert "FAILS" in verdicts_of(subject).values()
@@ -220,13 +218,13 @@ def test_a_wrong_solver_fails_a_row_and_is_told_what_is_wrong_or_nothing(kind: s
 
 
 @pytest.mark.parametrize("solver", [Spoilt(), Spoilt(responding(lattice))], ids=["plain", "lattice"])
-def test_a_right_solver_is_not_accused_whatever_its_cells(solver: Spoilt) -> None:
+def test_a_right_solver_is_not_accused_whatever_its_cells(solver):
     subject = Subject(name="right", solver=solver, settings={})
     assert "FAILS" not in verdicts_of(subject).values()
     assert diagnose(subject) == ""
 
 
-def test_a_solver_without_answers_is_said_to_have_none() -> None:
+def test_a_solver_without_answers_is_said_to_have_none():
     def fail(job):
         raise NotConverged("it raised ValueError")
 
@@ -235,7 +233,7 @@ def test_a_solver_without_answers_is_said_to_have_none() -> None:
     )
 
 
-def test_what_a_solver_of_this_process_raises_is_told_by_its_rows() -> None:
+def test_what_a_solver_of_this_process_raises_is_told_by_its_rows():
     def fail(job):
         raise ZeroDivisionError("by zero")
 

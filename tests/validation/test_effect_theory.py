@@ -6,10 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from fem_contact.solid import Solid
-from persson import elastic
-from persson.hardness import constant_hardness
-from persson.spectrum import SelfAffine
+from fem_contact import Solid
+from persson import SelfAffine, constant_hardness, elastic
 from validation.comparison.fields import with_distribution
 from validation.comparison.numbers import scene_data
 from validation.comparison.run_views import pressure_figure, run_views
@@ -68,9 +66,9 @@ def test_where_the_theory_has_no_answer_the_reason_is_kept():
     assert json.loads(json.dumps(found.summary(), allow_nan=False))["area"] is None
 
 
-def test_a_scene_that_yields_is_set_beside_its_theory(write_scene, tmp_path):
+def test_a_scene_that_yields_is_set_beside_its_theory(read_scene, tmp_path):
     effect = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n[solid]'
-    scene = load_scene(str(write_scene(("[solid]", effect))))
+    scene = read_scene(("[solid]", effect))
     problem = realise(scene)
     results = solve_all(solves_of(scene, problem), Store(folder=tmp_path))
     found = scene_data(scene, problem, results)

@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
-from fem_contact import bem
-from fem_contact.response import BondedLayer, HalfSpace
-from fem_contact.solid import Solid
+from fem_contact import BondedLayer, HalfSpace, Solid, bem
 from validation.comparison.explain import explain
 from validation.comparison.run import run_scene
 from validation.effects.base import ContactModel, Roughness, TheoryInputs, full_contact_energy
@@ -18,7 +16,7 @@ from validation.execution.attempt import warm_up
 from validation.execution.press import solves_of
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import realise
-from validation.scenes.scene import EffectSpec, load_scene
+from validation.scenes.scene import EffectSpec
 from validation.scenes.surfaces import height_field
 from validation.solvers.bem import Bem
 from validation.solvers.theory import predict
@@ -31,12 +29,12 @@ GRADED = '[[effects]]\nkind = "graded"\nbulk_young = "6 MPa"\ndepth = "0.4 um"\n
 
 
 @pytest.fixture
-def with_effects(write_scene):
+def with_effects(read_scene):
     def make(*effects, theory=False, fem=False, extra=()):
         changes = [("[solid]", "\n".join(effects) + "\n[solid]")]
         if not theory:
             changes.append(("[methods.theory]", ""))
-        return load_scene(str(write_scene(*changes, *extra, fem=fem)))
+        return read_scene(*changes, *extra, fem=fem)
 
     return make
 

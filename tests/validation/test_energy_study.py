@@ -3,12 +3,10 @@
 import numpy as np
 import pytest
 import xarray as xr
+from numpy.testing import assert_allclose
 
-from fem_contact import HalfSpace, bem, frozen_contact
-from fem_contact.stress import elastic_energy
-from persson import separation
-from persson.scale import Scale
-from persson.spectrum import SelfAffine
+from fem_contact import HalfSpace, bem, elastic_energy, frozen_contact
+from persson import Scale, SelfAffine, separation
 from validation.measurements.limits import two_grid_step
 from validation.measurements.measurement import grid_for
 from validation.measurements.theory import Waves
@@ -85,7 +83,7 @@ def test_full_contact_is_scored_by_no_theory_and_said(stored):
 def test_what_the_tolerance_leaves_is_a_source_of_the_interval(stored):
     _, data = stored
     solver = data.gap_error.sel(source="solver").values[:-1]
-    np.testing.assert_allclose(solver, (data.left_gap[2] * data.gap).values[:-1], rtol=1e-12)
+    assert_allclose(solver, (data.left_gap[2] * data.gap).values[:-1], rtol=1e-12)
     assert (solver > 0).all()
 
 
@@ -113,7 +111,7 @@ def test_gap_and_compliance_of_a_reading_follow_from_its_energy(stored):
     p = 0.1 * case.contact_modulus * case.moments.rms_gradient
     ends = Persson().mean_gap(p * np.exp([-rise, rise]), case) / case.moments.rms_height
     assert float(said.compliance_predicted[0, 1]) == pytest.approx(-np.diff(ends)[0] / (2 * rise), rel=1e-3)
-    np.testing.assert_allclose(said.gap_predicted, data.gap_predicted, rtol=1e-12)
+    assert_allclose(said.gap_predicted, data.gap_predicted, rtol=1e-12)
 
 
 def test_a_limit_of_second_order_ends_where_the_error_would():
@@ -132,7 +130,7 @@ def test_theories_are_ranked_by_their_mean_distance_below_full_contact():
         coords={"theory": ["far", "near", "silent"]},
     ).assign(area=("load", [0.1, 0.5, 1.0]))
     found = distances(data)
-    np.testing.assert_allclose(found.gap_off[:2], [0.5, 0.1], rtol=1e-12)
+    assert_allclose(found.gap_off[:2], [0.5, 0.1], rtol=1e-12)
     # The errors at all loads are of the same surfaces: they do not shrink.
-    np.testing.assert_allclose(total_error(found, "gap_off")[:2], 0.02, rtol=1e-12)
+    assert_allclose(total_error(found, "gap_off")[:2], 0.02, rtol=1e-12)
     assert list(ranked(found, "gap")) == ["far", "near"]

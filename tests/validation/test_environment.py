@@ -1,7 +1,5 @@
 """What schedulers and containers leave behind, and what the machine refuses: a line, not a traceback."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

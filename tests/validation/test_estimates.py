@@ -1,7 +1,5 @@
 """Cases become one dataset, and what is misnamed is refused in a line."""
 
-from __future__ import annotations
-
 import types
 
 import numpy as np

@@ -8,20 +8,16 @@ from pathlib import Path
 import numpy as np
 import psutil
 import pytest
-import xarray as xr
+from small_scene import small_scene
 from solving import still_running
 
-from fem_contact.area import contact_areas
-from fem_contact.contact import Status
-from fem_contact.errors import NotConverged
-from fem_contact.solid import Solid
+from fem_contact import NotConverged, Solid, Status, contact_areas
 from validation import sandbox
-from validation.effects import Effect, effect_kinds
+from validation.effects import effect_kinds
 from validation.effects.base import ContactModel
 from validation.effects.hardness import Hardness
 from validation.effects.thickness import Thickness
 from validation.errors import SolvesFailed, UsageError
-from validation.execution.bench import Bench
 from validation.execution.press import solves_of
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import realise
@@ -32,27 +28,11 @@ from validation.solvers.bem import Bem
 from validation.studies import find_study
 
 METHODS = (Path(__file__).parents[2] / "docs" / "methods.md").read_text(encoding="utf-8")
-SCENE = """
-[surface]
-kind = "self-affine"
-length = 1.0
-hurst = 0.8
-lambda_long = 0.5
-lambda_short = 0.25
-rms_gradient = 0.1
-seed = 17
-[solid]
-young = 1.0
-poisson = 0.0
-[load]
-reduced_pressure = 0.1
-[methods.bem]
-grids = [16, 24, 32]
-"""
+SCENE = small_scene(grids="[16, 24, 32]")
 
 
 @pytest.fixture
-def own_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def own_module(tmp_path, monkeypatch):
     """The solver of docs/methods.md, in the folder the command is started in."""
     code = METHODS.split("<!-- own-solver -->")[1].split("```python\n")[1].split("```")[0]
     (tmp_path / "my_module.py").write_text(code, encoding="utf-8")
@@ -60,26 +40,24 @@ def own_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def job(
-    load: float = 0.01, *, points: int = 32, model: ContactModel | None = None, **settings: object
-) -> Job:
+def job(load=0.01, *, points=32, model=None, **settings):
     model = model or ContactModel(solid=Solid(young=1.0, poisson=0.0))
     return Job(
         field=example_field(points), load={"mean_pressure": load}, model=model, settings=settings, threads=1
     )
 
 
-def pressed(solver: str, **settings: float):
+def pressed(solver, **settings):
     return find_solver("own").solve(job(solver=solver, **settings)).contact
 
 
-def written(name: str, body: str) -> str:
+def written(name, body):
     code = "import numpy as np\ndef solve(heights, lengths, *, contact_modulus, mean_pressure):\n"
     Path(f"{name}.py").write_text(code + textwrap.indent(textwrap.dedent(body), "    "), encoding="utf-8")
     return f"{name}:solve"
 
 
-def test_the_solver_of_the_docs_agrees_with_boundary_elements(own_module: Path) -> None:
+def test_the_solver_of_the_docs_agrees_with_boundary_elements(own_module):
     reference = find_solver("bem").solve(job(tolerance=1e-10)).contact
     found = pressed("my_module:solve", tolerance=1e-6).checked()
     # An energy error of the tolerance leaves its square root in the pressure.
@@ -87,11 +65,11 @@ def test_the_solver_of_the_docs_agrees_with_boundary_elements(own_module: Path) 
     assert np.array_equal(found.in_contact, reference.in_contact)
 
 
-def test_another_text_of_the_module_is_another_recipe(own_module: Path) -> None:
+def test_another_text_of_the_module_is_another_recipe(own_module):
     scene = SCENE + '[methods.own]\nsolver = "my_module:solve"\ngrids = [16]\n'
     Path("mine.toml").write_text(scene, encoding="utf-8")
 
-    def key() -> str:
+    def key():
         loaded = load_scene("mine.toml")
         return next(solve.key for solve in solves_of(loaded) if solve.method == "own")
 
@@ -102,7 +80,7 @@ def test_another_text_of_the_module_is_another_recipe(own_module: Path) -> None:
     assert key() != before
 
 
-def test_a_module_that_is_not_there_is_refused_before_anything_is_solved(own_module: Path) -> None:
+def test_a_module_that_is_not_there_is_refused_before_anything_is_solved(own_module):
     scene = SCENE + '[methods.own]\nsolver = "no_such_module_here:solve"\ngrids = [16]\n'
     Path("mine.toml").write_text(scene, encoding="utf-8")
     loaded = load_scene("mine.toml")
@@ -110,7 +88,7 @@ def test_a_module_that_is_not_there_is_refused_before_anything_is_solved(own_mod
         check_scene(loaded, realise(loaded))
 
 
-def test_a_claim_of_convergence_is_recomputed_from_the_pressure(own_module: Path) -> None:
+def test_a_claim_of_convergence_is_recomputed_from_the_pressure(own_module):
     solver = written(
         "uniform", "return {'pressure': np.full(heights.shape, mean_pressure), 'converged': True}"
     )
@@ -122,10 +100,10 @@ def test_a_claim_of_convergence_is_recomputed_from_the_pressure(own_module: Path
 
 
 @pytest.mark.parametrize("where", ["options", "scene"])
-def test_a_study_whose_solver_fails_is_that_of_the_others(own_module: Path, bench: Bench, where: str) -> None:
+def test_a_study_whose_solver_fails_is_that_of_the_others(own_module, bench, where):
     raising = written("raising", "raise ValueError('not on this grid')")
 
-    def studied(name: str, *methods: str) -> xr.Dataset:
+    def studied(name, *methods):
         study = find_study(name)
         if where == "options":
             options = study.parse(["--methods", ",".join(["bem", *methods]), *FEW])
@@ -170,11 +148,7 @@ NIGHTLY_MISDEEDS = {
     "empty": ("return np.empty((0, 0))", r"shape \(0, 0\)"),
     "complex": ("return np.full(heights.shape, 1j)", "Cannot cast array data from .*complex128"),
     "text": ("return 'converged'", "Cannot cast"),
-    "none": ("return None", "Cannot cast"),
-    "dict": ("return {'load': 3}", "Cannot cast"),
-    "objects": ("return np.full(heights.shape, object())", "Cannot cast"),
     "ragged": ("return [[1.0], [1.0, 2.0]]", "inhomogeneous"),
-    "generator": ("return (row for row in heights)", "Cannot cast"),
     "lines": ("raise ValueError('one\\ntwo\\nthree' * 999)", "one"),
     "strange": ("raise type('Strange', (Exception,), {'__str__': lambda e: 1 / 0})", "crashed its process"),
     "private": ("raise type('Private', (BaseException,), {})", "raised RuntimeError: Private"),
@@ -217,7 +191,7 @@ NIGHTLY_MISDEEDS = {
 }
 
 
-def started_under(mark: str) -> list[psutil.Process]:
+def started_under(mark):
     """Every process that has a mark in its environment."""
     marked = []
     for process in psutil.process_iter():
@@ -229,9 +203,7 @@ def started_under(mark: str) -> list[psutil.Process]:
 @pytest.mark.parametrize(
     "name", [*MISDEEDS, *(pytest.param(name, marks=pytest.mark.nightly) for name in NIGHTLY_MISDEEDS)]
 )
-def test_what_goes_wrong_in_a_foreign_solver_is_a_line_and_its_processes_end(
-    own_module: Path, name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_goes_wrong_in_a_foreign_solver_is_a_line_and_its_processes_end(own_module, name, monkeypatch):
     sandbox.end()  # a new process has this environment
     (own_module / "temporary").mkdir()
     monkeypatch.setenv("TMPDIR", str(own_module / "temporary"))
@@ -256,7 +228,7 @@ def test_what_goes_wrong_in_a_foreign_solver_is_a_line_and_its_processes_end(
     assert (random.getstate(), np.geterr(), Path.cwd()) == before
 
 
-def test_a_point_with_a_pressure_of_rounding_size_is_not_in_contact(own_module: Path) -> None:
+def test_a_point_with_a_pressure_of_rounding_size_is_not_in_contact(own_module):
     solver = written(
         "haze",
         """
@@ -270,13 +242,13 @@ def test_a_point_with_a_pressure_of_rounding_size_is_not_in_contact(own_module: 
     assert np.array_equal(found.in_contact, pressed("my_module:solve").in_contact)
 
 
-def test_the_edge_of_a_foreign_contact_is_located_as_that_of_boundary_elements(own_module: Path) -> None:
+def test_the_edge_of_a_foreign_contact_is_located_as_that_of_boundary_elements(own_module):
     reference = find_solver("bem").solve(job(tolerance=1e-10))
     found = contact_areas(pressed("my_module:solve").checked(), subcell=True)
     assert found.subcell == pytest.approx(contact_areas(reference.contact, subcell=True).subcell, rel=1e-4)
 
 
-def test_foreign_solvers_stand_after_the_others() -> None:
+def test_foreign_solvers_stand_after_the_others():
     solvers = [method for method in methods().values() if isinstance(method, Solver)]
     flags = [solver.foreign for solver in solvers]
     assert flags == sorted(flags)
@@ -291,15 +263,15 @@ def test_foreign_solvers_stand_after_the_others() -> None:
         ("calculix", {"thickness"}),
     ],
 )
-def test_foreign_solvers_are_given_what_they_can_be_given(name: str, handled: set[str]) -> None:
+def test_foreign_solvers_are_given_what_they_can_be_given(name, handled):
     assert {
         kind.kind_name() for kind in effect_kinds().values() if find_method(name).handles(kind)
     } == handled
 
 
-def test_a_layer_that_slides_on_its_base_is_refused_by_name(own_module: Path) -> None:
+def test_a_layer_that_slides_on_its_base_is_refused_by_name(own_module):
     tables = "[methods.contact_mechanics]\ngrids = [16]\n"
-    effect = '[[effects]]\nkind = "thickness"\nthickness = 0.2\nbase = "frictionless"\n'
+    effect = '[[effects]]\nkind = "thickness"\nthickness = 2e-6\nbase = "frictionless"\n'
     Path("layer.toml").write_text(SCENE.split("[methods")[0] + effect + tables, encoding="utf-8")
     scene = load_scene("layer.toml")
     options = scene.methods.options("contact_mechanics")
@@ -307,7 +279,7 @@ def test_a_layer_that_slides_on_its_base_is_refused_by_name(own_module: Path) ->
         find_method("contact_mechanics").check(options, realise(scene), scene.effects)
 
 
-def test_a_method_that_takes_no_job_is_refused_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_method_that_takes_no_job_is_refused_by_name(monkeypatch):
     class Old(Bem):
         def solve(self, field, *, mean_pressure, model, settings, threads=None): ...
 
@@ -317,14 +289,14 @@ def test_a_method_that_takes_no_job_is_refused_by_name(monkeypatch: pytest.Monke
 
 
 @pytest.mark.parametrize("name", ["tamaas", "contact_mechanics"])
-def test_a_peer_that_is_missing_says_what_to_install(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_peer_that_is_missing_says_what_to_install(name, monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda package: None)
     assert "pip install 'fem-contact[peers]'" in str(find_method(name).available())
 
 
 @pytest.mark.parametrize("name", ["tamaas", "contact_mechanics"])
 @pytest.mark.parametrize("load", [1e-4, 0.01, 0.1])
-def test_a_peer_agrees_with_boundary_elements(name: str, load: float) -> None:
+def test_a_peer_agrees_with_boundary_elements(name, load):
     peer = find_solver(name)
     if peer.available() is not None:
         pytest.skip(str(peer.available()))
@@ -343,7 +315,7 @@ def test_a_peer_agrees_with_boundary_elements(name: str, load: float) -> None:
         ("contact_mechanics", Thickness(thickness=0.1)),
     ],
 )
-def test_a_peer_with_an_effect_agrees_with_boundary_elements(name: str, effect: Effect) -> None:
+def test_a_peer_with_an_effect_agrees_with_boundary_elements(name, effect):
     peer = find_solver(name)
     if peer.available() is not None:
         pytest.skip(str(peer.available()))

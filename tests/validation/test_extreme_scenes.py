@@ -1,7 +1,5 @@
 """Values beyond all reason are refused by name when a scene is read; what is read is explained."""
 
-from __future__ import annotations
-
 import math
 import re
 import time
@@ -11,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
+from small_scene import changed, small_scene
 from typer.testing import CliRunner
 
 from validation.cli.commands import app
@@ -20,46 +19,23 @@ from validation.scenes import surfaces
 from validation.scenes.mistakes import problems
 from validation.scenes.scene import Scene
 from validation.scenes.surfaces import Expected, expected, height_field
-from validation.scenes.tables import SelfAffineSurface
 from validation.studies import find_study, studies
 
-TEXT = """
-name = "extreme"
-[surface]
-kind = "self-affine"
-length = 1e-4
-hurst = 0.8
-lambda_long = 5e-5
-lambda_short = 1.25e-5
-rms_gradient = 0.1
-seed = 5
-[solid]
-young = 1e9
-poisson = 0.3
-[load]
-reduced_pressure = 0.05
-[methods.bem]
-grids = [32, 48]
-under_resolved = true
+TREE = tomllib.loads(
+    'name = "extreme"'
+    + small_scene(
+        """under_resolved = true
 [methods.fem]
 grids = [16]
 under_resolved = true
 method = "reduced"
-depth = 1e-4
 [methods.theory]
 """
-TREE = tomllib.loads(TEXT)
+    )
+)
 
 
-def with_value(tree, place, value):
-    """A copy with one value set."""
-    key, *rest = place
-    copy = dict(tree) if isinstance(tree, dict) else list(tree)
-    copy[key] = with_value(copy[key], rest, value) if rest else value
-    return copy
-
-
-def problem(tree) -> str:
+def problem(tree):
     """What the reader of scenes says; empty if it has no objection."""
     try:
         Scene.model_validate(tree)
@@ -98,12 +74,12 @@ BEYOND = [
 
 @pytest.mark.parametrize(("place", "value", "words"), BEYOND, ids=range(len(BEYOND)))
 def test_a_value_beyond_all_reason_is_refused_by_name(place, value, words):
-    assert words in problem(with_value(TREE, place, value))
+    assert words in problem(changed(TREE, place, value))
 
 
 def test_titles_in_any_language_and_with_brackets_are_shown(tmp_path):
     for title in ("Rauheit – größer", "粗さ", "a [/] b [bold]c", "חספוס"):
-        assert problem(with_value(TREE, ("title",), title)) == ""
+        assert problem(changed(TREE, ("title",), title)) == ""
 
 
 EXTREMES = st.one_of(
@@ -151,12 +127,12 @@ CHANGES = st.lists(
 )
 
 
-def explained(changes) -> str:
+def explained(changes):
     """Read and explain a scene with extreme values: how it ended."""
     tree = {**TREE}
     # Tables before what is in them, or the load of a table that was replaced would be set.
     for place, value in sorted(changes, key=lambda change: -len(change[0])):
-        tree = with_value(tree, place, value)
+        tree = changed(tree, place, value)
     if problem(tree):
         return "refused when read"
     try:
@@ -221,20 +197,17 @@ def test_every_option_of_a_study_at_extremes_is_planned_or_refused_in_a_line(nam
                 assert seconds < 60, ended
 
 
-LARGE = SelfAffineSurface(
-    kind="self-affine", length=1e-4, hurst=0.8, lambda_long=5e-5, lambda_short=1e-8, rms_gradient=0.1, seed=5
-)
+LARGE = Scene.model_validate(changed(TREE, ("surface", "lambda_short"), 1e-9))
 
 
 def test_a_surface_too_large_to_be_looked_at_is_told_by_its_spectrum():
-    tree = with_value(TREE, ("surface", "lambda_short"), 1e-8)
-    facts = dict(explain(Scene.model_validate(tree)).facts)
+    facts = dict(explain(LARGE).facts)
     assert facts["realised surface"].startswith("not made here, for it takes 20001 x 20001 points")
     assert "(of C(q))" in facts["Nayak parameter"]
 
 
 def test_what_the_spectrum_tells_is_near_what_a_surface_has(monkeypatch):
-    surface = LARGE.model_copy(update={"lambda_long": 1e-5, "lambda_short": 5e-7})
+    surface = LARGE.surface.model_copy(update={"lambda_long": 1e-6, "lambda_short": 5e-8})
     field = height_field(surface)
     monkeypatch.setattr(surfaces, "SURVEYED_POINTS", 100)
     told = expected(surface)
@@ -256,5 +229,5 @@ def test_a_surface_that_does_not_fit_into_memory_is_refused_in_one_line(monkeypa
     with pytest.raises(
         UsageError, match=r"20001 x 20001 points and 22\.4 GiB, .* take a lambda_short above 4.* nm"
     ) as e:
-        height_field(LARGE)
+        height_field(LARGE.surface)
     assert "\n" not in str(e.value)

@@ -1,18 +1,17 @@
 """The few lines of a notebook give the numbers of a run, and what is wrong is said in one line."""
 
-from __future__ import annotations
-
 import numpy as np
 import pint
 import pytest
 from matplotlib.figure import Figure
+from numpy.testing import assert_allclose, assert_array_equal
 from reading_back import misdrawn
 
 import fem_contact
 import persson
 import validation
-from fem_contact import HalfSpace, HeightField, Solid
-from fem_contact.area import EDGE_CONSTANTS, contact_areas
+from fem_contact import HalfSpace, HeightField, Solid, contact_areas
+from fem_contact.area import EDGE_CONSTANTS
 from validation import measured, press, self_affine, table, theory
 from validation.errors import NoLimit, UsageError
 from validation.studies import GROUPS, find_study
@@ -89,7 +88,7 @@ def test_a_figure_goes_into_axes_that_are_there():
     gap = CONTACT.plot("gap", ax=axes[0])
     CONTACT.plot("grids", ax=axes[1])
     assert gap.figure is figure
-    np.testing.assert_array_equal(gap.data.gap_map.values, CONTACT.result.gap)
+    assert_array_equal(gap.data.gap_map.values, CONTACT.result.gap)
     assert axes[1].get_legend() is not None
 
 
@@ -145,7 +144,7 @@ def test_what_looks_like_a_topography_of_another_package_is_read_with_its_units(
 
     found = measured(Topography())
     assert found.table.length == pytest.approx((1e-4, 1e-4))
-    np.testing.assert_allclose(found.heights(), SURFACE.heights(40), rtol=0, atol=1e-18)
+    assert_allclose(found.heights(), SURFACE.heights(40), rtol=0, atol=1e-18)
 
 
 def test_a_file_is_a_surface_and_its_size_may_stand_in_it(tmp_path):
@@ -153,9 +152,7 @@ def test_a_file_is_a_surface_and_its_size_may_stand_in_it(tmp_path):
     with pytest.raises(UsageError, match=r"^measured: surface.length: missing, and .*$"):
         measured(tmp_path / "tilted.npy", unit="nm")
     SURFACE.heights(40).to_netcdf(tmp_path / "rough.nc")
-    np.testing.assert_allclose(
-        measured(tmp_path / "rough.nc").heights(), SURFACE.heights(40), rtol=1e-14, atol=1e-20
-    )
+    assert_allclose(measured(tmp_path / "rough.nc").heights(), SURFACE.heights(40), rtol=1e-14, atol=1e-20)
 
 
 def test_a_table_tells_contacts_apart_by_what_differs():
@@ -176,7 +173,7 @@ def test_the_theory_alone_is_the_closed_form_of_the_spectrum():
     found = theory(self_affine(**WAVES), **SOLID, reduced_pressure=[0.01, 0.5])
     variance = persson.stress_variance(0.1**2, contact_modulus=1.0)
     expected = persson.contact_area(np.array([0.01, 0.5]) * 0.1, stress_variance=variance)
-    np.testing.assert_allclose(found.area, expected, rtol=1e-9)
+    assert_allclose(found.area, expected, rtol=1e-9)
 
 
 def test_several_grids_give_every_number_its_error():

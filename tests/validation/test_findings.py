@@ -1,7 +1,5 @@
 """What a run finds is decided by values with intervals: other numbers change or reverse it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -49,10 +47,10 @@ def test_counting_is_said_to_err_to_the_side_to_which_it_does(small_run):
     assert all(row["area_pixel_off"].value < 0 for row in _found(under, "Counted points").rows)
 
 
-def test_an_ensemble_says_its_mean_and_a_plain_run_that_it_is_one_surface(small_run, write_scene, tmp_path):
+def test_an_ensemble_says_its_mean_and_a_plain_run_that_it_is_one_surface(small_run, read_scene, tmp_path):
     assert _found(small_run.data, "One surface").kind == "note"
     ensemble = "[ensemble]\nrealisations = 3\ngrids = [12, 24]\n\n[methods.theory]"
-    scene = load_scene(str(write_scene(("[methods.theory]", ensemble), fem=False)))
+    scene = read_scene(("[methods.theory]", ensemble), fem=False)
     outputs = run_scene(scene, tmp_path / "out", report=False)
     data, found = outputs.data, _found(outputs.data, "the mean is A/A0")
     assert found.values["area"].value == float(data.area) == pytest.approx(float(data.area_each.mean()))
@@ -76,18 +74,18 @@ def test_a_contact_of_one_point_has_no_area_in_the_limit(write_scene, tmp_path):
     assert np.isnan(data.density_at_zero_order)
 
 
-def test_pulled_points_are_in_the_distribution_with_adhesion_alone(write_scene, tmp_path):
+def test_pulled_points_are_in_the_distribution_with_adhesion_alone(read_scene, tmp_path):
     sticky = '[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "0.2 um"\n[methods.theory]'
-    scene = load_scene(str(write_scene(("[methods.theory]", sticky), fem=False)))
+    scene = read_scene(("[methods.theory]", sticky), fem=False)
     data = run_scene(scene, tmp_path / "results", report=False).data
     assert float(data.stress_near[0]) < 0
     assert np.isnan(data.density_at_zero).all()
     assert not any("P(sigma)" in one.form for one in run_views(data).findings)
 
 
-def test_the_yielded_area_stands_on_a_card(write_scene, tmp_path):
+def test_the_yielded_area_stands_on_a_card(read_scene, tmp_path):
     hard = '[[effects]]\nkind = "hardness"\nhardness = "60 kPa"\n[methods.theory]'
-    scene = load_scene(str(write_scene(("[methods.theory]", hard), fem=False)))
+    scene = read_scene(("[methods.theory]", hard), fem=False)
     outputs = run_scene(scene, tmp_path / "r", report=False)
     (card,) = [card for card in outputs.page.answers if "yielded" in card.question]
     plastic = float(outputs.data.area_plastic_pixel.sel(solver="bem", grid="48 x 48"))

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from numpy.testing import assert_allclose
 from planted import STUDENT, THREE, PlantedBench, measurement
 
 from fem_contact import HalfSpace, bem, contact_areas, flow_conductance, frozen_contact, open_gap
@@ -55,12 +56,12 @@ def test_a_planted_power_and_a_planted_theory_are_found_again():
         np.array(LOADS),
         (n for n, _ in next(iter(conductance.design(options).values()))["grids"]),
     )
-    np.testing.assert_allclose(data.stiffness[0], 2.0 * loads**-0.25 + 0.3 / fine, rtol=1e-12)
+    assert_allclose(data.stiffness[0], 2.0 * loads**-0.25 + 0.3 / fine, rtol=1e-12)
     grid = data.stiffness_error.sel(source="grid")[0]
-    np.testing.assert_allclose(grid, 0.3 / coarse - 0.3 / fine, rtol=1e-9)
-    np.testing.assert_allclose(data.gap, 0.5, rtol=1e-12)
+    assert_allclose(grid, 0.3 / coarse - 0.3 / fine, rtol=1e-9)
+    assert_allclose(data.gap, 0.5, rtol=1e-12)
     ratio = data.stiffness_persson_each / data.stiffness_each
-    np.testing.assert_allclose(data.stiffness_ratio_persson, ratio.mean("surface"), rtol=1e-12)
+    assert_allclose(data.stiffness_ratio_persson, ratio.mean("surface"), rtol=1e-12)
     light, persson, *_ = conductance.views(data).findings
     assert light.rows[0]["stiffness_exponent_light"].value == pytest.approx(0.75, abs=5e-3)
     assert light.outcomes == ("-",)
@@ -171,10 +172,10 @@ FLOW = ("located", "conductance", "closed", "effective_medium", "constriction", 
 
 def test_a_planted_share_of_narrow_gaps_and_its_distance_to_the_theory_are_found():
     data = reduced(0.2)
-    np.testing.assert_allclose(data.gap_narrow, 0.02, rtol=1e-9)
+    assert_allclose(data.gap_narrow, 0.02, rtol=1e-9)
     theory = data.gap_density_persson_each.mean("surface").values
     apart = np.abs(np.cumsum((theory - 0.2) * np.diff(GAP_EDGES), axis=-1)).max(axis=-1)
-    np.testing.assert_allclose(data.gap_distance_persson, apart, rtol=1e-9)
+    assert_allclose(data.gap_distance_persson, apart, rtol=1e-9)
     assert leak.views(data).findings[-2].outcomes == ("-", "-")
 
 

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from fem_contact.response import FreeHalfSpace
-from fem_contact.surface import Patch
+from fem_contact import FreeHalfSpace, Patch
 from validation.comparison.run import run_scene
 from validation.effects.free_boundary import FreeBoundary
 from validation.errors import UsageError
@@ -32,11 +31,11 @@ BALL = {
 }
 
 
-def scene(**changed) -> Scene:
+def scene(**changed):
     return Scene.model_validate(BALL | changed)
 
 
-def checked(**changed) -> None:
+def checked(**changed):
     asked = scene(**changed)
     check_scene(asked, realise(asked))
 

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
+from small_scene import changed, small_scene
 from typer.testing import CliRunner
 
 from validation.cli import commands as cli
@@ -17,24 +18,8 @@ from validation.scenes.mistakes import problems
 from validation.scenes.problem import realise
 from validation.scenes.scene import Scene, load_scene, scene_text
 
-BASE = """
-name = "fuzz"
-[surface]
-kind = "self-affine"
-length = ["100 um", 1e-4]
-hurst = 0.8
-lambda_long = "50 um"
-lambda_short = "12.5 um"
-rms_gradient = 0.1
-seed = 5
-[solid]
-young = "1 GPa"
-poisson = 0.3
-[load]
-reduced_pressure = 0.05
-[methods.bem]
-grids = [32, [32, 48]]
-[methods.theory]
+BASE = 'name = "fuzz"' + small_scene(
+    """[methods.theory]
 [ensemble]
 realisations = 2
 grids = [32, 48]
@@ -42,7 +27,10 @@ grids = [32, 48]
 kind = "coating"
 young = "2 GPa"
 thickness = "1 um"
-"""
+""",
+    length='["10 um", 1e-5]',
+    grids="[32, [32, 48]]",
+)
 TREE = tomllib.loads(BASE)
 ALONE = tomllib.loads(scene_text("pyrex-squeezed")[0])
 
@@ -92,20 +80,6 @@ PLACES = [
     ]
     if not isinstance(place[-2] if len(place) > 1 else None, int) or isinstance(place[-1], str)
 ]
-
-
-def changed(tree, place, value):
-    """A copy of the tree with one place set; places that do not exist any more are left alone."""
-    key, *rest = place
-    if isinstance(tree, dict):
-        copy = dict(tree)
-        copy[key] = changed(tree.get(key, {}), rest, value) if rest else value
-        return copy
-    if isinstance(tree, list) and isinstance(key, int) and key < len(tree):
-        copy = list(tree)
-        copy[key] = changed(tree[key], rest, value) if rest else value
-        return copy
-    return tree
 
 
 def judged(tree):

@@ -1,7 +1,5 @@
 """The gallery: its pictures are those that its command makes, and they are small."""
 
-from __future__ import annotations
-
 import importlib.util
 import re
 from pathlib import Path

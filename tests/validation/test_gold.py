@@ -1,7 +1,5 @@
 """The gold numbers themselves: there is one of everything, a changed number is found, a renamed one again."""
 
-from __future__ import annotations
-
 import copy
 
 import numpy as np

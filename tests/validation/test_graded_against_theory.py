@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from fem_contact.graded import ExponentialSolid
-from fem_contact.solid import Solid
-from persson.graded import ExponentialLayers
+from fem_contact import ExponentialSolid, Solid
+from persson import ExponentialLayers
 
 POISSON = 0.3
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem_contact.surface import measured_lay
+from fem_contact import measured_lay
 from persson import SelfAffine, Stretched
 from validation.errors import SceneError
 from validation.scenes.problem import realise

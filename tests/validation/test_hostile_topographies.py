@@ -1,7 +1,5 @@
 """Whatever a file of heights holds, it is read or refused in one sentence, in bounded time and memory."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import time
@@ -24,7 +22,7 @@ READ = {"overflow.csv"}
 SUFFIXES = (".npy", ".txt", ".nc")
 
 
-def tried(path) -> str:
+def tried(path):
     """Read a file: the sentence it is refused with, or nothing."""
     reading._read.cache_clear()
     try:
@@ -97,7 +95,7 @@ def test_the_sentence_says_what_is_wrong(tmp_path, corpus, name):
         reading.file_says(path)
 
 
-def swept(folder, seeds) -> Counter[str]:
+def swept(folder, seeds):
     """Damage good files at random; count those that are read and those that are refused."""
     counts: Counter[str] = Counter()
     for suffix in SUFFIXES:

@@ -3,19 +3,16 @@
 import itertools
 
 import pytest
-from small_scene import OBLONG
+from small_scene import OBLONG, scene_in
 
-from fem_contact import bem, block
-from fem_contact.response import HalfSpace
-from fem_contact.solid import Solid
-from persson.elastic import contact_area, stress_variance
+from fem_contact import HalfSpace, Solid, bem, block
+from persson import contact_area, stress_variance
 from validation.audit import audit
 from validation.comparison.run import run_scene, run_sweep
 from validation.errors import SceneError, UsageError
 from validation.execution.press import solves_of
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import realise
-from validation.scenes.scene import load_scene
 from validation.scenes.sweep import load_asked
 
 SOLID = Solid(young=2e6, poisson=0.3)
@@ -27,8 +24,7 @@ STICKS = '\n[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "20 nm"\n
 def scene(tmp_path):
     def read(load='pressure = "10 kPa"', *, more="", solid=""):
         text = OBLONG.replace('pressure = "10 kPa"', load).replace("poisson = 0.3", f"poisson = 0.3\n{solid}")
-        (tmp_path / "mine.toml").write_text(text + more)
-        return load_scene(str(tmp_path / "mine.toml"))
+        return scene_in(tmp_path, text + more, name="mine")
 
     return read
 
@@ -159,11 +155,10 @@ def test_a_load_that_cannot_be_is_refused_by_name(scene, monkeypatch, load, more
 
 def test_the_theory_alone_is_told_a_load(tmp_path):
     text = OBLONG.partition("[methods.bem]")[0].replace('pressure = "10 kPa"', 'offset = "1 nm"')
-    (tmp_path / "mine.toml").write_text(text + "[methods.theory]\n")
     with pytest.raises(
         SceneError, match=r"load.offset: the theory is told a load; add a method that presses"
     ):
-        load_scene(str(tmp_path / "mine.toml"))
+        scene_in(tmp_path, text + "[methods.theory]\n", name="mine")
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from fem_contact import HalfSpace, bem, contact_areas
-from fem_contact.leak import percolates
+from fem_contact import HalfSpace, bem, contact_areas, percolates
 from validation.measurements.magnified import at_magnification, sharpest_bend
 from validation.measurements.measurement import grid_for, without_waves_beyond
 from validation.report.estimates import derive, mean, total_error

@@ -30,15 +30,15 @@ def counted(monkeypatch):
     return count
 
 
-def test_a_scene_of_many_solves_draws_its_random_surface_once(write_scene, tmp_path, counted):
+def test_a_scene_of_many_solves_draws_its_random_surface_once(read_scene, tmp_path, counted):
     calls = counted(surfaces, "random_waves")
-    outputs = run_scene(load_scene(str(write_scene())), tmp_path / "results", report=False)
+    outputs = run_scene(read_scene(), tmp_path / "results", report=False)
     assert outputs.solved == 14
     assert calls["random_waves"] == 1
 
 
-def test_a_stored_result_is_read_once_in_a_run(write_scene, tmp_path, counted):
-    scene = load_scene(str(write_scene(fem=False)))
+def test_a_stored_result_is_read_once_in_a_run(read_scene, tmp_path, counted):
+    scene = read_scene(fem=False)
     first = run_scene(scene, tmp_path / "results", report=False)
     calls = counted(Store, "read")
     second = run_scene(scene, tmp_path / "results")

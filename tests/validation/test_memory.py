@@ -1,7 +1,5 @@
 """Memory that runs out wherever it does: a result or one line, and what was finished stays intact."""
 
-from __future__ import annotations
-
 import os
 import random
 import resource

@@ -1,7 +1,5 @@
 """Notebooks, recipes and the README run from top to bottom, and say what they promise."""
 
-from __future__ import annotations
-
 import json
 import re
 import shlex
@@ -20,7 +18,7 @@ from validation.scenes.topography.writing import write_topography
 DOCS = Path(__file__).parents[2] / "docs"
 
 
-def _run(name: str) -> tuple[dict[str, object], list[str]]:
+def _run(name):
     path = DOCS / f"{name}.ipynb"
     space: dict[str, object] = {}
     sources = [
@@ -55,7 +53,7 @@ def test_each_of_ten_things_takes_four_lines_at_most_and_gives_its_numbers(tmp_p
     assert space["patches"].count == 10
 
 
-def _blocks(path: Path, language: str) -> list[str]:
+def _blocks(path, language):
     return re.findall(rf"```{language}\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL)
 
 

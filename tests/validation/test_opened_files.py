@@ -1,7 +1,5 @@
 """Damage to any file that a command opens is told in a line, or changes no number; runs at once end well."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os
@@ -81,12 +79,12 @@ def _watch(event, arguments):
 sys.addaudithook(_watch)
 
 
-def _do(command: str):
+def _do(command):
     shutil.rmtree("compared", ignore_errors=True)
     return CliRunner().invoke(app, command.split())
 
 
-def opened_by(command: str) -> tuple[set[Path], object]:
+def opened_by(command):
     """Files that a command opens to read, which it has not written itself; its numbers."""
     _watched.append(([], set()))
     try:
@@ -123,7 +121,7 @@ def results(tmp_path_factory):
     return place
 
 
-def _made(place: Path, name: str) -> None:
+def _made(place, name):
     """Make the results that a command reads, and those that it compares them with."""
     kind = next((kind for kind in MADE if kind in name.split()), "")
     if kind and not (place / kind).exists():
@@ -145,7 +143,7 @@ def _made(place: Path, name: str) -> None:
             (folder / "answer.json").write_text('{"seconds": 0.25, "iterations": 12}')
 
 
-def _damaged(whole: bytes, chance: random.Random) -> bytes:
+def _damaged(whole, chance):
     data, at = bytearray(whole), chance.randrange(len(whole))
     match chance.randrange(4):
         case 0:
@@ -161,7 +159,7 @@ def _damaged(whole: bytes, chance: random.Random) -> bytes:
     return bytes(data)
 
 
-def _alike(changed: bytes, whole: bytes) -> bool:
+def _alike(changed, whole):
     """Whether a record says the same all the same, as 1E-08 does for 1e-08."""
     with contextlib.suppress(ValueError):
         return json.dumps(json.loads(changed)) == json.dumps(json.loads(whole))

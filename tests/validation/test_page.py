@@ -1,7 +1,5 @@
 """One kind of page: what a run and a study leave is written by the same code."""
 
-from __future__ import annotations
-
 import csv
 import dataclasses
 import io
@@ -162,7 +160,7 @@ def test_what_looks_like_markup_is_shown_and_not_obeyed():
     assert not re.search(r"<[iu]>", html)
 
 
-def test_a_run_of_another_scene_leaves_nothing_of_the_one_before(small_run, write_scene, tmp_path):
+def test_a_run_of_another_scene_leaves_nothing_of_the_one_before(small_run, read_scene, tmp_path):
     folder = tmp_path / "results"
     shutil.copytree(small_run.folder, folder)
     old = [folder / "figures" / name for name in ("surface-3d.png", "other.svg", "other-bin.csv")]
@@ -175,7 +173,7 @@ def test_a_run_of_another_scene_leaves_nothing_of_the_one_before(small_run, writ
         path.write_text("earlier")
     draft = folder / "figures" / f".{socket.gethostname()}-{_dead_process()}-area.svg"
     draft.write_text("half")
-    again = run_scene(load_scene(str(write_scene(("A small scene", "Another"), fem=False))), folder)
+    again = run_scene(read_scene(("A small scene", "Another"), fem=False), folder)
     assert again.solved == 0
     assert not [path for path in (*old, draft) if path.exists()]
     assert all(path.exists() for path in mine)
@@ -184,7 +182,7 @@ def test_a_run_of_another_scene_leaves_nothing_of_the_one_before(small_run, writ
 
 
 def test_an_interrupted_run_of_another_scene_does_not_stand_beside_the_old_report(
-    small_run, write_scene, tmp_path, monkeypatch
+    small_run, read_scene, tmp_path, monkeypatch
 ):
     folder = tmp_path / "results"
     shutil.copytree(small_run.folder, folder)
@@ -197,7 +195,7 @@ def test_an_interrupted_run_of_another_scene_does_not_stand_beside_the_old_repor
         run_scene(_scene(small_run), folder)
     assert (folder / "report.html").exists()
     with pytest.raises(KeyboardInterrupt):
-        run_scene(load_scene(str(write_scene(("A small scene", "Another")))), folder)
+        run_scene(read_scene(("A small scene", "Another")), folder)
     assert not (folder / "report.html").exists()
     assert not list(folder.glob("figures/*"))
 
@@ -273,8 +271,8 @@ def test_findings_break_at_words_on_a_terminal_and_nowhere_in_a_log(small_run):
     assert sentence_lines(finding, None) == [finding]
 
 
-def test_a_log_says_how_many_of_how_many_as_it_goes(write_scene, tmp_path, capsys):
-    scene = load_scene(str(write_scene(fem=False)))
+def test_a_log_says_how_many_of_how_many_as_it_goes(read_scene, tmp_path, capsys):
+    scene = read_scene(fem=False)
     with Bar(quiet=False) as bar:
         bench = Bench.at(tmp_path / "solves", progress=bar)
         run_scene(scene, tmp_path / "results", bench=bench, report=False)

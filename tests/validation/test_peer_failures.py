@@ -13,12 +13,12 @@ BY_DEFAULT = "external_codes_called_otherwise:contact_mechanics_by_default"
 
 
 @pytest.fixture(autouse=True)
-def _in_this_folder(monkeypatch: pytest.MonkeyPatch) -> None:
+def _in_this_folder(monkeypatch):
     """Functions of the user's are looked for in the folder of the command, too."""
     monkeypatch.chdir(Path(__file__).parent)
 
 
-def failed(name: str, package: str, *, among: set[str]) -> dict[str, str]:
+def failed(name, package, *, among):
     """Rows that a solver fails, of some, with the first check that is missed."""
     pytest.importorskip(package)
     solver, settings = chosen_solver(name)
@@ -29,28 +29,28 @@ def failed(name: str, package: str, *, among: set[str]) -> dict[str, str]:
     return {case: quantities[0] for case, quantities in missed.items() if quantities}
 
 
-def test_tamaas_misses_residuals_on_odd_first_axes_and_is_silent_at_its_iteration_limit() -> None:
+def test_tamaas_misses_residuals_on_odd_first_axes_and_is_silent_at_its_iteration_limit():
     found = failed("tamaas", "tamaas", among={"odd-axes", "cut-short", "contact-set", "honesty", "near-full"})
     assert set(found) == {"odd-axes", "cut-short"}
     assert "45 x 64" in found["odd-axes"]
 
 
-def test_tamaas_with_gaps_as_unknowns_is_wrong_near_full_contact_and_counts_open_points() -> None:
+def test_tamaas_with_gaps_as_unknowns_is_wrong_near_full_contact_and_counts_open_points():
     found = failed(BY_GAPS, "tamaas", among={"contact-set", "near-full", "load"})
     assert set(found) == {"contact-set", "near-full"}
     assert found["contact-set"].startswith("points with p > 0")
 
 
-def test_contact_mechanics_with_its_tolerance_of_forces_stops_at_once_at_light_load() -> None:
+def test_contact_mechanics_with_its_tolerance_of_forces_stops_at_once_at_light_load():
     found = failed(BY_DEFAULT, "ContactMechanics", among={"one-cell", "hertz", "cut-short"})
     assert set(found) == {"one-cell"}
 
 
-def test_aspher_holds_all_that_it_can_be_asked() -> None:
+def test_aspher_holds_all_that_it_can_be_asked():
     among = {"load", "contact-set", "honesty", "cut-short", "hertz", "near-full", "units"}
     assert failed("aspher", "aspher", among=among) == {}
 
 
-def test_contact_mechanics_as_its_method_here_calls_it_holds_these_rows() -> None:
+def test_contact_mechanics_as_its_method_here_calls_it_holds_these_rows():
     among = {"one-cell", "offset", "offset-near-full", "layer", "yielding-wave", "cut-short"}
     assert failed("contact_mechanics", "ContactMechanics", among=among) == {}

@@ -1,7 +1,5 @@
 """3-D pictures: where rendering fails there is a word, not a crash and not half a file."""
 
-from __future__ import annotations
-
 import subprocess
 from unittest.mock import Mock
 

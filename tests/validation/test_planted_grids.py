@@ -1,7 +1,5 @@
 """Dependence on the grid that is known in every study: limits, their intervals, and where findings turn."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +7,7 @@ import pytest
 import xarray as xr
 from gold.asked import STUDIES
 from gold.make import options_of
+from numpy.testing import assert_allclose
 from planted import located
 
 from validation.audit import from_solves
@@ -94,7 +93,7 @@ def test_limits_and_their_intervals_are_what_was_planted(size, name, bench, tmp_
     study, options, _ = options_of(name, tmp_path)
     data = study.compute(options, bench=planted)
     for limit, _ in limits_of(data, "limit", "fields"):
-        np.testing.assert_allclose(limit, AREA, rtol=1e-9)
+        assert_allclose(limit, AREA, rtol=1e-9)
     for limit, half in limits_of(data, "limit", "subcell"):
         # Complete contact has no edges, and what is planted there is on no law.
         off = abs(limit - AREA).where(half > 0, 0.0)
@@ -106,8 +105,8 @@ def test_limits_and_their_intervals_are_what_was_planted(size, name, bench, tmp_
     assert size or all(np.all(abs(drift.fillna(0.0)) < 1e-9 * AREA) for drift in drifts)
     for base, of in ((GAP, "mean_gap"), (ENERGY, "energy")):
         for limit, half in limits_of(data, "second-order limit", of):
-            np.testing.assert_allclose(limit, base, rtol=1e-9)
-            np.testing.assert_allclose(half, NORMAL * base * abs(size), rtol=1e-9, atol=1e-12)
+            assert_allclose(limit, base, rtol=1e-9)
+            assert_allclose(half, NORMAL * base * abs(size), rtol=1e-9, atol=1e-12)
 
 
 #: Outcomes by kind, of a half width below and above what decides: that of a value above 0, and below.

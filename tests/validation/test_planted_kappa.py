@@ -1,12 +1,11 @@
 """Studies of kappa on inputs whose answer is known: Hurst exponents, refinement, the verdict."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 import xarray as xr
+from numpy.testing import assert_allclose
 from planted import SMALL, STUDENT, THREE, PlantedBench, block, column, located, measurement, realisation
 
 from fem_contact import area_error
@@ -72,9 +71,9 @@ def exponents():
 
 
 def test_hurst_finds_the_planted_kappa(exponents):
-    np.testing.assert_allclose(exponents.kappa[0], [[2.03, 2.03], [2.07, 2.07]], rtol=1e-12)
+    assert_allclose(exponents.kappa[0], [[2.03, 2.03], [2.07, 2.07]], rtol=1e-12)
     table = hurst.views(exponents).table.of(exponents)
-    np.testing.assert_allclose(column(table, "kappa"), [2.03, 2.03, 2.07, 2.07], rtol=1e-12)
+    assert_allclose(column(table, "kappa"), [2.03, 2.03, 2.07, 2.07], rtol=1e-12)
 
 
 def test_hurst_draws_every_bandwidth_that_was_pressed_and_says_which():
@@ -92,17 +91,17 @@ def test_hurst_draws_every_bandwidth_that_was_pressed_and_says_which():
 def test_hurst_has_counted_kappa_on_every_grid_and_what_it_exceeds_the_limit_by(exponents):
     for g, n in enumerate((16, 24, 32)):
         expected = [[k + 0.1 * 2 / n / p for p in (0.05, 0.1)] for k in (2.03, 2.07)]
-        np.testing.assert_allclose(exponents.kappa_pixel.isel(family=0, grid=g), expected, rtol=1e-12)
+        assert_allclose(exponents.kappa_pixel.isel(family=0, grid=g), expected, rtol=1e-12)
     each = [0.1 * 2 / 16 / p / (2 + h / 10 + PAIR) for h in (0.2, 0.6) for p in (0.05, 0.1)]
     assert float(exponents.kappa_excess[0]) == pytest.approx(np.mean(each), rel=1e-9)
 
 
 def test_hurst_tells_each_theory_its_load(exponents):
     expected = [math.erf(math.sqrt(2) * p) / p for p in (0.05, 0.1)]
-    np.testing.assert_allclose(exponents.kappa_persson, expected, rtol=1e-12)
+    assert_allclose(exponents.kappa_persson, expected, rtol=1e-12)
     # The planted gradient is that of C(q): both ways of telling it agree.
-    np.testing.assert_allclose(exponents.kappa_ensemble[0], [expected] * 2, rtol=1e-12)
-    np.testing.assert_allclose(exponents.kappa_ratio, 2.05 / np.array(expected), rtol=1e-9)
+    assert_allclose(exponents.kappa_ensemble[0], [expected] * 2, rtol=1e-12)
+    assert_allclose(exponents.kappa_ratio, 2.05 / np.array(expected), rtol=1e-9)
 
 
 def test_hurst_ladders_lead_to_the_planted_limits_by_the_orders_of_their_laws(exponents):
@@ -116,10 +115,10 @@ def test_hurst_ladders_lead_to_the_planted_limits_by_the_orders_of_their_laws(ex
 def test_hurst_decides_whether_kappa_changes_with_the_exponent_by_the_interval_over_pairs(exponents):
     low, high = (np.array([2 + h / 10 + PAIR]) for h in (0.2, 0.6))
     ratio = (high / low - 1).reshape(2, 2).mean(axis=1)
-    np.testing.assert_allclose(exponents.kappa_change[0], ratio.mean(), rtol=1e-9)
+    assert_allclose(exponents.kappa_change[0], ratio.mean(), rtol=1e-9)
     half = STUDENT[2] * abs(ratio[1] - ratio[0]) / 2
     found = total_error(exponents, "kappa_change", sources=["surfaces"])
-    np.testing.assert_allclose(found[0], half, rtol=1e-6)
+    assert_allclose(found[0], half, rtol=1e-6)
     error = total_error(exponents, "kappa_change")
     for factor, outcome in ((0.9, "0"), (1.1, "+"), (-1.1, "-")):
         trend = hurst.views(exponents.assign(kappa_change=factor * error)).findings[0]
@@ -139,13 +138,13 @@ def test_hurst_has_kappa_by_each_solver_on_its_own_grids_and_its_distance_from_b
     exponents = hurst.run(options, bench=PlantedBench(_kappa_of))
     assert exponents.solver.values.tolist() == ["bem", "fem"]
     planted = [[2.03, 2.07], [1.01 * 2.03, 1.01 * 2.07]]
-    np.testing.assert_allclose(exponents.kappa_by_solver, planted, rtol=1e-9)
-    np.testing.assert_allclose(exponents.kappa_by_solver_difference[1], 0.01, rtol=1e-7)
+    assert_allclose(exponents.kappa_by_solver, planted, rtol=1e-9)
+    assert_allclose(exponents.kappa_by_solver_difference[1], 0.01, rtol=1e-7)
     # All of what the grids leave, on every surface: they are off to one side.
     grids = exponents.area_by_solver_each_error.sel(source="grid") / exponents.area_by_solver_each
     both = (grids**2).sum("solver").mean("surface_by_solver")
     far = total_error(exponents, "kappa_by_solver_difference")[1]
-    np.testing.assert_allclose(far, 1.01 * np.sqrt(both), rtol=1e-2)
+    assert_allclose(far, 1.01 * np.sqrt(both), rtol=1e-2)
     (found,) = (one for one in hurst.views(exponents).findings if one.by == "kappa_by_solver_difference")
     for factor, outcome in ((0.9, "agree"), (1.1, "differ")):
         moved = exponents.assign(kappa_by_solver_difference=factor * total_error(exponents, found.by))
@@ -159,8 +158,8 @@ def test_hurst_puts_the_slope_over_the_load_beside_what_was_published(exponents)
     theory = persson_area(0.05) / 0.05
     assert float(exponents.reduced_pressure_ladder) == 0.05
     ratio = exponents.kappa_by_bandwidth / theory
-    np.testing.assert_allclose(exponents.kappa_ratio_by_bandwidth, ratio, rtol=1e-12)
-    np.testing.assert_allclose(
+    assert_allclose(exponents.kappa_ratio_by_bandwidth, ratio, rtol=1e-12)
+    assert_allclose(
         exponents.kappa_ratio_difference[0], ratio[0, -1].item() - np.array([1.14, 1.13, 0.8]), rtol=1e-9
     )
     # Nothing was published for H = .2.
@@ -175,33 +174,20 @@ def test_hurst_puts_the_slope_over_the_load_beside_what_was_published(exponents)
 def test_the_budget_of_hurst_adds_the_planted_half_widths_as_a_root_of_squares(exponents):
     rows = find_study("hurst").budget(exponents)
     surfaces = np.array(column(rows, "surfaces [%]"))
-    np.testing.assert_allclose(surfaces[0], 100 * 0.01 * STUDENT[2] / 2.03, rtol=1e-9)
+    assert_allclose(surfaces[0], 100 * 0.01 * STUDENT[2] / 2.03, rtol=1e-9)
     parts = [np.array(column(rows, f"{name} [%]"), dtype=float) for name in ("grid", "solver", "surfaces")]
     own = np.sqrt(np.sum(np.square(parts), axis=0))
-    np.testing.assert_allclose(column(rows, "for this spectrum and period [%]"), own, rtol=1e-12)
+    assert_allclose(column(rows, "for this spectrum and period [%]"), own, rtol=1e-12)
     # Shift along the ladder of samples at L/lambda_long = 2: slope/4 over the limit, and its uncertainty.
     size = 0.4 + float(total_error(exponents, "kappa_by_size_slope").squeeze())
-    np.testing.assert_allclose(column(rows, "size [%]")[:2], 25 * size / 1.93, rtol=1e-9)
+    assert_allclose(column(rows, "size [%]")[:2], 25 * size / 1.93, rtol=1e-9)
     assert column(rows, "size [%]")[2:] == ["not measured"] * 2
     assert all(math.isnan(total) for total in column(rows, "for any [%]")[2:])
 
 
 def test_without_ladders_size_and_bandwidth_are_not_measured_and_their_solves_not_asked_for():
-    options = find_study("hurst").parse(
-        [
-            "--methods",
-            "bem",
-            "--no-ladders",
-            "--hursts",
-            "0.2",
-            "--pairs",
-            "2",
-            "--periods",
-            "2",
-            "--bandwidths",
-            "2",
-        ]
-    )
+    told = "--methods bem --no-ladders --hursts 0.2 --pairs 2 --periods 2 --bandwidths 2"
+    options = find_study("hurst").parse(told.split())
     cases = hurst.design(options)
     assert len(cases) == 5
     data = hurst.run(options, bench=PlantedBench(_kappa_of))
@@ -245,12 +231,12 @@ def refined():
 def test_refinement_finds_by_how_much_counting_exceeds_the_limit(refined):
     # .1 edges of 2 / n each, over the area of each surface.
     each = np.array([[0.2 / n / (0.1 * k) for k in THREE] for n in (16, 24, 32)])
-    np.testing.assert_allclose(refined.distance_pixel, each.mean(axis=1), rtol=1e-9)
-    np.testing.assert_allclose(refined.distance_perimeter, 0.0, atol=1e-9)
+    assert_allclose(refined.distance_pixel, each.mean(axis=1), rtol=1e-9)
+    assert_allclose(refined.distance_perimeter, 0.0, atol=1e-9)
     counted = [(0.1 + 0.2 / n) / 0.05 for n in (16, 24, 32)]
-    np.testing.assert_allclose(refined.kappa_pixel, counted, rtol=1e-12)
+    assert_allclose(refined.kappa_pixel, counted, rtol=1e-12)
     table = refinement.views(refined).table.of(refined)
-    np.testing.assert_allclose(column(table, "kappa, counted"), counted, rtol=1e-12)
+    assert_allclose(column(table, "kappa, counted"), counted, rtol=1e-12)
 
 
 def test_refinement_finds_the_planted_order_and_the_part_of_the_grid(refined):
@@ -259,7 +245,7 @@ def test_refinement_finds_the_planted_order_and_the_part_of_the_grid(refined):
     assert float(refined.kappa) == pytest.approx(kappa, rel=1e-9)
     assert float(refined.area_excess) == pytest.approx(kappa / theory - 1, rel=1e-9)
     parts = [[0.2 / n / (0.1 * k + 0.2 / n - 0.05 * theory) for k in THREE] for n in (16, 24, 32)]
-    np.testing.assert_allclose(refined.grid_part, np.mean(parts, axis=1), rtol=1e-9)
+    assert_allclose(refined.grid_part, np.mean(parts, axis=1), rtol=1e-9)
     assert refinement.views(refined).findings[0].outcomes == ("+",)
     wide = refined.assign(area_excess=0.9 * total_error(refined, "area_excess"))
     assert refinement.views(wide).findings[0].outcomes == ("0",)
@@ -275,10 +261,10 @@ def test_refinement_finds_where_the_excess_of_the_coarse_grid_lies(refined):
 
 
 def test_finite_elements_reach_the_planted_limit_one_per_cent_above_the_other(refined):
-    np.testing.assert_allclose(refined.distance_fem_each, 0.01, rtol=1e-7)
+    assert_allclose(refined.distance_fem_each, 0.01, rtol=1e-7)
     assert float(refined.depth_share) == pytest.approx(0.005, rel=1e-9)
     # The planted blocks lie on their law. Depth and the grids of the other limit make the distance uncertain.
-    np.testing.assert_allclose(refined.area_each_drift, 0.0, atol=1e-9)
+    assert_allclose(refined.area_each_drift, 0.0, atol=1e-9)
     grids, meshes = (
         1.01 * np.linalg.norm(refined[f"{name}_error"].sel(source="grid") / refined[name]) / 3
         for name in ("area_each", "area_fem_each")
@@ -317,17 +303,15 @@ def test_published_values_agree_only_with_an_interval_that_could_have_missed_the
 
 
 def test_refinement_has_kappa_of_the_protocols_by_slope_and_their_spread(refined):
-    np.testing.assert_allclose(refined.kappa_protocol[-1], [3.0, 2.5, 1.9], rtol=1e-12)
+    assert_allclose(refined.kappa_protocol[-1], [3.0, 2.5, 1.9], rtol=1e-12)
     assert float(refined.kappa_protocol_spread) == pytest.approx(3 / 1.9 - 1, rel=1e-12)
 
 
 def test_the_protocol_by_full_elements_says_what_the_grid_adds_to_what_converges_and_where_hyun_lies(refined):
     kappas = np.array([[3.0, 2.5, 1.9]]) * np.array([[1.0], [1.2]])
     for k in range(3):
-        np.testing.assert_allclose(
-            refined.kappa_protocol_by_solver.isel(hurst_protocol=k), kappas, rtol=1e-12
-        )
-    np.testing.assert_allclose(refined.kappa_protocol_limit, 2.0, rtol=1e-9)
+        assert_allclose(refined.kappa_protocol_by_solver.isel(hurst_protocol=k), kappas, rtol=1e-12)
+    assert_allclose(refined.kappa_protocol_limit, 2.0, rtol=1e-9)
     each, theory = 2.0 * THREE, math.erf(math.sqrt(2) * 0.05) / 0.05
     fem = refined.sel(solver="fem").isel(slope=0, hurst_protocol=-1)
     assert float(fem.kappa_excess_protocol) == pytest.approx(np.mean(3.6 / each - 1), rel=1e-9)
@@ -370,13 +354,13 @@ def scored():
 
 def test_the_verdict_scores_the_planted_ratio(scored):
     ratio, error = scored.area_over.sel(theory="Persson"), scored.area_over_error.sel(theory="Persson")
-    np.testing.assert_allclose(ratio, 1.2, rtol=1e-9)
+    assert_allclose(ratio, 1.2, rtol=1e-9)
     grid = (scored.area_error / scored.area).sel(source="grid")
-    np.testing.assert_allclose(error.sel(source="grid"), 1.2 * grid, rtol=1e-9)
+    assert_allclose(error.sel(source="grid"), 1.2 * grid, rtol=1e-9)
 
 
 def test_the_verdict_ranks_a_planted_fifth_behind_what_is_nearer_only_where_intervals_part_them(scored):
-    np.testing.assert_allclose(scored.area_off.sel(theory="Persson"), 0.2, rtol=1e-9)
+    assert_allclose(scored.area_off.sel(theory="Persson"), 0.2, rtol=1e-9)
     half = total_error(scored, "area_over").mean("load")
     assert np.all(total_error(scored, "area_off") <= half * (1 + 1e-12))
     order = theory_verdict.views(scored).findings[0]

@@ -1,7 +1,5 @@
 """Intervals hold what was planted as often as they say, and findings turn where their intervals end."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

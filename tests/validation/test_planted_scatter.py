@@ -1,7 +1,5 @@
 """Scatter of surfaces that is known in every study: none among copies, and that of a sample told twice."""
 
-from __future__ import annotations
-
 from unittest.mock import patch
 
 import numpy as np
@@ -9,6 +7,7 @@ import pytest
 import scipy.special
 from gold.asked import STUDIES
 from gold.make import options_of
+from numpy.testing import assert_allclose
 
 from validation.report.estimates import HOLDS
 from validation.scenes.tables import RandomSurface
@@ -64,7 +63,7 @@ def test_copies_of_one_surface_have_no_scatter(name, bench, tmp_path):
         made, each = data[variable].attrs, data.get(f"{variable}_each")
         if each is not None and made.get("reduction") == "mean":
             first = each[{made["over"]: slice(1 + made["pairs"])}].mean(made["over"])
-            np.testing.assert_allclose(data[variable], first, rtol=1e-12, err_msg=variable)
+            assert_allclose(data[variable], first, rtol=1e-12, err_msg=variable)
 
 
 @pytest.mark.parametrize("name", [name for name in ASKED if name not in LONG])
@@ -82,9 +81,9 @@ def test_a_sample_told_twice_keeps_its_means_and_has_the_interval_of_twice_as_ma
             n = samples.sizes[over]
             first = samples[{over: slice(n // 2)}]
             middle = first.mean(over, skipna=False)
-            np.testing.assert_allclose(data[variable], middle, rtol=1e-9, atol=1e-14, err_msg=variable)
+            assert_allclose(data[variable], middle, rtol=1e-9, atol=1e-14, err_msg=variable)
             squares = 2 * ((first - middle) ** 2).sum(over, skipna=False) / (n - 1)
             expected = scipy.special.stdtrit(n - 1, 0.975) * np.sqrt(squares / n)
-            np.testing.assert_allclose(half, expected, rtol=1e-6, atol=1e-12, err_msg=variable)
+            assert_allclose(half, expected, rtol=1e-6, atol=1e-12, err_msg=variable)
             judged += 1
     assert judged

@@ -1,7 +1,5 @@
 """Studies on inputs whose answer is known: each printed number beside the one that was planted."""
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 
@@ -9,6 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from made_results import made_areas
+from numpy.testing import assert_allclose, assert_array_equal
 from planted import (
     EDGES,
     SMALL,
@@ -65,16 +64,16 @@ def grown():
 
 
 def test_area_gives_the_planted_kappa_with_the_interval_of_the_grids(grown):
-    np.testing.assert_allclose(grown.kappa, 2.0, rtol=1e-12)
+    assert_allclose(grown.kappa, 2.0, rtol=1e-12)
     surfaces, grid = (grown.area_error.sel(source=source) for source in ("surfaces", "grid"))
     # Off to the same side on all surfaces: the error of the grids does not shrink with their number.
     each = grown.area_each_error.sel(source="grid")
-    np.testing.assert_allclose(grid, np.sqrt((each**2).mean("surface")), rtol=1e-12)
-    np.testing.assert_allclose(total_error(grown, "area"), np.hypot(surfaces, grid), rtol=1e-12)
-    np.testing.assert_allclose(grown.kappa_error, grown.area_error / grown.reduced_pressure, rtol=1e-12)
+    assert_allclose(grid, np.sqrt((each**2).mean("surface")), rtol=1e-12)
+    assert_allclose(total_error(grown, "area"), np.hypot(surfaces, grid), rtol=1e-12)
+    assert_allclose(grown.kappa_error, grown.area_error / grown.reduced_pressure, rtol=1e-12)
     theory = [math.erf(math.sqrt(2) * p) for p in (0.05, 0.2)]
-    np.testing.assert_allclose(grown.area_persson, theory, rtol=1e-12)
-    np.testing.assert_allclose(grown.kappa_persson, np.divide(theory, (0.05, 0.2)), rtol=1e-12)
+    assert_allclose(grown.area_persson, theory, rtol=1e-12)
+    assert_allclose(grown.kappa_persson, np.divide(theory, (0.05, 0.2)), rtol=1e-12)
 
 
 def test_area_says_the_planted_distance_to_the_theory_and_its_side(grown):
@@ -112,34 +111,34 @@ def pressed():
 
 
 def test_pressure_gives_the_planted_kappa(pressed):
-    np.testing.assert_allclose(pressed.kappa, KAPPA, rtol=1e-12)
+    assert_allclose(pressed.kappa, KAPPA, rtol=1e-12)
     table = pressure.views(pressed).table.of(pressed)
-    np.testing.assert_allclose(column(table, "kappa"), KAPPA, rtol=1e-12)
-    np.testing.assert_allclose(column(table, "p*"), [0.02, 0.05, 0.1, 0.3])
+    assert_allclose(column(table, "kappa"), KAPPA, rtol=1e-12)
+    assert_allclose(column(table, "p*"), [0.02, 0.05, 0.1, 0.3])
 
 
 def test_pressure_takes_the_compliance_from_the_stiffness_and_its_change_for_the_error(pressed):
-    np.testing.assert_allclose(pressed.compliance, GAMMA * (1 + 1 / 32), rtol=1e-9)
+    assert_allclose(pressed.compliance, GAMMA * (1 + 1 / 32), rtol=1e-9)
     grid = pressed.compliance_error.sel(source="grid")
-    np.testing.assert_allclose(grid, NORMAL * GAMMA * (1 / 24 - 1 / 32), rtol=1e-9)
+    assert_allclose(grid, NORMAL * GAMMA * (1 / 24 - 1 / 32), rtol=1e-9)
 
 
 def test_pressure_carries_gap_and_energy_to_their_limits_of_second_order(pressed):
-    np.testing.assert_allclose(pressed.gap_each[0], 3 - GAMMA * np.log(pressed.reduced_pressure), rtol=1e-12)
+    assert_allclose(pressed.gap_each[0], 3 - GAMMA * np.log(pressed.reduced_pressure), rtol=1e-12)
     quarter = pressed.reduced_pressure / 4
-    np.testing.assert_allclose(pressed.energy_ratio_finest_each[0], quarter * (1 + 1 / 32), rtol=1e-12)
+    assert_allclose(pressed.energy_ratio_finest_each[0], quarter * (1 + 1 / 32), rtol=1e-12)
     step = quarter * (1 / 24 - 1 / 32) / ((8 / 6) ** 2 - 1)
-    np.testing.assert_allclose(pressed.energy_ratio_each[0], quarter * (1 + 1 / 32) - step, rtol=1e-12)
+    assert_allclose(pressed.energy_ratio_each[0], quarter * (1 + 1 / 32) - step, rtol=1e-12)
     # Alike on all surfaces: it does not shrink with their number.
     grid = pressed.energy_ratio_error.sel(source="grid")
-    np.testing.assert_allclose(grid, NORMAL * step, rtol=1e-9)
+    assert_allclose(grid, NORMAL * step, rtol=1e-9)
 
 
 def test_pressure_compares_area_with_the_theory_at_the_same_load(pressed):
     found = next(one for one in pressure.views(pressed).findings if one.by == "area_excess")
     loads = pressed.reduced_pressure.values[pressure.picked_loads(pressed)]
     exact = [KAPPA * p / math.erf(math.sqrt(2) * p) - 1 for p in loads]
-    np.testing.assert_allclose([row["area_excess"].value for row in found.rows], exact, rtol=1e-9)
+    assert_allclose([row["area_excess"].value for row in found.rows], exact, rtol=1e-9)
     assert found.outcomes == tuple("+" if abs(x) > 0.05 else "0" for x in exact)
 
 
@@ -157,17 +156,15 @@ def test_pressure_says_that_planted_patches_and_kappa_keep_still(pressed):
 
 def test_pressure_shares_are_of_the_nominal_area_and_do_not_move_where_nothing_moves(pressed):
     counted = pressed.area_pixel_each.isel(grid=-1)
-    np.testing.assert_allclose(pressed.stress_share_each.sum("stress_bin"), counted, rtol=1e-12)
+    assert_allclose(pressed.stress_share_each.sum("stress_bin"), counted, rtol=1e-12)
     for name in SHARES:
-        np.testing.assert_allclose(pressed[f"moved_{name}"], 0.0, atol=1e-12)
+        assert_allclose(pressed[f"moved_{name}"], 0.0, atol=1e-12)
     # At light load P(sigma) A0/A of the theory tends to 4 s exp(-2 s^2): between loads near 0 it stays.
     assert np.max(pressed.moved_stress_persson[:2]) < 0.01
     # Per contact area, .4 of it at a large pressure and .6 at a small one; all patches are of one size.
     width = float(pressed.stress[1] - pressed.stress[0])
-    np.testing.assert_allclose(
-        pressed.contact_stress_density[:, [2, 25]] * width, [[0.6, 0.4]] * 4, rtol=1e-12
-    )
-    np.testing.assert_allclose(pressed.patch_cumulated[:, [79, 80]], [[0.0, 1.0]] * 4, atol=1e-12)
+    assert_allclose(pressed.contact_stress_density[:, [2, 25]] * width, [[0.6, 0.4]] * 4, rtol=1e-12)
+    assert_allclose(pressed.patch_cumulated[:, [79, 80]], [[0.0, 1.0]] * 4, atol=1e-12)
 
 
 def test_the_theory_of_pressure_is_at_full_contact_where_every_gap_is_closed():
@@ -175,9 +172,9 @@ def test_the_theory_of_pressure_is_at_full_contact_where_every_gap_is_closed():
     options = pressure.Options(surfaces=2, shifts=2, reduced_pressures=(8.0, 16.0), seed=61, **SMALL)
     full = {"mean_gap": lambda p, n: 0.0, "stiffness": lambda p, n: np.inf}
     data = pressure.run(options, bench=PlantedBench(lambda solve: measurement(solve, lambda p: 1.0, **full)))
-    np.testing.assert_allclose(data.energy_ratio_predicted, 1.0, rtol=1e-6)
-    np.testing.assert_allclose(data.gap_predicted, 0.0, atol=1e-6)
-    np.testing.assert_allclose(data.area_predicted, 1.0, rtol=1e-9)
+    assert_allclose(data.energy_ratio_predicted, 1.0, rtol=1e-6)
+    assert_allclose(data.gap_predicted, 0.0, atol=1e-6)
+    assert_allclose(data.area_predicted, 1.0, rtol=1e-9)
     assert data.energy_ratio_over.isnull().all()
 
 
@@ -196,7 +193,7 @@ def test_magnification_prints_the_planted_ratio_to_the_theory_of_the_waves_that_
         reduced_pressures=(0.05, 0.1), magnifications=(1.0, 2.0), surfaces=3, seed=61, **SMALL
     )
     data = magnification.run(options, bench=PlantedBench(answer))
-    np.testing.assert_allclose(data.area_ratio, 1.1, rtol=1e-9)
+    assert_allclose(data.area_ratio, 1.1, rtol=1e-9)
     table = magnification.views(data).table.of(data)
     assert column(table, "zeta") == [1.0, 2.0, 1.0, 2.0]
 
@@ -234,12 +231,12 @@ def yielded_lines(monkeypatch):
 def test_hardness_takes_limits_linear_in_the_spacing(yielded_lines):
     data = yielded_lines
     assert data.varied.values.tolist() == ["load", "load", "waves"]
-    np.testing.assert_allclose(data.area_plastic, [0.1, 0.2, 0.1], rtol=1e-9)
-    np.testing.assert_allclose(data.area_elastic, [0.05, 0.1, 0.05], rtol=1e-9)
-    np.testing.assert_allclose(data.area_plastic_pixel[:, -1], data.area_plastic * (1 + 3 / 96), rtol=1e-9)
+    assert_allclose(data.area_plastic, [0.1, 0.2, 0.1], rtol=1e-9)
+    assert_allclose(data.area_elastic, [0.05, 0.1, 0.05], rtol=1e-9)
+    assert_allclose(data.area_plastic_pixel[:, -1], data.area_plastic * (1 + 3 / 96), rtol=1e-9)
     # The three grids lie on one line.
     grid = data.area_plastic_error.sel(source="grid")
-    np.testing.assert_allclose(grid, 0.0, atol=1e-9)
+    assert_allclose(grid, 0.0, atol=1e-9)
 
 
 def test_the_step_to_a_limit_from_two_grids_is_its_error_and_shares_stay_within_one():
@@ -249,13 +246,13 @@ def test_the_step_to_a_limit_from_two_grids_is_its_error_and_shares_stay_within_
     lines[:, 0] += 0.1
     data = xr.Dataset({"area_pixel_each": (("surface", "grid"), lines)}, coords={"points": ("grid", points)})
     two = limits.straight_limit(data.isel(grid=slice(1, None)), "area")
-    np.testing.assert_allclose(two.area_each, [0.98, 0.5], rtol=1e-12)
-    np.testing.assert_allclose(two.area_each_drift, [-0.02, 0.03], rtol=1e-9)
+    assert_allclose(two.area_each, [0.98, 0.5], rtol=1e-12)
+    assert_allclose(two.area_each_drift, [-0.02, 0.03], rtol=1e-9)
     three = limits.straight_limit(data, "area")
     # The line of the two coarser grids, 20 and 40, ends where .1 less of the first would have been.
-    np.testing.assert_allclose(three.area_each_drift, 0.1, rtol=1e-9)
+    assert_allclose(three.area_each_drift, 0.1, rtol=1e-9)
     above = limits.straight_limit(data.assign(area_pixel_each=data.area_pixel_each + 0.1), "area", most=1.0)
-    np.testing.assert_allclose(above.area_each, [1.0, 0.6], rtol=1e-12)
+    assert_allclose(above.area_each, [1.0, 0.6], rtol=1e-12)
 
 
 def test_hardness_says_the_planted_areas_and_what_smoothing_leaves(yielded_lines):
@@ -308,14 +305,14 @@ def silent(monkeypatch):
 def test_adhesion_gains_the_work_less_half_of_p_u_at_full_contact(silent):
     options = adhesion.Options(**STUCK)
     data = adhesion.run(options, bench=PlantedBench(_full_wave))
-    np.testing.assert_allclose(data.area, 1.0, rtol=1e-12)
-    np.testing.assert_allclose(data.area_plain, 1.0, rtol=1e-12)
+    assert_allclose(data.area, 1.0, rtol=1e-12)
+    assert_allclose(data.area_plain, 1.0, rtol=1e-12)
     assert np.flatnonzero(np.isfinite(data.area_plastic)).tolist() == [4]
-    np.testing.assert_allclose(data.area_plastic[-1], 0.25, rtol=1e-9)
+    assert_allclose(data.area_plastic[-1], 0.25, rtol=1e-9)
     # Closed form of the energy of a wave, E* q a^2 / 8, over the work: a share of U_full of each surface.
     stored = 1e7 / (1 - 0.5**2) * 2 * np.pi / 1e-5 * 1e-9**2 / 8
     works = np.array([one.adhesion.work for one in adhesion.design(options).values()]).reshape(-1, 3)
-    np.testing.assert_allclose(data.interface_energy, 1 - np.mean(stored / works, axis=1), rtol=1e-9)
+    assert_allclose(data.interface_energy, 1 - np.mean(stored / works, axis=1), rtol=1e-9)
     # The theory says nothing: there is nothing to be above or below.
     found = adhesion.views(data).findings
     assert all(set(one.outcomes) == {"?"} for one in found)
@@ -325,12 +322,12 @@ def test_adhesion_gains_the_work_less_half_of_p_u_at_full_contact(silent):
 def test_adhesion_adds_the_scatter_of_its_surfaces_to_the_step_of_their_grids(silent, monkeypatch):
     monkeypatch.setattr(adhesive, "interface_energy", lambda contact, law: 0.0)
     data = adhesion.run(adhesion.Options(**STUCK), bench=PlantedBench(_counted))
-    np.testing.assert_allclose(data.area, 0.5, rtol=1e-12)
-    np.testing.assert_allclose(data.area_gain, 1.25, rtol=1e-12)
+    assert_allclose(data.area, 0.5, rtol=1e-12)
+    assert_allclose(data.area_gain, 1.25, rtol=1e-12)
     error = data.area_error
-    np.testing.assert_allclose(error.sel(source="grid"), 0.3 / 48, rtol=1e-9)
+    assert_allclose(error.sel(source="grid"), 0.3 / 48, rtol=1e-9)
     # What is off by the same share with and without adhesion does not enter their ratio.
-    np.testing.assert_allclose(data.area_gain_error.sel(source="surfaces"), 0.0, atol=1e-12)
+    assert_allclose(data.area_gain_error.sel(source="surfaces"), 0.0, atol=1e-12)
 
 
 def _counted(solve):
@@ -348,7 +345,7 @@ def test_areas_with_adhesion_end_at_one(silent, monkeypatch):
         return contact(in_contact=np.array([1 - 3 / solve.grid[0] ** 2]), at_bound=np.array([0.0]))
 
     data = adhesion.run(adhesion.Options(**STUCK), bench=PlantedBench(answer))
-    np.testing.assert_array_equal(data.area, 1.0)
+    assert_array_equal(data.area, 1.0)
 
 
 # cross and depth: finite against boundary elements ------------------------------------------------------
@@ -371,9 +368,9 @@ def test_cross_says_by_how_much_finite_elements_are_above_and_the_planted_order(
     )
     data = cross.run(options, bench=PlantedBench(answer))
     full = data.sel(leg="full Hex1")
-    np.testing.assert_allclose(full.area_difference, 0.2, rtol=1e-12)
-    np.testing.assert_allclose(full.area_difference_perimeter, 0.1, rtol=1e-12)
-    np.testing.assert_allclose(full.pressure_difference, 0.5 / np.array([1, 2, 4]) ** 1.5, rtol=1e-12)
+    assert_allclose(full.area_difference, 0.2, rtol=1e-12)
+    assert_allclose(full.area_difference_perimeter, 0.1, rtol=1e-12)
+    assert_allclose(full.pressure_difference, 0.5 / np.array([1, 2, 4]) ** 1.5, rtol=1e-12)
     assert float(full.order) == pytest.approx(1.5, rel=1e-12)
     assert float(total_error(full, "order")) < 1e-9
     first, alone, *_ = cross.views(data).findings
@@ -392,9 +389,9 @@ def test_depth_tells_the_bottom_from_the_mesh():
         points_per_wave=4.0, depths=(0.25, 1.0), growths=(1.1, 1.2), elements=("Hex1",), poissons=(0.3,)
     )
     data = depth.run(options, bench=PlantedBench(answer))
-    np.testing.assert_allclose(data.area_difference, 0.1, rtol=1e-9)
-    np.testing.assert_allclose(data.pressure_difference_layer, 0.02, rtol=1e-12)
-    np.testing.assert_allclose(data.pressure_difference[:2], [0.1, 0.021], rtol=1e-12)
+    assert_allclose(data.area_difference, 0.1, rtol=1e-9)
+    assert_allclose(data.pressure_difference_layer, 0.02, rtol=1e-12)
+    assert_allclose(data.pressure_difference[:2], [0.1, 0.021], rtol=1e-12)
     (found,) = depth.views(data).findings
     assert found.values["deep"].value == 1.0
     assert found.values["shallow_difference"].value == pytest.approx(0.1)
@@ -419,7 +416,7 @@ def test_scaling_has_the_planted_exponents_and_what_they_allow(monkeypatch):
     side = (3600 / 2e-6) ** (1 / 2.2)
     assert float(data.side_seconds) == pytest.approx(side, rel=1e-9)
     assert float(data.decades) == pytest.approx(math.log10(side / 32), rel=1e-9)
-    np.testing.assert_allclose(data.seconds_fit, data.seconds, rtol=1e-9)
+    assert_allclose(data.seconds_fit, data.seconds, rtol=1e-9)
     assert scaling.views(data).findings[1].outcomes == ("+",)
 
 
@@ -451,7 +448,7 @@ def test_near_zero_gives_students_interval_of_three_surfaces():
     assert float(data.initial_slope_persson) == pytest.approx(persson, rel=1e-12)
     assert float(own.initial_slope_excess) == pytest.approx(4 / persson - 1, rel=1e-9)
     table = stress_near_zero.views(data).table.of(data)
-    np.testing.assert_allclose(column(table, "P(0+) E* h'_rms"), 0.1 + root, rtol=1e-9)
+    assert_allclose(column(table, "P(0+) E* h'_rms"), 0.1 + root, rtol=1e-9)
     density, slope, ways, _ = stress_near_zero.views(data).findings
     assert (density.outcomes, slope.outcomes, ways.outcomes) == (("+",), ("+",), ("agree",))
 
@@ -498,8 +495,8 @@ def test_deviations_of_ways_and_claims_are_those_of_planted_areas():
     )
     data = accuracy_cost.run(options, bench=PlantedBench(answer))
     pixel = data.sel(way="BEM pixel, 4 per wave")
-    np.testing.assert_allclose(pixel.area_deviation_each, 0.1 * EDGES / 16 / 0.2, rtol=1e-9)
-    np.testing.assert_allclose(pixel.area_deviation_rms, 0.1 * EDGES / 16 / 0.2, rtol=1e-9)
-    np.testing.assert_allclose(data.missed_each, 0.0, atol=1e-12)
+    assert_allclose(pixel.area_deviation_each, 0.1 * EDGES / 16 / 0.2, rtol=1e-9)
+    assert_allclose(pixel.area_deviation_rms, 0.1 * EDGES / 16 / 0.2, rtol=1e-9)
+    assert_allclose(data.missed_each, 0.0, atol=1e-12)
     (value,), (error,) = area_limits(answer(next(iter(accuracy_cost.design(options).values()))))
-    np.testing.assert_allclose(data.claimed_each, NORMAL * error / value, rtol=1e-9)
+    assert_allclose(data.claimed_each, NORMAL * error / value, rtol=1e-9)

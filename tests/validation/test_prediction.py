@@ -1,7 +1,5 @@
 """Predicted time and memory, within a factor of two over a committed list of cases."""
 
-from __future__ import annotations
-
 import itertools
 import json
 
@@ -27,7 +25,7 @@ LIST = [
 ]
 
 
-def job_of(number: int, *, small: bool = False) -> Press:
+def job_of(number, *, small=False):
     method, n, pressure, settings = LIST[number]
     surface = SelfAffineSurface(
         kind="self-affine",

@@ -1,7 +1,5 @@
 """What reading figures back notices: each kind of mistake in a picture, planted."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

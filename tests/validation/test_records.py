@@ -1,7 +1,5 @@
 """What a results folder is read back from: changed by a bit or by hand, too long, a link: never believed."""
 
-from __future__ import annotations
-
 import json
 import os
 import random

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from gold.asked import STUDIES
+from numpy.testing import assert_allclose
 from scipy.special import erf
 from typer.testing import CliRunner
 
@@ -217,9 +218,9 @@ def test_the_size_of_the_sample_is_the_change_that_is_seen_or_the_least_that_wou
     # exponents; 0 and 2 % at the second. Between them half of both.
     size = whole.gap_error.sel(source="size")
     least = 2 * 0.005 / 2**0.5
-    np.testing.assert_allclose(size.values[1], [[0.1, least], [0.05, 0.02], [least, 0.04]], rtol=1e-12)
+    assert_allclose(size.values[1], [[0.1, least], [0.05, 0.02], [least, 0.04]], rtol=1e-12)
     single = with_size(table, *(part.sel(bandwidth=[8.0]) for part in (small, larger)))
-    np.testing.assert_allclose(single.gap_error.sel(source="size").values[2], [[0.1, least]] * 3, rtol=1e-12)
+    assert_allclose(single.gap_error.sel(source="size").values[2], [[0.1, least]] * 3, rtol=1e-12)
     total = total_error(whole, "gap", sources=["surfaces", "size"])
     assert total.values[2, 0] == pytest.approx(np.hypot(0.006, size.values[2, 0]))
     assert whole.attrs["larger_periods"] == 8.0
@@ -314,16 +315,14 @@ def test_the_total_is_the_root_of_the_squares_of_surfaces_grid_size_and_solver(s
     data = whole.sel(amplitudes="exact")
     parts = data.area_error.sel(source=["surfaces", "grid", "size"]) ** 2
     total = total_error(data, "area")
-    np.testing.assert_allclose(total**2, parts.sum("source") + (7e-6 * data.area) ** 2, rtol=1e-12)
+    assert_allclose(total**2, parts.sum("source") + (7e-6 * data.area) ** 2, rtol=1e-12)
     table = study.views(whole).table.of(whole)
     row = dict(zip(table.columns, table.rows[0], strict=True))
     assert row["A/A0 +- (95 %)"] == pytest.approx(float(total[0, 0, 0]), rel=1e-12)
     assert row["kappa"] == pytest.approx(float(data.area[0, 0, 0]) / 0.05)
     persson = erf(2**0.5 * 0.05)
     assert row["A/A(Persson) - 1"] == pytest.approx(float(data.area[0, 0, 0]) / persson - 1, rel=1e-9)
-    np.testing.assert_allclose(
-        data.interval_worst, (total / data.area).max(("hurst", "bandwidth")), rtol=1e-12
-    )
+    assert_allclose(data.interval_worst, (total / data.area).max(("hurst", "bandwidth")), rtol=1e-12)
 
 
 def test_exact_amplitudes_have_one_gradient_and_the_two_loads_differ_by_its_ratio(small):
@@ -351,7 +350,7 @@ def test_gaussian_amplitudes_have_columns_of_their_own_and_no_part_of_the_size(s
     # What is read off between the loads is a part of the grids' error.
     grids = gaussian.area_by_spectrum_error.sel(source="grid")
     rest = grids**2 - gaussian.area_by_spectrum_reading**2
-    np.testing.assert_allclose(rest, gaussian.area_error.sel(source="grid") ** 2, rtol=1e-6)
+    assert_allclose(rest, gaussian.area_error.sel(source="grid") ** 2, rtol=1e-6)
 
 
 def test_larger_samples_have_twice_the_periods_a_quarter_of_the_pairs_and_other_surfaces():
@@ -456,10 +455,8 @@ def test_the_surfaces_of_the_page_are_those_of_the_table_and_have_the_areas_that
             )
             heights = names["surface"](float(hurst), 4, int(seed), 36)
             scale = 1e-3 * case.field.rms_gradient
-            np.testing.assert_allclose(
-                scale * heights, case.heights((36, 36)).heights, rtol=0, atol=1e-12 * scale
-            )
-            np.testing.assert_allclose(heights, shipped["heights"][k], rtol=0, atol=1e-12)
+            assert_allclose(scale * heights, case.heights((36, 36)).heights, rtol=0, atol=1e-12 * scale)
+            assert_allclose(heights, shipped["heights"][k], rtol=0, atol=1e-12)
             grids = tuple(grid_for(case, n) for n in (4.0, 6.0, 8.0))
             measured = press_on_grids(
                 problem=case, grids=grids, reduced_pressures=tuple(shipped["reduced_pressure"])

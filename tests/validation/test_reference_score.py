@@ -1,7 +1,5 @@
 """Theories and numbers on the cells of the reference table: distances, counts and refusals are right."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

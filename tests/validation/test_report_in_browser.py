@@ -1,7 +1,5 @@
 """The report as people see it: in a real headless Chromium, on a desk and on a phone."""
 
-from __future__ import annotations
-
 import html
 import json
 import re

@@ -1,7 +1,5 @@
 """Running scenes: results on disk, resumed after a kill, refused before anything is computed."""
 
-from __future__ import annotations
-
 import base64
 import csv
 import hashlib
@@ -18,10 +16,10 @@ from dataclasses import replace
 import meshio
 import numpy as np
 import pytest
-from small_scene import OBLONG
+from numpy.testing import assert_allclose, assert_array_equal
+from small_scene import OBLONG, scene_in
 
-from fem_contact.errors import NotConverged
-from fem_contact.patches import find_patches
+from fem_contact import NotConverged, find_patches
 from validation.comparison.run import report_scene, run_scene
 from validation.errors import RunFailed, UsageError
 from validation.execution.press import Press, solves_of
@@ -61,10 +59,13 @@ def test_a_run_leaves_table_fields_block_and_report(small_run):
 
 
 def test_maps_are_of_the_grid_with_most_points_whatever_its_shape(tmp_path):
-    (tmp_path / "oblong.toml").write_text(
-        OBLONG.replace("[24, 12]", "[48, 12]").replace("[48, 24]", "[16, 16]")
-    )
-    data = run_scene(load_scene(str(tmp_path / "oblong.toml")), tmp_path / "results", report=False).data
+    data = run_scene(
+        scene_in(
+            tmp_path, OBLONG.replace("[24, 12]", "[48, 12]").replace("[48, 24]", "[16, 16]"), name="oblong"
+        ),
+        tmp_path / "results",
+        report=False,
+    ).data
     assert data.attrs["map_grid"] == "48 x 12"
     assert data.pressure_map.shape[1:] == data.heights.shape == (48, 12)
 
@@ -92,7 +93,7 @@ def test_the_answer_and_the_surface_stand_before_the_contact_and_every_figure_na
         assert suffixes == {".svg", ".pdf", ".csv", ".nc"}
     heights = small_run.data.heights
     field = height_field(_scene(small_run).surface)
-    np.testing.assert_allclose(heights.values, field.resampled((24, 24)).heights, atol=1e-12)
+    assert_allclose(heights.values, field.resampled((24, 24)).heights, atol=1e-12)
     spectrum = small_run.data.power_spectrum
     assert spectrum.sizes["wavevector"] >= 2
     # Parseval: rings of C(q) hold the variance of the heights.
@@ -124,8 +125,8 @@ def test_contact_in_numbers_follows_from_the_fields(small_run):
     )
 
 
-def test_one_grid_gives_an_answer_that_says_what_it_rests_on(write_scene, tmp_path):
-    scene = load_scene(str(write_scene(("grids = [12, 24, 48]\nshifts = 2", "grids = [24]"), fem=False)))
+def test_one_grid_gives_an_answer_that_says_what_it_rests_on(read_scene, tmp_path):
+    scene = read_scene(("grids = [12, 24, 48]\nshifts = 2", "grids = [24]"), fem=False)
     outputs = run_scene(scene, tmp_path / "results")
     data = outputs.data
     assert float(data.area) == float(data.area_located.item()) > 0
@@ -154,9 +155,9 @@ def test_the_report_holds_five_figures_the_findings_and_one_script_that_its_poli
     assert f"script-src 'sha256-{digest}';" in page
 
 
-def test_an_option_recomputes_only_what_it_affects(write_scene):
+def test_an_option_recomputes_only_what_it_affects(read_scene):
     def keys(*change, method=""):
-        solves = solves_of(load_scene(str(write_scene(*change))))
+        solves = solves_of(read_scene(*change))
         return {solve.key for solve in solves if solve.key.startswith(method)}
 
     growth = ("depth =", "growth = 1.3\ndepth =")
@@ -166,14 +167,14 @@ def test_an_option_recomputes_only_what_it_affects(write_scene):
     assert not keys(method="fem") & keys(growth)
 
 
-def test_a_stored_result_is_read_back_bit_for_bit(write_scene, tmp_path):
-    solve = solves_of(load_scene(str(write_scene(fem=False))))[0]
+def test_a_stored_result_is_read_back_bit_for_bit(read_scene, tmp_path):
+    solve = solves_of(read_scene(fem=False))[0]
     store = Store(folder=prepare_folder(tmp_path / "store"))
     solved = solve.do()
     store.save(solve, solved, made=Made.now(threads=1, seconds=0.0))
     result, found = solved.contact, store.read(solve).result
     for name in ("pressure", "gap", "displacement", "heights", "in_contact"):
-        np.testing.assert_array_equal(getattr(found, name), getattr(result, name))
+        assert_array_equal(getattr(found, name), getattr(result, name))
     assert (found.offset, found.residuals, found.cost, found.status) == (
         result.offset,
         result.residuals,
@@ -203,8 +204,8 @@ def test_a_killed_run_continues_after_its_finished_solves(write_scene, tmp_path)
     assert times == {solve.key: store.path(solve).stat().st_mtime_ns for solve in finished}
 
 
-def test_ctrl_c_keeps_what_is_finished_and_leaves_no_drafts(write_scene, tmp_path, monkeypatch):
-    scene = load_scene(str(write_scene(fem=False)))
+def test_ctrl_c_keeps_what_is_finished_and_leaves_no_drafts(read_scene, tmp_path, monkeypatch):
+    scene = read_scene(fem=False)
     done = []
 
     do = Press.do
@@ -228,12 +229,12 @@ def solves_nothing(monkeypatch):
 
 
 def test_an_output_folder_that_cannot_be_written_is_refused_before_computing(
-    write_scene, tmp_path, solves_nothing
+    read_scene, tmp_path, solves_nothing
 ):
     blocker = tmp_path / "file"
     blocker.write_text("in the way")
     with pytest.raises(UsageError, match=r"--output = .*cannot be written to"):
-        run_scene(load_scene(str(write_scene())), blocker / "results")
+        run_scene(read_scene(), blocker / "results")
 
 
 @pytest.mark.parametrize(
@@ -247,10 +248,10 @@ def test_an_output_folder_that_cannot_be_written_is_refused_before_computing(
     ],
 )
 def test_what_a_method_does_not_handle_is_refused_before_computing(
-    write_scene, tmp_path, solves_nothing, change, words
+    read_scene, tmp_path, solves_nothing, change, words
 ):
     with pytest.raises(UsageError, match=words):
-        run_scene(load_scene(str(write_scene(change))), tmp_path / "results")
+        run_scene(read_scene(change), tmp_path / "results")
     assert not (tmp_path / "results").exists()
 
 
@@ -326,20 +327,11 @@ def test_nan_in_a_surface_file_is_refused_before_computing(write_scene, tmp_path
         run_scene(scene, tmp_path / "results")
 
 
-def test_a_missing_surface_file_is_refused(write_scene, tmp_path):
-    path = _file_scene(write_scene, tmp_path, np.zeros((8, 8)))
-    (tmp_path / "heights.npy").unlink()
-    with pytest.raises(UsageError, match=r"surface\.path = .*cannot be read"):
-        run_scene(load_scene(str(path)), tmp_path / "results")
-
-
-def test_an_under_resolved_grid_presses_the_point_values_of_the_true_surface(write_scene):
-    scene = load_scene(
-        str(write_scene(("grids = [12, 24, 48]", "grids = [6]\nunder_resolved = true"), fem=False))
-    )
+def test_an_under_resolved_grid_presses_the_point_values_of_the_true_surface(read_scene):
+    scene = read_scene(("grids = [12, 24, 48]", "grids = [6]\nunder_resolved = true"), fem=False)
     fine = height_field(scene.surface).resampled((24, 24))
-    np.testing.assert_allclose(
+    assert_allclose(
         height_field(scene.surface, (6, 6)).heights, fine.heights[::4, ::4], atol=1e-12 * fine.rms_height
     )
     shifted = height_field(scene.surface, (6, 6), shift=(0.25, 0.5)).heights
-    np.testing.assert_allclose(shifted, fine.heights[1::4, 2::4], atol=1e-12 * fine.rms_height)
+    assert_allclose(shifted, fine.heights[1::4, 2::4], atol=1e-12 * fine.rms_height)

@@ -1,7 +1,5 @@
 """Scenes: units are converted once and exactly; a mistake is one line: key, value and what is allowed."""
 
-from __future__ import annotations
-
 import json
 import re
 import tomllib
@@ -13,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import TypeAdapter
-from small_scene import small_scene
+from small_scene import scene_in, small_scene
 
 from validation import units
 from validation.comparison.explain import explain
@@ -159,16 +157,16 @@ def test_a_method_is_given_the_grids_that_it_can_afford_or_asks_for_some(write_s
         load_asked(path, [fem, "lambda_short='0.01 um'", "methods.bem.grids=[4000]"])
 
 
-def test_units_are_converted_exactly(write_scene):
-    scene = load_scene(str(write_scene(('length = "10 um"', 'length = ["10 um", 0.00001]'))))
+def test_units_are_converted_exactly(read_scene):
+    scene = read_scene(('length = "10 um"', 'length = ["10 um", 0.00001]'))
     assert scene.surface.length == (1e-5, 1e-5)
     assert scene.solid.young == 2e6
 
 
-def test_what_was_written_with_a_unit_is_printed_in_it_and_computed_in_si(write_scene, tmp_path):
+def test_what_was_written_with_a_unit_is_printed_in_it_and_computed_in_si(read_scene, tmp_path):
     given = ('young = "2 MPa"', 'young = "2000kPa"'), ("reduced_pressure = 0.1", 'pressure = "0.25 bar"')
     grid = ("grids = [12, 24, 48]", "grids = [24]"), ('length = "10 um"', 'length = "0.01 mm"')
-    scene = load_scene(str(write_scene(*given, *grid, fem=False)))
+    scene = read_scene(*given, *grid, fem=False)
     facts = dict(explain(scene).facts)
     assert facts["E*"] == "2198 kPa"
     assert facts["load"].startswith("p0 = 0.25 bar; p* =")
@@ -221,8 +219,7 @@ def test_a_scene_without_a_name_is_named_after_its_file(write_scene, tmp_path):
 def test_the_scene_in_the_first_page_is_a_scene(tmp_path):
     page = (Path(__file__).parents[2] / "docs" / "getting_started.md").read_text()
     (text,) = re.findall(r"```toml\n(\[surface\].*?)```", page, re.DOTALL)
-    (tmp_path / "mine.toml").write_text(text)
-    scene = load_scene(str(tmp_path / "mine.toml"))
+    scene = scene_in(tmp_path, text, name="mine")
     assert (scene.name, scene.surface.length) == ("mine", (1e-4, 1e-4))
     check_scene(scene, realise(scene))
 
@@ -238,9 +235,7 @@ def test_units_that_are_read_without_the_registry_are_those_of_the_registry(unit
     ("sides", "square"), [(("10 um", "5 um"), "[24, 12]"), (("5 um", "10 um"), "[12, 24]")]
 )
 def test_a_grid_of_oblong_cells_is_said_before_it_is_pressed(sides, square, tmp_path):
-    path, notes = tmp_path / "scene.toml", []
-    path.write_text(small_scene(length=json.dumps(sides), grids=f"[24, {square}]"))
-    scene = load_scene(str(path))
+    scene, notes = scene_in(tmp_path, small_scene(length=json.dumps(sides), grids=f"[24, {square}]")), []
     ((_, words),) = [fact for fact in explain(scene).facts if fact[0] == "grids of bem"]
     assert words == f"24 x 24 has oblong cells, in which no edge is located; {square} has square ones"
     progress = Progress()

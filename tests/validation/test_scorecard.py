@@ -12,11 +12,11 @@ from typer.testing import CliRunner
 
 from validation.cases import Verdict, below, run_cases
 from validation.cases._result import claims_dataset, claims_page, claims_views
-from validation.cases.scorecard import Scorecard, Subject, rows, score
+from validation.cases.scorecard import Subject, rows, score
 from validation.cli import app
 from validation.execution.results import read_results
 from validation.solvers import chosen_solver
-from validation.solvers.base import Claim, Cost
+from validation.solvers.base import Cost
 from validation.solvers.bem import Bem
 
 
@@ -26,31 +26,31 @@ class Toy(Bem):
     score_points = 16
     stiffness = 1.0
 
-    def claim(self, job) -> Claim:
+    def claim(self, job):
         solid = replace(job.model.solid, young=self.stiffness * job.model.solid.young)
         found = super().claim(replace(job, model=replace(job.model, solid=solid)))
         return replace(found, cost=replace(found.cost, cpu_seconds=1e-3))
 
 
-def card_of(stiffness: float) -> Scorecard:
+def card_of(stiffness):
     solver = Toy()
     solver.stiffness = stiffness
     return score(Subject(name="toy", solver=solver, settings={}))
 
 
 @pytest.fixture(scope="module")
-def wrong() -> Scorecard:
+def wrong():
     return card_of(2.0)
 
 
-def test_a_right_solver_passes_every_row_and_no_fault_is_named() -> None:
+def test_a_right_solver_passes_every_row_and_no_fault_is_named():
     card = card_of(1.0)
     assert [(verdict.case, verdict.error) for verdict in card.failed] == []
     assert card.diagnosis == ""
     assert card.cost
 
 
-def test_what_is_wrong_stands_on_the_page_and_in_the_sentence(wrong: Scorecard) -> None:
+def test_what_is_wrong_stands_on_the_page_and_in_the_sentence(wrong):
     assert wrong.diagnosis == "the stiffness is 2 times that of E*"
     assert wrong.sentence.endswith(f"; {wrong.diagnosis}")
     views = claims_views(claims_dataset(wrong.verdicts, [wrong]))
@@ -58,23 +58,21 @@ def test_what_is_wrong_stands_on_the_page_and_in_the_sentence(wrong: Scorecard) 
     assert views.cards[1].answer.text == wrong.diagnosis
 
 
-def test_the_worst_failure_stands_first(wrong: Scorecard) -> None:
+def test_the_worst_failure_stands_first(wrong):
     failures = [verdict.used for verdict in wrong.failed]
     assert failures == sorted(failures, reverse=True)
     flags = [verdict.passed for verdict in wrong.counted]
     assert flags == sorted(flags)
 
 
-def test_a_nan_is_the_worst_failure_of_all() -> None:
+def test_a_nan_is_the_worst_failure_of_all():
     check = below("something", float("nan"), 1.0)
     verdict = Verdict(case="x", claim="", source="", checks=(check,), seconds=0.0)
     assert verdict.used == float("inf")
     assert not verdict.passed
 
 
-def test_boundary_elements_are_scored_in_less_than_two_minutes_of_processor_time(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_boundary_elements_are_scored_in_less_than_two_minutes_of_processor_time(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     began = time.process_time()
     outcome = CliRunner().invoke(app, ["validate", "--method", "bem", "--quick", "--json"])
@@ -89,9 +87,7 @@ def test_boundary_elements_are_scored_in_less_than_two_minutes_of_processor_time
     assert page.figures
 
 
-def test_a_failing_solver_of_ones_own_exits_with_one_and_is_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_failing_solver_of_ones_own_exits_with_one_and_is_named(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     code = """
         import numpy as np
@@ -109,9 +105,7 @@ def test_a_failing_solver_of_ones_own_exits_with_one_and_is_named(
     assert {"tension", "load", "symmetry", "units"} <= holds
 
 
-def test_a_solver_that_crashes_fails_its_rows_and_the_others_go_on(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_solver_that_crashes_fails_its_rows_and_the_others_go_on(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     code = "import os\ndef solve(heights, lengths, *, contact_modulus, mean_pressure):\n    os.abort()\n"
     Path("dying_toy.py").write_text(code, encoding="utf-8")
@@ -129,7 +123,7 @@ class Deaf(Bem):
     score_points = 16
     ignored = ""
 
-    def claim(self, job) -> Claim:
+    def claim(self, job):
         if self.ignored == "layer":
             job = replace(job, model=replace(job.model, response=None))
         if self.ignored == "hardness":
@@ -140,7 +134,7 @@ class Deaf(Bem):
         return replace(found, converged=None) if self.ignored == "end" else found
 
 
-def rows_of(subject: Subject, names: set[str]) -> dict[str, Verdict]:
+def rows_of(subject, names):
     return {one.case: one for one in run_cases([row for row in rows(subject) if row.name in names])}
 
 
@@ -154,7 +148,7 @@ def rows_of(subject: Subject, names: set[str]) -> dict[str, Verdict]:
         ("end", {"cut-short"}),
     ],
 )
-def test_what_a_solver_is_told_beside_the_load_must_be_heard(ignored: str, fails: set[str]) -> None:
+def test_what_a_solver_is_told_beside_the_load_must_be_heard(ignored, fails):
     solver = Deaf()
     solver.ignored = ignored
     asked = {"layer", "yielding-wave", "offset", "offset-near-full", "cut-short"}
@@ -168,20 +162,18 @@ class Hazy(Bem):
 
     score_points = 16
 
-    def claim(self, job) -> Claim:
+    def claim(self, job):
         found = super().claim(job)
         return replace(found, pressure=np.maximum(found.pressure, 1e-9 * found.pressure.max()))
 
 
-def test_low_pressures_off_the_contact_do_not_pass_for_a_vanishing_start_of_the_distribution() -> None:
+def test_low_pressures_off_the_contact_do_not_pass_for_a_vanishing_start_of_the_distribution():
     names = {"stress-near-zero", "hertz", "westergaard"}
     verdicts = rows_of(Subject(name="hazy", solver=Hazy(), settings={}), names)
     assert {name for name, verdict in verdicts.items() if not verdict.passed} == {"stress-near-zero"}
 
 
-def test_a_solver_that_never_returns_costs_its_budget_and_gets_a_card(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_solver_that_never_returns_costs_its_budget_and_gets_a_card(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     code = "def solve(heights, lengths, *, contact_modulus, mean_pressure):\n    while True:\n        pass\n"
     Path("endless_toy.py").write_text(code, encoding="utf-8")
@@ -201,15 +193,15 @@ class Dear(Bem):
 
     score_points = 16
 
-    def cost(self, size) -> Cost:
+    def cost(self, size):
         return Cost(pairs=float(size.points), peak_bytes=1, unknowns=1)
 
-    def claim(self, job) -> Claim:
+    def claim(self, job):
         found = super().claim(job)
         return replace(found, cost=replace(found.cost, cpu_seconds=1e-3 * found.pressure.size))
 
 
-def test_what_would_take_too_long_is_not_tried_and_said_so() -> None:
+def test_what_would_take_too_long_is_not_tried_and_said_so():
     card = score(Subject(name="dear", solver=Dear(), settings={}, seconds=60.0))
     assert card.failed == ()
     assert {"tension", "full-contact", "honesty", "hertz"} <= {verdict.case for verdict in card.verdicts}
@@ -218,7 +210,7 @@ def test_what_would_take_too_long_is_not_tried_and_said_so() -> None:
     assert set(claims_dataset(card.verdicts, [card]).verdict.values.ravel()) == {"holds", "not judged"}
 
 
-def test_coarse_grids_that_the_time_allows_show_no_orders() -> None:
+def test_coarse_grids_that_the_time_allows_show_no_orders():
     card = score(Subject(name="dear", solver=Dear(), settings={}, seconds=15.0))
     assert card.subject.ladder == (16, 24, 32)
     assert "observed" in card.left_out["nested-grids"]

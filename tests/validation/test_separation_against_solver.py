@@ -7,10 +7,7 @@ import pytest
 
 import fem_contact
 from fem_contact import bem, response, stress, surface
-from persson.gaps import gap_distribution
-from persson.scale import Scale
-from persson.separation import contact_stiffness, elastic_energy, mean_separation
-from persson.spectrum import SelfAffine
+from persson import Scale, SelfAffine, contact_stiffness, elastic_energy, gap_distribution, mean_separation
 
 ROUGH = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=6 * math.pi, q_short=48 * math.pi)
 SCALE = Scale(ROUGH, contact_modulus=1.0)

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fem_contact.contact import Status
-from fem_contact.errors import InvalidInput
+from fem_contact import InvalidInput, Status
 from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.execution.store import Store

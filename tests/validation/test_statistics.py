@@ -1,7 +1,5 @@
 """Numbers with their error: the interval is that of the samples, and pairs count once."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """The store: nothing lost, nothing silently wrong, whatever happens to its files."""
 
-from __future__ import annotations
-
 import dataclasses
 import errno
 import itertools

@@ -1,7 +1,5 @@
 """Files on their way into a store: drafts of the living and the dead, and two processes at once."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

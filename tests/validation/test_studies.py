@@ -1,18 +1,15 @@
 """The studies: their measurements are right, their sentences are computed, their options are checked."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from validation.errors import UsageError
-from validation.execution.measurement import Call
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.measurement import grid_for, press_on_grids, truncated_heights
 from validation.scenes import surfaces
-from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import load_scene
 from validation.scenes.tables import SolidSpec
 from validation.studies import cross, find_study
@@ -21,11 +18,11 @@ SOLID = SolidSpec(young=3e8, poisson=0.25)
 SMALL = {"periods": 2.0, "bandwidth": 2.0}
 
 
-def pressed(*, seed: int = 61, solid: SolidSpec = SOLID) -> ContactProblem:
+def pressed(*, seed=61, solid=SOLID):
     return base_case(base_surface(hurst=0.6, seed=seed, **SMALL), reduced_pressure=0.05, solid=solid)
 
 
-def measurement(**changes: object) -> Call:
+def measurement(**changes):
     settings = {
         "problem": pressed(),
         "reduced_pressures": (0.05, 0.2),
@@ -42,8 +39,8 @@ def measured():
 
 def test_numbers_do_not_depend_on_the_modulus(measured):
     other = measurement(problem=pressed(solid=SolidSpec(young=7e10, poisson=0.4))).do()
-    np.testing.assert_allclose(other.pixel.values, measured.pixel.values, rtol=1e-12)
-    np.testing.assert_allclose(other.mean_gap.values, measured.mean_gap.values, rtol=1e-6)
+    assert_allclose(other.pixel.values, measured.pixel.values, rtol=1e-12)
+    assert_allclose(other.mean_gap.values, measured.mean_gap.values, rtol=1e-6)
 
 
 def test_the_inverted_surface_has_the_same_gradient_and_another_area(measured):
@@ -63,7 +60,7 @@ def test_a_truncated_surface_keeps_the_waves_that_remain():
     ]
     kept = np.abs(spectra[1]) > 1e-9 * np.abs(spectra[0]).max()
     assert 0 < kept.sum() < (np.abs(spectra[0]) > 1e-9 * np.abs(spectra[0]).max()).sum()
-    np.testing.assert_allclose(spectra[1][kept], spectra[0][kept], rtol=1e-9)
+    assert_allclose(spectra[1][kept], spectra[0][kept], rtol=1e-9)
 
 
 def test_a_recipe_holds_everything_and_nothing_else():

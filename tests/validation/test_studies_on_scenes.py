@@ -6,21 +6,16 @@ import re
 import numpy as np
 import pytest
 from pydantic import ValidationError
-from small_scene import small_scene
+from small_scene import scene_in, small_scene
 
-from fem_contact import bem
-from fem_contact.area import contact_areas
-from fem_contact.extrapolation import located_limit, perimeter_limit
-from fem_contact.hardness import Hardness, press_yielding
+from fem_contact import Hardness, Solid, bem, contact_areas, located_limit, perimeter_limit, press_yielding
 from fem_contact.response import HalfSpace
-from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 from validation.errors import UsageError
 from validation.execution.outputs import show
 from validation.execution.press import solves_of
 from validation.measurements.measurement import truncated_heights
 from validation.scenes.problem import realise
-from validation.scenes.scene import load_scene
 from validation.solvers.theory import predict
 from validation.studies import (
     area,
@@ -63,8 +58,7 @@ def scene(tmp_path):
     np.save(tmp_path / "map.npy", rough.heights * (0.08 / rough.rms_gradient))
 
     def read(text, name="mine"):
-        (tmp_path / f"{name}.toml").write_text(text)
-        return load_scene(str(tmp_path / f"{name}.toml"))
+        return scene_in(tmp_path, text, name=f"{name}")
 
     return read
 

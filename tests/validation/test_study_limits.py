@@ -1,22 +1,15 @@
 """What the studies conclude with: limits of ladders, budgets, the theory in two modes, verdicts."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import xarray as xr
+from numpy.testing import assert_allclose, assert_array_equal
 from planted import edge_data
 
-from fem_contact import bem
-from fem_contact.area import contact_areas
-from fem_contact.response import HalfSpace
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
-from persson.elastic import contact_area, stress_variance
-from persson.scale import Scale
-from persson.separation import mean_separation
+from fem_contact import HalfSpace, HeightField, Solid, bem, contact_areas
+from persson import Scale, contact_area, mean_separation, stress_variance
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.convergence import bandwidth_order, fitted_line, line
 from validation.measurements.distributions import distance_to_reference
@@ -116,7 +109,7 @@ def test_conditioning_hides_a_wrong_generator_and_the_ensemble_shows_it():
     loads, right = np.array([0.01, 0.1]), float(spectrum_of(surface).moments().rms_gradient)
     conditional = contact_area(loads, stress_variance=stress_variance(1.0, contact_modulus=1.0))
     # Rounding apart, a generator that meets C(q) makes no difference.
-    np.testing.assert_allclose(
+    assert_allclose(
         ensemble_area(spectrum_of(surface), loads, rms_gradients=[right] * 3)[1], conditional, rtol=1e-12
     )
     wrong = ensemble_area(spectrum_of(surface), loads, rms_gradients=[1.1 * right] * 3)[0]
@@ -135,7 +128,7 @@ def test_scatter_of_the_realised_gradient_is_averaged_over():
     by_hand = [
         np.mean([contact_area(p, stress_variance=f * gradient**2 / 4) for f in (0.5, 1.5)]) for p in pressure
     ]
-    np.testing.assert_allclose(found[:, 0], by_hand, rtol=1e-12)
+    assert_allclose(found[:, 0], by_hand, rtol=1e-12)
 
 
 @pytest.fixture(scope="module")
@@ -150,7 +143,7 @@ def test_the_gap_from_stored_energy_is_that_of_the_closed_integral(rough, varian
     loads = np.array([0.003, 0.02, 0.1, 0.5]) * 0.1
     expected = mean_separation(loads, scale=Scale(spectrum, contact_modulus=1.0), energy_ratio=ratio)
     # 200 intervals and 500 pressures in steps of 2 %: 3e-5 inside, and some 1e-3 at both ends.
-    np.testing.assert_allclose(waves.mean_gap(loads, variant), expected, rtol=5e-3)
+    assert_allclose(waves.mean_gap(loads, variant), expected, rtol=5e-3)
 
 
 def test_full_contact_stores_the_energy_of_all_waves(rough, measured):
@@ -168,11 +161,11 @@ def test_full_contact_stores_the_energy_of_all_waves(rough, measured):
 
 def test_distributions_hold_the_area_the_load_and_every_patch(measured):
     area = measured.stress_profile.sum("stress_bin").values
-    np.testing.assert_allclose(area, measured.pixel.mean("shift").values, rtol=1e-12)
-    np.testing.assert_allclose(measured.load_profile.sum("load_bin").values, 1.0, rtol=1e-12)
-    np.testing.assert_allclose(measured.patch_area_profile.sum("patch_area_bin").values, area, rtol=1e-12)
+    assert_allclose(area, measured.pixel.mean("shift").values, rtol=1e-12)
+    assert_allclose(measured.load_profile.sum("load_bin").values, 1.0, rtol=1e-12)
+    assert_allclose(measured.patch_area_profile.sum("patch_area_bin").values, area, rtol=1e-12)
     count = measured.patch_number_profile.sum("patch_number_bin").values
-    np.testing.assert_array_equal(count, measured.patches.mean("shift").values)
+    assert_array_equal(count, measured.patches.mean("shift").values)
 
 
 def test_a_distribution_that_does_not_change_is_not_told_from_itself():
@@ -203,7 +196,7 @@ def hertzian():
     return found
 
 
-def slope_in_window(result, reach: float) -> float:
+def slope_in_window(result, reach):
     """Slope over that of Hertz, pi^3/2, from a window of `reach` pressures at one cell from the edge."""
     areas = contact_areas(result)
     radius = np.sqrt(areas.perimeter / np.pi)
@@ -235,7 +228,7 @@ def test_the_slope_from_the_contour_tends_to_that_of_a_hertzian_contact_in_first
     assert coarse / fine == pytest.approx(2.0, abs=0.7)
 
 
-def synthetic_edge(*, value: float, slope: float, bend: float) -> xr.Dataset:
+def synthetic_edge(*, value, slope, bend):
     """P = value + slope sigma - bend sigma^2 / 2 of four surfaces, in windows that close like sqrt(dx)."""
     spacing = 1 / np.array([16.0, 32.0, 64.0, 128.0])
     eps = 0.4 * np.sqrt(spacing)

@@ -1,28 +1,21 @@
 """Numbers of single studies and of what they press, on inputs whose answer is known in closed form."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import xarray as xr
+from numpy.testing import assert_allclose
 from planted import STUDENT, PlantedBench, measurement
 
-from fem_contact import bem
-from fem_contact.hardness import yielded
-from fem_contact.response import HalfSpace
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
-from persson.hardness import constant_hardness
-from validation.effects.adhesion import Adhesion
+from fem_contact import HalfSpace, HeightField, Solid, bem, yielded
+from persson import constant_hardness
 from validation.effects.base import full_contact_energy
-from validation.measurements.adhesive import interface_energy
-from validation.measurements.common import base_case, base_surface, persson_area
+from validation.measurements.common import base_case, base_surface
 from validation.measurements.convergence import fitted_line, spectral_errors
-from validation.measurements.distributions import histograms_of, largest_difference, weighted_percentile
-from validation.measurements.edge import edge_limits, start_of_pressure, window_slope
+from validation.measurements.distributions import largest_difference, weighted_percentile
+from validation.measurements.edge import edge_limits, start_of_pressure
 from validation.measurements.grid_roughness import rms_slopes
 from validation.measurements.grids import observed_order
 from validation.measurements.measurement import press_on_grids, pressed_path, truncated_heights
@@ -32,8 +25,6 @@ from validation.measurements.yielding import remaining_by_theory
 from validation.report.estimates import claim, total_error
 from validation.scenes.surfaces import spectrum_of
 from validation.scenes.tables import SelfAffineSurface
-from validation.scenes.topography.reading import read_topography
-from validation.scenes.topography.writing import write_topography
 from validation.studies import graded, magnification
 
 SOFT = Solid(young=1.0, poisson=0.0)
@@ -51,14 +42,6 @@ def pressed(surface, mean_pressure, **settings):
 # Studies, one by one.
 
 
-def test_adhesion_gains_the_work_of_the_interface_less_half_of_pressure_times_displacement():
-    contact = pressed(wave(), 1.0)
-    # Pressed flat, a wave of amplitude h stores E* q h^2 / 8; the law yields w everywhere.
-    stored = 2 * math.pi * 0.01**2 / 8
-    effect = Adhesion(work=0.02, reach=0.1)
-    assert interface_energy(contact, effect.gap_law()) == pytest.approx(0.02 - stored, rel=1e-9)
-
-
 def test_smoothing_in_the_theory_is_what_has_not_yielded_over_what_will():
     surface = base_surface(hurst=0.7, periods=2.0, bandwidth=8.0, seed=83)
     problem = base_case(surface, reduced_pressure=0.2)
@@ -70,7 +53,7 @@ def test_smoothing_in_the_theory_is_what_has_not_yielded_over_what_will():
     plastic = constant_hardness(problem.pressure, stress_variance=variance, yield_stress=limit).plastic
     # Of the whole area p0 / H yields in the end. The table is joined by power laws over 400 points.
     exact = 1 - plastic * limit / problem.pressure
-    np.testing.assert_allclose(remaining_by_theory(problem, limit, q), exact, atol=2e-3)
+    assert_allclose(remaining_by_theory(problem, limit, q), exact, atol=2e-3)
     assert exact[-1] < 0.9
 
 
@@ -91,10 +74,6 @@ def test_the_slope_from_the_contour_is_twice_contour_over_the_squared_edge_coeff
     narrow = 0.4 * 0.5
     exact = (0.001 + 1.5 * narrow**2) / narrow
     assert float(found.density_at_zero_each) == pytest.approx(exact, rel=0.02)
-
-
-def test_a_window_slope_is_twice_the_true_share_over_the_window_squared():
-    assert window_slope(0.001 + 1.5 * 0.04**2, excess=0.001, window=0.04) == pytest.approx(3.0, rel=1e-12)
 
 
 def test_densities_and_slopes_at_zero_are_extrapolated_in_their_own_powers_of_the_spacing():
@@ -137,20 +116,20 @@ def test_waves_left_out_raise_the_reduced_pressure_of_the_rest():
 
     data = magnification.run(options, bench=PlantedBench(planted))
     exact = [math.erf(math.sqrt(2) * 0.1 * whole / slope) for slope in (part, whole)]
-    np.testing.assert_allclose(data.area_persson_each[0, :, 0], exact, rtol=1e-9)
+    assert_allclose(data.area_persson_each[0, :, 0], exact, rtol=1e-9)
     spectrum = options.first.spectrum
     slopes = [math.sqrt(float(spectrum.m2(zeta * spectrum.q_long))) for zeta in (2.0, 4.0)]
     exact = [math.erf(math.sqrt(2) * 0.1 * whole / slope) for slope in slopes]
-    np.testing.assert_allclose(data.area_ensemble_each[0, :, 0], exact, rtol=1e-9)
+    assert_allclose(data.area_ensemble_each[0, :, 0], exact, rtol=1e-9)
 
 
 def test_felt_over_exact_is_one_without_grading_and_grading_is_largest_where_the_profile_is_steepest():
     q = np.array([0.1, 1.0, 10.0])
     solid = Solid(young=3.0, poisson=0.3)
     share = graded._share(lambda wave: np.full(wave.shape, 3.0 / 0.91), HalfSpace(solid=solid), q)
-    np.testing.assert_allclose(share, 1.0, rtol=1e-12)
+    assert_allclose(share, 1.0, rtol=1e-12)
     # E = r + (1 - r) e^-z: at the surface |1 - r|, and for r < 1 largest far below, where E = r.
-    np.testing.assert_allclose(graded._grading(3.0, q), 2.0 / q, rtol=1e-12)
+    assert_allclose(graded._grading(3.0, q), 2.0 / q, rtol=1e-12)
 
 
 def test_an_order_is_that_of_the_mean_error_with_the_jackknife_of_the_surfaces():
@@ -201,23 +180,8 @@ def test_the_energy_of_a_measurement_at_full_contact_is_the_sum_over_waves(flatt
     case, solve = flattened
     data = solve.do()
     exact = full_contact_energy(case.field, modulus=case.contact_modulus)
-    np.testing.assert_allclose(data.energy.values, exact, rtol=1e-8)
+    assert_allclose(data.energy.values, exact, rtol=1e-8)
     assert data.attrs["full_contact_energy"] == pytest.approx(exact, rel=1e-12)
-
-
-def test_shares_of_pressure_add_up_to_the_area_and_to_the_load():
-    contact = pressed(wave(), 0.01)
-    case = base_case(base_surface(hurst=0.8, periods=2.0, bandwidth=2.0, seed=89), reduced_pressure=0.1)
-    unit = float(np.asarray(contact.pressure).max()) / 3
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(type(case), "pressure_scale", unit)
-        patch.setattr(type(case), "shortest", 0.1)
-        shares = histograms_of(contact, case)
-    share = float(contact.in_contact.mean())
-    assert shares["stress"].sum() == pytest.approx(share, rel=1e-12)
-    assert shares["load"].sum() == pytest.approx(1.0, rel=1e-12)
-    assert shares["patch_area"].sum() == pytest.approx(share, rel=1e-12)
-    assert shares["patch_number"].sum() == 1
 
 
 def test_distances_of_distributions_do_not_depend_on_how_many_were_counted():
@@ -239,13 +203,7 @@ def test_energy_and_variance_of_the_waves_of_a_field_are_those_of_its_spectrum()
 def test_variances_expected_of_a_spectrum_scatter_with_the_squared_gradients_about_its_own():
     surface = base_surface(hurst=0.8, periods=2.0, bandwidth=4.0, seed=97)
     found = ensemble_stress_variance(spectrum_of(surface), [0.1, 0.2])
-    np.testing.assert_allclose(found, 0.1**2 / 4 * np.array([0.4, 1.6]), rtol=1e-9)
-
-
-def test_the_theory_beside_a_study_is_the_error_function_of_the_reduced_pressure():
-    np.testing.assert_allclose(
-        persson_area([0.05, 0.4]), [math.erf(math.sqrt(2) * p) for p in (0.05, 0.4)], rtol=1e-12
-    )
+    assert_allclose(found, 0.1**2 / 4 * np.array([0.4, 1.6]), rtol=1e-9)
 
 
 def test_rungs_of_a_known_order_lead_to_their_limit_and_a_shift_grows_with_it():
@@ -277,7 +235,7 @@ def test_a_path_presses_each_load_with_the_gradient_of_the_whole_surface():
     path = pressed_path(case.heights((16, 16)), case, (0.05, 0.2), tolerance=1e-8)
     found = [result.mean_pressure for result in path]
     unit = case.contact_modulus * case.field.rms_gradient
-    np.testing.assert_allclose(found, [0.05 * unit, 0.2 * unit], rtol=1e-6)
+    assert_allclose(found, [0.05 * unit, 0.2 * unit], rtol=1e-6)
 
 
 # What is pressed.
@@ -305,14 +263,6 @@ def test_further_realisations_have_seeds_of_their_own_and_share_no_wave():
         alike = np.corrcoef(fields[one].ravel(), fields[other].ravel())[0, 1]
         # About 800 waves with independent phases: four deviations of (2 / m)^(1/2).
         assert abs(alike) < 0.2
-
-
-def test_oblong_cells_are_written_with_the_step_of_each_axis(tmp_path):
-    field = HeightField(heights=np.arange(12.0).reshape(3, 4), lengths=(6e-7, 2e-6))
-    write_topography(tmp_path / "oblong.nc", field)
-    found = read_topography(tmp_path / "oblong.nc")
-    np.testing.assert_allclose(found.lengths, field.lengths, rtol=1e-12)
-    np.testing.assert_array_equal(found.heights, field.heights)
 
 
 def test_yielded_and_elastic_areas_and_loads_are_those_of_their_points():

@@ -34,7 +34,7 @@ PLAIN = {
 DEPTHS = ["0 um", "0.05 um", "0.1 um", "0.2 um", "0.4 um"]
 
 
-def asked(**changed) -> Scene:
+def asked(**changed):
     return Scene.model_validate(
         PLAIN | {"quantities": {"subsurface": {"depths": DEPTHS, "vtu": True}}} | changed
     )

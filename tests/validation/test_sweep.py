@@ -1,7 +1,5 @@
 """Sweeps and keys set from outside: equal to single runs, shared solves, refused before computing."""
 
-from __future__ import annotations
-
 import csv
 import json
 import shutil
@@ -10,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.stats
+from small_scene import scene_in
 from typer.testing import CliRunner
 
-from fem_contact.errors import NotConverged
+from fem_contact import NotConverged
 from validation.audit import audit
 from validation.audit.files import page_tables
 from validation.cli.commands import app
@@ -318,13 +317,12 @@ def test_keys_of_quantities_and_effects_are_swept(write_scene):
 def test_a_measured_surface_is_swept_with_the_size_of_its_file(write_scene, tmp_path):
     waves = np.cos(2 * np.pi * np.arange(16) / 16)
     np.save(tmp_path / "map.npy", np.add.outer(waves, waves))
-    path = tmp_path / "measured.toml"
-    path.write_text(
+    sweep = scene_in(
+        tmp_path,
         '[surface]\nkind = "file"\npath = "map.npy"\nlength = "10 um"\nunit = "10 nm"\nedges = "periodic"\n'
         '[solid]\nyoung = "1 GPa"\npoisson = 0.3\n[load]\nreduced_pressure = 0.1\n'
-        "[methods.theory]\n[methods.bem]\ngrids = [16, 32]\n[sweep]\nload.reduced_pressure = [0.05, 0.2]\n"
+        "[methods.theory]\n[methods.bem]\ngrids = [16, 32]\n[sweep]\nload.reduced_pressure = [0.05, 0.2]\n",
     )
-    sweep = load_asked(str(path))
     assert all(scene.surface.path.is_absolute() for scene in sweep.scenes)
     first, second = problems_of(sweep)
     assert second.measured is first.measured
@@ -334,9 +332,7 @@ def test_a_measured_surface_is_swept_with_the_size_of_its_file(write_scene, tmp_
 def test_the_sweep_in_the_docs_can_be_run(tmp_path):
     page = (Path(__file__).parents[2] / "docs" / "bench.md").read_text()
     (block,) = [text for text in page.split("```toml\n") if text.startswith("[sweep]")]
-    path = tmp_path / "steel.toml"
-    path.write_text(scene_text("hardness")[0] + "\n" + block.partition("```")[0])
-    sweep = load_asked(str(path))
+    sweep = scene_in(tmp_path, scene_text("hardness")[0] + "\n" + block.partition("```")[0])
     assert sweep.shape == (5, 2)
     problems_of(sweep)
 

@@ -1,17 +1,14 @@
 """One number, whatever units and axes: every key of every record."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np
 import pytest
 from gold.asked import STUDIES
+from small_scene import scene_in
 
-from fem_contact.surface import random_surface
+from fem_contact import random_surface
 from validation.comparison.run import run_scene, run_sweep
-from validation.scenes.scene import load_scene
-from validation.scenes.sweep import load_asked
 from validation.studies import find_study
 from validation.units import unit_registry
 
@@ -63,9 +60,7 @@ def toml(parts, sweep=""):
 
 def run_of(parts, folder, name="scene"):
     folder.mkdir(exist_ok=True)
-    path = folder / f"{name}.toml"
-    path.write_text(toml(parts))
-    return run_scene(load_scene(str(path)), folder / name, report=False)
+    return run_scene(scene_in(folder, toml(parts), name=name), folder / name, report=False)
 
 
 def scaled_by(unit, length, pressure):
@@ -110,14 +105,11 @@ def test_every_number_scales_by_its_unit(in_si, tmp_path, length, pressure):
 
 def test_every_number_of_a_sweep_scales_by_its_unit(tmp_path):
     def data(name, length, pressure):
-        path = tmp_path / f"{name}.toml"
         leak = {"viscosity": 1e-3 * pressure, "pressure_drop": 1e3 * pressure}
-        path.write_text(toml(scaled_tables(length, pressure, quantities={"leak": leak})))
-        keys = {
-            "load.pressure": [1e3 * pressure, 9e3 * pressure],
-            "solid.young": [2e6 * pressure, 3e6 * pressure],
-        }
-        sweep = load_asked(str(path), [f"sweep.{key}={values}" for key, values in keys.items()])
+        text = toml(scaled_tables(length, pressure, quantities={"leak": leak}))
+        loads = f"sweep.load.pressure={[1e3 * pressure, 9e3 * pressure]}"
+        moduli = f"sweep.solid.young={[2e6 * pressure, 3e6 * pressure]}"
+        sweep = scene_in(tmp_path, text, loads, moduli, name=name)
         return run_sweep(sweep, tmp_path / name, report=False).data
 
     assert_scaled(data("before", 1.0, 1.0), data("after", 2.0**20, 2.0**-30), 2.0**20, 2.0**-30)

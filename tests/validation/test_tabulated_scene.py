@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
+from small_scene import scene_in
 
-from persson.spectrum import SelfAffine
+from persson import SelfAffine
 from validation.comparison.run import run_scene
 from validation.errors import SceneError, UsageError
 from validation.scenes.problem import realise
-from validation.scenes.scene import load_scene
 
 SPECTRUM = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=2 * np.pi / 5e-5, q_short=2 * np.pi / 5e-6)
 REST = """
@@ -43,8 +44,7 @@ def scene(tmp_path):
     def write(text, table=None):
         if table is not None:
             np.savetxt(tmp_path / "psd.csv", table, delimiter=",", header="q, C")
-        (tmp_path / "mine.toml").write_text(text + REST, encoding="utf-8")
-        return load_scene(str(tmp_path / "mine.toml"))
+        return scene_in(tmp_path, text + REST, name="mine")
 
     return write
 
@@ -59,9 +59,7 @@ def scene(tmp_path):
 )
 def test_a_finely_tabulated_spectrum_gives_the_surface_it_was_taken_from(scene, keys, units):
     drawn, tabulated = realise(scene(SELF_AFFINE)), realise(scene(TABULATED + keys, rows(**units)))
-    np.testing.assert_allclose(
-        tabulated.heights((64, 64)).heights, drawn.heights((64, 64)).heights, atol=1e-12
-    )
+    assert_allclose(tabulated.heights((64, 64)).heights, drawn.heights((64, 64)).heights, atol=1e-12)
     assert tabulated.spectrum.moments().m2 == pytest.approx(0.01, rel=1e-9)
 
 
@@ -71,8 +69,8 @@ def test_area_and_theory_are_those_of_the_self_affine_surface(scene, tmp_path):
         data = run_scene(scene(text, table), tmp_path / str(len(areas)), report=False).result.data
         areas.append(data.area_located.values)
         theories.append([data.area_persson.values, data.area_ensemble.values])
-    np.testing.assert_allclose(areas[1], areas[0], rtol=1e-3)
-    np.testing.assert_allclose(theories[1], theories[0], rtol=1e-4)
+    assert_allclose(areas[1], areas[0], rtol=1e-3)
+    assert_allclose(theories[1], theories[0], rtol=1e-4)
 
 
 def test_an_edited_table_is_another_solve_and_a_comment_in_the_scene_is_not(scene):

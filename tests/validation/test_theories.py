@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from persson.elastic import KAPPA_BGT, contact_area, stress_variance
 from validation import theories as registry
@@ -20,20 +21,20 @@ SMALL = {"periods": 2.0, "bandwidth": 2.0, "surfaces": 2, "points_per_wave": (4.
 
 
 @pytest.fixture(scope="module")
-def rough() -> Rough:
+def rough():
     surface = base_surface(hurst=0.8, periods=2.0, bandwidth=8.0, seed=311)
     return Rough.of(base_case(surface, reduced_pressure=0.05))
 
 
-def unit(rough: Rough) -> float:
+def unit(rough):
     return rough.contact_modulus * rough.moments.rms_gradient
 
 
-def written(body: str, name: str = "my_theory") -> None:
+def written(body, name="my_theory"):
     Path(f"{name}.py").write_text(textwrap.dedent(body), encoding="utf-8")
 
 
-def test_all_theories_of_the_package_are_found_and_have_an_area(rough: Rough) -> None:
+def test_all_theories_of_the_package_are_found_and_have_an_area(rough):
     asked = {"persson", "yang-persson", "wang-mueser", "xu"}
     asked |= {"bush-gibson-thomas", "carbone-bottiglione", "greenwood-williamson"}
     assert set(theories()) == asked
@@ -44,16 +45,16 @@ def test_all_theories_of_the_package_are_found_and_have_an_area(rough: Rough) ->
         assert np.all((area > 0) & (np.diff(area, prepend=0) > 0)), theory.name
 
 
-def test_the_entry_of_persson_is_his_theory_of_the_realised_surface(rough: Rough) -> None:
+def test_the_entry_of_persson_is_his_theory_of_the_realised_surface(rough):
     pressure = np.array([0.01, 0.3, 2.0]) * unit(rough)
     full = stress_variance(rough.moments.m2, contact_modulus=rough.contact_modulus)
-    np.testing.assert_array_equal(
+    assert_array_equal(
         theories()["persson"].area(pressure, rough), contact_area(pressure, stress_variance=full)
     )
 
 
 @pytest.mark.parametrize("name", ["persson", "yang-persson", "wang-mueser", "xu"])
-def test_the_distribution_of_an_entry_carries_the_load_on_its_area(name: str, rough: Rough) -> None:
+def test_the_distribution_of_an_entry_carries_the_load_on_its_area(name, rough):
     theory, load = theories()[name], 0.2 * unit(rough)
     stress = np.linspace(0.0, 12 * unit(rough), 60001)
     density = theory.pressure_distribution(stress, load, rough)
@@ -62,7 +63,7 @@ def test_the_distribution_of_an_entry_carries_the_load_on_its_area(name: str, ro
     assert (density * stress).sum() * step == pytest.approx(load, rel=1e-6)
 
 
-def test_asperities_begin_with_the_linear_law_and_leave_it_soon(rough: Rough) -> None:
+def test_asperities_begin_with_the_linear_law_and_leave_it_soon(rough):
     """Carbone and Bottiglione (2008), Fig. 5: the law of 1975 holds at vanishing loads only."""
     line, full = theories()["bush-gibson-thomas"], theories()["carbone-bottiglione"]
     pressure = np.array([1e-9, 1e-3, 1e-2, 5e-2]) * unit(rough)
@@ -75,9 +76,7 @@ def test_asperities_begin_with_the_linear_law_and_leave_it_soon(rough: Rough) ->
     assert np.all(np.diff(gap) < 0)
 
 
-def test_a_user_s_own_area_is_scored_beside_the_theory(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_user_s_own_area_is_scored_beside_the_theory(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     written(
         """
@@ -104,8 +103,8 @@ def test_a_user_s_own_area_is_scored_beside_the_theory(
     ]
     area = data.area_over.transpose("theory", "load")
     # It is Persson's theory again, in the user's words.
-    np.testing.assert_allclose(area[4], area[0], rtol=1e-12)
-    np.testing.assert_allclose(area[5], 2 * area[0] * data.area_persson, rtol=1e-12)
+    assert_allclose(area[4], area[0], rtol=1e-12)
+    assert_allclose(area[5], 2 * area[0] * data.area_persson, rtol=1e-12)
     assert np.isfinite(area).all()
     gap = data.gap_over.transpose("theory", "load")
     assert np.isnan(gap[4:6]).all()
@@ -124,9 +123,7 @@ def test_a_user_s_own_area_is_scored_beside_the_theory(
         ("broken", "cannot be imported: ZeroDivisionError"),
     ],
 )
-def test_a_theory_that_is_not_there_is_refused_by_name(
-    name: str, says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_theory_that_is_not_there_is_refused_by_name(name, says, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     written("def other(pressure): return pressure\n", "my_theory_of_others")
     written("1 / 0\n", "broken")
@@ -136,9 +133,7 @@ def test_a_theory_that_is_not_there_is_refused_by_name(
         find_theory(name.replace("my_theory", "lonely_theory"))
 
 
-def test_a_theory_of_a_wrong_shape_is_refused_by_name(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rough: Rough
-) -> None:
+def test_a_theory_of_a_wrong_shape_is_refused_by_name(tmp_path, monkeypatch, rough):
     monkeypatch.chdir(tmp_path)
     written("def area(pressure): return 0.5\ndef bad(pressure): return pressure + missing\n", "shapeless")
     written("def area(pressure): return 1e-6 * pressure\n", "linear")
@@ -160,7 +155,7 @@ class Elsewhere(Theory):
         return pressure / pressure.max()
 
 
-def offered(monkeypatch: pytest.MonkeyPatch, load) -> tuple[type[Theory], ...]:
+def offered(monkeypatch, load):
     """What is found where another package's entry point is loaded by a function."""
     entry = metadata.EntryPoint(name="elsewhere", value=f"{__name__}:Elsewhere", group="fem_contact.theories")
     monkeypatch.setattr(type(entry), "load", lambda self: load())
@@ -168,6 +163,6 @@ def offered(monkeypatch: pytest.MonkeyPatch, load) -> tuple[type[Theory], ...]:
     return found_in(registry.__name__, Theory, group="fem_contact.theories")
 
 
-def test_another_package_adds_a_theory_by_an_entry_point(monkeypatch, capsys) -> None:
+def test_another_package_adds_a_theory_by_an_entry_point(monkeypatch, capsys):
     assert Elsewhere in offered(monkeypatch, lambda: print("hello") or Elsewhere)
     assert capsys.readouterr().out == ""

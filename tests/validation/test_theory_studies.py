@@ -1,9 +1,8 @@
 """The studies that compare limits with the theory: kappa over H, load and magnification, and the verdict."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from planted import edge_data
 
 from validation.errors import UsageError
@@ -24,7 +23,7 @@ def test_hurst_study_reports_change_by_surface_and_finds_the_bandwidth_of_equal_
     assert data.family.values.tolist() == ["bandwidth 2", "alpha 2.2"]
     assert np.ptp(data.bandwidth.values[0]) == 0 < np.ptp(data.bandwidth.values[1])
     change = data.kappa_each.isel(hurst=-1) / data.kappa_each.isel(hurst=0) - 1
-    np.testing.assert_allclose(data.kappa_change, change.mean("surface"), rtol=1e-12)
+    assert_allclose(data.kappa_change, change.mean("surface"), rtol=1e-12)
     flat = data.assign(kappa_change=0 * data.kappa_change)
     assert hurst.views(flat).findings[0].outcomes == ("0", "0")
 
@@ -37,7 +36,7 @@ def test_an_impossible_nayak_parameter_is_refused_by_name(bench):
 def test_magnification_ends_at_the_theory_of_the_whole_surface(numbers):
     data = numbers("magnification")
     area, theory = data.area_each.isel(load=0), data.area_persson_each.isel(load=0, magnification=-1)
-    np.testing.assert_allclose(theory, persson_area(0.05), rtol=1e-9)
+    assert_allclose(theory, persson_area(0.05), rtol=1e-9)
     assert np.all(area.isel(magnification=0) > area.isel(magnification=-1))
 
 
@@ -69,7 +68,7 @@ def test_every_quantity_of_the_theory_is_scored_and_full_contact_is_no_compariso
         assert np.isfinite(over[:, :-1]).all()
         assert np.isfinite(over[:, -1]).all() == (name == "area")
         assert np.isfinite(scored[f"{name}_off"]).all()
-    np.testing.assert_allclose(scored.area_over.isel(load=-1), 1.0, rtol=1e-9)
+    assert_allclose(scored.area_over.isel(load=-1), 1.0, rtol=1e-9)
     table = theory_verdict.views(scored).table.of(scored)
     assert len(table.rows) == 4 * 4
     assert len(find_study("theory-verdict").budget(scored).rows) == 4
@@ -103,7 +102,7 @@ def test_the_ladders_of_the_hurst_study_keep_phases_and_area(numbers):
     # The first rung of the bandwidth ladder is the study's own spectrum: the same surfaces on the same grids,
     # but for the tolerance of a solve that starts from the load before.
     own = data.kappa.isel(family=0, load=1)
-    np.testing.assert_allclose(data.kappa_by_bandwidth[:, 0], own, rtol=1e-6)
+    assert_allclose(data.kappa_by_bandwidth[:, 0], own, rtol=1e-6)
     # 1 / 1.25^2 of the area, so more pairs; the others are no samples of the larger.
     assert ((data.solve_by_size != "").sum("surface_by_size") == [[6, 4], [6, 4]]).all()
     budget = find_study("hurst").budget(data)

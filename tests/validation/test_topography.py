@@ -1,7 +1,5 @@
 """Measured surfaces: read from any format, levelled, filled, made periodic, through theory and solvers."""
 
-from __future__ import annotations
-
 import hashlib
 import io
 import json
@@ -14,12 +12,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from numpy.testing import assert_allclose, assert_array_equal
+from small_scene import scene_in
 from typer.testing import CliRunner
 
 import fem_contact as fc
-from fem_contact.surface import HeightField, radial_spectrum, random_surface
-from fem_contact.surface.spectra import estimate_spectrum, window_weights
-from persson.spectrum import SelfAffine
+from fem_contact import HeightField, estimate_spectrum, radial_spectrum, random_surface
+from fem_contact.surface.spectra import window_weights
+from persson import SelfAffine
 from validation.audit.files import page_tables
 from validation.audit.reading import audit
 from validation.cli.commands import app
@@ -44,7 +44,7 @@ SPECTRUM = SelfAffine.from_rms_gradient(
 )
 
 
-def npy(array: np.ndarray) -> bytes:
+def npy(array):
     """The bytes of a .npy file."""
     file = io.BytesIO()
     np.save(file, array)
@@ -55,7 +55,7 @@ def npy(array: np.ndarray) -> bytes:
 AS_IT_IS = {"tilt": None, "missing": "refuse", "edges": None}
 
 
-def patch(n: int = 96, *, seed: int = 31) -> np.ndarray:
+def patch(n=96, *, seed=31):
     """A quarter of a periodic surface of twice the size: its opposite edges do not match."""
     whole = random_surface(
         SPECTRUM, q_short=SPECTRUM.q_short, lengths=(2 * LENGTH,) * 2, shape=(2 * n, 2 * n), seed=seed
@@ -63,7 +63,7 @@ def patch(n: int = 96, *, seed: int = 31) -> np.ndarray:
     return np.array(whole.heights[:n, :n])
 
 
-def measured_patch(n: int = 96) -> tuple[np.ndarray, np.ndarray]:
+def measured_patch(n=96):
     """A patch as it comes from an instrument, with tilt and holes; and the mask of the holes."""
     heights = patch(n)
     x = np.arange(n) * LENGTH / n
@@ -76,15 +76,15 @@ def measured_patch(n: int = 96) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("suffix", [".npy", ".txt", ".nc"])
 def test_every_format_is_written_and_read_back_exactly(tmp_path, suffix):
-    field = HeightField(heights=patch(48)[:24, :18], lengths=(2.4e-6, 1.8e-6))
+    field = HeightField(heights=patch(48)[:24, :18], lengths=(2.4e-6, 2.7e-6))
     path = tmp_path / f"surface{suffix}"
     write_topography(path, field)
     says_size = suffix == ".nc"
     found = read_topography(
         path, lengths=None if says_size else field.lengths, unit=None if says_size else 1.0
     )
-    np.testing.assert_array_equal(found.heights, field.heights)
-    np.testing.assert_allclose(found.lengths, field.lengths, rtol=1e-14)
+    assert_array_equal(found.heights, field.heights)
+    assert_allclose(found.lengths, field.lengths, rtol=1e-14)
     if not says_size:
         with pytest.raises(UsageError, match="does not say how large the patch is"):
             read_topography(path)
@@ -106,7 +106,7 @@ def test_netcdf_units_are_converted(tmp_path):
         heights.units = "nm"
         heights[...] = np.ma.masked_equal(np.arange(12.0).reshape(4, 3), 5.0)
     found = read_topography(path)
-    np.testing.assert_allclose(found.lengths, (2e-6, 1.5e-6), rtol=1e-14)
+    assert_allclose(found.lengths, (2e-6, 1.5e-6), rtol=1e-14)
     assert found.missing == 1
     assert np.isnan(found.heights[1, 2])
     assert found.heights[3, 2] == pytest.approx(11e-9, rel=1e-7)
@@ -123,12 +123,12 @@ def test_other_formats_are_read_and_written_with_surfacetopography(tmp_path):
     made.to_gwy(str(tmp_path / "scan.gwy"))
     for path in ("whole-numbers.x3p", "classic.data", "scan.gwy"):
         found = read_topography(tmp_path / path)
-        np.testing.assert_allclose(found.lengths, field.lengths, rtol=1e-12)
-        np.testing.assert_array_equal(np.isnan(found.heights), holed.mask)
-        np.testing.assert_allclose(found.heights[~holed.mask], field.heights[~holed.mask], atol=1e-9 * 1e-8)
+        assert_allclose(found.lengths, field.lengths, rtol=1e-12)
+        assert_array_equal(np.isnan(found.heights), holed.mask)
+        assert_allclose(found.heights[~holed.mask], field.heights[~holed.mask], atol=1e-9 * 1e-8)
     write_topography(tmp_path / "plain.x3p", field)
     found = read_topography(tmp_path / "plain.x3p")
-    np.testing.assert_array_equal(found.heights, field.heights)
+    assert_array_equal(found.heights, field.heights)
     # Text of a program whose header is not ours, and binary data of a suffix that is ours.
     (tmp_path / "binary.dat").write_bytes((tmp_path / "scan.gwy").read_bytes())
     assert read_topography(tmp_path / "binary.dat").heights.shape == (24, 18)
@@ -171,7 +171,7 @@ def test_holes_are_refused_or_filled_by_choice():
     for choice in ("nearest", "harmonic"):
         filled = levelled.filled(choice)
         assert filled.missing == 0
-        np.testing.assert_array_equal(filled.heights[~holes], levelled.heights[~holes])
+        assert_array_equal(filled.heights[~holes], levelled.heights[~holes])
         error[choice] = np.std((filled.heights - truth)[holes])
         assert f"filled: {choice}" in filled.history[-1]
     # The membrane follows the rim of a hole; the nearest point is off by the slope.
@@ -185,7 +185,7 @@ def test_the_membrane_continues_a_plane_exactly():
     holed = plane.copy()
     holed[3:7, 4:9] = np.nan
     found = Topography(heights=holed, lengths=(1.0, 1.0)).filled("harmonic").heights
-    np.testing.assert_allclose(found, plane, atol=1e-12 * 20)
+    assert_allclose(found, plane, atol=1e-12 * 20)
 
 
 def test_edges_that_do_not_match_are_refused_unless_a_taper_is_named():
@@ -199,9 +199,7 @@ def test_edges_that_do_not_match_are_refused_unless_a_taper_is_named():
         assert f"{edges} taper" in periodic.history[-1]
     middle = slice(20, -20)
     kept = rough.made_periodic("tukey", margin=0.15).heights[middle, middle]
-    np.testing.assert_allclose(
-        kept, (rough.heights - rough.heights.mean())[middle, middle], rtol=1e-12, atol=1e-20
-    )
+    assert_allclose(kept, (rough.heights - rough.heights.mean())[middle, middle], rtol=1e-12, atol=1e-20)
     assert rough.made_periodic("periodic").edge_jump == rough.edge_jump
 
 
@@ -217,7 +215,7 @@ def test_windows_are_one_inside_fall_to_the_edges_and_are_symmetric():
         weights = window_weights((20, 31), window=window, margin=0.2)
         assert weights.min() > 0
         assert weights.max() <= 1
-        np.testing.assert_allclose(weights, weights[::-1, ::-1], atol=1e-15)
+        assert_allclose(weights, weights[::-1, ::-1], atol=1e-15)
     assert np.all(window_weights((40, 40), window="tukey", margin=0.1)[5:-5, 5:-5] == 1)
 
 
@@ -225,7 +223,7 @@ def test_without_a_window_the_estimate_of_a_periodic_surface_is_its_spectrum():
     whole = random_surface(SPECTRUM, q_short=SPECTRUM.q_short, lengths=(2e-5, 2e-5), shape=(72, 72), seed=13)
     found, exact = estimate_spectrum(whole.heights, whole.lengths, window="none"), radial_spectrum(whole)
     kept = exact.power[: found.power.size]
-    np.testing.assert_allclose(found.power, kept, rtol=1e-12, atol=1e-15 * kept.max())
+    assert_allclose(found.power, kept, rtol=1e-12, atol=1e-15 * kept.max())
 
 
 def test_a_windowed_patch_gives_back_the_spectrum_it_was_cut_from():
@@ -278,8 +276,7 @@ depth = "5 um"
 def test_a_measured_topography_goes_through_theory_and_solvers(tmp_path):
     heights, _ = measured_patch()
     np.save(tmp_path / "afm.npy", heights * 1e9)
-    (tmp_path / "scene.toml").write_text(SCENE.format(path="afm.npy", length='length = "10 um"\nunit = "nm"'))
-    scene = load_scene(str(tmp_path / "scene.toml"))
+    scene = scene_in(tmp_path, SCENE.format(path="afm.npy", length='length = "10 um"\nunit = "nm"'))
     outputs = run_scene(scene, tmp_path / "results")
     c = outputs.data
     treatment = c.attrs["treatment"].splitlines()
@@ -307,8 +304,7 @@ def test_two_measured_bodies_are_the_map_of_their_sum_with_one_turned_over(tmp_p
     unit, areas = 'length = "10 um"\nunit = "nm"\n', {}
     for name, line in {"both": 'path = "a.npy"\nsecond_path = "b.npy"', "sum": 'path = "sum.npy"'}.items():
         scene = text.replace('path = "{path}"', line).format(length=unit)
-        (tmp_path / f"{name}.toml").write_text(scene)
-        outputs = run_scene(load_scene(str(tmp_path / f"{name}.toml")), tmp_path / name, report=False)
+        outputs = run_scene(scene_in(tmp_path, scene, name=f"{name}"), tmp_path / name, report=False)
         areas[name] = float(outputs.data.area_own)
         assert ("facing b.npy" in outputs.data.attrs["treatment"]) == (name == "both")
         assert not audit(tmp_path / name).wrong
@@ -316,7 +312,7 @@ def test_two_measured_bodies_are_the_map_of_their_sum_with_one_turned_over(tmp_p
     options = {"length": "10 um", "unit": "nm", "second_path": str(tmp_path / "b.npy")}
     for heights in (str(tmp_path / "a.npy"), first * 1e9):
         raw = fc.measured(heights, **options).given.raw.heights
-        np.testing.assert_allclose(raw, first + second[::-1], rtol=0, atol=1e-18)
+        assert_allclose(raw, first + second[::-1], rtol=0, atol=1e-18)
     np.save(tmp_path / "b.npy", second[:40])
     with pytest.raises(
         UsageError, match=r"surface.second_path = .*: has 40 x 48 points, the first body 48 x"
@@ -330,49 +326,42 @@ def test_several_maps_of_a_surface_are_an_ensemble(tmp_path):
         np.save(tmp_path / f"{name}.npy", patch(40, seed=seed) * 1e9)
     head = SCENE[: SCENE.index("[methods.bem]")] + "[methods.bem]\ngrids = [56, 80]\n"
     head = head.format(path="{path}", length='length = "10 um"\nunit = "nm"\n{more}')
-    more = 'more_paths = ["b.npy", "c.npy"]\ntreatment = false'
-    ensemble = "[ensemble]\nrealisations = {}\ngrids = [56, 80]\n"
-    scene = tmp_path / "all.toml"
-    scene.write_text(head.format(path="a.npy", more=more) + ensemble.format(3))
-    data = run_scene(load_scene(str(scene)), tmp_path / "all").data
+    together = head.format(path="a.npy", more='more_paths = ["b.npy", "c.npy"]\ntreatment = false')
+    ensemble = together + "[ensemble]\nrealisations = {}\ngrids = [56, 80]\n"
+    data = run_scene(scene_in(tmp_path, ensemble.format(3)), tmp_path / "all").data
     for k, name in enumerate("abc"):
-        (tmp_path / f"{name}.toml").write_text(head.format(path=f"{name}.npy", more="treatment = false"))
-        alone = run_scene(load_scene(str(tmp_path / f"{name}.toml")), tmp_path / name, report=False).data
+        scene = scene_in(tmp_path, head.format(path=f"{name}.npy", more="treatment = false"))
+        alone = run_scene(scene, tmp_path / name, report=False).data
         assert float(data.area_each[k]) == pytest.approx(float(alone.area_own), rel=1e-9)
         assert float(data.area_persson_each[k]) == pytest.approx(float(alone.area_persson_own), rel=1e-9)
     assert float(data.area) == pytest.approx(float(data.area_each.mean()), rel=1e-12)
     assert not audit(tmp_path / "all").wrong
     assert "Over 3 maps the mean is" in (tmp_path / "all" / "report.html").read_text()
-    broken = {ensemble.format(4): "has 3 maps; say realisations = 3", "": "add .ensemble. with"}
-    for table, words in broken.items():
-        scene.write_text(head.format(path="a.npy", more=more) + table)
+    broken = {ensemble.format(4): "has 3 maps; say realisations = 3", together: "add .ensemble. with"}
+    for text, words in broken.items():
         with pytest.raises(UsageError, match=words):
-            load_scene(str(scene))
+            scene_in(tmp_path, text)
     np.save(tmp_path / "c.npy", np.ones((8, 8)))
-    scene.write_text(head.format(path="a.npy", more=more) + ensemble.format(3))
     with pytest.raises(UsageError, match=r"surface.path = .*c.npy.*: is flat"):
-        run_scene(load_scene(str(scene)), tmp_path / "flat")
+        run_scene(scene_in(tmp_path, ensemble.format(3)), tmp_path / "flat")
 
 
 def test_a_file_that_says_its_size_needs_no_length_in_the_scene(tmp_path):
     field = HeightField(heights=patch()[:24, :24], lengths=(LENGTH / 4, LENGTH / 4))
     write_topography(tmp_path / "scan.nc", field)
-    (tmp_path / "scene.toml").write_text(SCENE.format(path="scan.nc", length=""))
-    surface = load_scene(str(tmp_path / "scene.toml")).surface
-    np.testing.assert_allclose(surface.length, field.lengths, rtol=1e-14)
+    surface = scene_in(tmp_path, SCENE.format(path="scan.nc", length="")).surface
+    assert_allclose(surface.length, field.lengths, rtol=1e-14)
     assert Measured.read(surface).period.height_field().shape == (24, 24)
 
 
 def test_one_length_for_a_map_that_is_not_square_is_refused_and_oblong_cells_are_said(tmp_path):
     np.save(tmp_path / "scan.npy", patch()[:24, :18])
     text = SCENE.format(path="scan.npy", length='length = "10 um"\nunit = "1 nm"')
-    (tmp_path / "scene.toml").write_text(text)
     with pytest.raises(
         UsageError, match=r"surface.length: one length for 24 x 18 points makes oblong cells; give"
     ):
-        load_scene(str(tmp_path / "scene.toml"))
-    (tmp_path / "scene.toml").write_text(text.replace('"10 um"', '["10 um", "10 um"]'))
-    surface = load_scene(str(tmp_path / "scene.toml")).surface
+        scene_in(tmp_path, text)
+    surface = scene_in(tmp_path, text.replace('"10 um"', '["10 um", "10 um"]')).surface
     assert "oblong cells of 416.7 nm x 555.6 nm" in Measured.read(surface).period.history[0]
     assert "oblong" not in read_topography(tmp_path / "scan.npy", lengths=(4.0, 3.0), unit=1.0).history[0]
 
@@ -385,18 +374,17 @@ def test_a_file_is_read_once_until_it_changes(tmp_path, monkeypatch):
     np.save(path, patch()[:24, :24] * 1e9)
     os.utime(path, (1, 1))
     monkeypatch.setattr(reading, "_SETTLED", 0.0)
-    (tmp_path / "scene.toml").write_text(
-        SCENE.format(path="scan.npy", length='length = "2.5 um"\nunit = "1 nm"')
-    )
-    surface = load_scene(str(tmp_path / "scene.toml")).surface
+    surface = scene_in(
+        tmp_path, SCENE.format(path="scan.npy", length='length = "2.5 um"\nunit = "1 nm"')
+    ).surface
     first = Measured.read(surface)
-    np.testing.assert_array_equal(Measured.read(surface).raw.heights, first.raw.heights)
+    assert_array_equal(Measured.read(surface).raw.heights, first.raw.heights)
     assert first.digest == hashlib.sha256(path.read_bytes()).hexdigest()
     assert len(calls) == 1
     np.save(path, patch()[:24, :24][::-1] * 1e9)
     second = Measured.read(surface)
     assert second.digest != first.digest
-    np.testing.assert_array_equal(second.raw.heights, first.raw.heights[::-1])
+    assert_array_equal(second.raw.heights, first.raw.heights[::-1])
     assert len(calls) == 2
     assert not any(t.heights.flags.writeable for t in (first.raw, first.patch, first.period))
 
@@ -415,9 +403,7 @@ def test_a_plane_of_many_blocks_is_that_of_one(monkeypatch):
     expected = {tilt: whole.levelled(tilt).heights for tilt in ("plane", "quadratic")}
     monkeypatch.setattr("validation.scenes.topography.patch._BLOCK_POINTS", 400)
     for tilt, found in expected.items():
-        np.testing.assert_allclose(
-            whole.levelled(tilt).heights, found, rtol=0, atol=1e-13 * np.nanmax(heights)
-        )
+        assert_allclose(whole.levelled(tilt).heights, found, rtol=0, atol=1e-13 * np.nanmax(heights))
 
 
 def test_more_holes_than_a_membrane_is_stretched_over_are_refused(monkeypatch):
@@ -465,15 +451,14 @@ def test_a_file_that_no_scene_can_press_is_refused_before_anything_is_solved(
 ):
     if heights is not None:
         np.save(tmp_path / "scan.npy", heights)
-    (tmp_path / "scene.toml").write_text(SCENE.format(path="scan.npy", length=length))
     for command in (explain, lambda scene: run_scene(scene, tmp_path / "results")):
         with pytest.raises(UsageError, match=words) as caught:
-            command(load_scene(str(tmp_path / "scene.toml")))
+            command(scene_in(tmp_path, SCENE.format(path="scan.npy", length=length)))
         assert str(caught.value).count("\n") == 0
     assert not list((tmp_path / "results").rglob("*.nc"))
 
 
-def tilted_map(folder) -> str:
+def tilted_map(folder):
     """One period of a rough surface as an instrument gives it: tilted, in um, with a hole; a scene of it."""
     waves = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1.3e6, q_short=1.2e7)
     whole = random_surface(waves, q_short=1.2e7, lengths=(2e-5, 1.2e-5), shape=(160, 96), seed=9)
@@ -497,22 +482,19 @@ grids = [[160, 96]]
 
 def test_a_tilt_and_a_hole_come_at_once_with_the_table_that_mends_them(tmp_path):
     text = tilted_map(tmp_path)
-    (tmp_path / "scene.toml").write_text(text + REST)
     with pytest.raises(UsageError, match=r"tilt: a plane holds 9\d\.?\d* % of the variance") as caught:
-        explain(load_scene(str(tmp_path / "scene.toml")))
+        explain(scene_in(tmp_path, text + REST))
     said = str(caught.value)
     assert "missing: 42 of 15360 heights are NaN or infinite" in said
     # The plane made the edges differ: without it they match, and no taper is called for.
     assert "edges" not in said
     pasted = said[said.index("[surface]") :] + text.partition('"afm.txt"')[2]
-    (tmp_path / "scene.toml").write_text(pasted + REST)
-    found = Measured.read(load_scene(str(tmp_path / "scene.toml")).surface)
+    found = Measured.read(scene_in(tmp_path, pasted + REST).surface)
     assert found.period.missing == 0
     assert found.faults == {}
     # Without a size all faults come before the first is mended.
-    (tmp_path / "scene.toml").write_text('[surface]\nkind = "file"\npath = "afm.txt"\n' + REST)
     with pytest.raises(UsageError, match=r"surface\.length: missing") as caught:
-        load_scene(str(tmp_path / "scene.toml"))
+        scene_in(tmp_path, '[surface]\nkind = "file"\npath = "afm.txt"\n' + REST)
     asked = ("surface.unit: missing", 'unit = "..."', 'length = ["...", "..."]')
     for words in (*asked, 'tilt = "plane"', 'missing = "harmonic"'):
         assert words in str(caught.value)
@@ -527,8 +509,7 @@ def treated(tmp_path_factory):
     heights[[20, 70, 110], [30, 60, 80]] += 40
     np.savetxt(folder / "afm.txt", heights)
     rest = REST.replace("[[160, 96]]", "[[160, 96], [320, 192]]")
-    (folder / "scene.toml").write_text(text + rest)
-    return folder, run_scene(load_scene(str(folder / "scene.toml")), folder / "results")
+    return folder, run_scene(scene_in(folder, text + rest), folder / "results")
 
 
 def test_the_budget_of_the_treatment_is_what_a_scene_so_treated_says(treated, tmp_path):
@@ -550,8 +531,11 @@ def test_the_budget_of_the_treatment_is_what_a_scene_so_treated_says(treated, tm
     areas = {}
     treatments = {"": "", "spikes clipped": 'spikes = "clip"\n', names[0]: 'lambda_short = "0.5 um"\n'}
     for name, line in treatments.items():
-        (tmp_path / "scene.toml").write_text(text.replace("tilt =", line + "tilt ="))
-        alone = run_scene(load_scene(str(tmp_path / "scene.toml")), tmp_path / f"r{len(areas)}", report=False)
+        alone = run_scene(
+            scene_in(tmp_path, text.replace("tilt =", line + "tilt =")),
+            tmp_path / f"r{len(areas)}",
+            report=False,
+        )
         assert "variation" not in alone.data.dims  # five more solves on its one grid are not cheap
         areas[name] = float(alone.data.area_own)
     for name in (names[0], "spikes clipped"):
@@ -640,16 +624,18 @@ def test_the_map_of_the_docs_is_made_and_gets_the_table_that_they_show(tmp_path,
 def test_faults_of_a_map_and_of_other_tables_come_at_once(sweep, tmp_path):
     np.save(tmp_path / "afm.npy", np.arange(64.0)[:, None] + np.random.default_rng(3).normal(size=(64, 64)))
     table = '[surface]\nkind = "file"\npath = "afm.npy"\n'
-    (tmp_path / "scene.toml").write_text(table + REST.replace("2 MPa", "2 kg").replace("0.3", "0.7") + sweep)
     with pytest.raises(UsageError) as caught:
-        load_asked(str(tmp_path / "scene.toml"))
+        scene_in(tmp_path, table + REST.replace("2 MPa", "2 kg").replace("0.3", "0.7") + sweep)
     words = "solid.young = '2 kg'", "solid.poisson = 0.7", "surface.length: missing", 'tilt = "plane"'
     places = [str(caught.value).index(each) for each in words]
     assert places == sorted(places)
     assert str(caught.value).endswith('tilt = "plane"')
 
 
-@pytest.mark.parametrize("length", ["64 um, 48 um", "64 um", "[64 um, 48 um]", "6.4e-5,4.8e-5"])
+@pytest.mark.parametrize(
+    "length",
+    ["64 um, 48 um", "64 um", "[64 um, 48 um]", '["64 um", "48 um"]', "[6.4e-5, 4.8e-5]", "6.4e-5,4.8e-5"],
+)
 def test_the_table_to_paste_is_a_scene_whatever_the_length_was_written_as(length, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     shape = (64, 48) if "," in length else (64, 64)
@@ -657,6 +643,7 @@ def test_the_table_to_paste_is_a_scene_whatever_the_length_was_written_as(length
     np.save("afm.npy", waves + 5 * np.arange(shape[0])[:, None])
     arguments = ["surface", "inspect", "afm.npy", "--length", length, "--unit", "nm"]
     shown = CliRunner().invoke(app, arguments).output
+    assert f"size: 64 um x {shape[1]} um" in shown
     table = re.search(r"^\[surface\]\n(?:\w+ = .*\n)+", shown, re.M)[0]
     (tmp_path / "scene.toml").write_text(table + REST)
     assert 'tilt = "plane"' in table
@@ -668,8 +655,7 @@ def test_the_table_to_paste_is_a_scene_whatever_the_length_was_written_as(length
 def test_a_plane_under_a_taper_is_said(tmp_path):
     text = tilted_map(tmp_path) + 'missing = "nearest"\nedges = "tukey"\n'
     for tilt in ("", 'tilt = "keep"\n', 'tilt = "plane"\n'):
-        (tmp_path / "scene.toml").write_text(text + tilt + REST)
-        history = Measured.read(load_scene(str(tmp_path / "scene.toml")).surface).period.history
+        history = Measured.read(scene_in(tmp_path, text + tilt + REST).surface).period.history
         warned = any("a plane that was not taken out holds" in words for words in history)
         assert warned == ("plane" not in tilt)
 
@@ -685,8 +671,8 @@ def test_what_makes_a_map_doubtful_is_among_the_findings_and_in_what_python_show
     assert "p0 = 50 bar" in repr(contact)
     assert any(finding.startswith(f"The map is doubtful: {words}") for finding in contact.findings)
     table = '[surface]\nkind = "file"\npath = "tilted.npy"\nlength = "5 um"\nunit = 1\nedges = "tukey"\n'
-    (tmp_path / "scene.toml").write_text(table + REST.partition("[methods")[0] + "[methods.theory]\n")
-    outputs = run_scene(load_scene(str(tmp_path / "scene.toml")), tmp_path / "run", report=False)
+    scene = scene_in(tmp_path, table + REST.partition("[methods")[0] + "[methods.theory]\n")
+    outputs = run_scene(scene, tmp_path / "run", report=False)
     assert words in outputs.page.findings[0]
 
 

@@ -1,9 +1,8 @@
 """Measured surfaces as text and as netCDF: however numbers are parted, points of a map, axes turned round."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from validation.errors import UsageError
 from validation.scenes.topography.reading import file_says, read_topography
@@ -11,7 +10,7 @@ from validation.scenes.topography.reading import file_says, read_topography
 NUMBERS = np.round(np.random.default_rng(15).normal(size=(5, 4)), 3)
 
 
-def written(heights: np.ndarray, delimiter: str = " ", *, comma: bool = False, end: str = "\n") -> str:
+def written(heights, delimiter=" ", *, comma=False, end="\n"):
     """A matrix as text."""
     text = end.join(delimiter.join(f"{h:.3f}" for h in row) for row in heights) + end
     return text.replace(".", ",") if comma else text
@@ -37,7 +36,7 @@ def written(heights: np.ndarray, delimiter: str = " ", *, comma: bool = False, e
 def test_text_is_read_however_its_numbers_are_parted(tmp_path, name, raw):
     path = tmp_path / name
     path.write_bytes(raw)
-    np.testing.assert_array_equal(file_says(path).heights, NUMBERS)
+    assert_array_equal(file_says(path).heights, NUMBERS)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "latin-1"])
@@ -47,8 +46,8 @@ def test_the_header_that_gwyddion_writes_says_size_and_unit(tmp_path, encoding):
     path.write_bytes((header + written(NUMBERS, "\t")).encode(encoding))
     found = read_topography(path)
     # Rows run down the page: five of them over the height.
-    np.testing.assert_allclose(found.lengths, (1e-5, 8e-6), rtol=1e-15)
-    np.testing.assert_allclose(found.heights, NUMBERS * 1e-9, rtol=1e-15)
+    assert_allclose(found.lengths, (1e-5, 8e-6), rtol=1e-15)
+    assert_allclose(found.heights, NUMBERS * 1e-9, rtol=1e-15)
     assert found.unit == 1e-9
 
 
@@ -62,8 +61,8 @@ def test_the_header_that_gwyddion_writes_says_size_and_unit(tmp_path, encoding):
 def test_a_map_three_points_wide_with_a_header_of_gwyddion_is_no_list_of_points(tmp_path, header):
     (tmp_path / "narrow.txt").write_text(header + written(NUMBERS[:, :3]), encoding="utf-8")
     found = read_topography(tmp_path / "narrow.txt")
-    np.testing.assert_allclose(found.heights, NUMBERS[:, :3] * 1e-9, rtol=1e-15)
-    np.testing.assert_allclose(found.lengths, (5e-6, 3e-6), rtol=1e-15)
+    assert_allclose(found.heights, NUMBERS[:, :3] * 1e-9, rtol=1e-15)
+    assert_allclose(found.lengths, (5e-6, 3e-6), rtol=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -82,17 +81,17 @@ def test_a_header_that_only_surfacetopography_understands_says_size_and_unit(tmp
     (tmp_path / "scan.txt").write_text(header + written(NUMBERS))
     found = read_topography(tmp_path / "scan.txt")
     # It has x along the columns.
-    np.testing.assert_allclose(found.heights, NUMBERS.T * factor * 1e-9, rtol=1e-12)
-    np.testing.assert_allclose(found.lengths, (2e-6, 2.5e-6), rtol=1e-12)
+    assert_allclose(found.heights, NUMBERS.T * factor * 1e-9, rtol=1e-12)
+    assert_allclose(found.lengths, (2e-6, 2.5e-6), rtol=1e-12)
     (tmp_path / "scan.txt").write_text("# a header that nobody understands\n" + written(NUMBERS))
-    np.testing.assert_array_equal(file_says(tmp_path / "scan.txt").heights, NUMBERS)
+    assert_array_equal(file_says(tmp_path / "scan.txt").heights, NUMBERS)
 
 
 def test_a_file_of_arrays_takes_the_size_that_is_given(tmp_path):
     pytest.importorskip("SurfaceTopography", reason="LOUD: SurfaceTopography is not installed")
     np.savez(tmp_path / "map.npz", NUMBERS)
     found = read_topography(tmp_path / "map.npz", lengths=(5e-6, 4e-6), unit=1e-9)
-    np.testing.assert_allclose(found.heights, NUMBERS * 1e-9, rtol=1e-15)
+    assert_allclose(found.heights, NUMBERS * 1e-9, rtol=1e-15)
 
 
 def test_elevations_that_any_bytes_could_be_are_believed_by_their_name(tmp_path):
@@ -101,7 +100,7 @@ def test_elevations_that_any_bytes_could_be_are_believed_by_their_name(tmp_path)
     for name in ("N01E001.hgt", "N01E001.dat"):
         metres.astype(">i2").tofile(tmp_path / name)
     found = read_topography(tmp_path / "N01E001.hgt", lengths=(0.1, 0.1), unit=1e-9)
-    np.testing.assert_allclose(np.sort(found.heights, axis=None), np.sort(metres, axis=None) * 1e-9)
+    assert_allclose(np.sort(found.heights, axis=None), np.sort(metres, axis=None) * 1e-9)
     with pytest.raises(UsageError, match="of no format that SurfaceTopography reads"):
         read_topography(tmp_path / "N01E001.dat", lengths=(0.1, 0.1), unit=1e-9)
 
@@ -114,7 +113,7 @@ def test_hdf5_of_several_data_sets_takes_the_size_that_is_given_and_damage_has_w
     with pytest.raises(UsageError, match="does not say how large the patch is: give length"):
         read_topography(tmp_path / "two.h5")
     found = read_topography(tmp_path / "two.h5", lengths=(5e-6, 4e-6), unit=1e-9)
-    np.testing.assert_allclose(found.heights, NUMBERS * 1e-9, rtol=1e-15)
+    assert_allclose(found.heights, NUMBERS * 1e-9, rtol=1e-15)
     assert "of its 2 channels 'a' (a, b)" in found.history
     for name in ("bad.opd", "bad.x3p", "bad.dat"):
         (tmp_path / name).write_bytes(b"PK" + np.random.default_rng(4).bytes(2000))
@@ -124,7 +123,7 @@ def test_hdf5_of_several_data_sets_takes_the_size_that_is_given_and_damage_has_w
             read_topography(tmp_path / name)
 
 
-def points(heights: np.ndarray, *, digits: int = 4, order: int = 3) -> str:
+def points(heights, *, digits=4, order=3):
     """Lines x y z of a map with steps of 1/3 and 1/7, in any order."""
     i, j = np.indices(heights.shape)
     rows = np.column_stack([i.ravel() / 3 + 2, j.ravel() / 7 - 1, heights.ravel()])
@@ -137,8 +136,8 @@ def test_three_columns_are_points_of_a_map(tmp_path, suffix):
     path = tmp_path / f"points.{suffix}"
     path.write_text("# x [um]  y [um]  z [nm]\n" + points(NUMBERS))
     found = read_topography(path)
-    np.testing.assert_allclose(found.heights, NUMBERS * 1e-9, rtol=1e-15)
-    np.testing.assert_allclose(found.lengths, (5e-6 / 3, 4e-6 / 7), rtol=1e-3)
+    assert_allclose(found.heights, NUMBERS * 1e-9, rtol=1e-15)
+    assert_allclose(found.lengths, (5e-6 / 3, 4e-6 / 7), rtol=1e-3)
     assert "three columns taken for x, y, z" in found.history[1]
 
 
@@ -154,7 +153,7 @@ def test_three_columns_without_units_need_lengths_in_their_ratio(tmp_path):
     ):
         read_topography(path, lengths=(1e-5, 1e-5), unit=1e-9)
     found = read_topography(path, lengths=(5e-6 / 3, 4e-6 / 7), unit=1e-9)
-    np.testing.assert_array_equal(np.isnan(found.heights), np.isnan(holed))
+    assert_array_equal(np.isnan(found.heights), np.isnan(holed))
 
 
 def test_the_netcdf_that_surfacetopography_writes_says_size_and_unit(tmp_path):
@@ -171,8 +170,8 @@ def test_the_netcdf_that_surfacetopography_writes_says_size_and_unit(tmp_path):
         mask = file.createVariable("mask", "b", ("x", "y"))
         mask[:] = np.eye(5, 4)
     found = read_topography(tmp_path / "map.nc")
-    np.testing.assert_allclose(found.lengths, (1e-5, 8e-6), rtol=1e-15)
-    np.testing.assert_allclose(found.heights, np.where(np.eye(5, 4) != 0, np.nan, NUMBERS * 1e-6), rtol=1e-15)
+    assert_allclose(found.lengths, (1e-5, 8e-6), rtol=1e-15)
+    assert_allclose(found.heights, np.where(np.eye(5, 4) != 0, np.nan, NUMBERS * 1e-6), rtol=1e-15)
 
 
 def test_a_map_listed_against_its_axis_is_turned_round(tmp_path):
@@ -189,5 +188,5 @@ def test_a_map_listed_against_its_axis_is_turned_round(tmp_path):
                 NUMBERS if name == "up.nc" else NUMBERS[::-1]
             )
     up, down = (read_topography(tmp_path / name, unit=1e-6) for name in ("up.nc", "down.nc"))
-    np.testing.assert_array_equal(up.heights, down.heights)
+    assert_array_equal(up.heights, down.heights)
     assert up.lengths == down.lengths

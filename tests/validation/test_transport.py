@@ -4,10 +4,9 @@ import json
 
 import numpy as np
 import pytest
-from small_scene import OBLONG
+from small_scene import OBLONG, scene_in
 
-from fem_contact import HalfSpace, flow_conductance, frozen_contact, open_gap
-from fem_contact.solid import Solid
+from fem_contact import HalfSpace, Solid, flow_conductance, frozen_contact, open_gap
 from validation.comparison.numbers import scene_data
 from validation.comparison.run import report_scene, run_scene, run_sweep
 from validation.errors import SceneError
@@ -147,6 +146,5 @@ def test_a_table_that_says_too_little_or_something_else_is_refused(written, more
 
 def test_the_theory_alone_has_no_contact_to_read_them_off(written, tmp_path):
     text = OBLONG.replace("[methods.bem]\ngrids = [[24, 12], [32, 16], [48, 24]]", "[methods.theory]")
-    (tmp_path / "alone.toml").write_text(text + THERMAL)
     with pytest.raises(SceneError, match="quantities: are read off a contact"):
-        load_scene(str(tmp_path / "alone.toml"))
+        scene_in(tmp_path, text + THERMAL, name="alone")

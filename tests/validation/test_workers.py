@@ -1,7 +1,5 @@
 """Workers, local and on a cluster: what dies is told, waited for, and charged to whom it belongs."""
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import itertools

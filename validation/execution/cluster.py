@@ -183,10 +183,7 @@ def _connected(address: str) -> Iterator[Any]:
 
 def _memory_limits(client: Any, address: str) -> dict[str, float]:
     """Return the memory limit of every worker by its address [bytes]."""
-    try:
-        workers = client.scheduler_info(n_workers=-1)["workers"]
-    except TypeError:  # before 2025, all of them without asking
-        workers = client.scheduler_info()["workers"]
+    workers = client.scheduler_info(n_workers=-1)["workers"]
     if client.status != "running":
         raise ConnectionError(client.status)
     for name, worker in workers.items():

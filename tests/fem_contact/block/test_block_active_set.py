@@ -4,6 +4,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from fem_contact import HeightField, Solid, Status
 from fem_contact.block import plan_mesh, solve
 from fem_contact.block.full import active_set
 from fem_contact.block.full.active_set import solve_contact
@@ -11,14 +12,11 @@ from fem_contact.block.full.block import Block
 from fem_contact.block.full.linear import LinearSolution
 from fem_contact.block.full.multigrid import build_hierarchy
 from fem_contact.block.full.system import highest_nodes
-from fem_contact.contact import Status
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 
 LIMITS = {"tolerance": 1e-9, "max_iterations": 30}
 
 
-def bumpy_block() -> Block:
+def bumpy_block():
     mesh = plan_mesh((4, 4), (1.0, 1.0))
     heights = -np.random.default_rng(21).random((4, 4))
     return Block(hierarchy=build_hierarchy(mesh, poisson=0.3), heights=heights)
@@ -46,9 +44,7 @@ class _Flipping:
 
 
 @pytest.mark.parametrize(("violation", "status"), [(1.0, Status.CYCLING), (1e-12, Status.CONVERGED)])
-def test_a_set_that_returns_is_a_cycle_unless_nothing_is_violated(
-    monkeypatch: pytest.MonkeyPatch, violation: float, status: Status
-) -> None:
+def test_a_set_that_returns_is_a_cycle_unless_nothing_is_violated(monkeypatch, violation, status):
     monkeypatch.setattr(active_set, "_SetProblem", _Flipping)
     start = np.zeros((4, 4), dtype=bool)
     start[0] = True
@@ -59,7 +55,7 @@ def test_a_set_that_returns_is_a_cycle_unless_nothing_is_violated(
     assert found.iterations < 6
 
 
-def test_linear_systems_that_do_not_converge_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_linear_systems_that_do_not_converge_are_reported(monkeypatch):
     monkeypatch.setattr(active_set, "_LINEAR_STEPS", 2)
     x = np.arange(8) / 8
     surface = HeightField(
@@ -70,7 +66,7 @@ def test_linear_systems_that_do_not_converge_are_reported(monkeypatch: pytest.Mo
     assert "linear residual" in contact.provenance["tolerance"]
 
 
-def test_updated_set_is_contact_under_pressure_and_penetrating_nodes() -> None:
+def test_updated_set_is_contact_under_pressure_and_penetrating_nodes():
     block = bumpy_block()
     start = np.ones((4, 4), dtype=bool)
     first = solve_contact(

@@ -1,15 +1,15 @@
 import numpy as np
 import pytest
 import skfem
+from numpy.testing import assert_allclose
 from skfem.helpers import ddot, div, sym_grad
 
 from fem_contact.block import ELEMENTS, plan_mesh
 from fem_contact.block.elements import LocalForms, scalar_basis
 from fem_contact.block.full.assembly import assemble, lame
-from fem_contact.errors import InvalidInput
 
 
-def test_combined_scalar_forms_equal_the_vector_form_cell_by_cell() -> None:
+def test_combined_scalar_forms_equal_the_vector_form_cell_by_cell():
     mesh = plan_mesh((3, 4), (1.0, 2.0))
     modulus = np.random.default_rng(17).uniform(0.5, 2.0, (3, 4, mesh.nz))
     basis, _ = mesh.basis()
@@ -33,10 +33,10 @@ def test_combined_scalar_forms_equal_the_vector_form_cell_by_cell() -> None:
         component[vector.nodal_dofs[axis]] = axis
     number = 3 * (node * (mesh.nz + 1) + plane) + component
     ours = assemble(mesh, poisson=0.3, modulus=modulus).matrix.toarray()[np.ix_(number, number)]
-    np.testing.assert_allclose(ours, reference, atol=1e-14 * np.abs(reference).max())
+    assert_allclose(ours, reference, atol=1e-14 * np.abs(reference).max())
 
 
-def test_patch_of_uniform_strain_needs_no_force_inside() -> None:
+def test_patch_of_uniform_strain_needs_no_force_inside():
     mesh = plan_mesh((5, 4), (1.0, 1.3))
     matrix = assemble(mesh, poisson=0.27).matrix
     z = mesh.planes - mesh.planes[0]
@@ -47,19 +47,14 @@ def test_patch_of_uniform_strain_needs_no_force_inside() -> None:
         first, second = lame(0.27)
         traction = 0.01 * (first + 2 * second if component == 2 else second) * mesh.aspect
         assert np.abs(force[:, :, 1:-1]).max() < 1e-12 * traction
-        np.testing.assert_allclose(force[:, :, -1, component], traction, rtol=1e-12)
-
-
-def test_incompressible_solid_is_refused_by_displacement_elements() -> None:
-    with pytest.raises(InvalidInput, match=r"poisson = 0\.5"):
-        lame(0.5)
+        assert_allclose(force[:, :, -1, component], traction, rtol=1e-12)
 
 
 @pytest.mark.parametrize("element", ["Hex1", "Hex2"])
-def test_only_a_constant_costs_a_cell_nothing(element: str) -> None:
+def test_only_a_constant_costs_a_cell_nothing(element):
     """Too few points of the quadrature leave waves that no stiffness resists."""
     forms = LocalForms.integrate(scalar_basis(skfem.MeshHex(), ELEMENTS[element]), ELEMENTS[element])
     laplacian = sum(forms.products[a, a] for a in range(3))[:, :, 0]
     values = np.linalg.eigvalsh(laplacian)
-    np.testing.assert_allclose(laplacian.sum(axis=1), 0, atol=1e-12)
+    assert_allclose(laplacian.sum(axis=1), 0, atol=1e-12)
     assert np.count_nonzero(values < 1e-10 * values[-1]) == 1

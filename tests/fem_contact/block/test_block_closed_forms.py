@@ -2,17 +2,15 @@ import dataclasses
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from surfaces import periodic_paraboloid
 
-from fem_contact.area import EDGE_CONSTANTS, contact_areas
+from fem_contact import HeightField, Solid, contact_areas
+from fem_contact.area import EDGE_CONSTANTS
 from fem_contact.block import solve
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 
 
-def press_paraboloid(
-    n: int, edge: float, *, shift: tuple[float, float] = (0.0, 0.0), poisson: float = 0.3, **changes: object
-):
+def press_paraboloid(n, edge, *, shift=(0.0, 0.0), poisson=0.3, **changes):
     """Contact of radius `edge` on a paraboloid of radius 1 in a unit period, the distances, and the peak."""
     solid = Solid(young=1.0, poisson=poisson)
     surface, load, r = periodic_paraboloid(n, edge, shift, modulus=solid.contact_modulus)
@@ -21,7 +19,7 @@ def press_paraboloid(
 
 
 @pytest.mark.parametrize(("element", "poisson"), [("Hex1", 0.3), ("Hex1/P0", 0.49)])
-def test_hertz_peak_and_profile_at_six_cells_per_radius(element: str, poisson: float) -> None:
+def test_hertz_peak_and_profile_at_six_cells_per_radius(element, poisson):
     contact, r, peak = press_paraboloid(60, 0.1, element=element, poisson=poisson)
     assert contact.pressure.max() == pytest.approx(peak, rel=4e-3)
     inside = r < 0.1 - 1.5 / 60
@@ -31,7 +29,7 @@ def test_hertz_peak_and_profile_at_six_cells_per_radius(element: str, poisson: f
     )
 
 
-def test_quadratic_peak_pressure_converges() -> None:
+def test_quadratic_peak_pressure_converges():
     # Corner, edge and centre nodes share the load by shape functions: a steep profile makes them differ.
     errors = []
     for n in (60, 120):
@@ -40,7 +38,7 @@ def test_quadratic_peak_pressure_converges() -> None:
     assert errors[1] < 0.4 * errors[0] < 0.4 * 2e-2
 
 
-def test_one_row_of_nodes_is_plane_strain() -> None:
+def test_one_row_of_nodes_is_plane_strain():
     n, solid = 64, Solid(young=1.0, poisson=0.3)
     wave = 0.01 * np.cos(2 * np.pi * np.arange(n) / n)[:, None]
     pressures = []
@@ -49,13 +47,13 @@ def test_one_row_of_nodes_is_plane_strain() -> None:
         pressures.append(
             solve(surface, solid, mean_pressure=0.01, tolerance=1e-11).contact.checked().pressure[:, 0]
         )
-    np.testing.assert_allclose(pressures[0], pressures[1], atol=1e-9 * pressures[1].max())
+    assert_allclose(pressures[0], pressures[1], atol=1e-9 * pressures[1].max())
 
 
 @pytest.mark.parametrize(
     ("name", "poisson"), [("Hex1", 0.3), ("Hex1/P0", 0.45), pytest.param("Hex2", 0.3, marks=pytest.mark.slow)]
 )
-def test_edge_constant_makes_the_counted_area_right_on_average(name: str, poisson: float) -> None:
+def test_edge_constant_makes_the_counted_area_right_on_average(name, poisson):
     excess, fraction, places = [], [], 16
     for shift in 2 * np.random.default_rng(23).random((places, 2)):
         contact = press_paraboloid(96, 1 / 8, shift=tuple(shift), poisson=poisson, element=name, growth=1.05)[
@@ -71,15 +69,15 @@ def test_edge_constant_makes_the_counted_area_right_on_average(name: str, poisso
 
 
 @pytest.mark.parametrize("element", ["Hex1", "Hex2"])
-def test_even_pressure_strains_the_block_like_confined_compression(element: str) -> None:
+def test_even_pressure_strains_the_block_like_confined_compression(element):
     """Stress p vertically and p nu / (1 - nu) sideways, E (1 - nu) / ((1 + nu) (1 - 2 nu)) against strain."""
     solid, load = Solid(young=2.0, poisson=0.3), 0.01
     flat = HeightField(heights=np.zeros((4, 6)), lengths=(1.0, 1.5))
     even = solve(flat, solid, mean_pressure=load, element=element, growth=1.5, depth=0.5)
     sideways, strain = -load * 0.3 / 0.7, load / (2.0 * 0.7 / (1.3 * 0.4))
     stress = even.stress()
-    np.testing.assert_allclose(stress.tensor - [sideways, sideways, -load, 0, 0, 0], 0, atol=1e-9 * load)
-    np.testing.assert_allclose(even.strain()[..., 2], -strain, rtol=1e-8)
+    assert_allclose(stress.tensor - [sideways, sideways, -load, 0, 0, 0], 0, atol=1e-9 * load)
+    assert_allclose(even.strain()[..., 2], -strain, rtol=1e-8)
     assert even.energy == pytest.approx(0.5 * load * strain * even.depth, rel=1e-9)
     sheared = dataclasses.replace(stress, tensor=np.array([0.0, 0.0, 0.0, 0.0, 0.2, 0.0]))
     assert float(sheared.von_mises) == pytest.approx(0.2 * np.sqrt(3), rel=1e-12)

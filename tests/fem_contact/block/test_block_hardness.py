@@ -2,13 +2,10 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from surfaces import rough_surface
 
-from fem_contact import bem, block
-from fem_contact.errors import InvalidInput
-from fem_contact.hardness import yielded
-from fem_contact.response import BondedLayer
-from fem_contact.solid import Solid
+from fem_contact import BondedLayer, InvalidInput, Solid, bem, block, yielded
 
 SOLID = Solid(young=1.0, poisson=0.3)
 LOAD = 0.01
@@ -37,8 +34,8 @@ def test_the_active_set_and_the_reduction_solve_the_same_bounded_problem(ratio):
     # Both stop at 1e-9 of their own residuals; displacements follow forces within a few times that.
     assert np.max(np.abs(full.pressure - reduced.pressure)) < 1e-6 * ratio * LOAD
     assert full.offset == pytest.approx(reduced.offset, abs=1e-7 * rough().rms_height)
-    np.testing.assert_array_equal(full.at_bound, reduced.at_bound)
-    np.testing.assert_array_equal(full.in_contact, reduced.in_contact)
+    assert_array_equal(full.at_bound, reduced.at_bound)
+    assert_array_equal(full.in_contact, reduced.in_contact)
     for contact in (full, reduced):
         found = yielded(contact)
         assert found.plastic_area > 0
@@ -51,8 +48,8 @@ def test_the_active_set_and_the_reduction_solve_the_same_bounded_problem(ratio):
 
 def test_a_hardness_above_every_pressure_changes_no_bit_of_the_active_set():
     plain, bounded = pressed(None, method="full"), pressed(10.0, method="full")
-    np.testing.assert_array_equal(bounded.pressure, plain.pressure)
-    np.testing.assert_array_equal(bounded.gap, plain.gap)
+    assert_array_equal(bounded.pressure, plain.pressure)
+    assert_array_equal(bounded.gap, plain.gap)
     assert bounded.offset == plain.offset
     assert not bounded.at_bound.any()
 
@@ -74,7 +71,7 @@ def test_a_field_of_hardness_bounds_every_node_by_its_own(method):
     contact = pressed(field, method=method)
     assert np.all(contact.pressure <= field * (1 + 1e-8))
     assert contact.at_bound.any()
-    np.testing.assert_allclose(contact.pressure[contact.at_bound], field[contact.at_bound], rtol=1e-8)
+    assert_allclose(contact.pressure[contact.at_bound], field[contact.at_bound], rtol=1e-8)
     with pytest.raises(InvalidInput, match="shape"):
         pressed(field[:6], method=method)
 

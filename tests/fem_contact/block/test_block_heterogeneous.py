@@ -1,21 +1,20 @@
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from surfaces import rough_surface
 
-from fem_contact.block import BlockSolution, solve, solve_displacement, solve_path
-from fem_contact.errors import InvalidInput
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
+from fem_contact import InvalidInput, Solid
+from fem_contact.block import solve, solve_displacement, solve_path
 
 SOLID = Solid(young=3e9, poisson=0.3)
 LENGTH = 1e-5
 
 
-def rough(n: int) -> HeightField:
+def rough(n):
     return rough_surface((n, n), (LENGTH, LENGTH), seed=7, waves=4)
 
 
-def particle(surface: HeightField, contrast: float):
+def particle(surface, contrast):
     """A ball of another modulus just below the highest point."""
     i, j = np.unravel_index(surface.heights.argmax(), surface.shape)
     x0, y0 = i * surface.spacing[0], j * surface.spacing[1]
@@ -28,22 +27,22 @@ def particle(surface: HeightField, contrast: float):
     return modulus
 
 
-def press(surface: HeightField, contrast: float, **changes: object) -> BlockSolution:
+def press(surface, contrast, **changes):
     pressure = 0.05 * SOLID.contact_modulus * surface.rms_gradient
     modulus = particle(surface, contrast)
     return solve(surface, SOLID, mean_pressure=pressure, modulus=modulus, **({"tolerance": 1e-9} | changes))
 
 
-def test_a_modulus_that_varies_sideways_is_solved_in_full_whatever_the_method() -> None:
+def test_a_modulus_that_varies_sideways_is_solved_in_full_whatever_the_method():
     found, full = press(rough(12), 10.0), press(rough(12), 10.0, method="full")
     assert "full system" in found.contact.provenance["method"]
-    np.testing.assert_array_equal(found.contact.pressure, full.contact.pressure)
+    assert_array_equal(found.contact.pressure, full.contact.pressure)
     half = Solid(young=3e9, poisson=0.5)
     with pytest.raises(InvalidInput, match=r"poisson = 0\.5: .*varies in depth only"):
         solve(rough(12), half, mean_pressure=1e6, modulus=particle(rough(12), 10.0))
 
 
-def test_paths_and_approaches_agree_with_single_loads() -> None:
+def test_paths_and_approaches_agree_with_single_loads():
     surface = rough(14)
     modulus = particle(surface, 5.0)
     unit = SOLID.contact_modulus * surface.rms_gradient
@@ -51,8 +50,8 @@ def test_paths_and_approaches_agree_with_single_loads() -> None:
     path = list(solve_path(surface, SOLID, mean_pressures=loads, modulus=modulus, tolerance=1e-10))
     alone = solve(surface, SOLID, mean_pressure=loads[-1], modulus=modulus, tolerance=1e-10).contact
     last = path[-1].contact.checked()
-    np.testing.assert_array_equal(last.in_contact, alone.checked().in_contact)
-    np.testing.assert_allclose(last.pressure, alone.pressure, atol=1e-7 * alone.pressure.max())
+    assert_array_equal(last.in_contact, alone.checked().in_contact)
+    assert_allclose(last.pressure, alone.pressure, atol=1e-7 * alone.pressure.max())
     placed = solve_displacement(surface, SOLID, offset=last.offset, modulus=modulus, tolerance=1e-10).contact
-    np.testing.assert_array_equal(placed.checked().in_contact, last.in_contact)
-    np.testing.assert_allclose(placed.pressure, last.pressure, atol=1e-6 * last.pressure.max())
+    assert_array_equal(placed.checked().in_contact, last.in_contact)
+    assert_allclose(placed.pressure, last.pressure, atol=1e-6 * last.pressure.max())

@@ -1,27 +1,21 @@
 """The block at finite strain by CalculiX: the same places of the surface nodes take the same forces."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess
-from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from fem_contact.block import FiniteStrain, solve_finite_strain
-from fem_contact.solid import Solid
+from fem_contact import Solid
+from fem_contact.block import solve_finite_strain
 from tests.surfaces import rough_surface
 
-Array = NDArray[np.float64]
 SOLID = Solid(young=1e6, poisson=0.3)
 
 
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
-def test_calculix_finds_our_contact_forces_where_our_nodes_are(tmp_path: Path) -> None:
+def test_calculix_finds_our_contact_forces_where_our_nodes_are(tmp_path):
     surface = rough_surface((8, 8), seed=11, waves=2, gradient=0.5)
     pressure = 0.1 * 0.5 * SOLID.contact_modulus
     found = solve_finite_strain(surface, SOLID, mean_pressure=pressure, depth=0.5, growth=2.0)
@@ -42,13 +36,13 @@ def test_calculix_finds_our_contact_forces_where_our_nodes_are(tmp_path: Path) -
     assert np.abs(reactions - ours).max() < 1e-6 * np.abs(ours).max()
 
 
-def _deck(found: FiniteStrain) -> Iterator[str]:
+def _deck(found):
     """The block held at the places of its surface nodes, at large deflection, of the same neo-Hookean law."""
     mesh, (nx, ny) = found.mesh, found.mesh.cells
     shear, bulk = SOLID.shear_modulus, SOLID.young / (3 * (1 - 2 * SOLID.poisson))
     corners = [(i, j) for i in range(nx + 1) for j in range(ny + 1)]
 
-    def node(i: int, j: int, k: int) -> int:
+    def node(i, j, k):
         return 1 + i * (ny + 1) + j + len(corners) * k
 
     yield "*NODE,NSET=ALL"
@@ -75,7 +69,7 @@ def _deck(found: FiniteStrain) -> Iterator[str]:
     yield from ("*NODE PRINT,NSET=TOP", "RF", "*END STEP")
 
 
-def _reactions(printed: str, found: FiniteStrain) -> Array:
+def _reactions(printed, found):
     """Forces on the surface nodes in the last table, those of periodic images together."""
     nx, ny = found.mesh.cells
     rows = [line.split() for line in printed.splitlines()]

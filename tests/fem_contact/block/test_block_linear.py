@@ -1,20 +1,20 @@
 import numpy as np
 import pytest
 
-from fem_contact.block.full.linear import LinearSolution, conjugate_gradients
+from fem_contact.block.full.linear import conjugate_gradients
 
 
-def laplacian(n: int) -> np.ndarray:
+def laplacian(n):
     return 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
 
 
-def solved(apply, right: np.ndarray, **changes) -> LinearSolution:
+def solved(apply, right, **changes):
     """Conjugate gradients from 0, without preconditioner."""
     options = {"precondition": np.copy, "start": np.zeros(right.size), "scale": float(np.linalg.norm(right))}
     return conjugate_gradients(apply, right, **(options | changes))
 
 
-def test_solution_carries_the_true_residual() -> None:
+def test_solution_carries_the_true_residual():
     matrix, right = laplacian(30), np.random.default_rng(5).standard_normal(30)
     found = solved(matrix.dot, right, precondition=lambda r: r / 2, tolerance=1e-11, max_iterations=200)
     assert found.converged
@@ -22,7 +22,7 @@ def test_solution_carries_the_true_residual() -> None:
     np.testing.assert_allclose(found.x, np.linalg.solve(matrix, right), rtol=1e-8)
 
 
-def test_many_steps_add_no_rounding_of_their_own() -> None:
+def test_many_steps_add_no_rounding_of_their_own():
     # A diagonal: |A| |x| = |b|, so x and A x rounded hold the residual above some 1e-16 of |b|. The steps,
     # more than a thousand, added to x one by one would leave the root of their number times that, 1.1e-15.
     diagonal, right = np.geomspace(1, 1e4, 1000), np.random.default_rng(5).standard_normal(1000)
@@ -32,7 +32,7 @@ def test_many_steps_add_no_rounding_of_their_own() -> None:
     assert found.converged
 
 
-def test_a_wrong_claim_is_mended_by_aiming_lower() -> None:
+def test_a_wrong_claim_is_mended_by_aiming_lower():
     # Products in single precision: their noise, two thirds of the tolerance, belies a claim of nine tenths.
     diagonal, right = np.geomspace(1, 100, 300), np.random.default_rng(5).standard_normal(300)
     noise = float(np.linalg.norm(right.astype(np.float32) - right))
@@ -44,7 +44,7 @@ def test_a_wrong_claim_is_mended_by_aiming_lower() -> None:
 
 
 @pytest.mark.parametrize(("noise", "converged"), [(1e-13, True), (1e-8, False)])
-def test_what_rounding_leaves_converges_where_it_is_little(noise: float, converged: bool) -> None:
+def test_what_rounding_leaves_converges_where_it_is_little(noise, converged):
     # A product that is rounded to so much of the right side, whatever x is.
     matrix, right = laplacian(30), np.random.default_rng(5).standard_normal(30)
 
@@ -57,7 +57,7 @@ def test_what_rounding_leaves_converges_where_it_is_little(noise: float, converg
 
 
 @pytest.mark.parametrize(("poison", "limit"), [(np.nan, 200), (1.0, 3)])
-def test_nan_and_too_few_steps_end_unconverged(poison: float, limit: int) -> None:
+def test_nan_and_too_few_steps_end_unconverged(poison, limit):
     matrix, right = laplacian(30), np.ones(30)
     right[4] = poison
     found = solved(matrix.dot, right, scale=1.0, tolerance=1e-10, max_iterations=limit)
@@ -65,6 +65,6 @@ def test_nan_and_too_few_steps_end_unconverged(poison: float, limit: int) -> Non
     assert found.iterations <= limit
 
 
-def test_indefinite_operator_ends_unconverged() -> None:
+def test_indefinite_operator_ends_unconverged():
     matrix, right = laplacian(30) - 3 * np.eye(30), np.ones(30)
     assert not solved(matrix.dot, right, scale=1.0, tolerance=1e-10, max_iterations=500).converged

@@ -2,18 +2,19 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from surfaces import rough_surface
 
+from fem_contact import Solid
 from fem_contact.block import ELEMENTS, estimate, plan_mesh, solve
 from fem_contact.block.full import kernels
 from fem_contact.block.full.assembly import assemble
 from fem_contact.block.full.block import Block
 from fem_contact.block.full.cells import overlap_means
 from fem_contact.block.full.linear import conjugate_gradients
-from fem_contact.block.full.multigrid import Hierarchy, Transfer, build_hierarchy
+from fem_contact.block.full.multigrid import Transfer, build_hierarchy
 from fem_contact.block.full.quadratic import QuadraticBlock, parity_blocks, refined_hierarchy
 from fem_contact.block.session import needed_bytes
-from fem_contact.solid import Solid
 
 SOLID = Solid(young=1.0, poisson=0.3)
 
@@ -62,7 +63,7 @@ def test_the_stencil_is_the_assembled_matrix(element, shape, moduli):
     u = np.random.default_rng(9).standard_normal(matrix.shape[0])
     exact, hierarchy = matrix @ u, build_hierarchy(mesh, poisson=0.41, modulus=modulus)
     found = Block(hierarchy=hierarchy, heights=np.zeros(shape)).apply(u)
-    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-14 * np.abs(exact).max())
+    assert_allclose(found, exact, rtol=0, atol=1e-14 * np.abs(exact).max())
 
 
 @pytest.mark.parametrize("shape", [(2, 1), (1, 1)])
@@ -75,7 +76,7 @@ def test_few_columns_bear_what_their_periods_do_on_a_larger_grid(shape):
         (6 // shape[0], 4 // shape[1], 1, 1),
     )
     exact = many.apply(np.tile(u, times))
-    np.testing.assert_allclose(np.tile(few.apply(u), times), exact, atol=1e-13 * np.abs(exact).max())
+    assert_allclose(np.tile(few.apply(u), times), exact, atol=1e-13 * np.abs(exact).max())
 
 
 @pytest.mark.parametrize(
@@ -90,8 +91,8 @@ def test_transfer_between_grids_is_its_twin_and_transposed(fine, coarse):
     up, down = np.zeros((*fine, 4)), np.zeros((*coarse, 4))
     kernels.transfer(values, *tables, up, False)
     kernels.transfer(down, *tables, forces, True)
-    np.testing.assert_allclose(up.reshape(-1, 4), matrix @ values.reshape(-1, 4), atol=1e-14)
-    np.testing.assert_allclose(down.reshape(-1, 4), matrix.T @ forces.reshape(-1, 4), atol=1e-14)
+    assert_allclose(up.reshape(-1, 4), matrix @ values.reshape(-1, 4), atol=1e-14)
+    assert_allclose(down.reshape(-1, 4), matrix.T @ forces.reshape(-1, 4), atol=1e-14)
 
 
 def test_a_coarser_grid_is_what_interpolation_makes_of_the_finer_one():
@@ -99,7 +100,7 @@ def test_a_coarser_grid_is_what_interpolation_makes_of_the_finer_one():
     fine, coarse = hierarchy.levels[:2]
     u = np.random.default_rng(34).standard_normal(coarse.field_shape)
     exact = fine.restricted(fine.apply(fine.prolonged(u)))
-    np.testing.assert_allclose(coarse.apply(u), exact, atol=1e-12 * np.abs(exact).max())
+    assert_allclose(coarse.apply(u), exact, atol=1e-12 * np.abs(exact).max())
 
 
 @pytest.mark.parametrize("backward", [False, True])
@@ -120,7 +121,7 @@ def test_relaxing_cells_of_a_modulus_each_solves_one_column_after_the_other(laye
                 left = f.ravel()[free] - matrix[free] @ exact
                 exact[free] += np.linalg.solve(matrix[np.ix_(free, free)], left)
     level.relax(f, tied, u, backward=backward)
-    np.testing.assert_allclose(u.ravel(), exact, atol=1e-12 * np.abs(exact).max())
+    assert_allclose(u.ravel(), exact, atol=1e-12 * np.abs(exact).max())
 
 
 @pytest.mark.parametrize("shape", [(8, 6), (7, 5), (2, 1)])
@@ -132,19 +133,19 @@ def test_moduli_that_are_the_same_sideways_make_the_same_cycle(shape):
     held = np.random.default_rng(5).random(shape) < 0.3
     forces[held, -1, 2] = 0
     exact, found = (grids.cycle(forces, grids.tied(held)) for grids in (layered, cells))
-    np.testing.assert_allclose(found, exact, atol=1e-11 * np.abs(exact).max())
+    assert_allclose(found, exact, atol=1e-11 * np.abs(exact).max())
 
 
 def test_moduli_of_a_coarser_grid_are_means_over_its_cells():
     modulus = np.random.default_rng(38).random((6, 5, 3))
     halved = modulus.reshape(3, 2, 5, 3).mean(axis=1)
-    np.testing.assert_allclose(overlap_means(modulus, (3, 5)), halved, rtol=1e-14)
+    assert_allclose(overlap_means(modulus, (3, 5)), halved, rtol=1e-14)
     # Five cells on three: each takes one cell and two thirds of the next, or of both beside it one third.
     odd = overlap_means(modulus, (6, 3))
-    np.testing.assert_allclose(odd[:, 0], 0.6 * modulus[:, 0] + 0.4 * modulus[:, 1], rtol=1e-14)
+    assert_allclose(odd[:, 0], 0.6 * modulus[:, 0] + 0.4 * modulus[:, 1], rtol=1e-14)
     thirds = 0.2 * modulus[:, 1] + 0.6 * modulus[:, 2] + 0.2 * modulus[:, 3]
-    np.testing.assert_allclose(odd[:, 1], thirds, rtol=1e-14)
-    np.testing.assert_allclose(odd.mean(axis=(0, 1)), modulus.mean(axis=(0, 1)), rtol=1e-14)
+    assert_allclose(odd[:, 1], thirds, rtol=1e-14)
+    assert_allclose(odd.mean(axis=(0, 1)), modulus.mean(axis=(0, 1)), rtol=1e-14)
 
 
 @pytest.mark.parametrize("shape", [(8, 6), (7, 5)])
@@ -167,10 +168,10 @@ def test_a_single_column_is_solved_exactly():
     level = hierarchy.levels[0]
     f = np.random.default_rng(36).standard_normal(level.field_shape)
     u = hierarchy.cycle(f, (np.zeros((1, 1), dtype=bool),))
-    np.testing.assert_allclose(level.apply(u), f, atol=1e-12)
+    assert_allclose(level.apply(u), f, atol=1e-12)
 
 
-def steps_of(hierarchy: Hierarchy, tied, block=None) -> int:
+def steps_of(hierarchy, tied, block=None):
     """Conjugate-gradient steps to 1e-8 under random forces with tied nodes."""
     block = block or Block(hierarchy=hierarchy, heights=np.zeros(tied.shape))
     masks, held = hierarchy.tied(tied), block.vertical(tied)
@@ -268,7 +269,7 @@ def test_blocks_by_parity_sum_to_the_assembled_matrix(shape, element, poisson):
     matrix = assemble(block.mesh, poisson=poisson, modulus=block.modulus).free()
     u = np.random.default_rng(39).standard_normal(matrix.shape[0])
     exact = matrix @ u
-    np.testing.assert_allclose(block.apply(u), exact, rtol=0, atol=1e-14 * np.abs(exact).max())
+    assert_allclose(block.apply(u), exact, rtol=0, atol=1e-14 * np.abs(exact).max())
 
 
 @pytest.mark.parametrize(
@@ -297,8 +298,8 @@ def test_a_nested_first_set_saves_sets_and_changes_nothing():
     nested = solve(surface, SOLID, mean_pressure=load, method="full", tolerance=1e-9)
     everything = np.ones(surface.shape, dtype=bool)
     plain = solve(surface, SOLID, mean_pressure=load, method="full", tolerance=1e-9, start=everything)
-    np.testing.assert_array_equal(nested.contact.checked().in_contact, plain.contact.checked().in_contact)
-    np.testing.assert_allclose(nested.contact.pressure, plain.contact.pressure, atol=1e-8 * load)
+    assert_array_equal(nested.contact.checked().in_contact, plain.contact.checked().in_contact)
+    assert_allclose(nested.contact.pressure, plain.contact.pressure, atol=1e-8 * load)
     assert nested.contact.cost.iterations <= 4 < plain.contact.cost.iterations
 
 

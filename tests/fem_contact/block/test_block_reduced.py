@@ -2,36 +2,28 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from surfaces import rough_surface
 
-from fem_contact import bem
+from fem_contact import HeightField, InsufficientMemory, Solid, Status, bem
 from fem_contact.block import (
     ELEMENTS,
     BlockResponse,
-    BlockSolution,
     plan_mesh,
     solve,
     solve_displacement,
     solve_path,
 )
 from fem_contact.block.solution import ArraySource
-from fem_contact.contact import Status
-from fem_contact.errors import InsufficientMemory, InvalidInput
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 
 SOLID = Solid(young=3e9, poisson=0.3)
 
 
-def rough(
-    shape: tuple[int, int], lengths: tuple[float, float] = (1e-5, 1e-5), *, seed: int = 7
-) -> HeightField:
+def rough(shape, lengths=(1e-5, 1e-5), *, seed=7):
     return rough_surface(shape, lengths, seed=seed, waves=4)
 
 
-def press(
-    surface: HeightField, solid: Solid = SOLID, reduced: float = 0.05, **changes: object
-) -> BlockSolution:
+def press(surface, solid=SOLID, reduced=0.05, **changes):
     pressure = reduced * solid.contact_modulus * surface.rms_gradient
     return solve(surface, solid, mean_pressure=pressure, **({"tolerance": 1e-12} | changes))
 
@@ -49,9 +41,7 @@ def press(
         ("Hex2/P1disc", (10, 10), 0.0),
     ],
 )
-def test_reduced_and_full_systems_have_one_solution(
-    element: str, shape: tuple[int, int], poisson: float
-) -> None:
+def test_reduced_and_full_systems_have_one_solution(element, shape, poisson):
     surface = rough(shape, (1e-5, 1e-5 * shape[1] / shape[0]))
     solid = Solid(young=3e9, poisson=poisson)
     # Rounded displacements move the forces by eps |K| |u|. At nu = 0.4999 the bulk modulus in K is 1667 E,
@@ -59,7 +49,7 @@ def test_reduced_and_full_systems_have_one_solution(
     full = press(surface, solid, method="full", element=element, tolerance=1e-11)
     reduced = press(surface, solid, element=element)
     a, b = full.contact.checked(), reduced.contact.checked()
-    np.testing.assert_array_equal(a.in_contact, b.in_contact)
+    assert_array_equal(a.in_contact, b.in_contact)
     assert np.linalg.norm(a.pressure - b.pressure) < 1e-9 * np.linalg.norm(a.pressure)
     assert abs(a.offset - b.offset) < 1e-9 * np.ptp(surface.heights)
     assert np.abs(full.field - reduced.field).max() < 1e-9 * np.abs(full.field).max()
@@ -68,14 +58,14 @@ def test_reduced_and_full_systems_have_one_solution(
 
 
 @pytest.mark.parametrize("element", ["Hex1", "Hex1/P0", "Hex2", "Hex2/P1disc"])
-def test_field_balances_the_contact_forces_and_stores_their_work(element: str) -> None:
+def test_field_balances_the_contact_forces_and_stores_their_work(element):
     solution = press(rough((14, 12), (1e-5, 0.9e-5)), element=element)
     found = solution.equilibrium()
     assert found.residual < 1e-12
     assert found.energy == pytest.approx(solution.energy, rel=1e-11)
 
 
-def test_imbalance_of_a_wrong_field_is_seen() -> None:
+def test_imbalance_of_a_wrong_field_is_seen():
     solution = press(rough((12, 12)))
     field = solution.field.copy()
     field[3, 4, -2, 2] += 1e-6 * np.abs(field).max()
@@ -83,7 +73,7 @@ def test_imbalance_of_a_wrong_field_is_seen() -> None:
     assert wrong.equilibrium().residual > 1e-9
 
 
-def test_field_of_graded_and_of_patchy_blocks_balances() -> None:
+def test_field_of_graded_and_of_patchy_blocks_balances():
     surface = rough((12, 12))
     assert press(surface, modulus=_crust).equilibrium().residual < 1e-10
     patchy = press(
@@ -92,7 +82,7 @@ def test_field_of_graded_and_of_patchy_blocks_balances() -> None:
     assert patchy.equilibrium().residual < 1e-10
 
 
-def test_incompressible_block_keeps_its_volume_and_transmits_the_load() -> None:
+def test_incompressible_block_keeps_its_volume_and_transmits_the_load():
     surface = rough((16, 16))
     solution = press(surface, Solid(young=3e9, poisson=0.5))
     contact = solution.contact.checked()
@@ -110,7 +100,7 @@ def test_incompressible_block_keeps_its_volume_and_transmits_the_load() -> None:
     assert bottom.mean() == pytest.approx(-contact.mean_pressure, rel=5e-2)
 
 
-def test_incompressible_limit_is_reached_continuously() -> None:
+def test_incompressible_limit_is_reached_continuously():
     surface = rough((16, 16))
     limit = press(surface, Solid(young=3e9, poisson=0.5)).contact
     errors = []
@@ -121,24 +111,8 @@ def test_incompressible_limit_is_reached_continuously() -> None:
     assert errors[1] < 2e-2 * errors[0]
 
 
-@pytest.mark.parametrize("method", ["full", "reduced"])
-def test_units_change_nothing_but_units(method: str) -> None:
-    surface = rough((16, 12), (1e-5, 0.75e-5))
-    scaled = HeightField(
-        heights=surface.heights * 2.0**20, lengths=tuple(x * 2.0**20 for x in surface.lengths)
-    )
-    pressure = 0.1 * SOLID.contact_modulus * surface.rms_gradient
-    soft = Solid(young=SOLID.young * 2.0**-30, poisson=SOLID.poisson)
-    first = solve(surface, SOLID, mean_pressure=pressure, method=method)
-    second = solve(scaled, soft, mean_pressure=pressure * 2.0**-30, method=method)
-    np.testing.assert_array_equal(first.contact.pressure, second.contact.pressure * 2.0**30)
-    np.testing.assert_array_equal(first.field, second.field * 2.0**-20)
-    assert first.contact.residuals == second.contact.residuals
-    assert first.contact.cost.linear_iterations == second.contact.cost.linear_iterations
-
-
 @pytest.mark.parametrize("depth", [1e-7, 1e-4])
-def test_very_thin_and_very_deep_blocks_are_solved(depth: float) -> None:
+def test_very_thin_and_very_deep_blocks_are_solved(depth):
     solution = press(rough((24, 24)), depth=depth)
     nu, contact = SOLID.poisson, solution.contact.checked()
     uniaxial = depth * (1 + nu) * (1 - 2 * nu) / (1 - nu) / SOLID.young
@@ -150,26 +124,18 @@ def test_very_thin_and_very_deep_blocks_are_solved(depth: float) -> None:
 
 
 @pytest.mark.parametrize(("slope", "shape"), [(1e-6, (17, 19)), (10.0, (23, 13))])
-def test_faint_and_steep_roughness_on_prime_grids_is_solved(slope: float, shape: tuple[int, int]) -> None:
+def test_faint_and_steep_roughness_on_prime_grids_is_solved(slope, shape):
     surface = rough(shape, (1e-5, 1e-5 * shape[1] / shape[0]))
     scaled = HeightField(heights=surface.heights * (slope / 0.1), lengths=surface.lengths)
     reference, contact = press(surface).contact.checked(), press(scaled).contact.checked()
-    np.testing.assert_array_equal(contact.in_contact, reference.in_contact)
-    np.testing.assert_allclose(
+    assert_array_equal(contact.in_contact, reference.in_contact)
+    assert_allclose(
         contact.pressure / slope, reference.pressure / 0.1, atol=1e-9 * reference.pressure.max() / 0.1
     )
 
 
-@pytest.mark.parametrize("bad", [np.nan, 0.0, -1.0, np.inf])
-def test_impossible_modulus_is_refused(bad: float) -> None:
-    with pytest.raises(InvalidInput, match="modulus: 1 of"):
-        press(
-            rough((10, 10)), modulus=lambda x, y, z: np.where((x < 1e-6) & (y < 1e-6) & (z > -1e-6), bad, 1.0)
-        )
-
-
 @pytest.mark.parametrize("method", ["full", "reduced"])
-def test_surfaces_held_apart_bear_nothing(method: str) -> None:
+def test_surfaces_held_apart_bear_nothing(method):
     surface = rough((12, 12))
     solution = solve_displacement(surface, SOLID, offset=1.01 * float(surface.heights.max()), method=method)
     contact = solution.contact.checked()
@@ -179,7 +145,7 @@ def test_surfaces_held_apart_bear_nothing(method: str) -> None:
     assert not solution.field.any()
 
 
-def test_flat_surface_driven_in_by_an_approach_compresses_uniformly() -> None:
+def test_flat_surface_driven_in_by_an_approach_compresses_uniformly():
     surface = HeightField(heights=np.full((6, 8), 2e-7), lengths=(1e-5, 1e-5))
     nu, approach = SOLID.poisson, 1e-8
     exact = approach / 1e-5 * SOLID.young * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
@@ -187,11 +153,11 @@ def test_flat_surface_driven_in_by_an_approach_compresses_uniformly() -> None:
         contact = solve_displacement(
             surface, SOLID, offset=2e-7 - approach, method=method, tolerance=1e-11
         ).contact
-        np.testing.assert_allclose(contact.checked().pressure, exact, rtol=1e-9)
+        assert_allclose(contact.checked().pressure, exact, rtol=1e-9)
 
 
 @pytest.mark.parametrize("method", ["full", "reduced"])
-def test_a_path_up_and_down_equals_its_single_solves(method: str) -> None:
+def test_a_path_up_and_down_equals_its_single_solves(method):
     surface = rough((16, 12), (1e-5, 0.75e-5))
     unit = SOLID.contact_modulus * surface.rms_gradient
     loads = [unit * p for p in (0.03, 0.2, 0.05)]
@@ -199,13 +165,8 @@ def test_a_path_up_and_down_equals_its_single_solves(method: str) -> None:
     for load, solution in zip(loads, path, strict=True):
         alone = solve(surface, SOLID, mean_pressure=load, tolerance=1e-11).contact
         contact = solution.contact.checked()
-        np.testing.assert_array_equal(contact.in_contact, alone.in_contact)
-        np.testing.assert_allclose(contact.pressure, alone.pressure, atol=1e-8 * alone.pressure.max())
-
-
-def test_a_load_that_cannot_be_is_refused_before_the_path_starts() -> None:
-    with pytest.raises(InvalidInput, match="mean_pressure"):
-        solve_path(rough((10, 10)), SOLID, mean_pressures=[1e5, -1.0])
+        assert_array_equal(contact.in_contact, alone.in_contact)
+        assert_allclose(contact.pressure, alone.pressure, atol=1e-8 * alone.pressure.max())
 
 
 def _crust(x, y, z):
@@ -216,7 +177,7 @@ def _alternating(x, y, z):
     return np.where(np.arange(z.size) % 2 == 0, 1e4, 1.0)[None, None]
 
 
-def _tied() -> HeightField:
+def _tied():
     surface = rough((20, 20))
     step = surface.rms_height / 2
     return HeightField(heights=np.round(surface.heights / step) * step, lengths=surface.lengths)
@@ -242,16 +203,16 @@ HARD = {
 
 
 @pytest.mark.parametrize("name", HARD)
-def test_hard_cases_have_one_solution_by_both_methods(name: str) -> None:
+def test_hard_cases_have_one_solution_by_both_methods(name):
     told = {"surface": rough((12, 10))} | HARD[name]
     full = press(**(told | {"method": "full", "tolerance": 1e-10})).contact.checked()
     reduced = press(**told).contact.checked()
     assert full.cost.linear_iterations < 3000
-    np.testing.assert_array_equal(full.in_contact, reduced.in_contact)
+    assert_array_equal(full.in_contact, reduced.in_contact)
     assert np.linalg.norm(full.pressure - reduced.pressure) < 1e-8 * np.linalg.norm(full.pressure)
 
 
-def test_field_beyond_memory_is_refused_while_layers_still_flow(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_field_beyond_memory_is_refused_while_layers_still_flow(monkeypatch):
     import psutil
 
     solution = press(rough((16, 16)))
@@ -266,27 +227,25 @@ def test_field_beyond_memory_is_refused_while_layers_still_flow(monkeypatch: pyt
         next(quadratic.stress_layers())
 
 
-def _quadratic_response(shape: tuple[int, int]) -> BlockResponse:
+def _quadratic_response(shape):
     mesh = plan_mesh(shape, (1.0, 1.0), element=ELEMENTS["Hex2"])
     return BlockResponse(mesh=mesh, solid=Solid(young=1.0, poisson=0.3), width=1.0)
 
 
-def test_boundary_element_solver_accepts_the_block_as_its_response() -> None:
+def test_boundary_element_solver_accepts_the_block_as_its_response():
     surface = rough((40, 36), (1e-5, 0.9e-5))
     mesh = plan_mesh(surface.shape, surface.lengths)
     response = BlockResponse(mesh=mesh, solid=SOLID, width=surface.spacing[0])
     pressure = 0.05 * SOLID.contact_modulus * surface.rms_gradient
     through = bem.solve(surface, response, mean_pressure=pressure, tolerance=1e-12).checked()
     direct = solve(surface, SOLID, mean_pressure=pressure, tolerance=1e-12).contact.checked()
-    np.testing.assert_array_equal(through.in_contact, direct.in_contact)
+    assert_array_equal(through.in_contact, direct.in_contact)
     assert np.linalg.norm(through.pressure - direct.pressure) < 1e-9 * np.linalg.norm(direct.pressure)
     assert through.offset == pytest.approx(direct.offset, abs=1e-9 * np.ptp(surface.heights))
 
 
 @pytest.mark.parametrize("left", [1e-3, float("nan")])
-def test_a_direct_answer_is_converged_only_where_its_residual_says_so(
-    monkeypatch: pytest.MonkeyPatch, left: float
-) -> None:
+def test_a_direct_answer_is_converged_only_where_its_residual_says_so(monkeypatch, left):
     from fem_contact.block.problem import Problem
 
     surface = rough((12, 12))

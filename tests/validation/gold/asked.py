@@ -1,7 +1,5 @@
 """What the gold numbers were asked with: small options of every study, small grids of every scene."""
 
-from __future__ import annotations
-
 from small_scene import OBLONG, small_scene
 
 _ROUGH = {"periods": 2.0, "bandwidth": 2.0, "points_per_wave": (4.0, 6.0, 8.0), "seed": 61}

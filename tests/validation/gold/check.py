@@ -1,19 +1,13 @@
 """Gold numbers beside those of today: by meaning, through a map of names."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator, Mapping
 from fnmatch import fnmatch
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from gold.asked import ROUNDING
-from gold.make import Known, Record, compute, machine, numbers_of, read
-from gold.maps import Look, maps_of
-from validation.execution.bench import Bench
+from gold.make import compute, machine, numbers_of, read
+from gold.maps import maps_of
 
 #: On the machine of the gold files the same operations run in the same order.
 RTOL_HERE = 1e-12
@@ -22,7 +16,7 @@ RTOL_HERE = 1e-12
 RTOL_ELSEWHERE = 1e-6
 
 
-def disagreements(name: str, bench: Bench, folder: Path, *, known: Known | None = None) -> list[str]:
+def disagreements(name, bench, folder, *, known=None):
     """Compute an entry anew, but for what is `known`, and say what differs from its gold file."""
     gold = read(name)
     here = gold["machine"] == machine()
@@ -37,7 +31,7 @@ def disagreements(name: str, bench: Bench, folder: Path, *, known: Known | None 
     return [*differences(name, record, new, data, rtol=rtol), *odd]
 
 
-def differences(name: str, gold: Record, new: Record, data: xr.Dataset, *, rtol: float) -> Iterator[str]:
+def differences(name, gold, new, data, *, rtol):
     """Yield the gold places whose numbers are not there now, or are others.
 
     Parameters
@@ -69,9 +63,7 @@ def differences(name: str, gold: Record, new: Record, data: xr.Dataset, *, rtol:
             yield f"{place}: along {', '.join(entry['dims'])}, now along {', '.join(found['dims'])}"
 
 
-def _found(
-    place: str, entry: Mapping[str, Any], names: Mapping[str, Look], new: Record, data: xr.Dataset
-) -> Mapping[str, Any] | None:
+def _found(place, entry, names, new, data):
     """Look a gold place up: through the map, by its own name, and a figure's number in the dataset."""
     look = next((names[key] for key in (place, *names) if key in names and fnmatch(place, key)), None)
     if look is None and place in new:
@@ -93,7 +85,7 @@ def _found(
     return {"words": [str(item) for item in flat]} if flat.dtype.kind in "OUS" else numbers_of(flat)
 
 
-def _apart(gold: Mapping[str, Any], new: Mapping[str, Any], *, rtol: float) -> Iterator[str]:
+def _apart(gold, new, *, rtol):
     """Say how the numbers of two entries differ; NaN equals NaN."""
     a, b = (np.array(entry.get("numbers", ()), dtype=float) for entry in (gold, new))
     if a.shape != b.shape or gold.get("size") != new.get("size"):

@@ -3,30 +3,24 @@
 ``python -m gold NAME ...`` from ``tests/validation`` writes files again, all of them without a name.
 """
 
-from __future__ import annotations
-
 import json
 import lzma
 import re
-from collections.abc import Callable, Iterator, Mapping
 from fnmatch import fnmatch
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 from unittest.mock import patch
 
 import llvmlite.binding
 import numpy as np
-import xarray as xr
 from reading_back import misdrawn
 
 from gold.asked import LADDERS, STUDIES, UNSTEADY
-from validation.execution.bench import Bench
 from validation.measurements.convergence import Ladders
 from validation.report.marks import draw
 from validation.report.table import budget_table
 from validation.scenes.scene import load_scene
-from validation.studies import Study, StudyOptions, find_study
+from validation.studies import find_study
 
 FOLDER = Path(__file__).parent / "stored"
 #: Longer arrays are stored as every k-th value, their sum and the sum of their squares.
@@ -34,19 +28,16 @@ _WHOLE = 1000
 _KEPT = 300
 _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
 
-#: A place such as "data.kappa" or "table.p*", and what is there: dims, numbers or words.
-Record = dict[str, dict[str, Any]]
-#: Numbers of a study by the name of its entry.
-Known = Callable[[str], xr.Dataset]
+# A record is of places such as "data.kappa" or "table.p*", and what is there: dims, numbers or words.
 
 
-def machine() -> dict[str, str]:
+def machine():
     """What the last digits depend on: a processor by its instructions, for machines rename theirs."""
     libraries = {name: version(name) for name in ("numpy", "scipy", "numba", "ducc0")}
     return {"processor": llvmlite.binding.get_host_cpu_name(), **libraries}
 
 
-def options_of(name: str, folder: Path, **changed: Any) -> tuple[Study, StudyOptions, dict[str, Any]]:
+def options_of(name, folder, **changed):
     """Return the study of an entry, what it is asked, and what its ladders are without options for them."""
     study, told = find_study(name.partition(" ")[0]), {**STUDIES[name], **changed}
     if "scene" in told:
@@ -56,16 +47,14 @@ def options_of(name: str, folder: Path, **changed: Any) -> tuple[Study, StudyOpt
     return study, study.options(**told), LADDERS if name.endswith("with ladders") else {}
 
 
-def new_numbers(name: str, bench: Bench, folder: Path) -> xr.Dataset:
+def new_numbers(name, bench, folder):
     """Return the numbers of a study; views are made from them."""
     study, options, small = options_of(name, folder)
     with patch.dict(Ladders.__init__.__kwdefaults__, small):
         return study.compute(options, bench=bench)
 
 
-def compute(
-    name: str, bench: Bench, folder: Path, *, known: Known | None = None
-) -> tuple[Record, xr.Dataset]:
+def compute(name, bench, folder, *, known=None):
     """Return the record of an entry, and the dataset in which renamed numbers are looked up.
 
     It is computed anew, but for the numbers of a study that `known` has.
@@ -83,7 +72,7 @@ def compute(
     if shown.budget:
         budget = budget_table(data, shown.budget)
         record |= _of_table("budget", budget.columns, budget.rows)
-    odd: list[str] = []
+    odd = []
     for drawing in (draw(figure, data) for figure in shown.figures):
         record |= _of_dataset(f"figure.{drawing.name}", drawing.data)
         odd += misdrawn(drawing, data)
@@ -91,16 +80,16 @@ def compute(
     return {**_steady(name, record), "misdrawn": {"words": odd}}, data
 
 
-def of_dataset(name: str, data: xr.Dataset) -> Record:
+def of_dataset(name, data):
     """Record the dataset that a run or a sweep left."""
     return _steady(name, dict(_of_dataset("data", data)))
 
 
-def _steady(name: str, record: Record) -> Record:
+def _steady(name, record):
     """Leave out what two runs do not share: times, and what follows from them."""
     out = (*UNSTEADY["*"], *UNSTEADY.get(name.partition(" ")[0], ()))
 
-    def kept(place: str) -> bool:
+    def kept(place):
         return not any(fnmatch(place, pattern) for pattern in out)
 
     steady = {place: entry for place, entry in record.items() if kept(place)}
@@ -112,28 +101,28 @@ def _steady(name: str, record: Record) -> Record:
     return steady
 
 
-def _of_dataset(part: str, data: xr.Dataset) -> Iterator[tuple[str, dict[str, Any]]]:
+def _of_dataset(part, data):
     for name, variable in data.variables.items():
         yield f"{part}.{name}", _entry(variable.dims, variable.values, variable.attrs)
     for name, value in data.attrs.items():
         yield f"{part}@{name}", _entry((), value)
 
 
-def _of_table(part: str, columns: Any, rows: Any) -> Record:
+def _of_table(part, columns, rows):
     return {f"{part}.{title}": _entry(("row",), [row[k] for row in rows]) for k, title in enumerate(columns)}
 
 
-def _of_words(part: str, sentences: Any) -> Record:
+def _of_words(part, sentences):
     """Sentences as they are read; the numbers in them beside them, as printed."""
     said = list(sentences)
     found = [[float(number) for number in _NUMBER.findall(text)] for text in said]
     return {part: {"dims": ["sentence"], "words": said, "printed": found}}
 
 
-def _entry(dims: Any, values: Any, attrs: Mapping[str, Any] | None = None) -> dict[str, Any]:
+def _entry(dims, values, attrs=None):
     """Return numbers or words with their dims, ready for JSON; words among numbers are kept beside NaN."""
     array = np.asarray(values, dtype=object) if isinstance(values, list | tuple) else np.asarray(values)
-    entry: dict[str, Any] = {"dims": list(dims), "shape": list(array.shape)}
+    entry = {"dims": list(dims), "shape": list(array.shape)}
     if attrs:
         entry["attrs"] = {key: value for key, value in attrs.items() if isinstance(value, str)}
     flat = array.ravel()
@@ -147,11 +136,11 @@ def _entry(dims: Any, values: Any, attrs: Mapping[str, Any] | None = None) -> di
     return entry | numbers_of(flat)
 
 
-def _is_number(item: Any) -> bool:
+def _is_number(item):
     return item is None or (isinstance(item, float | int | np.number) and not isinstance(item, bool))
 
 
-def numbers_of(flat: Any) -> dict[str, Any]:
+def numbers_of(flat):
     """Return numbers as they are stored: all of them, or every k-th with two sums."""
     flat = np.asarray(flat, dtype=float).ravel()
     if flat.size <= _WHOLE:
@@ -161,7 +150,7 @@ def numbers_of(flat: Any) -> dict[str, Any]:
     return {"numbers": flat[::every].tolist(), "size": flat.size, "every": every, "sums": sums}
 
 
-def write(name: str, record: Record) -> Path:
+def write(name, record):
     """Store the record of an entry."""
     FOLDER.mkdir(exist_ok=True)
     path = FOLDER / f"{name.replace(' ', '-')}.json.xz"
@@ -170,7 +159,7 @@ def write(name: str, record: Record) -> Path:
     return path
 
 
-def read(name: str) -> dict[str, Any]:
+def read(name):
     """Return the stored record of an entry, with the machine it was computed on."""
     path = FOLDER / f"{name.replace(' ', '-')}.json.xz"
     return dict(json.loads(lzma.decompress(path.read_bytes())))

@@ -1,14 +1,9 @@
 """Gold numbers of scenes: runs, sweeps, the theory alone, runs to an accuracy, and results side by side."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
-import xarray as xr
 from reading_back import misdrawn
 
 from gold.asked import ACCURATE, COMPARED, SCENES
-from gold.make import Record, of_dataset
+from gold.make import of_dataset
 from validation.comparison.accuracy import run_accurate
 from validation.comparison.compare import compare_folders
 from validation.comparison.pages import result_page
@@ -18,7 +13,7 @@ from validation.execution.results import read_results
 from validation.scenes.sweep import Sweep, load_asked
 
 
-def of_scene(name: str, bench: Bench, folder: Path) -> tuple[Record, xr.Dataset]:
+def of_scene(name, bench, folder):
     """Run what an entry asks for as the command line does, and read what it left."""
     solves = bench.store.folder
     if name in COMPARED:
@@ -34,7 +29,7 @@ def of_scene(name: str, bench: Bench, folder: Path) -> tuple[Record, xr.Dataset]
     return {**of_dataset(name, data), "misdrawn": {"words": odd}}, data
 
 
-def _ran(name: str, solves: Path, results: Path) -> xr.Dataset:
+def _ran(name, solves, results):
     scene, settings = SCENES[name]
     if "\n" in scene:
         path = results.parent / "mine.toml"

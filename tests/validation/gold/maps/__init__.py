@@ -16,21 +16,15 @@ pattern of such; a figure's number is looked up like that of the dataset. Maps o
     }
 """
 
-from __future__ import annotations
-
 import importlib
 import importlib.util
-from collections.abc import Callable
-from typing import Any
-
-import xarray as xr
-
-#: Another place, a variable of the new dataset, or a function of that dataset.
-Look = str | Callable[[xr.Dataset], Any]
 
 
-def maps_of(name: str) -> tuple[dict[str, Look], dict[str, str]]:
-    """Return the new names of an entry, and what changed on purpose."""
+def maps_of(name):
+    """Return the new names of an entry, and what changed on purpose.
+
+    A name is another place, a variable of the new dataset, or a function of that dataset.
+    """
     module = f"gold.maps.{name.partition(' ')[0].replace('-', '_')}"
     if importlib.util.find_spec(module) is None:
         return {}, {}
