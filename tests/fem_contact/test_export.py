@@ -103,6 +103,26 @@ def test_pictures_show_pressure_where_the_contact_is(solution, tmp_path):
     assert sorted(entry.name for entry in tmp_path.iterdir()) == ["section.png", "surface.png"]
 
 
+@pytest.mark.parametrize("drawn", ["pressure", "von Mises"])
+def test_a_picture_has_the_stress_in_mpa_at_its_places(solution, tmp_path, monkeypatch, drawn):
+    pyvista = pytest.importorskip("pyvista")
+    plotter = MagicMock(**{"screenshot.side_effect": lambda path: path.write_bytes(b"")})
+    monkeypatch.setattr(pyvista, "Plotter", lambda **_: plotter)
+    render = render_surface if drawn == "pressure" else render_section
+    render(tmp_path / "picture.png", solution)
+    (mesh,), named = plotter.add_mesh.call_args
+    pressure, values = solution.contact.pressure, 1e6 * mesh[named["scalars"]]
+    if drawn == "pressure":
+        assert_allclose(values.reshape(mesh.dimensions[:2], order="F")[:-1, :-1], pressure)
+    else:
+        # Through the highest pressure, across y.
+        row = np.unravel_index(pressure.argmax(), pressure.shape)[1]
+        layers = dict(solution.stress_layers())
+        cut = [layers[k].von_mises[:, row] for k in sorted(layers)]
+        assert_allclose(values, np.concatenate(cut))
+    assert mesh.bounds.x_max == pytest.approx(LENGTHS[0] / max(LENGTHS))
+
+
 @pytest.mark.parametrize(("axis", "other"), [("x", 1), ("y", 0)])
 def test_a_cut_spans_the_other_side_of_the_period(solution, tmp_path, monkeypatch, axis, other):
     drawn = MagicMock()

@@ -8,7 +8,7 @@ import pytest
 from reading_back import misdrawn
 
 from validation.execution.results import Result, read_results
-from validation.paper import reproduce
+from validation.paper import pmma, reproduce
 from validation.paper.claims import Application, Claim, Convention, Stated, application, judge, written
 from validation.paper.figures import FIGURES
 from validation.paper.general import GENERAL, STEEL
@@ -32,6 +32,12 @@ def of_best(application, names=None):
         conventions = tuple(c for c in conventions if c.name == JOINT[application.name])
     claims = (replace(c, note="") for c in application.claims if names is None or c.text.startswith(names))
     return replace(application, conventions=conventions, claims=tuple(claims))
+
+
+def test_spectra_cross_where_it_is_said():
+    q = pmma._crossing()
+    assert pmma.s.pmma()(q) == pytest.approx(pmma.s.steel()(q), rel=1e-6)
+    assert pmma.s.pmma()(2 * q) > pmma.s.steel()(2 * q)
 
 
 def verdicts(rows):

@@ -76,7 +76,9 @@ def compute(name, bench, folder, *, known=None):
     for drawing in (draw(figure, data) for figure in shown.figures):
         record |= _of_dataset(f"figure.{drawing.name}", drawing.data)
         odd += misdrawn(drawing, data)
-    record |= _of_words("findings", [found.text for found in shown.findings])
+    said = [found.text for found in shown.findings]
+    odd += [f"no sentence: {text}" for text in said if not text.endswith(".")]
+    record |= _of_words("findings", said)
     return {**_steady(name, record), "misdrawn": {"words": odd}}, data
 
 
