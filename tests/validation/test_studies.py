@@ -12,7 +12,7 @@ from validation.measurements.measurement import grid_for, press_on_grids, trunca
 from validation.scenes import surfaces
 from validation.scenes.scene import load_scene
 from validation.scenes.tables import SolidSpec
-from validation.studies import cross, find_study
+from validation.studies import cross, find_study, studies
 
 SOLID = SolidSpec(young=3e8, poisson=0.25)
 SMALL = {"periods": 2.0, "bandwidth": 2.0}
@@ -82,6 +82,14 @@ def test_grids_have_the_points_that_are_asked_for():
 def test_a_list_of_one_is_enough_where_nothing_is_compared_along_it():
     for name, options in (("adhesion", "--works 0.1 --magnifications 2"), ("hurst", "--hursts 0.8")):
         find_study(name).parse(options.split())
+
+
+def test_every_default_of_a_study_is_one_that_could_be_given():
+    for study in studies().values():
+        usual = study.options()
+        for name in study.options.model_fields:
+            given = study.options(**{name: getattr(usual, name)})
+            assert getattr(given, name) == getattr(usual, name)
 
 
 #: Options, and the words with which they are refused.

@@ -42,8 +42,8 @@ COLOURS = ("#0b5394", "#b45f06", "#38761d", "#741b47", "#134f5c", "#7f6000", "#4
 _TICKS: tuple[tuple[float, ...], ...] = ((1, 2, 3, 5, 7), (1, 2, 5), (1, 3), (1,))
 
 
-def save_figure(figure: matplotlib.figure.Figure, path: Path) -> None:
-    """Write a figure; the suffix says the format."""
+def save_figure(figure: matplotlib.figure.Figure, path: Path, *, dpi: int = 150) -> None:
+    """Write a figure; the suffix says the format, `dpi` the pixels per inch of a PNG."""
     undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
     with matplotlib.rc_context(STYLE):
         engine = figure.get_layout_engine()
@@ -53,7 +53,7 @@ def save_figure(figure: matplotlib.figure.Figure, path: Path) -> None:
             # Once: for the second format it would cost as much as drawing.
             engine.execute(figure)
             figure.set_layout_engine(None)
-        figure.savefig(path, dpi=150, metadata=undated.get(path.suffix))
+        figure.savefig(path, dpi=dpi, metadata=undated.get(path.suffix))
 
 
 def readable_ticks(axis: Axis) -> None:

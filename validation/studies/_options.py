@@ -77,7 +77,7 @@ _MOST = 10_000
 class StudyOptions(Table):
     """Options of a study: a table like those of a scene, with units, ranges and meanings; all have defaults."""
 
-    model_config = ConfigDict(use_attribute_docstrings=True, validate_default=True)
+    model_config = ConfigDict(use_attribute_docstrings=True)
     why_no_scene: typing.ClassVar[str] = ""  # Why it takes no scene, where it has no option of that name
 
     @classmethod
