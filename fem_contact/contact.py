@@ -357,9 +357,9 @@ def residuals_of(
     rms_gradient: float,
     target_pressure: float | None,
 ) -> Residuals:
-    """Return the residuals of fields of which `residual_sums` gave these sums; as `measure_residuals`.
+    """Return the residuals of fields from their `residual_sums`; see `measure_residuals`.
 
-    Of the heights [m] are known the rms and the largest absolute value, and the longer period [m].
+    `highest` is the largest absolute height [m], `longest` the longer period [m].
     """
     borne, total, work, lowest, least = sums
     mean = borne / points

@@ -9,9 +9,6 @@ from typing import TypedDict
 
 from fem_contact._checks import positive, whole, within
 
-#: A larger residual would say nothing about the answer.
-LARGEST_TOLERANCE = 0.1
-
 
 def available_processors() -> int:
     """Processors this process may use."""
@@ -56,6 +53,7 @@ class Settings:
     threads: int | None = None
 
     def __post_init__(self) -> None:
+        # A larger residual would say nothing about the answer.
         tolerance = within("tolerance", self.tolerance, "(0, 0.1]")
         object.__setattr__(self, "tolerance", tolerance)
         whole("max_iterations", self.max_iterations, least=1, most=10**7)

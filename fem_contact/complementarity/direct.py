@@ -33,7 +33,11 @@ def applied(operator: Operator, heights: Any, force: Any, *, pairs: float, xp: A
 def all_at_bound(
     operator: Operator, heights: Any, *, mean_force: float, bound: Any, xp: Any = np
 ) -> Solution | None:
-    """Answer where the bound leaves no choice, at the offset of least indentation."""
+    """Answer where the bound leaves no choice: its mean is the load, so that all points are at it.
+
+    Heights [m], bound and forces [Pa] are (nx, ny); the gap is u - h + offset. The offset is that of least
+    indentation: the largest gap is 0. None where the bound carries more than the load.
+    """
     if bound is None or float(xp.mean(bound)) > mean_force * (1 + SLACK):
         return None
     solution = applied(operator, heights, xp.asarray(bound, copy=True), pairs=operator.pairs, xp=xp)

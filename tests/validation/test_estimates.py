@@ -15,7 +15,7 @@ from validation.files import digest_of, write_json, write_record
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.limits import limits_of, solved
 from validation.measurements.measurement import press_on_grids
-from validation.report.estimates import change, claim, derive, error_of, gather, mean, power_law
+from validation.report.estimates import change, claim, derive, error_of, gather, mean, power_law, total_error
 from validation.report.findings import finding
 from validation.report.marks import Figure, Line, Panel, draw
 from validation.report.table import Table
@@ -200,3 +200,12 @@ def test_what_grids_miss_at_random_averages_over_surfaces_and_what_drifts_with_t
     each = xr.Dataset({"kappa_each": ("surface", [2.0] * 4), "kappa_each_drift": ("surface", [0.08] * 4)})
     kappa = mean(claim(each, "kappa_each", grid=0.12), "kappa")
     assert float(kappa.kappa_error.sel(source="grid")) == pytest.approx(np.hypot(0.12 / 2, 0.08), rel=1e-12)
+
+
+def test_a_source_that_did_not_enter_does_once_a_number_is_claimed():
+    data = claim(xr.Dataset({"area": ("load", [0.1, 0.2])}), "area", surfaces=0.03, grid="it is exact")
+    assert "grid" in data.area_error.attrs
+    data = claim(data, "area", grid=0.04)
+    assert "grid" not in data.area_error.attrs
+    np.testing.assert_allclose(total_error(data, "area"), 0.05)
+    assert claim(data, "area", grid="it is exact").area_error.attrs["grid"].startswith("does not enter")

@@ -65,6 +65,8 @@ def moments(heights: Array, lengths: tuple[float, float]) -> tuple[float, float,
     return m0, m2, m4
 
 
+#: Mean of cos 8 theta that contours of rough contacts have, too.
+_ROUGH = 0.4
 #: No file that a result consists of is larger.
 LARGEST = 2**31
 
@@ -241,13 +243,16 @@ class Stored:
 
     @cached_property
     def alignment(self) -> float:
-        """0 for a contour of all directions, 1 for a line: from the mean of cos 8 theta."""
+        """0 for a contour of all directions, 1 for a line: from the mean of cos 8 theta.
+
+        Rough contacts have a mean of up to `_ROUGH`, which counts as none: limits are calibrated so.
+        """
         angle = np.arccos(np.concatenate([cosine for *_, cosine in self._edge_directions]))
         if not angle.size:
             return 0.0
         weight = np.cos(angle) ** 2
         uneven = abs(float(np.sum(weight * np.cos(8 * angle)))) / float(weight.sum())
-        return min(max((uneven - 0.4) / 0.6, 0.0), 1.0)
+        return min(max((uneven - _ROUGH) / (1 - _ROUGH), 0.0), 1.0)
 
     @cached_property
     def _waves(self) -> tuple[Array, Array, Array, Array]:

@@ -29,9 +29,9 @@ _EARLIER = ("run.json", "sweep.json", "study.json", "accuracy.json")
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Result:
-    """What a results folder holds: the numbers of a run, theory, sweep, study or accuracy (`kind`).
+    """What a results folder holds: the numbers of a run, theory, sweep, study, accuracy or other `kind`.
 
-    `settings` is everything that was asked for, ready for JSON, `words` what a reader should know of it.
+    `settings` is everything that was asked for, ready for JSON, `words` sentences that a reader should know.
     """
 
     kind: str
@@ -52,7 +52,7 @@ def write_results(
     store: Path,
     words: Sequence[str] = (),
 ) -> Result:
-    """Write dataset and record of an act into its folder; see `Result`."""
+    """Write dataset and record of an act into its folder, which the caller has locked; see `Result`."""
     record = {
         "format": _FORMAT,
         "kind": kind,

@@ -201,7 +201,7 @@ def optional(data: xr.Dataset, name: str) -> xr.DataArray | None:
 
 
 def claim(data: xr.Dataset, *names: str, **sources: xr.DataArray | float | str) -> xr.Dataset:
-    """Say more of the errors of variables: further sources, or why one does not enter; see `error_of`."""
+    """Add or replace sources of the errors of variables, or say why one does not enter; see `error_of`."""
     added = {}
     for name in names:
         more = error_of(_of(data, name, "claim"), **sources)
@@ -211,7 +211,8 @@ def claim(data: xr.Dataset, *names: str, **sources: xr.DataArray | float | str) 
             more = more.copy(data=np.where(wanted, more.values, old.transpose(*more.dims).values))
             # What is claimed does not follow from the reduction of the variable: the audit is told.
             claimed = {*str(old.attrs.get("claimed", "")).split(), *sources}
-            more.attrs = {**old.attrs, **more.attrs, "claimed": " ".join(sorted(claimed))}
+            kept = {name: words for name, words in old.attrs.items() if name not in sources}
+            more.attrs = {**kept, **more.attrs, "claimed": " ".join(sorted(claimed))}
         added[f"{name}_error"] = more
     return _with(data, added)
 

@@ -260,6 +260,11 @@ def _align(panels: Sequence[Panel], places: Sequence[Axes]) -> None:
 
 
 def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
+    """Draw every place of every mark, then scales, names and limits of the axes.
+
+    A mark's places along `by` have the colours of their numbers; other marks take the next colour, but for
+    bands and quantities that have a colour of their own.
+    """
     part = data.isel(panel.at, missing_dims="ignore")
     places = [(mark, here, k) for mark in panel.marks for k, here in enumerate(_places(mark, part))]
     y = panel.y or panel.marks[0].y
@@ -273,7 +278,7 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
         label = _label(mark, here, data)
         if isinstance(mark, Image):
             label = _axis_label(quantity(mark.y), scale_y[1])
-        # A band has the colour of the line that it is about.
+        # A band has the colour of the first line, which it is about.
         fixed = bool(quantity(mark.y).look) or isinstance(mark, Band)
         turn = k if mark.by else 0 if fixed else next(colours)
         look = {**_look(mark, here, turn, several=id(mark) in many), **mark.look}

@@ -3,6 +3,7 @@
 | letter | shape | what it is |
 |---|---|---|
 | entries, terms, weights | (k, 2), (k, 4), (nz, k, 4) | `plan_folding` |
+| products | (25, lanes) | f_i(theta_x) f_j(theta_y) of each wave in row 5 i + j |
 | places | (m,) | row in w of each row of a layer: bottom, inner, pressures, top |
 | below | (s,) | row in w of what lies below a layer: its plane onto the bottom, then its pressures |
 | counts | (4,) | unknowns of a plane and of an inner one, kinds of nodes, columns side by side |
