@@ -299,7 +299,7 @@ class Edges:
         return float(np.sum((place - 0.5) * self.cosine**2))
 
     def harmonics(self) -> Array:
-        """Length of these edges, and the sum over it of cos 8 theta of their direction."""
+        """Sum of the weights cos^2 of these edges, and of these times cos 8 theta of their direction."""
         fourth = 8 * self.cosine**4 - 8 * self.cosine**2 + 1
         return np.array([np.sum(part * self.cosine**2) for part in (1.0, 2 * fourth**2 - 1)])
 
@@ -404,6 +404,6 @@ def alignment(harmonics: Sequence[float] | Array) -> float:
     are even; it is 1 for lines along the grid and its diagonals and .8 to 1 for other short steps, and falls
     soon where lines wander, as those that grinding leaves.
     """
-    length, eighth = harmonics
+    weight, eighth = harmonics
     low, high = _UNEVEN
-    return float(np.clip((abs(eighth) / length - low) / (high - low), 0, 1)) if length > 0 else 0.0
+    return float(np.clip((abs(eighth) / weight - low) / (high - low), 0, 1)) if weight > 0 else 0.0

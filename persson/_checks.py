@@ -71,7 +71,11 @@ def scalar(name: str, value: object, *, unit: str | None = None, power: float = 
 
 
 def returned(name: str, value: object, shape: tuple[int, ...], *, unit: str) -> Array:
-    """Return what a caller's function gave as doubles of a shape: not NaN, but infinite where it says so."""
+    """Return what a caller's function gave as doubles of a shape: not NaN, but infinite where it says so.
+
+    >>> returned("f(x)", 2.0, (2,), unit="Pa")
+    array([2., 2.])
+    """
     array = _CHECKS.doubles(name, value, unit=unit)
     try:
         array = np.broadcast_to(array, shape)

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from public_api import block_doors, solver_doors
 from public_api_of_theory import theory_doors
 
-from fem_contact import FemContactError, face
+from fem_contact import FemContactError, bem, face, random_surface
 from fem_contact.settings import Settings
 from persson import PerssonError
 
@@ -293,6 +293,16 @@ def test_all_linear_solvers_are_as_exact_unless_told_otherwise():
     assert {name for name, value in defaults.items() if value != Settings().tolerance} <= {
         "block.assembled_field"
     }
+
+
+def test_a_surface_in_slabs_is_drawn_as_a_whole_one_unless_told_otherwise():
+    slabs, whole = (
+        {name: one.default for name, one in inspect.signature(door).parameters.items()}
+        for door in (bem.SlabSurface.random, random_surface)
+    )
+    shared = slabs.keys() & whole.keys()
+    assert {name: slabs[name] for name in shared} == {name: whole[name] for name in shared}
+    assert "isotropic" in shared
 
 
 @pytest.mark.parametrize("package", ["fem_contact", "fem_contact.block", "persson"])

@@ -136,7 +136,7 @@ class IterationArrays:
         """One over the unit of force [1/Pa]."""
         return 1 / self.force_unit
 
-    def start(self, *, roughly: bool = False) -> tuple[float, float]:
+    def start(self, *, roughly: bool) -> tuple[float, float]:
         """Apply the response afresh, in double precision unless `roughly`; sum phi and phi (u - h)."""
         if roughly and self.single:
             np.multiply(self.force, self.load_unit, out=self.step, casting="same_kind")

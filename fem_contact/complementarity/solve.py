@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fem_contact._types import Array
+from fem_contact._types import Array, Shape
 from fem_contact.complementarity.arrays import ArrayOperator, PlainIterationArrays
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.grids import Grids
@@ -344,7 +344,7 @@ def solve_nested(
             if bound is None
             else grids.nearest(bound if weights is None else bound / weights, shape),
             draft=True,
-            single=not double and math.prod(shape) >= _SINGLE,
+            single=not double and _in_single(shape),
         )
         start, previous = solution.force, shape
         pairs += solution.fft_pairs * math.prod(shape) / size
@@ -354,7 +354,7 @@ def solve_nested(
         start = start if weights is None else start * weights
     # Handed over, not kept: it is as large as any array of the iteration.
     handed, start = [start], None
-    single = not double and size >= _SINGLE
+    single = not double and _in_single(finest)
     while True:
         solution = solve_bounded(
             operator,
@@ -394,9 +394,16 @@ def surely_partial(
 
 #: Points along each side of a cell whose heights are averaged to rule out full contact.
 _AVERAGED = 8
-#: Grids with fewer points are solved in double precision.
-_SINGLE = 256**2
 #: Tolerance of the coarse grids: their answer is off by the discretisation anyway.
 _COARSE = 1e-2
 #: Grids are halved down to this number of points.
 _COARSEST = 32
+
+
+def _in_single(shape: Shape) -> bool:
+    """Whether a grid has enough points for single precision to pay.
+
+    >>> [_in_single(shape) for shape in ((256, 255), (256, 256), (128, 1024))]
+    [False, True, True]
+    """
+    return math.prod(shape) >= 256**2

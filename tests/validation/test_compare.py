@@ -66,6 +66,7 @@ def test_runs_are_concatenated_and_subtracted_with_the_errors_of_both(results, t
     assert "solid.young" not in differing
     assert any("an [ensemble] in every scene tells" in text for text in page.findings)
     assert page.answers[0].answer.startswith("surface.hurst, methods.fem.grids")
+    assert ["from it" in str(card.basis) for card in page.answers[1:]] == [False, True]
 
 
 def _planted(value, error, **asked):

@@ -52,6 +52,10 @@ def test_the_fastest_and_the_leanest_way_are_named_where_the_reference_tells_the
     plain = costs.drop_dims(["target", "front_seconds", "front_peak_bytes"])
     unknown = ways.chosen_ways(plain.assign(reference_rms=0.02))
     assert str(unknown.way_fastest[-1].item()).startswith("not determinable")
+    known = plain.assign(reference_rms=0.0)
+    none = ways.chosen_ways(known.assign(area_deviation_rms=plain.area_deviation_rms + 1))
+    assert set(none.way_fastest.values) == {"none of the ways tried"}
+    assert none.seconds_fastest.isnull().all()
 
 
 def test_peers_that_are_not_installed_are_left_out_with_a_word(costs):

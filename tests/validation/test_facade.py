@@ -60,6 +60,7 @@ def test_a_surface_knows_its_size_in_numbers_and_pictures():
     assert SURFACE.rms_height == pytest.approx(exact, rel=1e-9)
     q = SURFACE.spectrum.wavevector.values
     assert SURFACE.spectrum.dims == ("wavevector",)
+    assert SURFACE.spectrum.wavevector.attrs["units"] == "1/m"
     assert 2 * np.pi * np.sum(SURFACE.spectrum.values * q) * q[1] == pytest.approx(exact**2, rel=0.2)
     wave = measured(np.cos(2 * np.pi * np.arange(32) / 32)[:, None] * np.ones(32), length=1.0, unit=1e-3)
     # The Laplacian of a wave of amplitude a is a k^2 in amplitude.

@@ -221,7 +221,7 @@ HOSTILE = "[/]\x1b[31m<b>\u202etxt.exe"
 
 def test_a_hostile_title_is_harmless_in_terminal_and_page(small_run, capsys):
     data = small_run.data.assign_attrs(title=HOSTILE)
-    page = result_page(dataclasses.replace(small_run.result, data=data))
+    page = result_page(dataclasses.replace(small_run.result, data=data), figures=True)
     print_outputs(dataclasses.replace(small_run, page=page))
     for text in (capsys.readouterr().out, render(page)):
         assert r"[/]\x1b[31m" in text

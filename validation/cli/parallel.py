@@ -108,7 +108,8 @@ def _solved(solve: Press, folder: Path, comm: Any) -> dict[str, Any]:
     if isinstance(rough, FileSurface):
         surface = bem.SlabSurface.of(solve.height_field(), comm)
     else:
-        surface = bem.SlabSurface.random(shape=solve.grid, comm=comm, **waves_drawn(rough))
+        drawn = waves_drawn(rough, solve.problem.realisation)
+        surface = bem.SlabSurface.random(shape=solve.grid, comm=comm, **drawn)
     model = ContactModel.filled(solve.problem.elastic, solve.effects)
     (load,) = solve.problem.load.values
     if solve.problem.load.key == "reduced_pressure":

@@ -59,7 +59,7 @@ def with_maps(data: xr.Dataset, results: Mapping[Press, ContactResult]) -> xr.Da
     methods = list(dict.fromkeys(solve.method for solve in results))
     grids = [{solve.grid for solve in results if solve.method == name} for name in methods]
     common = set.intersection(*grids) or grids[0]
-    finest = max(common, key=lambda grid: grid[0] * grid[1])
+    finest = max(common, key=math.prod)
     there = {solve.method: result for solve, result in results.items() if solve.grid == finest}
     first, maps = there[methods[0]], np.full((data.sizes["solver"], *finest), np.nan)
     for name, result in there.items():

@@ -30,7 +30,7 @@ def effects_words(scene: Scene, problem: ContactProblem) -> str:
     return "\n".join(lines)
 
 
-def result_page(result: Result, *, figures: bool = True, pictures: bool = False) -> Page:
+def result_page(result: Result, *, figures: bool, pictures: bool = False) -> Page:
     """Return the page of what a scene left, drawn or not, all of it from its dataset and from what was asked.
 
     A UsageError for a record of another kind.

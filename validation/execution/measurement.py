@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Generic, ParamSpec, cast
 
 from pydantic import BaseModel
 
-from validation.execution.solve import LOCATED_EDGES, Compiled, Prediction, Solve
+from validation.execution.solve import LOCATED_EDGES, PAIR_SECONDS, Compiled, Prediction, Solve
 from validation.scenes.problem import ContactProblem
 
 if TYPE_CHECKING:
@@ -139,7 +139,7 @@ class Call(Solve):
         kind += f"nu = {problem.solid.poisson:g}"
         return f"{text}, {kind}, surface {problem.realisation + 1}{' (-h)' if problem.inverted else ''}"
 
-    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
+    def predict(self, *, pair_seconds: float = PAIR_SECONDS) -> Prediction:
         """Predict from the number of points, or as the measurement says."""
         about, points = self.measurement, math.prod(self.finest)
         if about.predict is not None:

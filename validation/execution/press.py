@@ -16,7 +16,7 @@ from validation.effects.base import ContactModel
 from validation.execution.cost import dearer_by
 from validation.execution.fields import decode_result, fields_dataset
 from validation.execution.netcdf import dataset_bytes
-from validation.execution.solve import Compiled, Prediction, Solve
+from validation.execution.solve import PAIR_SECONDS, Compiled, Prediction, Solve
 from validation.files import atomic_path
 from validation.scenes.problem import ContactProblem, realise
 from validation.scenes.scene import EffectSpec, Scene
@@ -103,7 +103,7 @@ class Press(Solve):
             field = effect.shaped(field)
         return field
 
-    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
+    def predict(self, *, pair_seconds: float = PAIR_SECONDS) -> Prediction:
         """Predict from the sizes of grid and mesh, and what the effects cost on this machine."""
         cost = self.solver.cost(
             Size(

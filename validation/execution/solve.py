@@ -24,6 +24,9 @@ RESULTS_VERSION = 2
 #: area, since one whose edges were located otherwise is another one.
 LOCATED_EDGES = "edges of second order, traits of contour and heights"
 
+#: Seconds of a pair of real 256 x 256 transforms unless the machine was asked.
+PAIR_SECONDS = 0.5e-3
+
 
 @dataclass(frozen=True, kw_only=True)
 class Prediction:
@@ -61,7 +64,7 @@ class Solve(ABC):
         """Return a few words for a progress bar."""
 
     @abstractmethod
-    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
+    def predict(self, *, pair_seconds: float = PAIR_SECONDS) -> Prediction:
         """Predict what it takes on one thread, storing included, beyond what an idle process takes.
 
         Machines differ by the time of one pair of real 256 x 256 transforms (`pair_seconds` [s]).

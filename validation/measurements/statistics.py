@@ -33,6 +33,16 @@ def relative_distance(first: ArrayLike, second: ArrayLike) -> float:
     return float(np.linalg.norm(apart)) / size if size > 0 else math.nan
 
 
+def largest_difference(first: ArrayLike, second: ArrayLike) -> float:
+    """Largest difference of two fields over the largest size of the second.
+
+    >>> largest_difference([1.0, 0.0], [1.0, -4.0])
+    1.0
+    """
+    size = np.max(np.abs(second))
+    return float(np.max(np.abs(np.subtract(first, second))) / size)
+
+
 def order_of_convergence(spacing: ArrayLike, error: ArrayLike) -> float:
     """Slope of log |error| against log spacing, by least squares over all grids.
 

@@ -141,7 +141,7 @@ def waves_of(surface: RandomSurface, realisation: int) -> RandomWaves:
     return random_waves(**waves_drawn(surface, realisation))
 
 
-def waves_drawn(surface: RandomSurface, realisation: int = 0) -> dict[str, Any]:
+def waves_drawn(surface: RandomSurface, realisation: int) -> dict[str, Any]:
     """Return what the waves of one realisation are drawn by."""
     spectrum = spectrum_of(surface)
     directional = getattr(spectrum, "directional", None)

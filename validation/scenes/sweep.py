@@ -208,7 +208,13 @@ def _effect(data: Mapping[str, Any], kind: str) -> dict[str, Any] | None:
 
 
 def _put(data: dict[str, Any], key: str, value: Any) -> None:
-    """Set a key in full; a table, method or effect that is not there is listed with it."""
+    """Set a key in full; a table, method or effect that is not there is listed with it.
+
+    >>> data = {}
+    >>> _put(data, "effects.adhesion.work", 0.05)
+    >>> data
+    {'effects': [{'kind': 'adhesion', 'work': 0.05}]}
+    """
     parts = key.split(".")
     if parts[0] == "effects":
         table = _effect(data, parts[1])

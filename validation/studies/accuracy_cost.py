@@ -101,8 +101,8 @@ def _singles(options: Options) -> Iterator[_Single]:
     for code, n in itertools.product(options.peers, options.peer_points_per_wave):
         method, settings = asked_of(code)
         ask = partial(beside_bem, method=method, settings=settings, grid_share=_SOLVER_SHARE)
-        solve = partial(ask, grid=grid_for(first, n))
-        yield _Single(part="peers", name=code, per_wave=n, process=True, solve=solve)
+        grid = grid_for(first, n)
+        yield _Single(part="peers", name=code, per_wave=n, process=True, solve=partial(ask, grid=grid))
     for solver in options.others(options.method_points_per_wave):
         settings = tuple({"tolerance": _TOLERANCE, **dict(solver.settings)}.items())
         for grid in solver.grids:

@@ -24,7 +24,7 @@ def of_scene(name, bench, folder):
         data = read_results(folder / "both").data
     else:
         data = _ran(name, solves, folder / "run")
-        page = result_page(read_results(folder / "run"))
+        page = result_page(read_results(folder / "run"), figures=True)
     odd = [problem for drawing in page.figures for problem in misdrawn(drawing, data)]
     return {**of_dataset(name, data), "misdrawn": {"words": odd}}, data
 

@@ -85,7 +85,7 @@ def hertz(subject: Subject) -> Iterator[Check]:
 @case("hertz-radius", source=_HERTZ, tolerance="grid")
 def hertz_radius(subject: Subject) -> Iterator[Check]:
     """The counted radius converges to Hertz's in first order."""
-    excess, exact, corrected = [], _hertz(subject), 0.0
+    excess, exact = [], _hertz(subject)
     for n in subject.ladder:
         results = [pressed.result for pressed in _shifted(subject, n)]
         areas = [contact_areas(one, edge_constant=subject.solver.edge_constant(one)) for one in results]
