@@ -137,9 +137,8 @@ def read(result: Result, name: str, variable: xr.Variable) -> Array | None:
     tree = ast.parse(str(variable.attrs["expression"]), mode="eval")
 
     def read(solve: xr.Dataset) -> Any:
-        numbers = {n: v.values for n, v in solve.variables.items() if v.dtype.kind in "fib"}
-        numbers |= {n: v for n, v in solve.attrs.items() if isinstance(v, float | int | np.number)}
-        known = {n: np.asarray(v, dtype=float) for n, v in numbers.items()}
+        numbers = {n: v for n, v in solve.variables.items() if v.dtype.kind in "fib"}
+        known = {n: np.asarray(v.values, dtype=float) for n, v in numbers.items()}
         return value_of(tree, lambda of, _: known[of])
 
     return over_solves(result, variable, read)
