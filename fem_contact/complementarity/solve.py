@@ -394,6 +394,8 @@ def surely_partial(
 
 #: Points along each side of a cell whose heights are averaged to rule out full contact.
 _AVERAGED = 8
+#: Grids with fewer points are solved in double precision.
+_SINGLE = 256**2
 #: Tolerance of the coarse grids: their answer is off by the discretisation anyway.
 _COARSE = 1e-2
 #: Grids are halved down to this number of points.
@@ -406,4 +408,4 @@ def _in_single(shape: Shape) -> bool:
     >>> [_in_single(shape) for shape in ((256, 255), (256, 256), (128, 1024))]
     [False, True, True]
     """
-    return math.prod(shape) >= 256**2
+    return math.prod(shape) >= _SINGLE

@@ -89,8 +89,8 @@ def test_each_pass_over_slabs_is_that_over_the_whole(count, shape, bounded):
 
     def passed(arrays, own):
         arrays.force[...], arrays.step[...], arrays.image[...] = (v[own] for v in (force, *fields[:2]))
-        numbers = [*arrays.start(), *vars(arrays.place(0.2)).values(), *vars(arrays.move(0.3, 0.1)).values()]
-        numbers += arrays.precondition()
+        numbers = [*arrays.start(roughly=False), *vars(arrays.place(0.2)).values()]
+        numbers += [*vars(arrays.move(0.3, 0.1)).values(), *arrays.precondition()]
         direction = np.where(arrays.working, arrays.buffer, 0)
         arrays.trial(0.4 * heights.size, length=0.7, beta=0.4, shift=0.2)
         numbers += [arrays.slope, arrays.bend(), arrays.room()]
