@@ -78,25 +78,6 @@ def test_doubling_the_nodes_moves_the_area_by_less_than_the_stated_error(monkeyp
         assert finer.error_estimate < result.error_estimate
 
 
-def test_change_of_units_keeps_every_bit():
-    """Lengths times 2^20, pressures times 2^-30, energies per area times their product."""
-    length, stress = 2.0**20, 2.0**-30
-    wide = SelfAffine(
-        hurst=0.8,
-        q_long=RIM.q_long / length,
-        q_short=RIM.q_short / length,
-        amplitude=RIM.amplitude * length**4,
-    )
-    one = rim()
-    two = solve_adhesion(
-        Scale(wide, contact_modulus=MODULUS * stress),
-        pressure=PRESSURE * stress,
-        interface=Interface(work_of_adhesion=WORK * stress * length),
-    )
-    assert two.real_area == one.real_area
-    assert two.macroscopic_work == one.macroscopic_work * stress * length
-
-
 def test_solution_satisfies_the_diffusion_equation_by_another_method():
     """Finite volumes of second order on a moving grid with BDF2 steps in ln V; of order 1e-3 at 600 cells."""
     result = rim(interface=Interface(work_of_adhesion=WORK, energy="as_printed"))

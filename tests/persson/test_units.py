@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from persson import FullerTabor, archard_hierarchy, bush_gibson_thomas, nayak_asperities, yielding_asperities
+from persson.adhesion import solve_adhesion
 from persson.capillary import CapillaryWaves
 from persson.flaw_tolerance import optimal_modulus
 from persson.gaps import gap_distribution
@@ -150,6 +151,17 @@ def structures(units):
     return np.concatenate([levels.area / length**2, found])
 
 
+def sticking(units):
+    length, stress = units
+    rim = SelfAffine.from_rms_height(0.5e-6 * length, hurst=0.8, q_long=1e5 / length, q_short=1e10 / length)
+    found = solve_adhesion(
+        Scale(rim, contact_modulus=1.3e7 * stress),
+        pressure=5e5 * stress,
+        interface=Interface(work_of_adhesion=0.05 * stress * length),
+    )
+    return np.array([found.real_area, found.macroscopic_work / (stress * length)])
+
+
 def tolerance(units):
     length, stress = units
     found = optimal_modulus(
@@ -161,22 +173,11 @@ def tolerance(units):
     return np.concatenate([found.modulus / stress, found.area, found.growth])
 
 
-@pytest.mark.parametrize(
-    "quantity",
-    [
-        separation,
-        macroasperities,
-        variants,
-        yielding,
-        asperities,
-        graded,
-        tables,
-        spheres,
-        interface,
-        structures,
-        tolerance,
-    ],
-)
+QUANTITIES = [separation, macroasperities, variants, yielding, asperities, graded, tables, spheres]
+QUANTITIES += [interface, structures, sticking, tolerance]
+
+
+@pytest.mark.parametrize("quantity", QUANTITIES)
 def test_another_unit_system_changes_no_bit(quantity):
     one, two = np.asarray(quantity(SI)), np.asarray(quantity(OTHER))
     assert np.all(np.isfinite(one))
@@ -197,8 +198,6 @@ def test_capillary_waves_scale_with_the_thermal_length():
 
 @pytest.mark.slow
 def test_critical_roughness_does_not_depend_on_where_it_starts():
-    from persson.adhesion import Interface
-
     surface = SelfAffine.from_rms_gradient(0.2, hurst=0.8, q_long=1e5, q_short=1e8)
     interface = Interface(work_of_adhesion=0.05)
     first = critical_roughness(surface, contact_modulus=1e7, interface=interface, tolerance=0.03)

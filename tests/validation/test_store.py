@@ -62,6 +62,12 @@ def silent_reads(store, solve, damaged):
     return silent, slowest
 
 
+def saved_again(store, solve):
+    """Take a solve out of its store, and store it anew."""
+    store.path(solve).unlink()
+    store.save(solve, solve.do(threads=1), made=MADE)
+
+
 def flipped(whole, count, seed=3):
     rng = random.Random(seed)
     for _ in range(count):
@@ -279,9 +285,7 @@ def test_a_call_that_fails_is_told_in_one_line(tmp_path, monkeypatch, name, numb
 @pytest.mark.parametrize(("name", "number"), FAILURES)
 def test_a_file_system_that_fails_at_any_call_loses_no_finished_solve(stored, monkeypatch, name, number):
     store, solve, other = stored
-    path, result = store.path(solve), store.read(solve).result
-    if not isinstance(result, xr.Dataset):
-        result = solve.do(threads=1)
+    path, result = store.path(solve), solve.do(threads=1)
     for at in range(3):
         path.unlink(missing_ok=True)
         with failing(monkeypatch, name, number, at):
@@ -300,9 +304,7 @@ def test_short_writes_are_continued(stored, monkeypatch):
     store, solve, _ = stored
     real = os.write
     monkeypatch.setattr(files.os, "write", lambda handle, data: real(handle, bytes(data[:1000])))
-    result = store.read(solve).result if isinstance(solve, Numbers) else solve.do(threads=1)
-    store.path(solve).unlink()
-    store.save(solve, result, made=MADE)
+    saved_again(store, solve)
     assert store.read(solve)
 
 
@@ -317,8 +319,7 @@ def test_what_is_taken_up_again_is_verified_and_not_decoded(stored, monkeypatch)
 def test_who_stores_a_solve_first_says_how_it_was_made(stored, monkeypatch, while_encoding):
     """Runs that share a store may solve the same, and at once; what one has told of it stays true."""
     store, solve, _ = stored
-    path, before = store.path(solve), store.read(solve)
-    result = before.result if isinstance(solve, Numbers) else solve.do(threads=1)
+    path, before, result = store.path(solve), store.read(solve), solve.do(threads=1)
     if while_encoding:
         first, encode = path.read_bytes(), type(solve).encode
         path.unlink()
@@ -344,9 +345,7 @@ def test_bytes_are_on_the_disk_before_the_name_is(stored, monkeypatch):
         monkeypatch.setattr(
             files.os, name, lambda *a, _name=name, _real=real: (calls.append((_name, a[0])), _real(*a))[1]
         )
-    result = store.read(solve).result if isinstance(solve, Numbers) else solve.do(threads=1)
-    store.path(solve).unlink()
-    store.save(solve, result, made=MADE)
+    saved_again(store, solve)
     names = [name for name, _ in calls]
     assert names[-2:] == ["fsync", "link"]
     assert set(names[:-2]) == {"write"}

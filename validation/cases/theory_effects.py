@@ -19,6 +19,7 @@ from persson.separation import mean_separation
 from persson.spectrum import SelfAffine, area_factor
 from persson.variants import Variant, corrected_contact_area, energy_factor, light_load_kappa
 from validation.cases import Check, below, case, near, relative, within
+from validation.measurements.statistics import largest_difference
 
 
 def _eigenfunctions(x: float, v: float) -> tuple[float, float]:
@@ -65,7 +66,7 @@ def _diffusion() -> Iterator[Check]:
     grown = quad(lambda v: math.erf((wall + pressure) / math.sqrt(2 * v)), 0, variance, epsabs=1e-12)[0]
     area = math.erf((wall + pressure) / width)
     second = (wall + pressure) ** 2 * (area - 1) + grown
-    off = float(np.max(np.abs(solved.distribution(0, sigma) - exact)) / np.max(exact))
+    off = largest_difference(solved.distribution(0, sigma), exact)
     early = solve_diffusion([1e-6], pressure=1.0)
     peak = float(early.distribution(0, np.array(1.0)))
     yield relative("area", solved.area_elastic[0], area, 1e-7)

@@ -39,8 +39,7 @@ def largest_difference(first: ArrayLike, second: ArrayLike) -> float:
     >>> largest_difference([1.0, 0.0], [1.0, -4.0])
     1.0
     """
-    size = np.max(np.abs(second))
-    return float(np.max(np.abs(np.subtract(first, second))) / size)
+    return float(np.max(np.abs(np.subtract(first, second))) / np.max(np.abs(second)))
 
 
 def order_of_convergence(spacing: ArrayLike, error: ArrayLike) -> float:

@@ -212,8 +212,9 @@ def _put(data: dict[str, Any], key: str, value: Any) -> None:
 
     >>> data = {}
     >>> _put(data, "effects.adhesion.work", 0.05)
+    >>> _put(data, "effects.adhesion.law", "dugdale")
     >>> data
-    {'effects': [{'kind': 'adhesion', 'work': 0.05}]}
+    {'effects': [{'kind': 'adhesion', 'work': 0.05, 'law': 'dugdale'}]}
     """
     parts = key.split(".")
     if parts[0] == "effects":
