@@ -319,7 +319,6 @@ def _iterate(
             if failures > 2:
                 return _empty(case, nodes, count)
             new_work = 0.5 * (new_work + np.maximum(work, 0.0))
-            result = replace(result, work=new_work, tensile_limit=_tensile_limit(case, nodes, new_work))
         # Where nothing sticks gamma_eff is the elastic energy, many times Delta gamma, and rounded as such.
         scale = max(gamma, _ROUNDED * float(np.max(np.abs(new_work))))
         change = max(float(np.max(np.abs(new_work - work))) / scale, float(np.max(np.abs(state.area - area))))

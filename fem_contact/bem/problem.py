@@ -145,7 +145,6 @@ class Problem:
             status = Status.STAGNATED
         if status is Status.STAGNATED and max(dx, dy) > _OBLONG * min(dx, dy):
             status = Status.OBLONG_CELLS
-        mean = float(grids.xp.mean(solution.force))
         solution, gap = grids.fetched(solution), grids.fetched_field(gap)
         held = self.operator.nbytes + (0 if self.bound is None else gap.nbytes)
         if grids.in_slabs:
@@ -160,7 +159,7 @@ class Problem:
             lengths=lengths,
             contact_modulus=self.response.contact_modulus,
             offset=solution.offset + self.level,
-            mean_pressure=mean,
+            mean_pressure=float(np.mean(solution.force)),
             status=status,
             tolerance=self.settings.tolerance,
             residuals=residuals,

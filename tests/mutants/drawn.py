@@ -220,6 +220,7 @@ class Covering:
                     self.functions.append((node.name, file, inside, _identifiers(node)))
         runs = (test for lines in self.lines.values() for found in lines.values() for test in found)
         self.lengths = Counter(runs)
+        self.sharing = _sharing()
 
     def _of(self, file, lines):
         return {test for n in lines for test in self.lines.get(file, {}).get(n, ())}
@@ -238,7 +239,9 @@ class Covering:
                      for n in _named(part, ast.Store) if first <= (part.end_lineno or 0)}  # fmt: skip
         if fault.kind == "default" or not fault.scope:
             found = set()
-        ran = found
+        # A fixture runs its lines once, for the first test alone.
+        asked = {test.partition("[")[0] for test in found}
+        ran = found = found.union(*(mates for mates in self.sharing if mates & asked))
         for _ in range(5):
             if len(found) >= count // 2:
                 break
@@ -251,6 +254,21 @@ class Covering:
         ordered = sorted(found, key=lambda test: (test not in ran, self.lengths[test], test))
         rest = ordered[count // 2 :]
         return ordered[: count // 2] + rest[:: max(1, -(-2 * len(rest) // count))]
+
+
+def _sharing():
+    """Return sets of tests that share what is made once, of each fixture of a module or of the session."""
+    sharing = []
+    for path in (ROOT / "tests").rglob("test_*.py"):
+        functions = [n for n in ast.parse(path.read_bytes()).body if isinstance(n, ast.FunctionDef)]
+        for made in functions:
+            if re.search("scope=|cache", " ".join(map(ast.unparse, made.decorator_list))):
+                names = {made.name}
+                for _ in functions:
+                    names |= {f.name for f in functions if names & _identifiers(f)}
+                file = path.relative_to(ROOT)
+                sharing.append({f"{file}::{name}" for name in names if name.startswith("test_")})
+    return sharing
 
 
 def _identifiers(node):
@@ -269,8 +287,9 @@ _COMMANDS = ["validate --quick -o checks", "run quickstart -o run", "audit run"]
 
 def judge(fault, tree, tests):
     """Return what becomes of a fault: survived, or killed, by which test or command."""
-    # What the public functions refuse, and by which name.
-    doors = [] if fault.file.startswith("validation") else ["tests/test_public_api.py"]
+    # What is taken unless it is told, and what the public functions refuse, by which name.
+    doors = ["tests/validation/test_defaults.py"]
+    doors += [] if fault.file.startswith("validation") else ["tests/test_public_api.py"]
     for portion in filter(None, (tests[:8], tests[8:], doors)):
         outcome = driver.judge(fault, tree, tests=portion)
         for test in outcome.failed or ([""] if outcome.verdict == "killed" else []):

@@ -333,7 +333,7 @@ def beside_each_other(data: xr.Dataset, readings: Sequence[Reading]) -> xr.Datas
             )
             cases[method, grid_name(grid)] = xr.Dataset(dict(zip(names, values, strict=True)))
     data = data.assign(gather(cases, solver=methods, grid=grids).data_vars)
-    for name in names[:2]:
+    for name in names:
         made = {"reduction": "order", "of": name}
         orders = [_order(data.spacing.values, row) for row in np.abs(data[name].values)]
         data[f"{name}_order"] = ("solver", orders, made)

@@ -34,7 +34,6 @@ def sweep_views(data: xr.Dataset) -> Views:
         Column(name, {"solver": k})
         for k in range(data.sizes.get("solver", 0))
         for name in ("area_perimeter_finest", "area_pixel_finest", "area_plastic_pixel_finest", "grid_finest")
-        if k or name != "area_plastic_pixel_finest"  # which stands beside the theory's
     ]
     return Views(
         table=Table(
@@ -45,7 +44,6 @@ def sweep_views(data: xr.Dataset) -> Views:
                 *(("area_own",) if _several(data) else ()),
                 "kappa" if answer == "area" else "kappa_ensemble",
                 *("area_persson", "area_ratio", "scatter"),
-                Column("area_plastic_pixel_finest", {"solver": 0}),
                 *("area_plastic_persson", "area_plastic_ensemble"),
                 *(("area_ensemble",) if answer == "area" else ()),
                 *of_methods,

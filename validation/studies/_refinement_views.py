@@ -48,8 +48,7 @@ def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
     if "element" in data.dims:
         both = ("distance_fem_pixel_size", "distance_fem_perimeter_size")
         panels.append(against("points_per_wave_fem", *both, by="element", log="xy", base=2))
-    caption = "Distance of each definition of the area from the limit of its own surface, mean over surfaces"
-    caption += "; right, finite elements." if len(panels) > 1 else "."
+    caption = "Distance of each definition of the area from the limit of its own surface, mean over surfaces."
     yield Figure("error-against-resolution", caption, panels, width=5.0 * len(panels))
     yield Figure(
         "error-against-cells",

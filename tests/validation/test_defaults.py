@@ -1,0 +1,88 @@
+"""What is taken where nothing is said, and what may be said: a user's old call does today what it did.
+
+``python tests/validation/test_defaults.py`` writes gold/defaults.json again, where a change is meant.
+"""
+
+import importlib
+import inspect
+import json
+import pkgutil
+from dataclasses import is_dataclass
+from pathlib import Path
+
+import typer
+from pydantic import BaseModel
+
+import fem_contact as fc
+import persson
+import validation
+from validation import notebook
+from validation.cli import app
+
+STORED = Path(__file__).parent / "gold/defaults.json"
+#: Of a schema what describes a key, and what another version of pydantic may word in another way.
+_WORDS = {"description", "title", "default", "type", "$ref", "$defs"}
+
+
+def _below(kind):
+    return {kind}.union(*map(_below, kind.__subclasses__()))
+
+
+def _bounds(schema):
+    """Numbers and words within which a value must lie."""
+    if isinstance(schema, dict):
+        schema = [value for name, value in schema.items() if name not in _WORDS]
+    return [b for part in schema for b in _bounds(part)] if isinstance(schema, list) else [schema]
+
+
+def _of_tables():
+    """Keys of scenes and options of studies, with the bounds of their values."""
+    for module in pkgutil.walk_packages(validation.__path__, "validation."):
+        importlib.import_module(module.name)
+    for table in _below(BaseModel):
+        if table.__module__.startswith("validation."):
+            for key, schema in table.model_json_schema().get("properties", {}).items():
+                place = f"{table.__module__.removeprefix('validation.')}.{table.__qualname__}"
+                yield (
+                    f"{place}.{key}",
+                    {"default": schema.get("default"), "bounds": sorted(map(str, _bounds(schema)))},
+                )
+
+
+def _of_commands(command, path="fem-contact"):
+    for name, inner in getattr(command, "commands", {}).items():
+        yield from _of_commands(inner, f"{path} {name}")
+    for asked in (a for a in command.params if "completion" not in a.name):  # typer's own
+        yield f"{path} {'/'.join([*asked.opts, *asked.secondary_opts])}", asked.default
+
+
+def _of_functions(owner, path):
+    """Arguments of functions, constructors and methods, also in modules that have public names."""
+    for name in getattr(owner, "__all__", vars(owner)):
+        entry = inspect.unwrap(getattr(owner, name))
+        if hasattr(entry, "__all__") or (inspect.isclass(entry) and inspect.ismodule(owner)):
+            yield from _of_functions(entry, f"{path}.{name}")
+        if name[0] != "_" and (inspect.isfunction(entry) or is_dataclass(entry)):
+            for key, asked in inspect.signature(entry).parameters.items():
+                if asked.default is not asked.empty:
+                    yield f"{path}.{name}({key})", asked.default
+
+
+def found():
+    """All defaults by the place where a user would say something else."""
+    command = typer.main.get_command(app)
+    pairs = [*_of_tables(), *_of_commands(command)]
+    for owner in (fc, persson, notebook):
+        pairs += _of_functions(owner, owner.__name__)
+    return json.loads(json.dumps(dict(pairs), default=repr))
+
+
+def test_what_is_not_said_is_what_it_was():
+    known, now = json.loads(STORED.read_text(encoding="utf-8")), found()
+    assert {k: now.get(k) for k in known if now.get(k) != known[k]} == {}
+    assert now.keys() - known.keys() == set()
+
+
+if __name__ == "__main__":
+    lines = [f"{json.dumps(k)}: {json.dumps(v, sort_keys=True)}" for k, v in sorted(found().items())]
+    STORED.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
