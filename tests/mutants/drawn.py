@@ -3,7 +3,8 @@
 ``python tests/mutants/drawn.py --seed 61 --count 100 persson fem_contact validation`` draws kinds and places
 of mistakes: an operator, a comparison, a constant, an index, a default, a name or a word of like type, a line
 lost or swapped with the next. Each is put into a copy of the tree, and tests that run the line are asked
-until one fails, then ``validate --quick`` and ``audit``. The coverage file of
+until one fails, then ``validate --quick`` and ``audit``. At last the whole suite runs with all that survived
+put in together, and each alone is asked what failed of it. The coverage file of
 ``pytest --cov=persson --cov=fem_contact --cov=validation --cov-context=test`` says which tests these are.
 ``drawn.toml`` holds by hand what no test can notice, with the reason.
 """
@@ -314,6 +315,31 @@ def judge(fault, tree, tests):
     return "survived", ""
 
 
+def killed_by_suite(faults, tree):
+    """Yield faults that the whole suite notices, and by which test; it runs with all of them put in at once."""
+    files = {fault.file: (tree / fault.file).read_text(encoding="utf-8") for fault in faults}
+    left = []
+    for file, sound in files.items():
+        text, start = sound, len(sound.encode())
+        for fault in sorted((f for f in faults if f.file == file), key=lambda f: -f.start):
+            if fault.end <= start:
+                text, start = fault.applied(text), fault.start
+            else:
+                left.append(fault)
+        (tree / file).write_text(text, encoding="utf-8")
+    _, output = driver.run_tests(tree, [], cache=tree.parent / "all-cache", limit=7200, whole=True)
+    for file, sound in files.items():
+        (tree / file).write_text(sound, encoding="utf-8")
+    failed = driver.failed_tests(output)
+    for fault in (f for f in faults if failed and f not in left):
+        for test in driver.judge(fault, tree, tests=failed).failed:
+            if driver.run_tests(tree, [test], cache=tree.parent / "cache")[0] == 0:
+                yield fault, test
+                break
+    if left:
+        yield from killed_by_suite(left, tree)
+
+
 def main():
     """Draw, judge, print."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -327,7 +353,7 @@ def main():
     parser.add_argument("--only", default="", help="faults whose name contains this")
     given = parser.parse_args()
     excused = tomllib.loads(Path(__file__).with_name("drawn.toml").read_text(encoding="utf-8"))
-    covering, counts = Covering(given.coverage), Counter[str]()
+    covering, counts, survivors = Covering(given.coverage), Counter[str](), list[Fault]()
     with driver.copied_tree() as tree:
         for package in given.packages:
             for fault in drawn(package, seed=given.seed, count=given.count):
@@ -336,9 +362,14 @@ def main():
                     if verdict == "survived" and fault.name in excused:
                         verdict, why = "equivalent", excused[fault.name]
                     counts[f"{package}: {verdict}"] += 1
-                    print(
-                        f"{verdict}, {fault.kind}, line {fault.line} of {fault.name}\n    {why}", flush=True
-                    )
+                    survivors += [fault] if verdict == "survived" else []
+                    said = f"{fault.kind}, line {fault.line} of {fault.name}"
+                    print(f"{verdict}, {said}\n    {why}", flush=True)
+        for fault, test in killed_by_suite(survivors, tree):
+            package = fault.file.partition("/")[0]
+            counts[f"{package}: survived"] -= 1
+            counts[f"{package}: killed"] += 1
+            print(f"killed by the whole suite, {fault.name}\n    {test}", flush=True)
     print(*(f"{entry} {number}" for entry, number in sorted(counts.items())), sep="\n")
 
 

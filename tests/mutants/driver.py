@@ -118,21 +118,11 @@ def copied_tree():
         yield tree
 
 
-def run_tests(tree, tests, *, cache, limit=600):
-    """Run tests in a tree, and return pytest's exit code with its output."""
+def run_tests(tree, tests, *, cache, limit=600, whole=False):
+    """Run tests in a tree, one by one, or the whole suite, and return pytest's exit code with its output."""
     # The results of one fault must not be mistaken for those of another.
-    options = [
-        "-q",
-        "-n",
-        "0",
-        "-p",
-        "no:cacheprovider",
-        "-m",
-        "not benchmark",
-        "-rfE",
-        "--tb=no",
-        "--maxfail=12",
-    ]
+    options = ["-q", "-p", "no:cacheprovider", "-rfE", "--tb=no"]
+    options += [] if whole else ["-n", "0", "-m", "not benchmark", "--maxfail=12"]
     environment = os.environ | {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(cache)}
     environment["PYTHONDONTWRITEBYTECODE"] = "1"  # a file that changes within a second keeps its bytecode
     environment.pop("PYTEST_ADDOPTS", None)
@@ -144,6 +134,11 @@ def run_tests(tree, tests, *, cache, limit=600):
     except subprocess.TimeoutExpired:
         return 1, f"FAILED within {limit:g} s: nothing came to an end"
     return done.returncode, done.stdout + done.stderr
+
+
+def failed_tests(output):
+    """Return the names of tests that failed, of what pytest said."""
+    return tuple(re.findall(r"^(?:FAILED|ERROR) (\S+(?: \S+\])?)", output, flags=re.M))
 
 
 def judge(mutant, tree, *, tests=()):
@@ -161,7 +156,7 @@ def judge(mutant, tree, *, tests=()):
     return Outcome(
         mutant=mutant,
         verdict={0: "survived", 1: "killed"}.get(code, "broken"),
-        failed=tuple(re.findall(r"^(?:FAILED|ERROR) (\S+(?: \S+\])?)", output, flags=re.M)),
+        failed=failed_tests(output),
         seconds=time.perf_counter() - began,
         output=output,
     )
