@@ -316,7 +316,7 @@ def judge(fault, tree, tests):
 
 
 def killed_by_suite(faults, tree):
-    """Yield faults that the whole suite notices, and by which test; it runs with all of them put in at once."""
+    """Yield faults that the whole suite notices, and by which test; it runs with all of them at once."""
     files = {fault.file: (tree / fault.file).read_text(encoding="utf-8") for fault in faults}
     left = []
     for file, sound in files.items():
