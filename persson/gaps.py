@@ -88,7 +88,11 @@ def _leaving(load: float, scale: Scale, ratio: float) -> tuple[Array, Array, Arr
 
 
 def _mean_gaps(pressure: Array, variance: Array, top: float, *, scale: Scale, ratio: float) -> Array:
-    """ubar(zeta) [m] of the contact seen with V, under its own pressure and with the waves beyond."""
+    """Mean gap ubar [m] of the contact seen with the waves up to V, under its own pressure p.
+
+    What the shorter waves, up to the variance `top` of all, leave open, with t = ln (V' - V) / (top - V):
+    ubar = int dt sqrt(2 (V' - V) / pi) / (E* q') F(p / sqrt(2 (V' - V))), where F is `opening_integral`.
+    """
     t, weight = panels(np.linspace(-18.0, 0.0, 61), 3)
     rest = (top - variance)[:, None] * np.exp(t)
     wave = scale.wavevector(variance[:, None] + rest)
@@ -97,4 +101,4 @@ def _mean_gaps(pressure: Array, variance: Array, top: float, *, scale: Scale, ra
     # The integral over pressures is a function of s alone: a table in ln s.
     table = np.linspace(math.log(min(float(s.min()), _CLOSED / 2)), math.log(_CLOSED), 400)
     opening = CubicSpline(table, opening_integral(np.exp(table), ratio))(np.log(s))
-    return (2 / math.sqrt(math.pi) * root / 2 / (scale.modulus(wave) * wave) * opening) @ weight
+    return (root / math.sqrt(math.pi) / (scale.modulus(wave) * wave) * opening) @ weight

@@ -114,7 +114,7 @@ class SlabIterationArrays(IterationArrays):
 
     def _as_coarse(self, level: int) -> AnyArray:
         own, rows = self._sums[level], len(self.levels[0][level])
-        own[rows + 1], own[rows] = self.slabs.beyond(own[0], own[rows - 1])
+        own[rows + 1], own[rows] = self.slabs.exchanged(own[0], own[rows - 1])
         return own[: rows + 2]
 
     def _as_fine(self, level: int) -> tuple[AnyArray, AnyArray, AnyArray]:
@@ -125,7 +125,7 @@ class SlabIterationArrays(IterationArrays):
         even = rows + rows % 2
         ends = [np.where(occupied[row], own.dtype.type(0), own[row]) for row in (0, rows - 1)]
         own[rows:] = 0
-        own[even + 3], own[even] = self.slabs.beyond(ends[0], ends[1] * (1 - rows % 2))
+        own[even + 3], own[even] = self.slabs.exchanged(ends[0], ends[1] * (1 - rows % 2))
         count = len(coarse) - 5
         return own[: 2 * count + 4], occupied[: 2 * count + 4], coarse[: count + 2]
 

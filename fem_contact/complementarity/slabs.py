@@ -61,8 +61,12 @@ class Slabs:
         self.comm.Allgather(np.array(values, dtype=float), parts)
         return parts
 
-    def beyond(self, first: AnyArray, last: AnyArray) -> tuple[AnyArray, AnyArray]:
-        """Give away two rows; the last row of the slab before and the first of the one after."""
+    def exchanged(self, first: AnyArray, last: AnyArray) -> tuple[AnyArray, AnyArray]:
+        """Exchange rows at the ends with the neighbouring slabs, periodically.
+
+        Sends `first` to the slab before and `last` to the one after; returns the last row of the slab
+        before and the first of the one after.
+        """
         first, last = np.ascontiguousarray(first), np.ascontiguousarray(last)
         before, after = np.empty_like(last), np.empty_like(first)
         below, above = (self.rank - 1) % self.size, (self.rank + 1) % self.size

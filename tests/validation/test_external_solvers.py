@@ -3,6 +3,7 @@
 import contextlib
 import random
 import textwrap
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 from small_scene import small_scene
 from solving import still_running
 
-from fem_contact import NotConverged, Solid, Status, contact_areas
+from fem_contact import HeightField, NotConverged, Solid, Status, contact_areas
 from validation import sandbox
 from validation.effects import effect_kinds
 from validation.effects.base import ContactModel
@@ -302,9 +303,16 @@ def test_a_peer_agrees_with_boundary_elements(name, load):
         pytest.skip(str(peer.available()))
     solid = Solid(young=2e9, poisson=0.3)
     asked = job(load * solid.contact_modulus, points=64, model=ContactModel(solid=solid), tolerance=1e-9)
-    found, ours = (solver.solve(asked).contact.checked() for solver in (peer, find_solver("bem")))
-    assert np.linalg.norm(found.pressure - ours.pressure) < 1e-4 * np.linalg.norm(ours.pressure)
+    small = HeightField(heights=1e-6 * asked.field.heights, lengths=(1e-6, 1e-6))
+    asked = replace(asked, field=small)
+    ours = find_solver("bem").solve(asked).contact.checked()
+    found = peer.solve(asked).contact.checked()
     assert np.array_equal(found.in_contact, ours.in_contact)
+    pressures = [found.pressure]
+    if not ours.in_contact.all():  # then no offset tells how hard it is pressed
+        pressures.append(peer.claim(replace(asked, load={"offset": ours.offset})).pressure)
+    for pressure in pressures:
+        assert np.linalg.norm(pressure - ours.pressure) < 1e-4 * np.linalg.norm(ours.pressure)
 
 
 @pytest.mark.parametrize(

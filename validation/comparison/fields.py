@@ -31,7 +31,11 @@ _CURVE = 401
 def with_fields(
     data: xr.Dataset, scene: Scene, problem: ContactProblem, results: Mapping[Press, ContactResult]
 ) -> xr.Dataset:
-    """Add to the numbers of a run what its figures show of the fields."""
+    """Add to the numbers of a run what its figures show of the fields.
+
+    Maps are of the methods of the package, distributions of other codes too, stress below the contact of what
+    asks for it. The theory is evaluated under the pressure that was found where a distance is held.
+    """
     if problem.load.held:
         problem = problem.under(Load(pressure=float(data.pressure)))
     shown = {solve: results[solve] for solve in own_solves(scene, results)}

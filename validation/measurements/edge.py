@@ -73,7 +73,6 @@ def edge_of_contact(
             "patches": find_patches(result.in_contact, result.spacing).count,
             "area": areas.perimeter,
             "excess": excess,
-            "seconds": result.cost.wall_seconds,
         },
         coords={"stress": ("bin", (edges[1:] + edges[:-1]) / 2), "upper": ("bin", edges[1:])},
     )

@@ -72,7 +72,10 @@ def radii_of(waves: Sequence[int], heights: Sequence[float]) -> list[float]:
 def archard_of(
     waves: Sequence[int], heights: Sequence[float], *, loads: Sequence[float]
 ) -> tuple[Array, float]:
-    """A/A0 of Archard's spheres with these radii and densities, and the power of the load."""
+    """A/A0 of Archard's spheres on spheres for these waves, and the exponent of the load.
+
+    Spheres of level k have the curvature of its tops; n_k^2 of them stand on the period, on the first one too.
+    """
     spheres = archard_hierarchy(
         np.array(loads) * _SLOPE,
         radii=radii_of(waves, heights),

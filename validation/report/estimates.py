@@ -50,9 +50,9 @@ def gather(cases: Mapping[Any, xr.Dataset], **dims: Sequence[Any]) -> xr.Dataset
     """Stack datasets along new dimensions in front; a place that is in no case is NaN.
 
     A place is a tuple with one value for each of `dims`, or the value itself where there is one; where these
-    are instances of a dataclass its fields are coordinates. A coordinate that differs between the cases is
-    one along the new dimensions where it does; one that differs between surfaces becomes ``x_each``, as all
-    that belongs to a single one.
+    are instances of a dataclass its fields are coordinates. A coordinate x that differs between the cases
+    gets the new dimensions along which it does. Where one of them counts surfaces it becomes the variable
+    ``x_each``: means are taken over it, as over all values of single surfaces.
 
     A UsageError where the cases are not alike: other variables, sizes or values along a dimension.
 
@@ -167,8 +167,8 @@ def spread(data: xr.Dataset, dim: str, count: int = 3) -> list[int]:
 def error_of(value: xr.DataArray, **sources: xr.DataArray | float | str) -> xr.DataArray:
     """Return the errors of a variable from what is known of each source.
 
-    That is half the width of the 95 % interval, or a text: why the source does not enter. Others are not
-    measured.
+    Of a source is given half the width of its 95 % interval, or the reason why it does not enter. Sources
+    that are not given are not measured (NaN).
     """
     if unknown := sources.keys() - set(SOURCES):
         others = ", ".join(sorted(unknown))

@@ -313,6 +313,7 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
 
 
 def _places(mark: _Mark, data: xr.Dataset) -> Iterable[xr.Dataset]:
+    """Return a slice of the dataset for each line or bar of a mark; none where all of it is NaN."""
     if mark.y not in data:
         quantity(mark.y)  # what is no quantity at all is refused
         return ()

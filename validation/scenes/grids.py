@@ -79,10 +79,10 @@ def with_usual_grids(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def _waves(surface: object, folder: Path) -> dict[str, Any]:
-    """Return periods and shortest wave, of a measured surface two of its points; empty for no surface."""
+    """Return `lengths` and `shortest` wave of the table of a surface; of a map it is two points at least."""
     try:
         table = TypeAdapter[Any](Surface).validate_python(surface)
-    except ValidationError:
+    except ValidationError:  # which the scene is refused for
         return {}
     if not isinstance(table, FileSurface):
         return {"lengths": table.length, "shortest": table.lambda_short}

@@ -124,7 +124,7 @@ def _cases(options: Options) -> dict[tuple[str, float | str, int], Call]:
 
 
 def views(data: xr.Dataset) -> Views:
-    """P_h beside the Gaussian, and what longer waves change."""
+    """P_h of samples beside the Gaussian; what a longer roll-off changes of area and rms height."""
     ends = {"sample": spread(data, "sample", 2)}
     densities = [Line("height_density", by="sample", at=ends), Line("height_density_gaussian")]
     changes = [

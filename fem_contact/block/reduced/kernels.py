@@ -88,7 +88,7 @@ def _write_products(x, y, p, out):
 
 @njit(**_OPTIONS)
 def _write_layer(entries, terms, weights, places, products, w):
-    """Folded matrix of a layer, upper triangle in the order of the work matrix."""
+    """Write the matrix of a layer, its upper triangle, into w for each wave (letters: top of this file)."""
     w[:] = 0.0
     for e in range(entries.shape[0]):
         a, b = places[entries[e, 0]], places[entries[e, 1]]
