@@ -252,7 +252,7 @@ class PressedOptions(StudyOptions):
             return super().record()
         json: dict[str, Any] = {"mode": "json", "exclude_none": True}
         seed = self.scene.surface.model_dump(include={"seed"}, **json)
-        options = self.model_dump(exclude={"scene", *_SPECTRUM}, **json)
+        options = self.model_dump(exclude=set(_SPECTRUM), **json)
         return {**options, **seed, "scene": self.scene.model_dump(**json)}
 
     def remarks(self) -> Iterator[str]:
