@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import re
 from collections import Counter
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.arrays import Array
+from validation.arrays import Array, padded
 from validation.cases import TOLERANCES, Check, Verdict
 from validation.execution.outputs import Outputs, leave
 from validation.execution.results import Result
@@ -111,17 +110,12 @@ def _unique(names: Iterable[str]) -> list[str]:
     return numbered
 
 
-def _padded(rows: Iterable[Iterable[float]]) -> Array:
-    """Return rows of any lengths as an array, NaN where one has no more."""
-    return np.array(list(itertools.zip_longest(*rows, fillvalue=np.nan)), dtype=float).T
-
-
 def _with_ladders(data: xr.Dataset, checks: Sequence[tuple[Verdict, Check]]) -> xr.Dataset:
     """Add errors against resolution, and the order that is read off them."""
     ladders = [(verdict, check) for verdict, check in checks if check.ladder]
     if not ladders:
         return data
-    points, misses = (_padded((step[k] for step in check.ladder) for _, check in ladders) for k in (0, 1))
+    points, misses = (padded((step[k] for step in check.ladder) for _, check in ladders) for k in (0, 1))
     data = data.assign_coords(
         ladder=_unique(f"{verdict.case}: {check.quantity}" for verdict, check in ladders),
         ladder_claim=("ladder", [f"{verdict.row}: {check.quantity}" for verdict, check in ladders]),
@@ -144,7 +138,7 @@ def _with_costs(data: xr.Dataset, cards: Sequence[Scorecard]) -> xr.Dataset:
     if not any(card.cost for card in cards):
         return data
     added: dict[str, Any] = {
-        name: (("solver", "priced"), _padded((getattr(row, name) for row in card.cost) for card in cards))
+        name: (("solver", "priced"), padded((getattr(row, name) for row in card.cost) for card in cards))
         for name in ("points", "area_miss", "seconds", "peak_bytes", "iterations")
     }
     for name, most in (("seconds_needed", "seconds"), ("bytes_needed", "peak_bytes")):
