@@ -139,7 +139,7 @@ def read(result: Result, name: str, variable: xr.Variable) -> Array | None:
     def read(solve: xr.Dataset) -> Any:
         numbers = {n: v for n, v in solve.variables.items() if v.dtype.kind in "fib"}
         known = {n: np.asarray(v.values, dtype=float) for n, v in numbers.items()}
-        return value_of(tree, lambda of, _: known[of])
+        return value_of(tree, known.__getitem__)
 
     return over_solves(result, variable, read)
 
