@@ -106,28 +106,10 @@ def drift(result: Result, name: str, variable: xr.Variable) -> Array | None:
     return over_solves(result, variable, read)
 
 
-def shift_mean(result: Result, name: str, variable: xr.Variable) -> Array | None:
-    """Mean over the shifts of each grid."""
-
-    def read(solve: xr.Dataset) -> Array:
-        values = _over_shifts(solve, variable)
-        return values if "grid" in variable.dims else np.asarray(values[-1])
-
-    return over_solves(result, variable, read)
-
-
-def _over_shifts(solve: xr.Dataset, variable: xr.Variable) -> Array:
-    """Mean over the shifts, (grid, load), of a power of what a solve keeps, over a scale."""
-    attrs = variable.attrs
-    scale = attrs.get("scale", 1.0)
-    scale = float(solve.attrs[scale] if isinstance(scale, str) else scale)
-    values = ordered(solve.variables[str(attrs["of"])], ("grid", "shift", "load"))
-    return np.asarray((values ** float(attrs.get("power", 1.0))).mean(axis=1) / scale)
-
-
 def second_order_step(solve: xr.Dataset, variable: xr.Variable) -> tuple[Array, Array]:
-    """Values on the finest grid, and the step from there to the limit, by the two finest."""
-    coarse, fine = _over_shifts(solve, variable)[-2:]
+    """Values on the finest grid, means over the shifts, and the step to the limit, by the two finest."""
+    values = ordered(solve.variables[str(variable.attrs["of"])], ("grid", "shift", "load")).mean(axis=1)
+    coarse, fine = values[-2:] / solve.attrs.get(variable.attrs.get("scale"), 1.0)
     points = solve["points_per_wave"].values
     return fine, (fine - coarse) / (float(points[-1] / points[-2]) ** 2 - 1)
 
@@ -137,9 +119,8 @@ def read(result: Result, name: str, variable: xr.Variable) -> Array | None:
     tree = ast.parse(str(variable.attrs["expression"]), mode="eval")
 
     def read(solve: xr.Dataset) -> Any:
-        numbers = {n: v for n, v in solve.variables.items() if v.dtype.kind in "fib"}
-        known = {n: np.asarray(v.values, dtype=float) for n, v in numbers.items()}
-        return value_of(tree, known.__getitem__)
+        numbers = {n: v.astype(float) for n, v in solve.variables.items() if v.dtype.kind in "fib"}
+        return value_of(tree, {**solve.attrs, **numbers}.__getitem__)
 
     return over_solves(result, variable, read)
 

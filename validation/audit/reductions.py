@@ -251,9 +251,6 @@ REDUCTIONS: Mapping[str, Callable[[Result, str, xr.Variable], Array | xr.Variabl
     "change": _change,
     "drift": from_solves.drift,
     "expression": lambda result, _, one: _evaluated(str(one.attrs["expression"]), result.data),
-    "finest profile": lambda result, name, one: from_solves.over_solves(
-        result, one, lambda solve: solve[str(one.attrs["of"])].values[-1]
-    ),
     "limit": from_solves.limit,
     "line limit": _line,
     "line slope": _line,
@@ -266,6 +263,5 @@ REDUCTIONS: Mapping[str, Callable[[Result, str, xr.Variable], Array | xr.Variabl
         result, one, lambda solve: sum(from_solves.second_order_step(solve, one))
     ),
     "share": _share,
-    "shift mean": from_solves.shift_mean,
     "straight limit": _straight_limit,
 }
