@@ -73,7 +73,7 @@ def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
     }
     if drift:
         made["area_each_drift"] = ("load", grid_drift(measured), {"reduction": "drift", "of": "subcell"})
-    return read.assign(made)
+    return xr.Dataset({**made, **read.data_vars}, attrs=read.attrs)
 
 
 def shift_means(measured: xr.Dataset, **quantities: str) -> dict[Any, xr.DataArray]:
