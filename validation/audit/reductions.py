@@ -183,17 +183,6 @@ def _share(result: Result, name: str, variable: xr.Variable) -> Array:
     return np.asarray(np.mean(np.abs(of) <= np.hypot(within, reference)))
 
 
-def _straight_limit(result: Result, name: str, variable: xr.Variable) -> Array:
-    """Extrapolate what is linear in the spacing, from the two finest grids."""
-    attrs = variable.attrs
-    values = ordered(result.data[str(attrs["of"])], (*variable.dims, "grid"))
-    points = result.data[str(attrs["x"])].values
-    step = 1 / points[-2:].astype(float)
-    slope = (values[..., -2] - values[..., -1]) / (step[0] - step[1])
-    limit = values[..., -1] - slope * step[1]
-    return np.asarray(np.clip(limit, 0.0, float(attrs["most"])) if "most" in attrs else limit)
-
-
 def _line(result: Result, name: str, variable: xr.Variable) -> Array:
     """Limit or slope of the straight line through means along a dimension, by weighted normal equations."""
     attrs, dims = variable.attrs, tuple(map(str, variable.dims))
@@ -263,5 +252,4 @@ REDUCTIONS: Mapping[str, Callable[[Result, str, xr.Variable], Array | xr.Variabl
         result, one, lambda solve: sum(from_solves.second_order_step(solve, one))
     ),
     "share": _share,
-    "straight limit": _straight_limit,
 }

@@ -18,7 +18,7 @@ from validation.execution.press import Press
 from validation.execution.solve import Solve
 from validation.measurements.common import LEAST_POINTS_PER_WAVE
 from validation.measurements.measurement import area_limits, areas_of_solve, has_square_cells, limit_over
-from validation.report.estimates import NORMAL, error_of, evaluated
+from validation.report.estimates import NORMAL, derive, error_of, evaluated
 from validation.scenes.problem import ContactProblem
 
 Case = TypeVar("Case")
@@ -148,16 +148,16 @@ def straight_limit(
     then.
     """
     for name in names:
-        values, spacing, before = data[f"{name}_{of}_each"], 1 / data[x], {"grid": slice(None, -1)}
-        limit, coarser = two_grid_limit(values, spacing), values.isel(grid=-1, drop=True)
-        if data.sizes["grid"] > 2:
-            coarser = two_grid_limit(values.isel(before), spacing.isel(before))
+        on = [f"{name}_{of}_each.isel(grid={k})" for k in (-1, -2, -3)]
+        limit, coarser = (
+            f"({on[k]} + ({on[k]} - {on[k + 1]}) / ({x}.isel(grid={-1 - k}) / {x}.isel(grid={-2 - k}) - 1))"
+            for k in (0, 1)
+        )
+        coarser = coarser if data.sizes["grid"] > 2 else on[0]
         if most is not None:
-            limit, coarser = limit.clip(0.0, most), coarser.clip(0.0, most)
-        made: dict[str, Any] = {"reduction": "straight limit", "of": f"{name}_{of}_each", "x": x}
-        made |= {} if most is None else {"most": most}
-        added = {f"{name}_each": limit.assign_attrs(made), f"{name}_each_drift": limit - coarser}
-        data = data.assign({key: value.drop_vars(x, errors="ignore") for key, value in added.items()})
+            limit, coarser = (f"minimum(maximum({value}, 0), {most})" for value in (limit, coarser))
+        data = derive(data, **{f"{name}_each": limit})
+        data = derive(data, **{f"{name}_each_drift": f"{name}_each - {coarser}"})
     return data
 
 
