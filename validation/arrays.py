@@ -1,6 +1,9 @@
-"""How arrays of numbers, and the points of a grid, are called in signatures."""
+"""How arrays of numbers, and the points of a grid, are called in signatures; rows of any lengths as one."""
 
 from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,3 +12,15 @@ Array = NDArray[np.float64]
 
 #: Points along x and y.
 Grid = tuple[int, int]
+
+
+def padded(rows: Iterable[Iterable[float]]) -> Array:
+    """Return rows of any lengths as an array, NaN where one has no more.
+
+    >>> padded([[1, 2], [3]])
+    array([[ 1.,  2.],
+           [ 3., nan]])
+    """
+    rows = list(rows)
+    columns = list(itertools.zip_longest(*rows, fillvalue=np.nan))
+    return np.array(columns, dtype=float).reshape(-1, len(rows)).T

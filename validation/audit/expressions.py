@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,7 @@ _FUNCTIONS: dict[str, Callable[..., Any]] = {
     "minimum": np.minimum,
     "sqrt": np.sqrt,
 }
+_REDUCED = ("isel", "max", "mean", "sum")
 
 
 def names_of(expression: str) -> list[str]:
@@ -34,21 +35,22 @@ def names_of(expression: str) -> list[str]:
     return sorted({node.id for node in ast.walk(ast.parse(expression)) if isinstance(node, ast.Name)})
 
 
-def value_of(node: ast.AST, value: Callable[[str, Mapping[str, int]], Any]) -> Any:
-    """Evaluate sums, products, powers, a few functions, and ``x.isel(dim=k)``; `value` by name and place."""
+def value_of(node: ast.AST, value: Callable[[str], Any]) -> Any:
+    """Evaluate sums, powers, functions, ``x.isel(dim=k)`` and ``x.mean(dim)``; a name has its `value`."""
     if isinstance(node, ast.Expression):
         return value_of(node.body, value)
     if isinstance(node, ast.Constant) and isinstance(node.value, int | float):
         return float(node.value)
     if isinstance(node, ast.Name):
-        return value(node.id, {})
+        return value(node.id)
     if isinstance(node, ast.BinOp):
         return _OPERATORS[type(node.op)](value_of(node.left, value), value_of(node.right, value))
     if isinstance(node, ast.UnaryOp):
         return _OPERATORS[type(node.op)](value_of(node.operand, value))
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in _FUNCTIONS:
         return _FUNCTIONS[node.func.id](*(value_of(part, value) for part in node.args))
-    if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "isel":
-        place = {str(k.arg): ast.literal_eval(k.value) for k in node.keywords}
-        return value(ast.unparse(node.func.value), place)
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in _REDUCED:
+        how = {str(k.arg): ast.literal_eval(k.value) for k in node.keywords}
+        reduced = getattr(value_of(node.func.value, value), node.func.attr)
+        return reduced(*map(ast.literal_eval, node.args), **how)
     raise LookupError(ast.dump(node))

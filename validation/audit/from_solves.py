@@ -17,6 +17,7 @@ from validation.audit.dataset import Result, ordered
 from validation.audit.expressions import value_of
 from validation.audit.limits import TRAITS, limit_over
 from validation.audit.stored import Array, Stored, moments
+from validation.execution.netcdf import read_dataset
 
 #: Points per shortest wave below which a grid enters no limit.
 _LEAST_POINTS = 3.0
@@ -36,17 +37,20 @@ def _places(result: Result, variable: xr.Variable) -> Iterator[tuple[Any, str]]:
             yield tuple(at.get(dim, slice(None)) for dim in variable.dims), str(key)
 
 
-def over_solves(result: Result, variable: xr.Variable, read: Callable[[xr.Dataset], Any]) -> Array | None:
+def over_solves(
+    result: Result, variable: xr.Variable, read: Callable[..., Any], kind: Callable[..., Any] = read_dataset
+) -> Array | None:
     """Fill an array with what is read off the solve of each place; None where one is not to be had.
 
-    Of a list by load that has one, a variable without that dimension is the value.
+    Where several keys stand beside each other, `read` takes all of their solves, each of a `kind`. Of a list
+    by load that has one, a variable without that dimension is the value.
     """
     filled, seen = np.full(variable.shape, np.nan), False
-    for index, key in _places(result, variable):
-        if not key:
+    for index, keys in _places(result, variable):
+        if not keys:
             continue
-        solve = result.solve(key)
-        values = None if solve is None else read(solve)
+        solves = [result.solve(key, kind) for key in keys.split()]
+        values = None if any(solve is None for solve in solves) else read(*solves)
         if "load" not in variable.dims and isinstance(values, list) and len(values) == 1:
             values = values[0]
         if values is None or np.shape(values) != filled[index].shape:
@@ -79,16 +83,12 @@ def limit(result: Result, name: str, variable: xr.Variable, *, error: bool = Fal
     """Limits over the grids of each solve, or their standard errors."""
     if variable.attrs["of"] == "subcell":
         return over_solves(result, variable, lambda solve: [pair[int(error)] for pair in limits(solve)])
-    # From the fields of several solves, whose keys stand beside each other.
-    filled = np.full(variable.shape, np.nan)
-    for index, keys in _places(result, variable):
-        fields = [result.solve(key, Stored) for key in keys.split()]
-        solves = [solve for solve in fields if solve is not None]
-        if not solves or len(solves) < len(fields):
-            return None
+
+    def read(*solves: Stored) -> float:
         plain = not any(solve.recipe.get("effects") for solve in solves)
-        filled[index] = limit_over(solves, located=plain)[int(error)]
-    return filled
+        return limit_over(solves, located=plain)[int(error)]
+
+    return over_solves(result, variable, read, Stored)
 
 
 def drift(result: Result, name: str, variable: xr.Variable) -> Array | None:
@@ -106,28 +106,10 @@ def drift(result: Result, name: str, variable: xr.Variable) -> Array | None:
     return over_solves(result, variable, read)
 
 
-def shift_mean(result: Result, name: str, variable: xr.Variable) -> Array | None:
-    """Mean over the shifts of each grid."""
-
-    def read(solve: xr.Dataset) -> Array:
-        values = _over_shifts(solve, variable)
-        return values if "grid" in variable.dims else np.asarray(values[-1])
-
-    return over_solves(result, variable, read)
-
-
-def _over_shifts(solve: xr.Dataset, variable: xr.Variable) -> Array:
-    """Mean over the shifts, (grid, load), of a power of what a solve keeps, over a scale."""
-    attrs = variable.attrs
-    scale = attrs.get("scale", 1.0)
-    scale = float(solve.attrs[scale] if isinstance(scale, str) else scale)
-    values = ordered(solve.variables[str(attrs["of"])], ("grid", "shift", "load"))
-    return np.asarray((values ** float(attrs.get("power", 1.0))).mean(axis=1) / scale)
-
-
 def second_order_step(solve: xr.Dataset, variable: xr.Variable) -> tuple[Array, Array]:
-    """Values on the finest grid, and the step from there to the limit, by the two finest."""
-    coarse, fine = _over_shifts(solve, variable)[-2:]
+    """Values on the finest grid, means over the shifts, and the step to the limit, by the two finest."""
+    values = ordered(solve.variables[str(variable.attrs["of"])], ("grid", "shift", "load")).mean(axis=1)
+    coarse, fine = values[-2:] / solve.attrs.get(variable.attrs.get("scale"), 1.0)
     points = solve["points_per_wave"].values
     return fine, (fine - coarse) / (float(points[-1] / points[-2]) ** 2 - 1)
 
@@ -137,9 +119,8 @@ def read(result: Result, name: str, variable: xr.Variable) -> Array | None:
     tree = ast.parse(str(variable.attrs["expression"]), mode="eval")
 
     def read(solve: xr.Dataset) -> Any:
-        numbers = {n: v for n, v in solve.variables.items() if v.dtype.kind in "fib"}
-        known = {n: np.asarray(v.values, dtype=float) for n, v in numbers.items()}
-        return value_of(tree, lambda of, _: known[of])
+        numbers = {n: v.astype(float) for n, v in solve.variables.items() if v.dtype.kind in "fib"}
+        return value_of(tree, {**solve.attrs, **numbers}.__getitem__)
 
     return over_solves(result, variable, read)
 

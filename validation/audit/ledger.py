@@ -65,6 +65,13 @@ class Ledger:
             Entry(place=place, name=name, found=found, recomputed=expected, agrees=found == expected)
         )
 
+    def exact(self, place: str, name: str, found: Any, expected: Any) -> None:
+        """Enter a word that must be equal, or a number that may differ by rounding."""
+        if isinstance(expected, str):
+            self.same(place, name, found, expected)
+        else:
+            self.number(place, name, found, expected, rtol=1e-12, atol=0.0)
+
     def text(
         self, place: str, name: str, found: str, expected: float | None, digits: int | None = None
     ) -> None:

@@ -10,7 +10,6 @@ import ast
 import contextlib
 import math
 from collections.abc import Callable, Mapping
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -44,7 +43,7 @@ def errors_of(result: Result, name: str) -> dict[str, Array]:
     variable, grid = result.data[name], None
     kind = variable.attrs.get("reduction")
     with contextlib.suppress(ArithmeticError, LookupError, TypeError, ValueError):
-        if kind == "mean" and "pairs" in variable.attrs:
+        if kind == "mean":
             return _mean_errors(result, variable)
         if kind == "expression":
             return _expression_errors(result, variable)
@@ -130,19 +129,14 @@ def _change(result: Result, name: str, variable: xr.Variable) -> xr.Variable:
 
 
 def _evaluated(expression: str, values: Variables) -> xr.Variable:
-    def value(name: str, place: Mapping[str, int]) -> xr.Variable:
-        return values[name].isel(place, missing_dims="ignore").astype(float)
-
+    tree = ast.parse(expression, mode="eval")
     with np.errstate(all="ignore"):
-        return xr.as_variable(value_of(ast.parse(expression, mode="eval"), value))
+        return xr.as_variable(value_of(tree, lambda name: values[name].astype(float)))
 
 
 def _expression_errors(result: Result, variable: xr.Variable) -> dict[str, Array]:
     """Carry errors along to first order, source by source."""
-    expression = str(variable.attrs["expression"])
-    if ".isel(" in expression:
-        return {}
-    values, found = result.data, {}
+    expression, values, found = str(variable.attrs["expression"]), result.data, {}
     moved = [n for n in names_of(expression) if f"{n}_error" in values]
     for k, source in enumerate(SOURCES if moved else ()):
         total = xr.zeros_like(variable, dtype=float)
@@ -189,17 +183,6 @@ def _share(result: Result, name: str, variable: xr.Variable) -> Array:
     return np.asarray(np.mean(np.abs(of) <= np.hypot(within, reference)))
 
 
-def _straight_limit(result: Result, name: str, variable: xr.Variable) -> Array:
-    """Extrapolate what is linear in the spacing, from the two finest grids."""
-    attrs = variable.attrs
-    values = ordered(result.data[str(attrs["of"])], (*variable.dims, "grid"))
-    points = result.data[str(attrs["x"])].values
-    step = 1 / points[-2:].astype(float)
-    slope = (values[..., -2] - values[..., -1]) / (step[0] - step[1])
-    limit = values[..., -1] - slope * step[1]
-    return np.asarray(np.clip(limit, 0.0, float(attrs["most"])) if "most" in attrs else limit)
-
-
 def _line(result: Result, name: str, variable: xr.Variable) -> Array:
     """Limit or slope of the straight line through means along a dimension, by weighted normal equations."""
     attrs, dims = variable.attrs, tuple(map(str, variable.dims))
@@ -232,12 +215,6 @@ def _line(result: Result, name: str, variable: xr.Variable) -> Array:
     return np.where(reach <= 2.0, found[0], np.nan)
 
 
-def _reduced(how: str, result: Result, name: str, variable: xr.Variable) -> xr.Variable:
-    """Reduce single values over the surfaces, without an interval."""
-    reduced: xr.Variable = getattr(result.data[variable.attrs["of"]], how)(variable.attrs["over"])
-    return reduced
-
-
 def _polynomial(result: Result, name: str, variable: xr.Variable) -> Array:
     """Value at a vanishing spacing by a polynomial in a power of it, over the grids."""
     each, dims = result.data[str(variable.attrs["of"])], (*variable.dims, "grid")
@@ -263,19 +240,11 @@ REDUCTIONS: Mapping[str, Callable[[Result, str, xr.Variable], Array | xr.Variabl
     "change": _change,
     "drift": from_solves.drift,
     "expression": lambda result, _, one: _evaluated(str(one.attrs["expression"]), result.data),
-    "finest profile": lambda result, name, one: from_solves.over_solves(
-        result, one, lambda solve: solve[str(one.attrs["of"])].values[-1]
-    ),
     "limit": from_solves.limit,
     "line limit": _line,
     "line slope": _line,
-    "max": partial(_reduced, "max"),
     "mean distance": _mean_distance,
-    "mean": lambda result, name, one: (
-        _mean_there(*_paired(_samples(result, one), one))
-        if "pairs" in one.attrs
-        else _reduced("mean", result, name, one)
-    ),
+    "mean": lambda result, _, one: _mean_there(*_paired(_samples(result, one), one)),
     "polynomial limit": _polynomial,
     "power law": lambda result, name, one: _power(result, one)[2 if name.endswith("_factor") else 0],
     "read": from_solves.read,
@@ -283,7 +252,4 @@ REDUCTIONS: Mapping[str, Callable[[Result, str, xr.Variable], Array | xr.Variabl
         result, one, lambda solve: sum(from_solves.second_order_step(solve, one))
     ),
     "share": _share,
-    "shift mean": from_solves.shift_mean,
-    "straight limit": _straight_limit,
-    "sum": partial(_reduced, "sum"),
 }

@@ -19,7 +19,6 @@ from validation.audit.stored import Array
 
 #: Those of the step to any spectrum and period.
 _SPECTRAL = ("size", "bandwidth")
-_NUMBERS = "summary.json, numbers"
 _INTERVAL, _HOLDS = "+- (95 %)", "+- holds"
 
 
@@ -48,7 +47,7 @@ def judge_shown(result: Result, ledger: Ledger) -> None:
             if whole is None:
                 ledger.unread.append(f"{place}: {name}")
             elif variable.values.dtype.kind in "fiub" and variable.dims == whole.dims:
-                ledger.number(place, name, variable.values, whole.values, rtol=1e-12, atol=0.0)
+                ledger.exact(place, name, variable.values, whole.values)
     judge_page(result, ledger)
 
 
@@ -124,31 +123,29 @@ def judge_findings(result: Result, ledger: Ledger) -> None:
             continue
         groups = [finding.get("values", {}), *finding.get("rows", ())]
         for j, (name, value) in enumerate((n, v) for group in groups for n, v in group.items()):
-            place, where = "summary.json, findings", f"{k + 1}, {name}, value {j + 1}"
             named, at = value.get("name"), value.get("at", {})
             if named not in result.data or not set(result.data[named].dims) <= set(at):
                 ledger.unread.append(f"finding {k + 1}: {name} = {value.get('value')}")
-                continue
-            expected = result.data[named].isel(at, missing_dims="ignore").values.item()
-            if isinstance(expected, str):
-                ledger.same(place, where, value.get("value"), expected)
             else:
-                ledger.number(place, where, value.get("value"), float(expected), rtol=1e-12, atol=0.0)
-            if "error" in value:
-                half = _total(result.data, named, at)
-                ledger.number(place, f"{where}, its interval", value["error"], half, rtol=1e-12, atol=0.0)
+                _judge_value(result, f"findings: {k + 1}, {name}, value {j + 1}", value, named, at, ledger)
 
 
 def judge_numbers(result: Result, ledger: Ledger) -> None:
     """Judge the numbers of summary.json, and their intervals."""
     for name, value in result.summary.get("numbers", {}).items():
-        found, variable = value["value"], result.data.get(name)
-        if isinstance(found, str) or variable is None:
-            continue
-        ledger.number(_NUMBERS, name, found, float(variable.values), rtol=1e-12, atol=0.0)
-        if "error" in value:
-            half = _total(result.data, name, {})
-            ledger.number(_NUMBERS, f"{name}, its interval", value["error"], half, rtol=1e-12, atol=0.0)
+        if name in result.data:
+            _judge_value(result, f"numbers: {name}", value, name, {}, ledger)
+
+
+def _judge_value(
+    result: Result, where: str, value: Mapping[str, Any], name: str, at: Mapping[str, int], ledger: Ledger
+) -> None:
+    """Judge one value of summary.json, and its interval, by the place of the dataset that it is of."""
+    expected = result.data[name].isel(at, missing_dims="ignore").values.item()
+    ledger.exact("summary.json", where, value.get("value"), expected)
+    if "error" in value:
+        half = _total(result.data, name, at)
+        ledger.exact("summary.json", f"{where}, its interval", value["error"], half)
 
 
 def judge_tables(result: Result, ledger: Ledger) -> None:
@@ -221,11 +218,7 @@ def _judge_lines(
     for j, (line, row) in enumerate(zip(lines, rows, strict=False)):
         ledger.same(file, f"number of cells in row {j + 1}", len(line), len(header))
         for k, value in row.items():
-            where = f"row {j + 1}, {header[k]}"
-            if isinstance(value, str):
-                ledger.same(file, where, line[k], value)
-            else:
-                ledger.number(file, where, line[k], value, rtol=1e-12, atol=0.0)
+            ledger.exact(file, f"row {j + 1}, {header[k]}", line[k], value)
 
 
 def judge_budget(result: Result, ledger: Ledger) -> None:
@@ -271,7 +264,7 @@ def _spread_out(result: Result, file: str, rows: list[list[str]], ledger: Ledger
         expected = _totals(result.data, base, {}) if whole else variable.values
         if expected.ndim and expected.size == len(lines) and variable.dims != (name,):
             found = np.array([as_number(line[k]) for line in lines])
-            ledger.number(file, name, found, expected.ravel(), rtol=1e-12, atol=0.0)
+            ledger.exact(file, name, found, expected.ravel())
 
 
 def judge_page(result: Result, ledger: Ledger) -> None:

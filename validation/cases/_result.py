@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import re
 from collections import Counter
@@ -13,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.arrays import Array
+from validation.arrays import Array, padded
 from validation.cases import TOLERANCES, Check, Verdict
 from validation.execution.outputs import Outputs, leave
 from validation.execution.results import Result
-from validation.report.estimates import derive, power_law
+from validation.report.estimates import derive, gather, power_law
 from validation.report.figure import COLOURS, SYMBOLS
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Line, Panel
@@ -48,25 +47,27 @@ def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard]) -> x
     import xarray as xr
 
     claims = list(dict.fromkeys(verdict.row for verdict in verdicts))
-    by_place = {(verdict.row, _solver(verdict)): verdict for verdict in verdicts}
-    solvers = list(dict.fromkeys(solver for _, solver in by_place))
+    solvers = list(dict.fromkeys(map(_solver, verdicts)))
     of_claim = {verdict.row: verdict for verdict in reversed(verdicts)}
     scored = [verdict for verdict in verdicts if not verdict.left_out]
     checks = [(verdict, check) for verdict in scored for check in verdict.checks]
 
-    def placed(value: Callable[[Verdict], Any], empty: Any) -> tuple[tuple[str, str], list[list[Any]]]:
-        values = {place: value(verdict) for place, verdict in by_place.items()}
-        return ("claim", "solver"), [[values.get((c, s), empty) for s in solvers] for c in claims]
-
     def by_check(value: Callable[[Verdict, Check], Any], kind: type = str) -> tuple[str, Array]:
         return "check", np.array([value(*pair) for pair in checks], kind)
 
-    data = xr.Dataset(
+    parts = {
+        (verdict.row, _solver(verdict)): xr.Dataset(
+            {
+                "verdict": verdict.word,
+                "reason": verdict.error or verdict.left_out,
+                "tolerance_used": verdict.used if verdict.checks else math.nan,
+                "wall_seconds": verdict.seconds,
+            }
+        )
+        for verdict in verdicts
+    }
+    data = gather(parts, claim=claims, solver=solvers).assign(
         {
-            "verdict": placed(lambda one: one.word, ""),
-            "reason": placed(lambda one: one.error or one.left_out, ""),
-            "tolerance_used": placed(lambda one: one.used if one.checks else math.nan, math.nan),
-            "wall_seconds": placed(lambda one: one.seconds, math.nan),
             "statement": ("claim", [of_claim[claim].claim for claim in claims]),
             "tolerance_from": ("claim", [of_claim[claim].tolerance for claim in claims]),
             "claim_source": ("claim", [of_claim[claim].source for claim in claims]),
@@ -81,14 +82,9 @@ def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard]) -> x
             "claims_failed": float(sum(not verdict.passed for verdict in scored)),
             "checks_made": float(len(checks)),
         },
-        coords={
-            "claim": claims,
-            "solver": solvers,
-            "check": np.array(
-                _unique(f"{_solver(one)}, {one.row}: {check.quantity}" for one, check in checks), str
-            ),
-        },
     )
+    names = _unique(f"{_solver(one)}, {one.row}: {check.quantity}" for one, check in checks)
+    data = data.assign_coords(check=np.array(names, str))
     data = derive(data, check_used="abs(check_value - check_reference) / check_tolerance")
     return labelled(_with_costs(_with_ladders(data, checks), cards))
 
@@ -111,17 +107,12 @@ def _unique(names: Iterable[str]) -> list[str]:
     return numbered
 
 
-def _padded(rows: Iterable[Iterable[float]]) -> Array:
-    """Return rows of any lengths as an array, NaN where one has no more."""
-    return np.array(list(itertools.zip_longest(*rows, fillvalue=np.nan)), dtype=float).T
-
-
 def _with_ladders(data: xr.Dataset, checks: Sequence[tuple[Verdict, Check]]) -> xr.Dataset:
     """Add errors against resolution, and the order that is read off them."""
     ladders = [(verdict, check) for verdict, check in checks if check.ladder]
     if not ladders:
         return data
-    points, misses = (_padded((step[k] for step in check.ladder) for _, check in ladders) for k in (0, 1))
+    points, misses = (padded((step[k] for step in check.ladder) for _, check in ladders) for k in (0, 1))
     data = data.assign_coords(
         ladder=_unique(f"{verdict.case}: {check.quantity}" for verdict, check in ladders),
         ladder_claim=("ladder", [f"{verdict.row}: {check.quantity}" for verdict, check in ladders]),
@@ -144,7 +135,7 @@ def _with_costs(data: xr.Dataset, cards: Sequence[Scorecard]) -> xr.Dataset:
     if not any(card.cost for card in cards):
         return data
     added: dict[str, Any] = {
-        name: (("solver", "priced"), _padded((getattr(row, name) for row in card.cost) for card in cards))
+        name: (("solver", "priced"), padded((getattr(row, name) for row in card.cost) for card in cards))
         for name in ("points", "area_miss", "seconds", "peak_bytes", "iterations")
     }
     for name, most in (("seconds_needed", "seconds"), ("bytes_needed", "peak_bytes")):

@@ -257,13 +257,13 @@ class Search:
     def own_surface(self) -> Single:
         """Solve the scene's own surface to the accuracy."""
         first = self.shared or (self._grid(4),)
-        known = min(self._solved(first, 1), key=lambda area: area.spacing)
+        known = min(self._solved(self._jobs(first, 1)), key=lambda area: area.spacing)
         tried: set[tuple[Grid, ...]] = set()
         while True:
             ladder = self._cheapest(self._ladders(known), tried, share=_SPARE)
             tried.add(ladder.grids)
             self._foretell(f"this surface on {grid_words(ladder.grids)}", ladder.seconds)
-            areas = self._solved(ladder.grids, ladder.shifts)
+            areas = self._solved(self._jobs(ladder.grids, ladder.shifts))
             limit = limit_over(areas)
             error = 2 * limit.uncertainty / limit.value + self.left if limit.determinable else np.inf
             known = min(areas, key=lambda area: area.spacing)
@@ -316,7 +316,7 @@ class Search:
             resolved = [solve for solve in solves if self.problem.resolved_by(solve.grid)]
             limit = no_limit("no grid resolves the surface")
             try:
-                self._solve(solves)
+                self._solved(solves)
                 limit = limit_over([self.areas[solve] for solve in resolved]) if resolved else limit
             except RunFailed as error:  # it does not keep the others from being heard
                 limit = no_limit(str(error))
@@ -445,14 +445,10 @@ class Search:
         asked = {"methods": Methods(**methods), "ensemble": None}
         return solves_of(self.scene.model_copy(update=asked), self.problem)
 
-    def _solved(self, grids: Sequence[Grid], shifts: int) -> list[ContactAreas]:
-        solves = self._jobs(grids, shifts)
-        self._solve(solves)
-        return [self.areas[solve] for solve in solves]
-
-    def _solve(self, solves: Sequence[Press]) -> None:
+    def _solved(self, solves: Sequence[Press]) -> list[ContactAreas]:
         missing = [solve for solve in solves if solve not in self.areas]
         results = self.bench.solve(missing)
         for solve in missing:
             self.peak_bytes = max(self.peak_bytes, results[solve].cost.peak_bytes)
             self.areas[solve] = areas_of_solve(solve, results[solve])
+        return [self.areas[solve] for solve in solves]

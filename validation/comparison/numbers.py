@@ -129,7 +129,7 @@ def _on_grids(case: Case) -> xr.Dataset:
         data = data.assign(rms_height_spectrum=moments.rms_height, rms_gradient_spectrum=moments.rms_gradient)
     for name in ("area_pixel", "area_perimeter", "area_located"):
         values = data[f"{name}_shift"]
-        data[name] = values.mean("shift").assign_attrs(reduction="shift mean", of=f"{name}_shift")
+        data[name] = values.mean("shift")
         if name != "area_perimeter":
             # Of a mean over the shifts there are; none of one.
             half = mean_of(values, over="shift", there=values.notnull())[1]

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from fem_contact.contact import ContactResult
+from validation.arrays import padded
 from validation.comparison.reductions import grid_name, own_solves
 from validation.execution.press import Press
 from validation.report.estimates import gather
@@ -69,21 +70,17 @@ def planes(data: xr.Dataset, scene: Scene, results: Mapping[Press, ContactResult
         return data
     from fem_contact.subsurface import planes_below
 
-    rows: dict[int, list[tuple[float, float, float]]] = {}
-    for solve in _finest(scene, results):
-        under = planes_below(results[solve], solve.response, depths=scene.subsurface.depths)
-        # A logarithmic axis has no surface.
-        rows[data.solver.values.tolist().index(solve.method)] = [
+    rows = {
+        solve.method: [
+            # A logarithmic axis has no surface.
             (p.depth or np.nan, float(p.von_mises.max()), float(np.sqrt(np.mean(p.von_mises**2))))
-            for p in under
+            for p in planes_below(results[solve], solve.response, depths=scene.subsurface.depths)
         ]
-    planes = np.full((3, data.sizes["solver"], max(map(len, rows.values()), default=0)), np.nan)
-    for m, here in rows.items():
-        planes[:, m, : len(here)] = np.transpose(here)
-    unit = float(data.pressure_scale)
-    over = ("solver", "plane")
-    return data.assign(
-        plane_depth=(over, planes[0] / float(data.wave_short)),
-        plane_stress_largest=(over, planes[1] / unit),
-        plane_stress_rms=(over, planes[2] / unit),
-    )
+        for solve in _finest(scene, results)
+    }
+    units = float(data.wave_short), *2 * [float(data.pressure_scale)]
+    planes = {
+        name: padded([row[k] / units[k] for row in rows.get(solver, ())] for solver in data.solver.values)
+        for k, name in enumerate(("plane_depth", "plane_stress_largest", "plane_stress_rms"))
+    }
+    return data.assign({name: (("solver", "plane"), values) for name, values in planes.items()})

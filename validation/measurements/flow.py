@@ -50,10 +50,14 @@ def stiffness_of(measured: xr.Dataset, problem: ContactProblem) -> xr.Dataset:
         with np.errstate(divide="ignore"):  # full contact is endlessly stiff
             stiffness = height / ((gaps[0::2] - gaps[1::2]) / (2 * _STEP))
         theory[f"stiffness_{variant}_each"] = ("load", stiffness)
-    simulated = shift_means(fine, stiffness="stiffness", area_perimeter="perimeter")
+    simulated = shift_means(
+        measured,
+        stiffness="stiffness.isel(grid=-1)",
+        area_perimeter="perimeter.isel(grid=-1)",
+        gap="mean_gap.isel(grid=-1) / rms_height",
+    )
     with np.errstate(invalid="ignore"):
         simulated["stiffness_each_drift"] = fine.stiffness.mean("shift") - before.stiffness.mean("shift")
-    simulated["gap_each"] = fine.mean_gap.mean("shift") / measured.attrs["rms_height"]
     return xr.Dataset({**simulated, **theory})
 
 

@@ -35,7 +35,8 @@ def on_grids(measured: xr.Dataset) -> xr.Dataset:
     plain = measured.isel(load=0, drop=True).drop_vars(["points", "cells"], errors="ignore")
     names = {"area_pixel": "pixel", "area_perimeter": "perimeter", "area_located": "subcell"}
     names |= {n: n for n in ("density_at_zero", "patches", "cells_per_patch", "edge_fraction", "residual")}
-    read: dict[str, Any] = shift_means(plain, **names)
+    at_load = {name: f"{of}.isel(load=0)" for name, of in names.items()}
+    read: dict[str, Any] = shift_means(measured.drop_vars(["points", "cells"], errors="ignore"), **at_load)
     width = float(np.diff(STRESS_EDGES)[0])
     cells = [
         [weighted_percentile(row, PATCH_EDGES, part) * float(n) ** 2 for part in _PARTS]

@@ -18,7 +18,7 @@ from validation.execution.press import Press
 from validation.execution.solve import Solve
 from validation.measurements.common import LEAST_POINTS_PER_WAVE
 from validation.measurements.measurement import area_limits, areas_of_solve, has_square_cells, limit_over
-from validation.report.estimates import NORMAL, error_of, evaluated
+from validation.report.estimates import NORMAL, derive, error_of, evaluated
 from validation.scenes.problem import ContactProblem
 
 Case = TypeVar("Case")
@@ -37,7 +37,10 @@ def read_off(result: xr.Dataset, **expressions: str) -> xr.Dataset:
     data = xr.Dataset(attrs={name: result.attrs[name] for name in ("solve",) if name in result.attrs})
     for name, expression in expressions.items():
         made = {"reduction": "read", "expression": expression}
-        data[name] = xr.DataArray(evaluated(expression, variables)).assign_attrs(made)
+        value = xr.DataArray(evaluated(expression, variables))
+        # What was taken of one place has no coordinate of it.
+        elsewhere = [n for n, c in value.coords.items() if c.dims != result[n].dims]
+        data[name] = value.drop_vars(elsewhere).assign_attrs(made)
     return data
 
 
@@ -56,27 +59,27 @@ def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
     value, error = area_limits(measured)
     plain = measured.drop_vars(["points", "cells"], errors="ignore")
     limit = xr.DataArray(value, dims="load", coords={"reduced_pressure": plain.reduced_pressure})
+    read = read_off(
+        plain,
+        area_pixel_each="pixel.mean('shift')",
+        area_perimeter_each="perimeter.isel(grid=-1).mean('shift')",
+        rms_gradient_each="rms_gradient",
+        nayak_each="nayak",
+        seconds_each="seconds.sum()",
+    )
     made: dict[str, Any] = {
         "area_each": limit.assign_attrs(reduction="limit", of="subcell"),
         "area_each_error": error_of(limit, grid=NORMAL * xr.DataArray(error, dims="load"), **ABSENT),
-        **shift_means(plain, area_pixel="pixel"),
-        **shift_means(plain.isel(grid=-1, drop=True), area_perimeter="perimeter"),
-        "rms_gradient_each": measured.attrs["rms_gradient"],
-        "nayak_each": measured.attrs["nayak"],
-        "seconds_each": plain.seconds.sum(),
     }
     if drift:
         made["area_each_drift"] = ("load", grid_drift(measured), {"reduction": "drift", "of": "subcell"})
-    data = xr.Dataset(made)
-    return data.assign_attrs({name: measured.attrs[name] for name in ("solve",) if name in measured.attrs})
+    return xr.Dataset({**made, **read.data_vars}, attrs=read.attrs)
 
 
-def shift_means(measured: xr.Dataset, **quantities: str) -> dict[str, xr.DataArray]:
-    """Return means over the sub-grid shifts, each as ``<name>_each`` of a quantity of the solves."""
-    return {
-        f"{name}_each": measured[of].mean("shift").assign_attrs(reduction="shift mean", of=of)
-        for name, of in quantities.items()
-    }
+def shift_means(measured: xr.Dataset, **quantities: str) -> dict[Any, xr.DataArray]:
+    """Return means over the sub-grid shifts, each as ``<name>_each`` of an expression of what solves keep."""
+    means = {f"{name}_each": f"({of}).mean('shift')" for name, of in quantities.items()}
+    return dict(read_off(measured, **means).data_vars)
 
 
 def grid_drift(dataset: xr.Dataset) -> NDArray[np.float64]:
@@ -145,16 +148,16 @@ def straight_limit(
     then.
     """
     for name in names:
-        values, spacing, before = data[f"{name}_{of}_each"], 1 / data[x], {"grid": slice(None, -1)}
-        limit, coarser = two_grid_limit(values, spacing), values.isel(grid=-1, drop=True)
-        if data.sizes["grid"] > 2:
-            coarser = two_grid_limit(values.isel(before), spacing.isel(before))
+        on = [f"{name}_{of}_each.isel(grid={k})" for k in (-1, -2, -3)]
+        limit, coarser = (
+            f"({on[k]} + ({on[k]} - {on[k + 1]}) / ({x}.isel(grid={-1 - k}) / {x}.isel(grid={-2 - k}) - 1))"
+            for k in (0, 1)
+        )
+        coarser = coarser if data.sizes["grid"] > 2 else on[0]
         if most is not None:
-            limit, coarser = limit.clip(0.0, most), coarser.clip(0.0, most)
-        made: dict[str, Any] = {"reduction": "straight limit", "of": f"{name}_{of}_each", "x": x}
-        made |= {} if most is None else {"most": most}
-        added = {f"{name}_each": limit.assign_attrs(made), f"{name}_each_drift": limit - coarser}
-        data = data.assign({key: value.drop_vars(x, errors="ignore") for key, value in added.items()})
+            limit, coarser = (f"minimum(maximum({value}, 0), {most})" for value in (limit, coarser))
+        data = derive(data, **{f"{name}_each": limit})
+        data = derive(data, **{f"{name}_each_drift": f"{name}_each - {coarser}"})
     return data
 
 

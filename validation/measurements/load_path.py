@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from validation.measurements.distributions import PATCH_EDGES, STRESS_EDGES, distance_to_reference
-from validation.measurements.limits import ABSENT, limits_of, two_grid_step
+from validation.measurements.limits import ABSENT, limits_of, shift_means, two_grid_step
 from validation.report.estimates import NORMAL, error_of
 
 #: Of the errors of energy and gap in the spacing, measured: 2 to 3; the smaller leaves more to the uncertainty.
@@ -30,29 +30,29 @@ def reduced_path(measured: xr.Dataset, *, shortest: float) -> xr.Dataset:
     """
     data, grids = limits_of(measured), ["points", "cells", "points_per_wave"]
     plain = measured.drop_vars(grids, errors="ignore")
-    over_shifts, points = plain.mean("shift"), measured.points_per_wave.drop_vars(grids, errors="ignore")
-    finest = over_shifts.isel(grid=-1)
-    made: dict[str, Any] = {}
+    points = measured.points_per_wave.drop_vars(grids, errors="ignore")
+    made: dict[str, Any] = shift_means(
+        plain,
+        gap_finest="mean_gap.isel(grid=-1) / rms_height",
+        energy_ratio_finest="energy.isel(grid=-1) / full_contact_energy",
+        compliance="(1 / stiffness).isel(grid=-1)",
+        patches="patches.isel(grid=-1)",
+        patch_size=f"patch_size.isel(grid=-1) / {float(shortest**2)!r}",
+    )
     scaled = (("gap", "mean_gap", "rms_height"), ("energy_ratio", "energy", "full_contact_energy"))
     for name, of, scale in scaled:
-        values = over_shifts[of].drop_attrs() / measured.attrs[scale]
-        finest_value = values.isel(grid=-1, drop=True)
+        values = plain[of].mean("shift").drop_attrs() / measured.attrs[scale]
         step = two_grid_step(values, 1 / points, order=_ORDER)
-        limit, how = finest_value + step, {"of": of, "scale": scale}
-        made[f"{name}_each"] = limit.assign_attrs(reduction="second-order limit", **how)
+        limit = values.isel(grid=-1, drop=True) + step
+        made[f"{name}_each"] = limit.assign_attrs(reduction="second-order limit", of=of, scale=scale)
         made[f"{name}_each_error"] = error_of(limit, grid=NORMAL * abs(step), **ABSENT)
-        made[f"{name}_finest_each"] = finest_value.assign_attrs(reduction="shift mean", **how)
     # Which points are in contact makes it noisy: no power of the spacing is seen, and none is taken out.
-    compliance, mean = (1 / plain.stiffness.drop_attrs()).mean("shift"), {"reduction": "shift mean"}
-    made["compliance_each"] = compliance.isel(grid=-1).assign_attrs({**mean, "of": "stiffness", "power": -1})
+    compliance = (1 / plain.stiffness).mean("shift")
     change = abs(compliance.isel(grid=-1) - compliance.isel(grid=-2))
     made["compliance_each_error"] = error_of(made["compliance_each"], grid=NORMAL * change, **ABSENT)
-    made["patches_each"] = finest.patches.drop_attrs().assign_attrs(mean, of="patches")
-    sizes = {**mean, "of": "patch_size", "scale": shortest**2}
-    made["patch_size_each"] = (finest.patch_size.drop_attrs() / shortest**2).assign_attrs(sizes)
     for name, share in SHARES.items():
         shares = measured[f"{name}_profile"].isel(grid=-1, drop=True)
-        how = {"reduction": "finest profile", "of": f"{name}_profile"}
+        how = {"reduction": "read", "expression": f"{name}_profile.isel(grid=-1)"}
         made[f"{share}_each"] = (("load", f"{name.partition('_')[0]}_bin"), shares.values, how)
     return data.assign(made).assign_coords(
         stress_upper=("stress_bin", STRESS_EDGES[1:]), patch_upper=("patch_bin", PATCH_EDGES[1:])

@@ -15,7 +15,7 @@ from persson.adhesion import Interface
 from persson.asperities import nayak_asperities, ring_asperities
 from persson.spectrum import Moments, Spectrum
 from persson.spheres import DoubleHertz, hertz_pressure_distribution
-from validation.arrays import Array
+from validation.arrays import Array, padded
 from validation.paper import systems as s
 from validation.paper.pmma import rough_pmma
 from validation.paper.pyrex import smoothed_pyrex
@@ -39,13 +39,10 @@ class PaperFigure:
         """Return its quantities over curve and point; NaN where a curve has no more."""
         curves = self.curves()
         names = dict.fromkeys(name for values in curves.values() for name in values)
-        longest = max(np.size(curve) for values in curves.values() for curve in values.values())
-        dims, made = (f"curve_{self.name}", f"point_{self.name}"), {}
-        for name in names:
-            table = np.full((len(curves), longest), np.nan)
-            for row, values in zip(table, curves.values(), strict=True):
-                row[: np.size(values.get(name, ()))] = values.get(name, ())
-            made[f"{name}_{self.name}"] = (dims, table)
+        rows = padded(values.get(name, ()) for name in names for values in curves.values())
+        tables = rows.reshape(len(names), len(curves), -1)
+        dims = f"curve_{self.name}", f"point_{self.name}"
+        made = {f"{name}_{self.name}": (dims, table) for name, table in zip(names, tables, strict=True)}
         return xr.Dataset(made, coords={dims[0]: list(curves)})
 
     def declared(self) -> Figure:

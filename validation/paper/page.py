@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -23,20 +24,19 @@ _COUNTED = {
     "claims_chosen": "reproduced with a choice",
     "claims_missed": "not reproduced",
 }
+_STATED = ("stated", "stated_low", "stated_high", "stated_basis")
 _WORDS = ("section", "convention", "verdict", "reason", "note")
 
 
 def paper_dataset(rows: Sequence[ClaimRow], figures: Iterable[xr.Dataset]) -> xr.Dataset:
     """Return claims along `claim`, and the curves of figures."""
     verdicts = [row.verdict for row in rows]
+    columns: dict[str, Iterable[Any]] = {f"paper_{n}": [getattr(row, n) for row in rows] for n in _WORDS}
+    columns |= {name: [getattr(row, name) for row in rows] for name in ("computed", "literal")}
+    columns |= zip(_STATED, zip(*(row.stated for row in rows), strict=True), strict=True)
     data = xr.Dataset(
         {
-            **{f"paper_{name}": ("claim", [getattr(row, name) for row in rows]) for name in _WORDS},
-            **{name: ("claim", [getattr(row, name) for row in rows]) for name in ("computed", "literal")},
-            "stated": ("claim", [row.stated.value for row in rows]),
-            "stated_low": ("claim", [row.stated.low for row in rows]),
-            "stated_high": ("claim", [row.stated.high for row in rows]),
-            "stated_basis": ("claim", [row.stated.basis for row in rows]),
+            **{name: ("claim", list(column)) for name, column in columns.items()},
             "claims_judged": float(len(rows)),
             **{name: float(verdicts.count(words)) for name, words in _COUNTED.items()},
         },
@@ -60,8 +60,8 @@ def _views(data: xr.Dataset) -> Views:
             title="Every claim with a number",
             rows=("claim",),
             columns=(
-                *("claim", "stated", "computed", "paper_verdict", "literal", "stated_low", "stated_high"),
-                *("stated_basis", "paper_section", "paper_convention", "paper_reason", "paper_note"),
+                *("claim", "stated", "computed", "paper_verdict", "literal", *_STATED[1:]),
+                *("paper_section", "paper_convention", "paper_reason", "paper_note"),
             ),
             note="The range allowed was written down before anything was computed. All claims of a system "
             "are judged under one set of conventions: that with which most of them agree (computed), or "

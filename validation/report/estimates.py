@@ -315,9 +315,9 @@ def mean(
     return _with(data, added)
 
 
-def same_of_all(data: xr.Dataset, *names: str, over: str = "surface") -> xr.Dataset:
+def same_of_all(data: xr.Dataset, *names: str) -> xr.Dataset:
     """Add means of what a theory says of surfaces that it is told the same of: no sample, and no interval."""
-    return derive(data, **{name: f"{name}_each.mean('{over}', skipna=False)" for name in names})
+    return derive(data, **{name: f"{name}_each.mean('surface', skipna=False)" for name in names})
 
 
 def mean_of(
@@ -393,23 +393,19 @@ def change(data: xr.Dataset, name: str, *, along: str, first: int = 0, last: int
     return _with(data, added)
 
 
-def reduce(data: xr.Dataset, how: str, *names: str, over: str = "surface") -> xr.Dataset:
+def reduce(data: xr.Dataset, how: str, *names: str) -> xr.Dataset:
     """Add ``x`` from ``x_each`` without an interval: its "mean", "max" or "sum" over the surfaces.
 
     For what is no sample of a mean: costs, residuals.
     """
-    added = {}
-    for name in names:
-        made = {"reduction": how, "of": f"{name}_each", "over": over}
-        added[name] = getattr(_of(data, f"{name}_each", how, over), how)(over).assign_attrs(made)
-    return _with(data, added)
+    return derive(data, **{name: f"{name}_each.{how}('surface')" for name in names})
 
 
 def derive(data: xr.Dataset, **expressions: str) -> xr.Dataset:
     """Add variables by expressions of others, errors carried along to first order, source by source.
 
     Expressions are sums, products, powers and ``abs, exp, log, sqrt, erf, maximum, minimum`` of variables and
-    numbers.
+    numbers, and ``x.mean('surface')``, as are the largest and the sum.
 
     >>> import xarray as xr
     >>> data = xr.Dataset({"area": 0.1, "pressure": 0.05})

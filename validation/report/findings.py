@@ -202,18 +202,19 @@ def finding(
     out where a value that it names is not there.
     """
     over: tuple[str, ...] = ()
+    in_rows = _names(item) | {by}
     if data is not None:
-        named = [v for n, v in data.variables.items() if item and _named(str(n), item, by)]
+        named = [v for n, v in data.variables.items() if item and n in in_rows]
         along = dict.fromkeys(str(dim) for variable in named for dim in variable.dims)
         over = tuple(dim for dim in along if data.sizes[dim] != 1) or tuple(along)[:1]
         data = data.squeeze([dim for dim, n in data.sizes.items() if n == 1 and dim not in over])
     said = {} if data is None else {n: v for n, v in data.attrs.items() if n not in data.variables}
-    values = {n: _exact(v) for n, v in said.items() if _named(n, form, item)}
+    values = {n: _exact(v) for n, v in said.items() if n in _names(form, item)}
     values |= {n: _exact(v) for n, v in more.items()}
     form = _OPTIONAL.sub(lambda part: _said(part[1], data, values), form)
-    values = {n: value for n, value in values.items() if known(value.value) or _named(n, form, item, by)}
-    here = {} if data is None else values_of(data, lambda name: _named(name, form, item, by))
-    asked = {part[1] for text in (form, item) for part in Formatter().parse(text) if part[1]}
+    asked = _names(form, item)
+    values = {n: value for n, value in values.items() if known(value.value) or n in {*asked, by}}
+    here = {} if data is None else values_of(data, {*asked, by}.__contains__)
     if kind not in KINDS or ("verdict" in asked and not (by and KINDS[kind][0])):
         raise UsageError(
             f"finding {form!r}: the kind {kind!r} says no verdict, or 'by' names no value that decides"
@@ -221,9 +222,9 @@ def finding(
     rows: list[dict[str, Value]] = []
     if data is not None and item:
         # The rest need not be sliced at every place.
-        shown = [n for n in data.data_vars if _named(str(n).removesuffix("_error"), item, by)]
+        shown = [n for n in data.data_vars if str(n).removesuffix("_error") in in_rows]
         for place in each(data[shown], *over):
-            names = [str(n) for n, v in place.variables.items() if v.ndim == 0 and _named(str(n), item, by)]
+            names = [str(n) for n, v in place.variables.items() if v.ndim == 0 and n in in_rows]
             rows.append({n: value_of(place, n) for n in names if n not in here})
     there = {*here, *values, *(rows[0] if rows else ()), "verdict", "each"}
     absent = sorted({*asked, by} - there - {""}) if rows or not item else []
@@ -245,7 +246,7 @@ _OPTIONAL = re.compile(r"\[([^][]*\{[^][]*)\]")
 
 
 def _said(part: str, data: xr.Dataset | None, values: Mapping[str, Value]) -> str:
-    for name in filter(None, (name for _, name, *_ in Formatter().parse(part))):
+    for name in _names(part):
         if name in values:
             there = known(values[name].value)
         elif there := data is not None and name in data.variables:
@@ -257,8 +258,9 @@ def _said(part: str, data: xr.Dataset | None, values: Mapping[str, Value]) -> st
     return part
 
 
-def _named(name: str, *forms: str) -> bool:
-    return any(f"{{{name}}}" in form or f"{{{name}:" in form or name == form for form in forms)
+def _names(*forms: str) -> set[str]:
+    """Return the names in braces of some forms."""
+    return {name for form in forms for _, name, *_ in Formatter().parse(form) if name}
 
 
 def _exact(value: Any) -> Value:
