@@ -9,11 +9,11 @@ coupling to itself, which is factorised to relax it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from fem_contact._types import Array, Shape
+from fem_contact._types import Array, Mask, Shape
 from fem_contact.block.mesh import BlockMesh, element_matrices
 
 #: Neighbours of a column on the stack of cells towards +x and +y: itself, along x, along y, the diagonal one.
@@ -61,8 +61,7 @@ def overlap_means(modulus: Array, shape: Shape) -> Array:
     return np.ascontiguousarray(modulus)
 
 
-@dataclass(frozen=True, kw_only=True)
-class BlockFactors:
+class BlockFactors(NamedTuple):
     """Every column's coupling to itself, factorised: L S L' in blocks of 3 x 3 per plane."""
 
     low: Array  # (nx, ny, nz, 3, 3): Below the diagonal of L; zero on the lowest plane
@@ -85,6 +84,10 @@ class BlockFactors:
         for k in range(diagonal.shape[2] - 2, -1, -1):
             follow[:, :, k] = -np.einsum("xyab,xya->xyb", low[:, :, k + 1], follow[:, :, k + 1])
         return cls(low=low, inverse=inverse, follow=follow)
+
+    def following(self, held: Mask) -> Array:
+        """Displacement (m, nz, 3) of held columns whose top is moved by one, their neighbours fixed."""
+        return self.follow[held]
 
 
 def _self_coupling(coefficients: Array, modulus: Array) -> tuple[Array, Array]:
