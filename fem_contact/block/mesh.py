@@ -122,10 +122,7 @@ class BlockMesh:
 
     def __post_init__(self) -> None:
         instance("element", self.element, Element, what="an `Element`, one of `ELEMENTS`")
-        try:
-            checked_counts(self.cells)
-        except InvalidInput as error:
-            raise InvalidInput(str(error).replace("shape", "cells", 1)) from None
+        checked_counts(self.cells, "cells")
         positive("aspect", self.aspect)
         layers = samples("layers", self.layers)
         if not (layers > 0).all():

@@ -276,8 +276,6 @@ def _apart(problem: Problem) -> Answer:
         offset=problem.offset,
         status=Status.CONVERGED,
         iterations=0,
-        linear_iterations=0,
-        fft_pairs=0.0,
         bytes=3 * zero.nbytes,
         method="reduced",
         note="no contact",

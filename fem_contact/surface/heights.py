@@ -271,14 +271,14 @@ def checked_shape(shape: object) -> Shape:
     return points
 
 
-def checked_counts(shape: object) -> Shape:
+def checked_counts(counts: object, name: str = "shape") -> Shape:
     """Return two positive whole numbers (nx, ny), or refuse."""
 
     def count(name: str, value: object) -> int:
         given = int(value) if isinstance(value, float) and value % 1 == 0 else value
         return whole(name, given, least=1, most=2**24)
 
-    return pair("shape", shape, count, what="two positive whole numbers (nx, ny), at most 2^24 each")
+    return pair(name, counts, count, what="two positive whole numbers (nx, ny), at most 2^24 each")
 
 
 def checked_lengths(lengths: object) -> Lengths:

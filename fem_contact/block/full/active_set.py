@@ -249,7 +249,6 @@ def solve_contact(
         status=status,
         iterations=sets,
         linear_iterations=linear,
-        fft_pairs=0.0,
         bytes=peak,
         method="refined" if block.refined else "multigrid",
         note=f"linear residual {solution.relative_residual:.3g} of the contact forces",
