@@ -94,11 +94,8 @@ class SlabIterationArrays(IterationArrays):
 
     def move(self, factor: float, shift: float) -> Errors:
         """Move the gap, and measure the conditions there."""
-        names, values = zip(*vars(super().move(factor, shift)).items(), strict=True)
-        parts = dict(zip(names, self.slabs.gathered(*values).T, strict=True))
-        totals = {name: float(part.sum()) for name, part in parts.items()}
-        extremes = {"lowest": float(parts["lowest"].min()), "highest": float(parts["highest"].max())}
-        return Errors(**(totals | extremes))
+        mine = vars(super().move(factor, shift)).values()
+        return Errors.joined(self.slabs.gathered(*mine).tolist())
 
     def _restore(self, toward: float) -> None:
         super()._restore(toward)

@@ -1,7 +1,8 @@
 """The arrays of one contact iteration and the passes over them; no decision is taken here."""
 
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,13 @@ class Errors:
     free: float
     last: float
     image: float
+
+    @classmethod
+    def joined(cls, parts: Iterable[Sequence[float]]) -> Self:
+        """Join the errors of parts of a grid, each a row of these numbers in their order."""
+        joins: list[Callable[..., float]] = [sum, sum, min, max, sum, sum, sum]
+        values = [join(column) for join, column in zip(joins, zip(*parts, strict=True), strict=True)]
+        return cls(**dict(zip(cls.__annotations__, values, strict=True)))
 
     def within(self, tolerance: float, *, least: float) -> bool:
         """Whether complementarity, of `least` as sum x at least, and penetration meet a tolerance."""
@@ -163,16 +171,7 @@ class IterationArrays:
         fields = self.force, self.gap, self.step, self.image, self.bound
         units, level = (self.load_unit, self.stiffness), (self.levels[0][0], self.levels[1][0])
         parts = self.coarse_rows.run(self.kernels.move, *fields, factor, shift, *units, self.working, *level)
-        moments, totals, lowest, highest, free, last, images = zip(*parts, strict=True)
-        return Errors(
-            moment=sum(moments),
-            total=sum(totals),
-            lowest=min(lowest),
-            highest=max(highest),
-            free=sum(free),
-            last=sum(last),
-            image=sum(images),
-        )
+        return Errors.joined(parts)
 
     def precondition(self) -> tuple[float, float]:
         """Turn the residual into z = E' M E residual; sum z, and z times the image of the last step."""

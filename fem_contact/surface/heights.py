@@ -184,8 +184,14 @@ class HeightField:
 
     def _sampled(self, shape: Shape, fraction: tuple[float, float]) -> HeightField:
         spectrum = scipy.fft.fft2(self.heights, norm="forward")
-        for axis in (0, 1):
-            spectrum = _refold(spectrum, shape[axis], fraction[axis], axis)
+        for axis, (n, old) in enumerate(zip(shape, self.shape, strict=True)):
+            # Waves beyond the new Nyquist limit fold back.
+            numbers, slots, weights = _wave_numbers(old)
+            factors = weights * np.exp(2j * np.pi * numbers * fraction[axis] / old)
+            waves = np.moveaxis(spectrum, axis, 0)[slots] * factors[:, None]
+            folded = np.zeros((n, waves.shape[1]), dtype=complex)
+            np.add.at(folded, numbers % n, waves)
+            spectrum = np.moveaxis(folded, 0, axis)
         heights = scipy.fft.ifft2(spectrum, norm="forward").real
         return HeightField(heights=heights, lengths=self.lengths)
 
@@ -301,17 +307,6 @@ def _wave_numbers(n: int) -> tuple[Numbers, Numbers, Array]:
         weights = np.append(weights, 0.5)
         weights[0] = 0.5
     return numbers, numbers % n, weights
-
-
-def _refold(spectrum: Complex, n: int, fraction: float, axis: int) -> Complex:
-    """Sample the interpolant of one axis at n points: waves beyond the new Nyquist limit fold back."""
-    old = spectrum.shape[axis]
-    numbers, slots, weights = _wave_numbers(old)
-    factors = weights * np.exp(2j * np.pi * numbers * fraction / old)
-    waves = np.moveaxis(spectrum, axis, 0)[slots] * factors[:, None]
-    folded = np.zeros((n, waves.shape[1]), dtype=complex)
-    np.add.at(folded, numbers % n, waves)
-    return np.moveaxis(folded, 0, axis)
 
 
 def interpolant(surface: HeightField) -> tuple[Array, Array, Complex]:
