@@ -349,14 +349,10 @@ def _search(state: _State, direction: Array) -> bool:
 
 
 def least_curvature(land: Landscape, point: Point, gap: Array) -> tuple[float, float]:
-    """Smallest curvature of the energy over the points free to move, relative to the preconditioner.
+    """Smallest curvature of the energy over the points free to move, and its uncertainty.
 
-    Returns
-    -------
-    value, uncertainty : float
-        The least Ritz value of Lanczos's method in the metric of K + s, and the bound on its distance to an
-        eigenvalue. Positive: a minimum; its sign does not depend on the metric. Infinite where no point is
-        free to move.
+    The least Ritz value of Lanczos's method in the metric of K + s, and the bound on its distance to an
+    eigenvalue. Positive: a minimum; its sign does not depend on the metric. Infinite where no point is free.
     """
     state = _State(land, point, gap)
     if np.count_nonzero(state.free) <= (1 if state.held else 0):

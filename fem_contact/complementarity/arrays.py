@@ -179,7 +179,7 @@ class PlainIterationArrays(IterationArrays):
         self.xp = xp = namespace(heights)
         self.operator = self.quick = operator
         self.heights, self.bound, self.stiffness = heights, bound, caution * operator.stiffness
-        self.single, self.force_unit, self.length_unit = False, 1.0, 1.0
+        self.single, self.force_unit, self.length_unit, self.load_unit = False, 1.0, 1.0, 1.0
         self.force, self.displacement, self.gap, self.step, self.image, self.buffer = (
             xp.zeros_like(heights) for _ in range(6)
         )

@@ -81,17 +81,9 @@ class IterationArrays:
     precision and the units of the iteration: rounded, they are so to their own size, which falls with the
     error, and what the rounding of images leaves in the gap goes when `start` applies the response afresh.
 
-    Parameters
-    ----------
-    heights : (nx, ny) array
-        h [m].
-    bound : (nx, ny) array or None
-        Upper bound of the force [Pa].
-    caution : float
-        Share of the operator's stiffness by which the working set is told; see `solve`.
-    units : tuple of float, optional
-        Force [Pa] and length [m] in units of which the iteration runs in single precision; double precision
-        in Pa and m if not given.
+    Heights h [m] and bound [Pa] are (nx, ny); `caution` is the share of the operator's stiffness by which the
+    working set is told, see `solve`. In `units` of force [Pa] and length [m] the iteration runs in single
+    precision; in double precision, in Pa and m, if not given.
     """
 
     def __init__(
@@ -112,6 +104,7 @@ class IterationArrays:
         self.heights.setflags(write=False)
         self.single = units is not None
         self.force_unit, self.length_unit = (1.0, 1.0) if units is None else units
+        self.load_unit = 1 / self.force_unit
         if units is not None:
             assert isinstance(operator, FourierOperator)
             self.quick = operator.single(self.force_unit / self.length_unit)
@@ -138,11 +131,6 @@ class IterationArrays:
         """Memory of the arrays, the heights included."""
         fields = self.heights, self.force, self.displacement, self.gap, self.step, self.image, self.buffer
         return sum(array.nbytes for array in (*fields, self.working, *self.top[0], *self.top[1]))
-
-    @property
-    def load_unit(self) -> float:
-        """One over the unit of force [1/Pa]."""
-        return 1 / self.force_unit
 
     def start(self, *, roughly: bool) -> tuple[float, float]:
         """Apply the response afresh, in double precision unless `roughly`; sum phi and phi (u - h)."""

@@ -26,17 +26,8 @@ _TURN, _TURNS = 2**21, 16
 class Slabs:
     """How the rows of a grid, and the columns of its spectra, are shared out over processes.
 
-    Parameters
-    ----------
-    comm : communicator
-        Of mpi4py, or what does the same.
-    shape : tuple of int
-        Points (nx, ny) of the grid; nx at least twice, ny at least 2 P - 2 for P processes.
-
-    Raises
-    ------
-    InvalidInput
-        For a grid too small to be shared.
+    Of the points (nx, ny) of a grid P processes can share, nx must be 2 P and ny 2 P - 2 at least: a smaller
+    one is refused.
     """
 
     def __init__(self, comm: Any, shape: Shape) -> None:

@@ -27,13 +27,8 @@ def corner_coefficients(mesh: BlockMesh, *, poisson: float) -> Array:
 
     With t and b the values above and below, the components (t + b of x and y, t - b of z) cause half the
     sum of the forces along x and y and half the difference of those along z; this is parity 0. Parity 1 is
-    the rest.
-
-    Returns
-    -------
-    (nz, 2, 3, 4, 3) array
-        Layer from the bottom upwards, parity, component of the force, column `_SIDES` of nodes, component
-        of the displacement, over E times the cell width.
+    the rest. The shape is (nz, 2, 3, 4, 3): layer from the bottom upwards, parity, component of the force,
+    column `_SIDES` of nodes, component of the displacement, over E times the cell width.
     """
     matrices, offsets = element_matrices(mesh, poisson, condensed=True)
     number = {tuple(int(n) for n in corner // 2): 3 * place for place, corner in enumerate(offsets)}

@@ -35,13 +35,9 @@ _OWN = ((0, 1, 2, 3), (7, 8, 9, 10), (14, 15, 16, 17))
 def stencil(mesh: BlockMesh, *, poisson: float, modulus: Array | None) -> Array:
     """Sum the trilinear cells around the nodes of one column, for nu below 1/2.
 
-    The modulus (nz,) is that of each layer over E, from the bottom upwards; 1 by default.
-
-    Returns
-    -------
-    (nz, 3, 22) array
-        For every plane above the clamped one, from the bottom upwards, the coefficients `TERMS` of the
-        forces that it causes on the plane below it, itself and the plane above, over E times the cell width.
+    The modulus (nz,) is that of each layer over E, from the bottom upwards; 1 by default. Returned are, for
+    every plane above the clamped one, (nz, 3, 22), the coefficients `TERMS` of the forces that it causes on
+    the plane below it, itself and the plane above, over E times the cell width.
     """
     matrices, offsets = element_matrices(mesh, poisson)
     if modulus is not None:
