@@ -144,27 +144,19 @@ class SlabNumpy:
         self._slabs = slabs
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(np, name)
-
-    def sum(self, values: AnyArray) -> float:
-        """Sum over all slabs."""
-        return float(self._slabs.gathered(float(np.sum(values))).sum())
+        function = getattr(np, name)
+        if name not in ("sum", "min", "max"):
+            return function
+        return lambda values: float(function(self._slabs.gathered(float(function(values)))))
 
     def mean(self, values: AnyArray) -> float:
         """Mean over all slabs."""
-        return self.sum(values) / (self._slabs.shape[0] * self._slabs.shape[1])
-
-    def min(self, values: AnyArray) -> float:
-        """Least value of all slabs."""
-        return float(self._slabs.gathered(float(np.min(values))).min())
-
-    def max(self, values: AnyArray) -> float:
-        """Greatest value of all slabs."""
-        return float(self._slabs.gathered(float(np.max(values))).max())
+        total: float = self.sum(values)
+        return total / (self._slabs.shape[0] * self._slabs.shape[1])
 
     def any(self, values: AnyArray) -> bool:
         """Whether it holds anywhere."""
-        return self.max(values) > 0
+        return bool(self.max(values) > 0)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -58,7 +58,19 @@ class HeightField:
     lengths: Lengths
 
     def __post_init__(self) -> None:
-        heights = _checked_heights(self.heights)
+        heights = np.array(doubles("heights", self.heights))
+        if heights.ndim != 2 or heights.size == 0:
+            raise InvalidInput(f"heights of shape {heights.shape}: must be a two-dimensional array (nx, ny)")
+        bad = np.count_nonzero(~np.isfinite(heights))
+        if bad:
+            raise InvalidInput(
+                f"{bad} of {heights.size} heights are NaN or infinite: fill or remove them first"
+            )
+        highest = float(np.max(np.abs(heights)))
+        if highest > GREATEST:
+            raise InvalidInput(
+                f"heights: {highest:.6g} m is no height; at most {GREATEST:g} m can be computed with"
+            )
         lengths = checked_lengths(self.lengths)
         heights.setflags(write=False)
         object.__setattr__(self, "heights", heights)
@@ -252,22 +264,6 @@ class Patch(HeightField):
                 spline = make_interp_spline(np.arange(old) + 0.5, heights, k=min(3, old - 1), axis=axis)
                 heights = spline((np.arange(new) + 0.5) * (old / new))
         return Patch(heights=heights, lengths=self.lengths)
-
-
-def _checked_heights(given: object) -> Array:
-    """Return a copy of the heights; NaN, infinite and masked points are refused with their number."""
-    heights = np.array(doubles("heights", given))
-    if heights.ndim != 2 or heights.size == 0:
-        raise InvalidInput(f"heights of shape {heights.shape}: must be a two-dimensional array (nx, ny)")
-    bad = np.count_nonzero(~np.isfinite(heights))
-    if bad:
-        raise InvalidInput(f"{bad} of {heights.size} heights are NaN or infinite: fill or remove them first")
-    highest = float(np.max(np.abs(heights)))
-    if highest > GREATEST:
-        raise InvalidInput(
-            f"heights: {highest:.6g} m is no height; at most {GREATEST:g} m can be computed with"
-        )
-    return heights
 
 
 def checked_shape(shape: object) -> Shape:
