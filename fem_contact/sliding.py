@@ -285,11 +285,6 @@ class _Problem:
         columns = np.arange(ny // 2 + 1)
         return np.where((columns > 0) & (2 * columns < ny), 2.0, 1.0)
 
-    @property
-    def contraction(self) -> float:
-        """tan(phi/2) of the largest loss angle on the grid."""
-        return float(np.tan(np.abs(np.angle(self.response)).max() / 2))
-
     def resistance(self, pressure: Array) -> dict[str, Any]:
         """Friction coefficient and its interval, by the slopes of the surface and by what the solid loses."""
         (nx, ny), waves, weight = self.surface.shape, self.forward(pressure), self._halves * self.qx
@@ -336,7 +331,7 @@ class _Problem:
             contact=contact,
             velocity=float(self.metric.velocity),
             **self.resistance(inner.pressure),
-            contraction=self.contraction,
+            contraction=float(np.tan(np.abs(np.angle(self.response)).max() / 2)),
         )
 
 
@@ -351,11 +346,6 @@ class _Acceleration:
     def active(self) -> bool:
         """Whether the next point is more than a plain step away."""
         return len(self._changes) > 0
-
-    def clear(self) -> None:
-        """Forget."""
-        self._last = None
-        self._changes.clear()
 
     def after(self, point: Array, step: Array) -> Array:
         """Return where to go from a point whose plain step is known."""
@@ -402,7 +392,7 @@ def _iterated(problem: _Problem, start: Array | None) -> SlidingContact:
         elif steps >= settings.max_iterations:
             status = Status.ITERATION_LIMIT
         if memory.active and state.size > last:
-            memory.clear()
+            memory = _Acceleration()
             heights = plain
             continue
         last, plain = state.size, heights + state.step
