@@ -163,12 +163,8 @@ class BlockMesh:
         """Scalar scikit-fem basis on the periodic block, and the lattice number of each of its unknowns.
 
         The lattice number of node (i, j, k) is (i ny + j) nk + k, with ny nodes along y and nk planes of
-        nodes.
-
-        Raises
-        ------
-        InvalidInput
-            For so few cells along an axis that scikit-fem cannot tell the nodes of periodic neighbours apart.
+        nodes. Refused are so few cells along an axis that scikit-fem cannot tell the nodes of periodic
+        neighbours apart.
         """
         from skfem import MeshHex1DG
 
