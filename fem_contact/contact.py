@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from enum import Enum
 from functools import partial
 from types import MappingProxyType
@@ -227,6 +227,14 @@ class ContactResult:
                 f"called converged, but its worst residual is {worst:.3g}: check units and magnitudes"
             )
         return self
+
+    def remeasured(self, *, rms_gradient: float, target_pressure: float, **changes: Any) -> Self:
+        """Return this result with other fields, and with the residuals of what they then are."""
+        changed = replace(self, **changes)
+        names = ("pressure", "gap", "heights", "lengths", "contact_modulus", "at_bound", "weights")
+        known: dict[str, Any] = {name: getattr(changed, name) for name in names}
+        residuals = measure_residuals(**known, rms_gradient=rms_gradient, target_pressure=target_pressure)
+        return replace(changed, residuals=residuals)
 
 
 class HasContact:

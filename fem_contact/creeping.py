@@ -11,14 +11,13 @@ With a Prony series each term needs one field of its own, and a step of time is 
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fem_contact import bem
 from fem_contact._checks import instance, samples, shape_of
-from fem_contact.contact import ContactResult, measure_residuals
+from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 from fem_contact.response import HalfSpace
 from fem_contact.settings import Settings, inner_tolerance
@@ -119,22 +118,12 @@ def creep(
         )
         displacement = contact.displacement - memory
         stresses += left * displacement
-        residuals = measure_residuals(
-            pressure=contact.pressure,
-            gap=contact.gap,
-            heights=surface.heights,
-            lengths=surface.lengths,
-            contact_modulus=contact.contact_modulus,
+        contact = contact.remeasured(
             rms_gradient=surface.rms_gradient,
             target_pressure=float(load),
+            displacement=displacement,
+            heights=surface.heights,
+            tolerance=settings.tolerance,
         )
-        results.append(
-            replace(
-                contact,
-                displacement=displacement,
-                heights=surface.heights,
-                tolerance=settings.tolerance,
-                residuals=residuals,
-            )
-        )
+        results.append(contact)
     return results

@@ -146,16 +146,12 @@ class ExponentialSolid:
         table = q[0] * np.exp(nodes)
         return CubicSpline(nodes, table * self._compliance(table))(place) / q
 
-    def _edges(self, q: Array) -> Array:
-        # What lies below min(30 d, 30 / q) is bulk, or out of reach of the wave. Depths are denser near the
-        # surface: equal steps of 1 - exp(-z / s) with s of the shorter of both lengths.
-        steps = np.linspace(0, 1, self.sublayers + 1)
-        edges = -3 * np.log1p(-steps * (1 - np.exp(-10.0)))
-        return np.asarray(edges[:, None] / (1 / self.depth + q))
-
     def sheets(self, q: Array) -> dict[str, Array]:
         """Return the sublayers for waves [1/m] and the bulk below, as `upwards` takes them."""
-        edges, nu = self._edges(q), self.surface.poisson
+        # What lies below min(30 d, 30 / q) is bulk, or out of reach of the wave. Depths are denser near the
+        # surface: equal steps of 1 - exp(-z / s) with s of the shorter of both lengths.
+        steps, nu = np.linspace(0, 1, self.sublayers + 1), self.surface.poisson
+        edges = -3 * np.log1p(-steps * (1 - np.exp(-10.0)))[:, None] / (1 / self.depth + q)
         middles = (edges[1:] + edges[:-1]) / 2
         young = self._young(np.concatenate([middles, edges[-1:]]))
         return {

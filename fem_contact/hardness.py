@@ -6,6 +6,7 @@ have moved into each other for good (Persson 2006, Sec. 6).
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
+from functools import partial
 from typing import Unpack
 
 import numpy as np
@@ -160,13 +161,10 @@ def press_yielding(
         For a mean pressure above the mean hardness, or a hardness field of another shape.
     """
     instance("hardness", hardness, Hardness)
-
-    def press(pressure_bound: float | Array) -> ContactResult:
-        return bem.solve(
-            surface, response, mean_pressure=mean_pressure, pressure_bound=pressure_bound, **limits
-        )
-
-    return press_by_patches(surface, hardness, press) if hardness.sized else press(hardness.pressure)
+    press = partial(bem.solve, surface, response, mean_pressure=mean_pressure, **limits)
+    if hardness.sized:
+        return press_by_patches(surface, hardness, lambda limit: press(pressure_bound=limit))
+    return press(pressure_bound=hardness.pressure)
 
 
 def press_by_patches(

@@ -1,5 +1,6 @@
 """Flow of a thin fluid film through the gap: percolation, and the conductance of a seal."""
 
+from bisect import bisect
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -116,14 +117,8 @@ def critical_gap(gap: ArrayLike, axis: Axis) -> float:
     """
     values = _checked_gap(gap)
     levels = np.unique(values[values > 0])
-    low, high = -1, levels.size  # percolates at low, or nowhere; not at high
-    while high - low > 1:
-        middle = (low + high) // 2
-        if percolates(values >= levels[middle], axis):
-            low = middle
-        else:
-            high = middle
-    return float(levels[low]) if low >= 0 else 0.0
+    closed = bisect(levels, False, key=lambda level: not percolates(values >= level, axis))
+    return float(levels[closed - 1]) if closed else 0.0
 
 
 def flow_conductance(gap: ArrayLike, lengths: Lengths, *, axis: Axis = "x") -> GapFlow:

@@ -22,7 +22,7 @@ import scipy.fft
 from fem_contact import bem
 from fem_contact._checks import finite, instance, positive, pressures
 from fem_contact._types import Array, Complex
-from fem_contact.contact import Clock, ContactResult, HasContact, Residuals, Status, measure_residuals
+from fem_contact.contact import Clock, ContactResult, HasContact, Status
 from fem_contact.errors import InvalidInput
 from fem_contact.settings import Settings, inner_tolerance
 from fem_contact.surface import HeightField
@@ -190,10 +190,6 @@ class _State:
     """An elastic contact of the splitting, judged by the viscoelastic response."""
 
     contact: ContactResult
-    displacement: Array
-    gap: Array
-    offset: float
-    residuals: Residuals
     step: Array
     size: float
 
@@ -260,14 +256,13 @@ class _Problem:
         gap = displacement - self.heights
         offset = -float(np.mean(gap[contact.in_contact]))
         gap += offset
-        residuals = measure_residuals(
-            pressure=contact.pressure,
-            gap=gap,
-            heights=self.heights,
-            lengths=self.surface.lengths,
-            contact_modulus=self.metric.contact_modulus,
+        contact = contact.remeasured(
             rms_gradient=self.surface.rms_gradient,
             target_pressure=self.load,
+            gap=gap,
+            displacement=displacement,
+            heights=self.heights,
+            offset=offset,
         )
         # Peaceman and Rachford: 2 G (y - p) with y = (G + C)^-1 (2 G p - H + h).
         waves = 2 * self.magnitude * pressure + self.forward(self.heights - heights)
@@ -279,10 +274,6 @@ class _Problem:
         stiffness = 1 / np.where(self.magnitude > 0, self.magnitude, np.inf)
         return _State(
             contact=contact,
-            displacement=displacement,
-            gap=gap,
-            offset=offset,
-            residuals=residuals,
             step=self.backward(waves),
             size=float(np.sum(self._halves * stiffness * np.abs(waves) ** 2)),
         )
@@ -293,11 +284,6 @@ class _Problem:
         ny = self.surface.shape[1]
         columns = np.arange(ny // 2 + 1)
         return np.where((columns > 0) & (2 * columns < ny), 2.0, 1.0)
-
-    @property
-    def contraction(self) -> float:
-        """tan(phi/2) of the largest loss angle on the grid."""
-        return float(np.tan(np.abs(np.angle(self.response)).max() / 2))
 
     def resistance(self, pressure: Array) -> dict[str, Any]:
         """Friction coefficient and its interval, by the slopes of the surface and by what the solid loses."""
@@ -323,22 +309,16 @@ class _Problem:
 
     def dressed(self, state: _State, status: Status, **counted: Any) -> SlidingContact:
         """Dress up the last state."""
-        surface, inner = self.surface, state.contact
+        inner = state.contact
         arrays = (5 * _MEMORY + 10) * self.heights.nbytes + 3 * self.response.nbytes
         contact = replace(
             inner,
-            gap=state.gap,
-            displacement=state.displacement,
-            heights=surface.heights,
-            contact_modulus=self.metric.contact_modulus,
-            offset=state.offset + self.level,
+            heights=self.surface.heights,
+            offset=inner.offset + self.level,
             status=status,
             tolerance=self.settings.tolerance,
-            residuals=state.residuals,
             cost=self.clock.cost(
-                **counted,
-                unknowns=state.gap.size,
-                peak_bytes=inner.cost.peak_bytes + arrays,
+                **counted, unknowns=inner.gap.size, peak_bytes=inner.cost.peak_bytes + arrays
             ),
             provenance={
                 "method": "boundary elements by FFT, pressure collocated at the grid points",
@@ -351,7 +331,7 @@ class _Problem:
             contact=contact,
             velocity=float(self.metric.velocity),
             **self.resistance(inner.pressure),
-            contraction=self.contraction,
+            contraction=float(np.tan(np.abs(np.angle(self.response)).max() / 2)),
         )
 
 
@@ -366,11 +346,6 @@ class _Acceleration:
     def active(self) -> bool:
         """Whether the next point is more than a plain step away."""
         return len(self._changes) > 0
-
-    def clear(self) -> None:
-        """Forget."""
-        self._last = None
-        self._changes.clear()
 
     def after(self, point: Array, step: Array) -> Array:
         """Return where to go from a point whose plain step is known."""
@@ -405,10 +380,10 @@ def _iterated(problem: _Problem, start: Array | None) -> SlidingContact:
         pairs += state.contact.cost.fft_pairs + _PAIRS
         inner_steps += state.contact.cost.iterations
         pressure = state.contact.pressure
-        residual = max(state.residuals.complementarity, state.residuals.penetration / 10)
+        residual = max(state.contact.residuals.complementarity, state.contact.residuals.penetration / 10)
         if residual < best:
             best, since = residual, 0
-        if state.residuals.within(settings.tolerance):
+        if state.contact.residuals.within(settings.tolerance):
             status = Status.CONVERGED
         elif settings.expired(began):
             status = Status.TIME_LIMIT
@@ -417,7 +392,7 @@ def _iterated(problem: _Problem, start: Array | None) -> SlidingContact:
         elif steps >= settings.max_iterations:
             status = Status.ITERATION_LIMIT
         if memory.active and state.size > last:
-            memory.clear()
+            memory = _Acceleration()
             heights = plain
             continue
         last, plain = state.size, heights + state.step

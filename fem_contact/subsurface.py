@@ -19,7 +19,7 @@ from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput, UnsupportedEffect
 from fem_contact.response import Response, check_response
 from fem_contact.settings import Settings
-from fem_contact.sheets import Exponential, Layered, body_of
+from fem_contact.sheets import body_of
 from fem_contact.stress import von_mises
 from fem_contact.surface.heights import wavevectors
 
@@ -242,36 +242,29 @@ def default_depths(contact: ContactResult, response: Response) -> Array:
     return np.append(0.0, np.minimum(first * steps, deepest))
 
 
-def _checked(
-    contact: ContactResult, response: Response, depths: ArrayLike | None
-) -> tuple[Layered | Exponential, Array]:
-    """Refuse what has no fields below the surface, and return the body and the depths."""
-    check_result("contact", contact)
-    check_response(response)
-    if contact.weights is not None:
-        raise UnsupportedEffect(
-            "contact: its nodes weigh differently (quadratic elements); take the stress of the block itself"
-        )
-    body = body_of(response)
-    planes = default_depths(contact, response) if depths is None else samples("depths", depths)
-    planes = np.array(planes)
-    if planes[0] < 0 or np.any(np.diff(planes) <= 0):
-        raise InvalidInput(f"depths = {shown(planes)}: must rise, and none be negative, in m")
-    if planes[-1] > body.base_depth * (1 + 1e-12):
-        raise InvalidInput(
-            f"depths: the deepest, {planes[-1]:.6g} m, lies below the base of the layer, at "
-            f"{body.base_depth:.6g} m"
-        )
-    return body, planes
-
-
 class _Fields:
     """The waves of one pressure, to be summed at any depth."""
 
     def __init__(
         self, contact: ContactResult, response: Response, depths: ArrayLike | None, threads: int | None
     ) -> None:
-        self.body, self.planes = _checked(contact, response, depths)
+        check_result("contact", contact)
+        check_response(response)
+        if contact.weights is not None:
+            raise UnsupportedEffect(
+                "contact: its nodes weigh differently (quadratic elements); "
+                "take the stress of the block itself"
+            )
+        self.body = body_of(response)
+        planes = default_depths(contact, response) if depths is None else samples("depths", depths)
+        self.planes = np.array(planes)
+        if planes[0] < 0 or np.any(np.diff(planes) <= 0):
+            raise InvalidInput(f"depths = {shown(planes)}: must rise, and none be negative, in m")
+        if planes[-1] > self.body.base_depth * (1 + 1e-12):
+            raise InvalidInput(
+                f"depths: the deepest, {planes[-1]:.6g} m, lies below the base of the layer, at "
+                f"{self.body.base_depth:.6g} m"
+            )
         self.shape = contact.shape
         self.threads = Settings(threads=threads).workers
         qx, qy = np.ix_(*wavevectors(contact.shape, contact.lengths))

@@ -160,24 +160,18 @@ def advance(steps, edges, diffusion, upper_wall, start, tables, history):  # typ
     The unknown is the density times the squared width of the window: with one wall that tends to a constant,
     so that large steps cost no accuracy however far the distribution has spread.
 
-    Parameters
-    ----------
-    steps : (n,) array
-        Step sizes in s.
-    edges : (4, n, 5) array
-        At the stages: left and right edge of the window [stress] and their rates.
-    diffusion : (n, 5) array
-        V dT/ds [stress^2].
-    upper_wall : (n, 6) array
-        In column 0 whether the right edge is a wall where the solid yields, 0 or 1; then 2 dsigma_Y/dV
-        [1/stress] at the stages, which times the plastic area is the density at that wall.
-    start : (N,) array
-        Coefficients of the density times the squared width at the first node.
-    tables : tuple
-        Result of `matrices`.
-    history : (n + 1, N + 4) array
-        Filled with the coefficients at each node, then the area lost below, the stress it carried, the area
-        that leaked out of the window above, and the plastic area.
+    | argument | shape | what it is |
+    |---|---|---|
+    | steps | (n,) | step sizes in s |
+    | edges | (4, n, 5) | at the stages: left and right edge of the window [stress], and their rates |
+    | diffusion | (n, 5) | V dT/ds [stress^2] |
+    | upper_wall | (n, 6) | whether the solid yields at the right edge, 0 or 1; 2 dsigma_Y/dV at the stages |
+    | start | (N,) | coefficients of the density times the squared width at the first node |
+    | tables | | result of `matrices` |
+    | history | (n + 1, N + 4) | filled with the coefficients at each node and four areas and loads |
+
+    2 dsigma_Y/dV [1/stress] times the plastic area is the density at the upper wall. The four are the area
+    lost below, the stress it carried, the area that leaked out of the window above, and the plastic area.
     """
     mass, d = tables[0], tables[3]
     count = start.size

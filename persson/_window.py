@@ -76,15 +76,16 @@ class Pieces:
 def find_pieces(problem: Problem, outputs: Array, breaks: Array) -> Pieces:
     """Find where the distribution first meets a wall, and where an edge changes to or from a wall."""
     last, nothing = float(outputs[-1]), np.empty(0)
+    untouched = Pieces(reference=last or 1.0, edges=nothing, roots=nothing, start=np.inf)
     if last == 0:
-        return Pieces(reference=1.0, edges=nothing, roots=nothing, start=np.inf)
+        return untouched
     inside = breaks[(breaks > 0) & (breaks < last)]
     coarse = np.unique(np.concatenate([np.arange(-140.0, 0.0, 0.25), [0.0], np.log(inside / last)]))
     _refuse(problem, last, coarse)
     touched = problem.window(coarse, last)
     first = np.flatnonzero(touched[2] | touched[3])
     if first.size == 0:
-        return Pieces(reference=last, edges=nothing, roots=nothing, start=np.inf)
+        return untouched
     if first[0] == 0:
         raise OutsideTheory(
             "a wall stands at the nominal pressure from the start: no distribution can begin there"

@@ -106,11 +106,7 @@ class CapillaryWaves(SpectrumMoments):
             part = (b * np.log1p(delta / (start + b)) - a * np.log1p(delta / (start + a))) / (b - a)
         else:
             part = (b * _excess(b, delta, start) - a * _excess(a, delta, start)) / (b - a)
-        scale = self._strength / (4 * math.pi)
-        q2 = self.q_bend * self.q_bend
-        for _ in range(order):
-            scale *= q2
-        return scale * part
+        return math.prod([self.q_bend * self.q_bend] * order, start=self._strength / (4 * math.pi)) * part
 
 
 def _excess(root: float, delta: Array, start: float) -> Array:

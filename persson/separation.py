@@ -135,16 +135,13 @@ def opening_integral(s: Array, energy_ratio: float) -> Array:
     """Int_s^inf [g + 3 (1 - g) erf(t)^2] exp(-t^2) dt / t, for s > 0."""
     integral = energy_ratio * 0.5 * exp1(np.minimum(s * s, 700.0))
     if energy_ratio < 1:
-        integral = integral + 3 * (1 - energy_ratio) * _partial(s)
+        # Int_s^inf erf(t)^2 exp(-t^2) dt / t, by Gauss-Legendre on [s, s + 7] in panels.
+        points, weights = panels(np.arange(8.0), 10)
+        t = s[..., None] + points
+        with np.errstate(under="ignore"):
+            partial = (erf(t) ** 2 * np.exp(-t * t) / t) @ weights
+        integral = integral + 3 * (1 - energy_ratio) * partial
     return integral
-
-
-def _partial(s: Array) -> Array:
-    """Int_s^inf erf(t)^2 exp(-t^2) dt / t, by Gauss-Legendre on [s, s + 7] in panels."""
-    points, weights = panels(np.arange(8.0), 10)
-    t = s[..., None] + points
-    with np.errstate(under="ignore"):
-        return (erf(t) ** 2 * np.exp(-t * t) / t) @ weights
 
 
 def macroasperity_magnification(

@@ -266,10 +266,8 @@ class SelfAffine(SpectrumMoments):
             if self.rolloff == "plateau":
                 width = np.maximum(np.minimum(upper, self.q_long) - self.q_min, 0.0) / self.q_long
                 part = part + _power_panel(2.0 * order + 2, lower, width)
-        q2 = self.q_long * self.q_long
-        scale = 2 * math.pi * self.amplitude
-        for _ in range(order + 1):  # with the same rounding in all units, which a power has not
-            scale *= q2
+        # One factor after the other: with the same rounding in all units, which a power has not.
+        scale = math.prod([self.q_long * self.q_long] * (order + 1), start=2 * math.pi * self.amplitude)
         return scale * part
 
 

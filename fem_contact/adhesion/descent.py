@@ -21,25 +21,8 @@ from fem_contact._types import Array, Lengths, Mask
 from fem_contact.adhesion.laws import GapLaw
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.contact import Status
-from fem_contact.response import Response
+from fem_contact.response import GivenResponse, Response
 from fem_contact.settings import Settings
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Softened:
-    """Compliance C / (1 + s C): finite at q = 0, close to C elsewhere; inverse of K + s."""
-
-    response: Response
-    shift: float
-
-    @property
-    def contact_modulus(self) -> float:
-        return self.response.contact_modulus
-
-    def compliance(self, qx: Array, qy: Array) -> Array:
-        c = self.response.compliance(qx, qy)
-        soft = c / (1 + self.shift * c)
-        return np.where((qx == 0) & (qy == 0), np.maximum(c, 1 / self.shift), soft)
 
 
 class Landscape:
@@ -65,9 +48,14 @@ class Landscape:
         compliance = self.operator.compliance.ravel()
         self.mean_compliance = float(compliance[0])
         shift = 1 / float(np.max(compliance[1:]))
-        self.inverse = FourierOperator(
-            _Softened(response=response, shift=shift), shape, lengths, threads=threads
-        )
+
+        def softened(qx: Array, qy: Array) -> Array:
+            # Inverse of K + s: finite at q = 0, close to C elsewhere.
+            c = response.compliance(qx, qy)
+            return np.where((qx == 0) & (qy == 0), np.maximum(c, 1 / shift), c / (1 + shift * c))
+
+        soft = GivenResponse(contact_modulus=response.contact_modulus, function=softened)
+        self.inverse = FourierOperator(soft, shape, lengths, threads=threads)
         self.mean_height = float(np.mean(heights))
         self.pairs = 0
 
@@ -84,11 +72,6 @@ class Landscape:
         self.inverse.apply(field, out)
         self.pairs += 1
         return out
-
-    def energy(self, gap: Array) -> float:
-        """Elastic energy and energy of the law per area [J/m^2], that of a uniform displacement left out."""
-        shape = gap + self.heights
-        return 0.5 * float(np.mean(self.stiff(shape) * shape)) + float(np.mean(self.stored(gap)))
 
     def stored(self, gap: Array) -> Array:
         """Energy of the law, and of what has yielded, at every point [J/m^2]."""
@@ -351,8 +334,8 @@ def _search(state: _State, direction: Array) -> bool:
         change = gap - state.gap
         force = land.stiff(change)
         slope = float(np.sum(state.gradient * change))
-        # The energy there less that here, summed over the points as `Landscape.energy` has it, but without
-        # the cancellation of two energies: the attraction's part of the gradient is replaced by its own rise.
+        # The energy there less that here, summed over the points, but without the cancellation of two
+        # energies: the attraction's part of the gradient is replaced by its own rise.
         rise = slope - float(np.sum(state.attraction * change)) + 0.5 * float(np.sum(change * force))
         rise += 0.5 * state.base * float(np.mean(change)) ** 2 * change.size
         rise += float(np.sum(land.stored(gap) - energy))
@@ -366,14 +349,10 @@ def _search(state: _State, direction: Array) -> bool:
 
 
 def least_curvature(land: Landscape, point: Point, gap: Array) -> tuple[float, float]:
-    """Smallest curvature of the energy over the points free to move, relative to the preconditioner.
+    """Smallest curvature of the energy over the points free to move, and its uncertainty.
 
-    Returns
-    -------
-    value, uncertainty : float
-        The least Ritz value of Lanczos's method in the metric of K + s, and the bound on its distance to an
-        eigenvalue. Positive: a minimum; its sign does not depend on the metric. Infinite where no point is
-        free to move.
+    The least Ritz value of Lanczos's method in the metric of K + s, and the bound on its distance to an
+    eigenvalue. Positive: a minimum; its sign does not depend on the metric. Infinite where no point is free.
     """
     state = _State(land, point, gap)
     if np.count_nonzero(state.free) <= (1 if state.held else 0):

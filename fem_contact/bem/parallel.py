@@ -251,14 +251,8 @@ class SlabResult(HasContact):
         """Write all fields into one file of HDF5, which netCDF reads, too; each process its own rows at once.
 
         The first process lays the file out, and each writes its rows at their place in it, so that HDF5
-        itself need not know of MPI. The file has its name only when it is complete.
-
-        Parameters
-        ----------
-        path : Path
-            On a disk that all processes share.
-        about : mapping
-            Attributes of the file.
+        itself need not know of MPI. The file has its name only when it is complete; it lies on a disk that
+        all processes share. `about` are its attributes.
         """
         draft = path.with_name(f".{path.name}.part")
         places: dict[str, int] = {}

@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from fem_contact._checks import bound as bound_of
-from fem_contact._checks import choice, instance, positive, pressures
+from fem_contact._checks import choice, instance, positive
 from fem_contact._types import Array, Shape
 from fem_contact.bem.parallel import SlabSurface
 from fem_contact.complementarity import FreeOperator, Solution, polonsky_keer, solve_nested, surely_partial
@@ -70,12 +70,6 @@ class Problem:
                 f"pressure_bound with mean {mean:.6g} Pa: must not be below "
                 f"mean_pressure = {mean_pressure:.6g} Pa, or nothing carries the load"
             )
-
-    def checked_start(self, start: Array | None) -> Any:
-        """Refuse a start that is no pressure field."""
-        if start is None:
-            return None
-        return self.grids.put(pressures("start", start, self.surface.shape))
 
     def at(self, load: float, *, start: Any = None, settings: Settings | None = None) -> Solution:
         """Solve at one mean pressure."""
@@ -146,6 +140,9 @@ class Problem:
         if status is Status.STAGNATED and max(dx, dy) > _OBLONG * min(dx, dy):
             status = Status.OBLONG_CELLS
         solution, gap = grids.fetched(solution), grids.fetched_field(gap)
+        placed = "pressure collocated at the grid points"
+        if isinstance(self.operator, FreeOperator):
+            placed = "pressure constant on each cell of a patch with free surroundings"
         held = self.operator.nbytes + (0 if self.bound is None else gap.nbytes)
         if grids.in_slabs:
             lengths = dx * gap.shape[0], lengths[1]
@@ -170,18 +167,12 @@ class Problem:
                 peak_bytes=max(solution.peak_bytes + held, 4 * gap.nbytes + held),
             ),
             provenance={
-                "method": f"boundary elements by FFT, {_PLACED[isinstance(self.operator, FreeOperator)]}",
+                "method": f"boundary elements by FFT, {placed}",
                 "solver": f"bounded conjugate gradients, {self.method}",
                 "tolerance": repr(self.settings.tolerance),
             },
         )
 
-
-#: What stands for the pressure between the points of a grid, in words.
-_PLACED = {
-    False: "pressure collocated at the grid points",
-    True: "pressure constant on each cell of a patch with free surroundings",
-}
 
 #: Ratio of the sides of a cell beyond which a residual that no longer falls is put down to it.
 _OBLONG = 30.0

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Any, Unpack, overload
 
-from fem_contact._checks import finite, only, positives
+from fem_contact._checks import finite, only, positives, pressures
 from fem_contact._types import Array
 from fem_contact.bem.distance import LoadSearch
 from fem_contact.bem.parallel import SlabResult, SlabSurface
@@ -118,7 +118,8 @@ def solve(
         surface, response, bound=pressure_bound, settings=settings, method=method, device=device
     )
     problem.check_load(mean_pressure)
-    solution = problem.at(mean_pressure, start=problem.checked_start(start))
+    first = None if start is None else problem.grids.put(pressures("start", start, surface.shape))
+    solution = problem.at(mean_pressure, start=first)
     result = problem.result(solution, target=mean_pressure)
     return SlabResult(contact=result, slabs=surface.slabs) if isinstance(surface, SlabSurface) else result
 

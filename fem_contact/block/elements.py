@@ -67,12 +67,9 @@ ELEMENTS = {
 def element_for(element: str | None, *, poisson: float) -> Element:
     """Return the named element, or the cheapest that suits the Poisson ratio.
 
-    Raises
-    ------
-    InvalidInput
-        For an unknown name, or an incompressible solid in an element that cannot represent it: displacement
-        elements have no finite stiffness there, and a constant pressure per trilinear cell leaves
-        checkerboards undetermined.
+    Refused are unknown names, and elements that cannot represent an incompressible solid: displacement
+    elements have no finite stiffness there, and a constant pressure per trilinear cell leaves checkerboards
+    undetermined.
 
     Examples
     --------

@@ -122,10 +122,7 @@ class BlockMesh:
 
     def __post_init__(self) -> None:
         instance("element", self.element, Element, what="an `Element`, one of `ELEMENTS`")
-        try:
-            checked_counts(self.cells)
-        except InvalidInput as error:
-            raise InvalidInput(str(error).replace("shape", "cells", 1)) from None
+        checked_counts(self.cells, "cells")
         positive("aspect", self.aspect)
         layers = samples("layers", self.layers)
         if not (layers > 0).all():
@@ -166,12 +163,8 @@ class BlockMesh:
         """Scalar scikit-fem basis on the periodic block, and the lattice number of each of its unknowns.
 
         The lattice number of node (i, j, k) is (i ny + j) nk + k, with ny nodes along y and nk planes of
-        nodes.
-
-        Raises
-        ------
-        InvalidInput
-            For so few cells along an axis that scikit-fem cannot tell the nodes of periodic neighbours apart.
+        nodes. Refused are so few cells along an axis that scikit-fem cannot tell the nodes of periodic
+        neighbours apart.
         """
         from skfem import MeshHex1DG
 

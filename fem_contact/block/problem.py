@@ -23,8 +23,8 @@ class Answer:
     offset: float  # Over the cell width
     status: Status
     iterations: int
-    linear_iterations: int
-    fft_pairs: float
+    linear_iterations: int = 0
+    fft_pairs: float = 0.0
     bytes: int  # Memory of the arrays that were held
     method: str  # {"multigrid", "refined", "reduced"}
     note: str  # What the solver reached, in words

@@ -212,33 +212,21 @@ class Session:
         return surface_operator(self.response, threads=available_processors())
 
     def _dressed(self, answer: Answer, *, target: float | None) -> BlockSolution:
-        contact = self._result(answer, target=target)
-        self.clock = Clock()
-        mesh, modulus, width = self.problem.mesh, self.problem.modulus, self.width
-        if answer.field is not None:
-            source: FieldSource = ArraySource(field=answer.field * width, order=mesh.element.order)
-        else:
-            source = FourierSource(
-                response=self.response, force=answer.force, width=width, threads=available_processors()
-            )
-        return BlockSolution(contact=contact, solid=self.solid, mesh=mesh, source=source, modulus=modulus)
-
-    def _result(self, answer: Answer, *, target: float | None) -> ContactResult:
-        surface, mesh = self.surface, self.problem.mesh
+        surface, mesh, width = self.surface, self.problem.mesh, self.width
         weights = node_weights(mesh)
         pressure = nodal_pressure(answer.force, mesh) * self.solid.young
-        gap = answer.gap * self.width
+        gap = answer.gap * width
         nowhere = np.zeros(surface.shape, dtype=bool)
-        return ContactResult(
+        contact = ContactResult(
             pressure=pressure,
             gap=gap,
-            displacement=answer.displacement * self.width,
+            displacement=answer.displacement * width,
             in_contact=answer.in_contact,
             at_bound=nowhere if answer.at_bound is None else answer.at_bound,
             heights=surface.heights,
             lengths=surface.lengths,
             contact_modulus=self.solid.contact_modulus,
-            offset=answer.offset * self.width + self.top,
+            offset=answer.offset * width + self.top,
             mean_pressure=float(np.mean(pressure if weights is None else pressure * weights)),
             status=answer.status,
             residuals=measure_residuals(
@@ -260,7 +248,17 @@ class Session:
                 peak_bytes=answer.bytes,
             ),
             weights=weights,
-            provenance=_provenance(self.problem, width=self.width, answer=answer),
+            provenance=_provenance(self.problem, width=width, answer=answer),
+        )
+        self.clock = Clock()
+        if answer.field is not None:
+            source: FieldSource = ArraySource(field=answer.field * width, order=mesh.element.order)
+        else:
+            source = FourierSource(
+                response=self.response, force=answer.force, width=width, threads=available_processors()
+            )
+        return BlockSolution(
+            contact=contact, solid=self.solid, mesh=mesh, source=source, modulus=self.problem.modulus
         )
 
 
@@ -276,8 +274,6 @@ def _apart(problem: Problem) -> Answer:
         offset=problem.offset,
         status=Status.CONVERGED,
         iterations=0,
-        linear_iterations=0,
-        fft_pairs=0.0,
         bytes=3 * zero.nbytes,
         method="reduced",
         note="no contact",

@@ -7,7 +7,6 @@ threads or compiled code, in the library and on the device of the heights. It ch
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from fem_contact._types import AnyArray, Lengths, Shape
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.grids import Grids
 from fem_contact.complementarity.iteration_arrays import Errors, IterationArrays
-from fem_contact.complementarity.operator import Operator, Solution
+from fem_contact.complementarity.operator import Operator
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response
 
@@ -65,12 +64,6 @@ class ArrayGrids(Grids):
     def put(self, field: AnyArray | None) -> Values:
         """Return a field there."""
         return None if field is None else self.xp.asarray(field, device=self.device, copy=True)
-
-    def fetched(self, solution: Solution) -> Solution:
-        """Return a solution whose fields are NumPy's."""
-        names = ("force", "displacement", "in_contact", "at_bound")
-        fields: dict[str, Any] = {name: self.fetched_field(getattr(solution, name)) for name in names}
-        return replace(solution, **fields)
 
     def fetched_field(self, field: Values) -> AnyArray:
         """Return one field as NumPy's."""
@@ -179,7 +172,7 @@ class PlainIterationArrays(IterationArrays):
         self.xp = xp = namespace(heights)
         self.operator = self.quick = operator
         self.heights, self.bound, self.stiffness = heights, bound, caution * operator.stiffness
-        self.single, self.force_unit, self.length_unit = False, 1.0, 1.0
+        self.single, self.force_unit, self.length_unit, self.load_unit = False, 1.0, 1.0, 1.0
         self.force, self.displacement, self.gap, self.step, self.image, self.buffer = (
             xp.zeros_like(heights) for _ in range(6)
         )

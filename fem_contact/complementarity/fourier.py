@@ -3,7 +3,7 @@
 import copy
 import importlib.util
 from collections.abc import Callable, Sequence
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 import scipy.fft
@@ -98,26 +98,22 @@ class FourierOperator:
 
     def apply(self, force: Array, out: Array) -> None:
         """Write the displacement [m] under the pressure ``force`` [Pa] into ``out``."""
-        from fem_contact.complementarity.kernels import multiply
-
-        self._filter(force, out, multiply)
+        self._filter(force, out)
 
     def invert(self, displacement: Array, out: Array) -> None:
         """Write the full-contact pressure [Pa] under a displacement [m], without its mean, into ``out``."""
-        from fem_contact.complementarity.kernels import divide
-
-        self._filter(displacement, out, divide)
+        self._filter(displacement, out, inverse=True)
 
     def precondition(self, residual: Array | Single, out: Array | Single) -> None:
         """Do as `invert`, but with long waves no stiffer than contacts feel them: see `_long_waves`."""
-        from fem_contact.complementarity.kernels import divide
-
-        self._filter(residual, out, divide, weaken=True)
+        self._filter(residual, out, inverse=True, weaken=True)
 
     def _filter(
-        self, field: Array | Single, out: Array | Single, kernel: Callable[..., Any], *, weaken: bool = False
+        self, field: Array | Single, out: Array | Single, *, inverse: bool = False, weaken: bool = False
     ) -> None:
-        threads = self.threads
+        from fem_contact.complementarity.kernels import divide, multiply
+
+        threads, kernel = self.threads, divide if inverse else multiply
         if not self._in_place:
             spectrum = scipy.fft.rfft2(field, workers=threads)
             self._rows.run(kernel, spectrum, self.compliance)

@@ -1,5 +1,6 @@
 """The grids of a nested solve: where their arrays are, and how fields are carried between them."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -32,7 +33,9 @@ class Grids:
 
     def fetched(self, solution: Solution) -> Solution:
         """Return a solution whose fields are NumPy's."""
-        return solution
+        names = ("force", "displacement", "in_contact", "at_bound")
+        fields: dict[str, Any] = {name: self.fetched_field(getattr(solution, name)) for name in names}
+        return replace(solution, **fields)
 
     def fetched_field(self, field: Any) -> Any:
         """Return one field as NumPy's."""

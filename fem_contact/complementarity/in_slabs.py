@@ -26,12 +26,10 @@ class SlabOperator(FourierOperator):
         self._rows = Rows(slabs.shape[0], threads=threads)
         self._spectrum = np.empty(self.compliance.shape, dtype=complex)
 
-    def _filter(
-        self, field: AnyArray, out: AnyArray, kernel: Callable[..., Any], *, weaken: bool = False
-    ) -> None:
+    def _filter(self, field: AnyArray, out: AnyArray, *, inverse: bool = False, weaken: bool = False) -> None:
         import ducc0.fft
 
-        from fem_contact.complementarity.kernels import divide
+        from fem_contact.complementarity.kernels import divide, multiply
 
         spectrum = self._room_for(field)
         slabs, threads, waves = self.slabs, self.threads, self.shape[1] // 2 + 1
@@ -44,8 +42,8 @@ class SlabOperator(FourierOperator):
         slabs.to_columns(lines, slabs.columns, spectrum)
         ducc0.fft.c2c(spectrum, axes=(0,), out=spectrum, nthreads=threads)
         first = spectrum[0, 0]
-        self._rows.run(kernel, spectrum, self.compliance)
-        if not self._with_mean and kernel is divide:
+        self._rows.run(divide if inverse else multiply, spectrum, self.compliance)
+        if inverse and not self._with_mean:
             # The kernel takes the first number for the mean.
             spectrum[0, 0] = first / self.compliance[0, 0]
         self._weaken(spectrum, weaken)
@@ -94,11 +92,8 @@ class SlabIterationArrays(IterationArrays):
 
     def move(self, factor: float, shift: float) -> Errors:
         """Move the gap, and measure the conditions there."""
-        names, values = zip(*vars(super().move(factor, shift)).items(), strict=True)
-        parts = dict(zip(names, self.slabs.gathered(*values).T, strict=True))
-        totals = {name: float(part.sum()) for name, part in parts.items()}
-        extremes = {"lowest": float(parts["lowest"].min()), "highest": float(parts["highest"].max())}
-        return Errors(**(totals | extremes))
+        mine = vars(super().move(factor, shift)).values()
+        return Errors.joined(self.slabs.gathered(*mine).tolist())
 
     def _restore(self, toward: float) -> None:
         super()._restore(toward)

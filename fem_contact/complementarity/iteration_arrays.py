@@ -1,7 +1,8 @@
 """The arrays of one contact iteration and the passes over them; no decision is taken here."""
 
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,13 @@ class Errors:
     free: float
     last: float
     image: float
+
+    @classmethod
+    def joined(cls, parts: Iterable[Sequence[float]]) -> Self:
+        """Join the errors of parts of a grid, each a row of these numbers in their order."""
+        joins: list[Callable[..., float]] = [sum, sum, min, max, sum, sum, sum]
+        values = [join(column) for join, column in zip(joins, zip(*parts, strict=True), strict=True)]
+        return cls(**dict(zip(cls.__annotations__, values, strict=True)))
 
     def within(self, tolerance: float, *, least: float) -> bool:
         """Whether complementarity, of `least` as sum x at least, and penetration meet a tolerance."""
@@ -73,17 +81,9 @@ class IterationArrays:
     precision and the units of the iteration: rounded, they are so to their own size, which falls with the
     error, and what the rounding of images leaves in the gap goes when `start` applies the response afresh.
 
-    Parameters
-    ----------
-    heights : (nx, ny) array
-        h [m].
-    bound : (nx, ny) array or None
-        Upper bound of the force [Pa].
-    caution : float
-        Share of the operator's stiffness by which the working set is told; see `solve`.
-    units : tuple of float, optional
-        Force [Pa] and length [m] in units of which the iteration runs in single precision; double precision
-        in Pa and m if not given.
+    Heights h [m] and bound [Pa] are (nx, ny); `caution` is the share of the operator's stiffness by which the
+    working set is told, see `solve`. In `units` of force [Pa] and length [m] the iteration runs in single
+    precision; in double precision, in Pa and m, if not given.
     """
 
     def __init__(
@@ -104,6 +104,7 @@ class IterationArrays:
         self.heights.setflags(write=False)
         self.single = units is not None
         self.force_unit, self.length_unit = (1.0, 1.0) if units is None else units
+        self.load_unit = 1 / self.force_unit
         if units is not None:
             assert isinstance(operator, FourierOperator)
             self.quick = operator.single(self.force_unit / self.length_unit)
@@ -130,11 +131,6 @@ class IterationArrays:
         """Memory of the arrays, the heights included."""
         fields = self.heights, self.force, self.displacement, self.gap, self.step, self.image, self.buffer
         return sum(array.nbytes for array in (*fields, self.working, *self.top[0], *self.top[1]))
-
-    @property
-    def load_unit(self) -> float:
-        """One over the unit of force [1/Pa]."""
-        return 1 / self.force_unit
 
     def start(self, *, roughly: bool) -> tuple[float, float]:
         """Apply the response afresh, in double precision unless `roughly`; sum phi and phi (u - h)."""
@@ -163,16 +159,7 @@ class IterationArrays:
         fields = self.force, self.gap, self.step, self.image, self.bound
         units, level = (self.load_unit, self.stiffness), (self.levels[0][0], self.levels[1][0])
         parts = self.coarse_rows.run(self.kernels.move, *fields, factor, shift, *units, self.working, *level)
-        moments, totals, lowest, highest, free, last, images = zip(*parts, strict=True)
-        return Errors(
-            moment=sum(moments),
-            total=sum(totals),
-            lowest=min(lowest),
-            highest=max(highest),
-            free=sum(free),
-            last=sum(last),
-            image=sum(images),
-        )
+        return Errors.joined(parts)
 
     def precondition(self) -> tuple[float, float]:
         """Turn the residual into z = E' M E residual; sum z, and z times the image of the last step."""

@@ -26,17 +26,8 @@ _TURN, _TURNS = 2**21, 16
 class Slabs:
     """How the rows of a grid, and the columns of its spectra, are shared out over processes.
 
-    Parameters
-    ----------
-    comm : communicator
-        Of mpi4py, or what does the same.
-    shape : tuple of int
-        Points (nx, ny) of the grid; nx at least twice, ny at least 2 P - 2 for P processes.
-
-    Raises
-    ------
-    InvalidInput
-        For a grid too small to be shared.
+    Of the points (nx, ny) of a grid P processes can share, nx must be 2 P and ny 2 P - 2 at least: a smaller
+    one is refused.
     """
 
     def __init__(self, comm: Any, shape: Shape) -> None:
@@ -157,27 +148,19 @@ class SlabNumpy:
         self._slabs = slabs
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(np, name)
-
-    def sum(self, values: AnyArray) -> float:
-        """Sum over all slabs."""
-        return float(self._slabs.gathered(float(np.sum(values))).sum())
+        function = getattr(np, name)
+        if name not in ("sum", "min", "max"):
+            return function
+        return lambda values: float(function(self._slabs.gathered(float(function(values)))))
 
     def mean(self, values: AnyArray) -> float:
         """Mean over all slabs."""
-        return self.sum(values) / (self._slabs.shape[0] * self._slabs.shape[1])
-
-    def min(self, values: AnyArray) -> float:
-        """Least value of all slabs."""
-        return float(self._slabs.gathered(float(np.min(values))).min())
-
-    def max(self, values: AnyArray) -> float:
-        """Greatest value of all slabs."""
-        return float(self._slabs.gathered(float(np.max(values))).max())
+        total: float = self.sum(values)
+        return total / (self._slabs.shape[0] * self._slabs.shape[1])
 
     def any(self, values: AnyArray) -> bool:
         """Whether it holds anywhere."""
-        return self.max(values) > 0
+        return bool(self.max(values) > 0)
 
 
 @dataclass(frozen=True, kw_only=True)

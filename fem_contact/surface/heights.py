@@ -58,7 +58,19 @@ class HeightField:
     lengths: Lengths
 
     def __post_init__(self) -> None:
-        heights = _checked_heights(self.heights)
+        heights = np.array(doubles("heights", self.heights))
+        if heights.ndim != 2 or heights.size == 0:
+            raise InvalidInput(f"heights of shape {heights.shape}: must be a two-dimensional array (nx, ny)")
+        bad = np.count_nonzero(~np.isfinite(heights))
+        if bad:
+            raise InvalidInput(
+                f"{bad} of {heights.size} heights are NaN or infinite: fill or remove them first"
+            )
+        highest = float(np.max(np.abs(heights)))
+        if highest > GREATEST:
+            raise InvalidInput(
+                f"heights: {highest:.6g} m is no height; at most {GREATEST:g} m can be computed with"
+            )
         lengths = checked_lengths(self.lengths)
         heights.setflags(write=False)
         object.__setattr__(self, "heights", heights)
@@ -184,8 +196,14 @@ class HeightField:
 
     def _sampled(self, shape: Shape, fraction: tuple[float, float]) -> HeightField:
         spectrum = scipy.fft.fft2(self.heights, norm="forward")
-        for axis in (0, 1):
-            spectrum = _refold(spectrum, shape[axis], fraction[axis], axis)
+        for axis, (n, old) in enumerate(zip(shape, self.shape, strict=True)):
+            # Waves beyond the new Nyquist limit fold back.
+            numbers, slots, weights = _wave_numbers(old)
+            factors = weights * np.exp(2j * np.pi * numbers * fraction[axis] / old)
+            waves = np.moveaxis(spectrum, axis, 0)[slots] * factors[:, None]
+            folded = np.zeros((n, waves.shape[1]), dtype=complex)
+            np.add.at(folded, numbers % n, waves)
+            spectrum = np.moveaxis(folded, 0, axis)
         heights = scipy.fft.ifft2(spectrum, norm="forward").real
         return HeightField(heights=heights, lengths=self.lengths)
 
@@ -248,22 +266,6 @@ class Patch(HeightField):
         return Patch(heights=heights, lengths=self.lengths)
 
 
-def _checked_heights(given: object) -> Array:
-    """Return a copy of the heights; NaN, infinite and masked points are refused with their number."""
-    heights = np.array(doubles("heights", given))
-    if heights.ndim != 2 or heights.size == 0:
-        raise InvalidInput(f"heights of shape {heights.shape}: must be a two-dimensional array (nx, ny)")
-    bad = np.count_nonzero(~np.isfinite(heights))
-    if bad:
-        raise InvalidInput(f"{bad} of {heights.size} heights are NaN or infinite: fill or remove them first")
-    highest = float(np.max(np.abs(heights)))
-    if highest > GREATEST:
-        raise InvalidInput(
-            f"heights: {highest:.6g} m is no height; at most {GREATEST:g} m can be computed with"
-        )
-    return heights
-
-
 def checked_shape(shape: object) -> Shape:
     """Return two positive whole numbers (nx, ny) of points that fit into memory, or refuse."""
     points = checked_counts(shape)
@@ -271,14 +273,14 @@ def checked_shape(shape: object) -> Shape:
     return points
 
 
-def checked_counts(shape: object) -> Shape:
+def checked_counts(counts: object, name: str = "shape") -> Shape:
     """Return two positive whole numbers (nx, ny), or refuse."""
 
     def count(name: str, value: object) -> int:
         given = int(value) if isinstance(value, float) and value % 1 == 0 else value
         return whole(name, given, least=1, most=2**24)
 
-    return pair("shape", shape, count, what="two positive whole numbers (nx, ny), at most 2^24 each")
+    return pair(name, counts, count, what="two positive whole numbers (nx, ny), at most 2^24 each")
 
 
 def checked_lengths(lengths: object) -> Lengths:
@@ -301,17 +303,6 @@ def _wave_numbers(n: int) -> tuple[Numbers, Numbers, Array]:
         weights = np.append(weights, 0.5)
         weights[0] = 0.5
     return numbers, numbers % n, weights
-
-
-def _refold(spectrum: Complex, n: int, fraction: float, axis: int) -> Complex:
-    """Sample the interpolant of one axis at n points: waves beyond the new Nyquist limit fold back."""
-    old = spectrum.shape[axis]
-    numbers, slots, weights = _wave_numbers(old)
-    factors = weights * np.exp(2j * np.pi * numbers * fraction / old)
-    waves = np.moveaxis(spectrum, axis, 0)[slots] * factors[:, None]
-    folded = np.zeros((n, waves.shape[1]), dtype=complex)
-    np.add.at(folded, numbers % n, waves)
-    return np.moveaxis(folded, 0, axis)
 
 
 def interpolant(surface: HeightField) -> tuple[Array, Array, Complex]:

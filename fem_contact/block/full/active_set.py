@@ -171,26 +171,11 @@ def solve_contact(
 ) -> Answer:
     """Press a rigid profile into the block.
 
-    Parameters
-    ----------
-    load : float or None
-        Total downward force over E times the cell width squared; None where `offset` is prescribed.
-    offset : float
-        Prescribed offset over the cell width, or its first guess.
-    start : (nx, ny) array of bool
-        First active set.
-    tolerance : float
-        Bound on the linear residual over the norm of the contact forces, and on what an unsettled set may
-        still violate.
-    max_iterations : int
-        Active sets tried at most.
-    violation : callable
-        Dimensionless measure of what nodal forces and gaps violate, given the nodes at the bound.
-    displacement : (nx, ny, nz, 3) array, optional
-        First guess of u over the cell width.
+    The load is the total downward force over E times the cell width squared; without it the offset, over the
+    cell width, is prescribed and no first guess, as set and displacement (nx, ny, nz, 3) are. The tolerance
+    bounds the linear residual over the norm of the contact forces, and what an unsettled set may still
+    violate: `violation` measures that, dimensionless. At most so many active sets are tried.
 
-    Notes
-    -----
     The set is updated to {contact nodes under pressure} and {other nodes that penetrate}: a semi-smooth
     Newton step; {contact nodes pressed beyond a bound} and {nodes at it that do not open} go to the bound.
     With the linear systems solved, complementarity holds exactly, and a set that reproduces itself is the
@@ -249,7 +234,6 @@ def solve_contact(
         status=status,
         iterations=sets,
         linear_iterations=linear,
-        fft_pairs=0.0,
         bytes=peak,
         method="refined" if block.refined else "multigrid",
         note=f"linear residual {solution.relative_residual:.3g} of the contact forces",

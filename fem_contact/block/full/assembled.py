@@ -4,7 +4,7 @@ import numpy as np
 
 from fem_contact._checks import instance, room_for, within
 from fem_contact._types import Array
-from fem_contact.block.full.assembly import assemble
+from fem_contact.block.full.assembly import above_bottom, assemble
 from fem_contact.block.mesh import BlockMesh, nodal_force
 from fem_contact.block.solution import BlockSolution
 from fem_contact.errors import InvalidInput, NotConverged
@@ -53,7 +53,7 @@ def assembled_field(solution: BlockSolution, *, tolerance: float) -> Array:
         raise InvalidInput(f"poisson = {poisson!r}: the matrix of an incompressible solid is not finite")
     room_for(f"unknowns = {mesh.unknowns}", needed=_BYTES_PER_UNKNOWN[mesh.element.order] * mesh.unknowns)
     modulus = None if solution.modulus is None else np.broadcast_to(solution.modulus, (*mesh.cells, mesh.nz))
-    matrix = assemble(mesh, poisson=poisson, modulus=modulus).free()
+    matrix = above_bottom(assemble(mesh, poisson=poisson, modulus=modulus), mesh)
     forces = np.zeros((*mesh.shape, mesh.planes.size - 1, 3))
     forces[:, :, -1, 2] = -nodal_force(solution.contact.pressure / solution.solid.young, mesh)
     smoother = ("block_gauss_seidel", {"sweep": "symmetric"})

@@ -15,25 +15,13 @@ if TYPE_CHECKING:
     import scipy.sparse as sp
 
 
-@dataclass(frozen=True, kw_only=True)
-class Stiffness:
-    """Stiffness of the whole block, clamped planes included, over the modulus E."""
-
-    matrix: sp.bsr_array  # Blocks of 3 x 3 over the lattice nodes (i ny + j) nk + k of nk planes; symmetric
-    mesh: BlockMesh
-
-    def free(self) -> sp.bsr_array:
-        """Return the part over the nodes above the clamped bottom, numbered (i ny + j)(nk - 1) + k - 1."""
-        above = np.repeat(np.arange(self.matrix.shape[0] // 3) % self.mesh.planes.size != 0, 3)
-        return self.matrix.tocsr()[above][:, above].tobsr((3, 3))
-
-
-def assemble(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> Stiffness:
-    r"""Assemble the stiffness of the block with scikit-fem.
+def assemble(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> sp.bsr_array:
+    r"""Assemble the stiffness of the block with scikit-fem, over the modulus E.
 
     .. math:: K = \int \lambda\, (\nabla\!\cdot u)(\nabla\!\cdot v) + 2\mu\, \varepsilon(u):\varepsilon(v)
 
-    The scalar forms int d_a u d_b v are integrated and combined, which gives the vector form's matrix at
+    Its blocks of 3 x 3 belong to the nodes (i ny + j) nk + k of nk planes, the clamped one included. The
+    scalar forms int d_a u d_b v are integrated and combined, which gives the vector form's matrix at
     an eighth of its cost. nu is below 1/2; the modulus (nx, ny, nz) is that of each cell over E.
     """
     basis, lattice = mesh.basis()
@@ -51,7 +39,13 @@ def assemble(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -
         for b in range(3):
             block = first * local_dilatation(forms, a, b) + second * local_shear(forms, a, b)
             data[:, a, b] = pattern.summed((block * weight).ravel())
-    return Stiffness(matrix=pattern.matrix(data), mesh=mesh)
+    return pattern.matrix(data)
+
+
+def above_bottom(matrix: sp.bsr_array, mesh: BlockMesh) -> sp.bsr_array:
+    """Return the part over the nodes above the clamped plane, numbered (i ny + j)(nk - 1) + k - 1."""
+    above = np.repeat(np.arange(matrix.shape[0] // 3) % mesh.planes.size != 0, 3)
+    return matrix.tocsr()[above][:, above].tobsr((3, 3))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from fem_contact._types import Array, Mask, Numbers, Shape
-from fem_contact.block.full.levels import StencilLevel, Transfer
+from fem_contact.block.full.levels import Transfer
 from fem_contact.block.full.multigrid import Hierarchy
 
 #: Least ratio of what the bound can carry and the load on a coarser grid.
@@ -43,7 +43,7 @@ class Block:
     @property
     def levels(self) -> int:
         """Planes of nodes above the clamped one."""
-        return len(self.hierarchy.levels[0].coefficients)
+        return self.hierarchy.levels[0].field_shape[2]
 
     @property
     def shape(self) -> Shape:
@@ -99,7 +99,7 @@ class CyclePreconditioner:
         coupling[held] = 0
         answer, share = self._free(coupling), 1.0
         moment = float(coupling @ answer)
-        if block.refined or not isinstance(self.hierarchy.levels[0], StencilLevel):
+        if block.refined or not self.hierarchy.levels[0].uniform:
             # A cycle on other cells or mean moduli may overestimate the inverse; scaled to the least energy,
             # the answer still leaves a positive complement. On the same cells it never does.
             image = block.apply(answer)

@@ -9,11 +9,11 @@ coupling to itself, which is factorised to relax it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from fem_contact._types import Array, Shape
+from fem_contact._types import Array, Mask, Shape
 from fem_contact.block.mesh import BlockMesh, element_matrices
 
 #: Neighbours of a column on the stack of cells towards +x and +y: itself, along x, along y, the diagonal one.
@@ -27,13 +27,8 @@ def corner_coefficients(mesh: BlockMesh, *, poisson: float) -> Array:
 
     With t and b the values above and below, the components (t + b of x and y, t - b of z) cause half the
     sum of the forces along x and y and half the difference of those along z; this is parity 0. Parity 1 is
-    the rest.
-
-    Returns
-    -------
-    (nz, 2, 3, 4, 3) array
-        Layer from the bottom upwards, parity, component of the force, column `_SIDES` of nodes, component
-        of the displacement, over E times the cell width.
+    the rest. The shape is (nz, 2, 3, 4, 3): layer from the bottom upwards, parity, component of the force,
+    column `_SIDES` of nodes, component of the displacement, over E times the cell width.
     """
     matrices, offsets = element_matrices(mesh, poisson, condensed=True)
     number = {tuple(int(n) for n in corner // 2): 3 * place for place, corner in enumerate(offsets)}
@@ -61,8 +56,7 @@ def overlap_means(modulus: Array, shape: Shape) -> Array:
     return np.ascontiguousarray(modulus)
 
 
-@dataclass(frozen=True, kw_only=True)
-class BlockFactors:
+class BlockFactors(NamedTuple):
     """Every column's coupling to itself, factorised: L S L' in blocks of 3 x 3 per plane."""
 
     low: Array  # (nx, ny, nz, 3, 3): Below the diagonal of L; zero on the lowest plane
@@ -85,6 +79,10 @@ class BlockFactors:
         for k in range(diagonal.shape[2] - 2, -1, -1):
             follow[:, :, k] = -np.einsum("xyab,xya->xyb", low[:, :, k + 1], follow[:, :, k + 1])
         return cls(low=low, inverse=inverse, follow=follow)
+
+    def following(self, held: Mask) -> Array:
+        """Displacement (m, nz, 3) of held columns whose top is moved by one, their neighbours fixed."""
+        return self.follow[held]
 
 
 def _self_coupling(coefficients: Array, modulus: Array) -> tuple[Array, Array]:

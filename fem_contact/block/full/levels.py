@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,30 +28,38 @@ class Transfer:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Level(ABC):
+class Level:
     """One grid of the hierarchy."""
 
     shape: Shape  # Columns along both axes
     area: float  # Of the cell, over the square of the finest cell width along x
-    coefficients: Array  # (nz, ...): What the cells of each layer do, over E times the finest cell width
+    # What the cells of each layer do, over E times the finest cell width: of `stencil`, (nz, 3, 22), where
+    # columns are alike; of `corner_coefficients`, (nz, 72), else, and then the moduli over E, (nx, ny, nz).
+    cells: tuple[Array, ...]
+    lines: LineFactors | BlockFactors
     down: tuple[Transfer, Transfer] | None  # Interpolation from the next coarser grid; None on the last
 
-    @abstractmethod
-    def apply(self, u: Array) -> Array:
-        """Sum the forces of the cells."""
-
-    @abstractmethod
-    def relax(self, forces: Array, held: Mask, u: Array, *, backward: bool) -> None:
-        """Solve every column for its own unknowns, in place; the tops of some are held."""
-
-    @abstractmethod
-    def following(self, held: Mask) -> Array:
-        """Displacement (m or 1, nz, 3) of held columns whose top is moved by one, their neighbours fixed."""
+    @property
+    def uniform(self) -> bool:
+        """Whether all columns have the same rows."""
+        return isinstance(self.lines, LineFactors)
 
     @property
     def field_shape(self) -> tuple[int, int, int, int]:
         """Shape of a displacement."""
-        return *self.shape, len(self.coefficients), 3
+        return *self.shape, len(self.cells[0]), 3
+
+    def apply(self, u: Array) -> Array:
+        """Sum the forces of the cells."""
+        forces = np.empty(self.field_shape)
+        kernel = kernels.apply_stencil if self.uniform else cell_kernels.apply_cells
+        kernel(*self.cells, u, forces)
+        return forces
+
+    def relax(self, forces: Array, held: Mask, u: Array, *, backward: bool) -> None:
+        """Solve every column for its own unknowns, in place; the tops of some are held."""
+        kernel = kernels.relax if self.uniform else cell_kernels.relax_cells
+        kernel(*self.cells, *self.lines, forces, held, u, backward)
 
     def prolonged(self, coarse: Array, onto: Array | None = None) -> Array:
         """Interpolate an array over the next coarser grid's columns to this one, and add it onto another."""
@@ -72,49 +79,3 @@ class Level(ABC):
         x, y = self.down
         flat = (field.reshape(*field.shape[:2], -1) for field in (coarse, fine))
         kernels.transfer(next(flat), x.low, x.weight, y.low, y.weight, next(flat), gathering)
-
-
-@dataclass(frozen=True, kw_only=True)
-class StencilLevel(Level):
-    """A grid whose columns all have the same rows: the coefficients are those of `stencil`."""
-
-    lines: LineFactors
-
-    def apply(self, u: Array) -> Array:
-        """Sum the forces of the cells."""
-        forces = np.empty(self.field_shape)
-        kernels.apply_stencil(self.coefficients, u, forces)
-        return forces
-
-    def relax(self, forces: Array, held: Mask, u: Array, *, backward: bool) -> None:
-        """Solve every column for its own unknowns, in place."""
-        kernels.relax(self.coefficients, self.lines.low, self.lines.reciprocal, forces, held, u, backward)
-
-    def following(self, held: Mask) -> Array:
-        """Displacement of a column whose top is moved by one."""
-        field = np.zeros((1, len(self.coefficients), 3))
-        field[0, :, 2] = self.lines.tied
-        return field
-
-
-@dataclass(frozen=True, kw_only=True)
-class CellLevel(Level):
-    """A grid whose cells have a modulus each: the coefficients are `corner_coefficients`, (nz, 72)."""
-
-    modulus: Array  # (nx, ny, nz): Young's modulus of the cells over E
-    lines: BlockFactors
-
-    def apply(self, u: Array) -> Array:
-        """Sum the forces of the cells."""
-        forces = np.empty(self.field_shape)
-        cell_kernels.apply_cells(self.coefficients, self.modulus, u, forces)
-        return forces
-
-    def relax(self, forces: Array, held: Mask, u: Array, *, backward: bool) -> None:
-        """Solve every column for its own unknowns, in place."""
-        lines = self.lines.low, self.lines.inverse, self.lines.follow
-        cell_kernels.relax_cells(self.coefficients, self.modulus, *lines, forces, held, u, backward)
-
-    def following(self, held: Mask) -> Array:
-        """Displacement of the held columns where their top is moved by one."""
-        return self.lines.follow[held]

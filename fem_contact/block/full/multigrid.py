@@ -13,7 +13,7 @@ import numpy as np
 
 from fem_contact._types import Array, Mask
 from fem_contact.block.full.cells import BlockFactors, corner_coefficients, overlap_means
-from fem_contact.block.full.levels import CellLevel, Level, StencilLevel, Transfer
+from fem_contact.block.full.levels import Level, Transfer
 from fem_contact.block.full.stencil import LineFactors, stencil
 from fem_contact.block.mesh import BlockMesh
 
@@ -53,7 +53,7 @@ class Hierarchy:
         left = level.apply(u)
         np.subtract(residual, left, out=left)
         left[held, -1, 2] = 0
-        following = level.following(held)
+        following = level.lines.following(held)
         # The transpose of what the correction is kept to below.
         left[held, -1, 2] = -np.sum(left[held] * following, axis=(1, 2))
         coarse = level.restricted(left)
@@ -88,20 +88,12 @@ def build_hierarchy(mesh: BlockMesh, *, poisson: float, modulus: Array | None = 
             down = Transfer.between(shape[0], coarser[0]), Transfer.between(shape[1], coarser[1])
         if modulus is None or modulus.ndim == 1:
             rows = width * stencil(cells, poisson=poisson, modulus=modulus)
-            lines = LineFactors.of(rows, shape)
-            level: Level = StencilLevel(
-                shape=shape, area=width * across, coefficients=rows, lines=lines, down=down
-            )
+            coefficients: tuple[Array, ...] = (rows,)
+            lines: LineFactors | BlockFactors = LineFactors.of(rows, shape)
         else:
             modulus = overlap_means(modulus, shape)
             corners = width * corner_coefficients(cells, poisson=poisson)
-            level = CellLevel(
-                shape=shape,
-                area=width * across,
-                coefficients=corners.reshape(mesh.nz, -1),
-                modulus=modulus,
-                lines=BlockFactors.of(corners, modulus),
-                down=down,
-            )
-        levels.append(level)
+            coefficients = corners.reshape(mesh.nz, -1), modulus
+            lines = BlockFactors.of(corners, modulus)
+        levels.append(Level(shape=shape, area=width * across, cells=coefficients, lines=lines, down=down))
     return Hierarchy(levels=tuple(levels), depth=float(-mesh.planes[0]))

@@ -7,7 +7,7 @@ the 6561 entries of the element matrix are left. `quadratic_kernels` multiplies 
 """
 
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -25,8 +25,7 @@ _ODD = (0, 0, 1)
 _COMPRESSIBLE = 0.3
 
 
-@dataclass(frozen=True, kw_only=True)
-class ParityBlocks:
+class ParityBlocks(NamedTuple):
     """Element matrices of the layers, class by class."""
 
     entries: Array  # (nz, 855): The blocks, row by row, one after the other, over E times the cell width
@@ -70,9 +69,9 @@ class QuadraticBlock(Block):
 
     def apply(self, field: Array) -> Array:
         """Sum the forces of the cells."""
-        cells, u = self.cells, field.reshape(*self.shape, self.levels, 3)
+        u = field.reshape(*self.shape, self.levels, 3)
         forces = np.zeros_like(u)
-        apply_quadratic(cells.entries, cells.sizes, cells.places, self.modulus, u, forces)
+        apply_quadratic(*self.cells, self.modulus, u, forces)
         return forces.ravel()
 
 

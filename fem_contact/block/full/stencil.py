@@ -12,12 +12,11 @@ sides share a coefficient up to its sign, and 22 of the 81 coefficients of a pla
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
-from fem_contact._types import Array, Shape
+from fem_contact._types import Array, Mask, Shape
 from fem_contact.block.mesh import BlockMesh, element_matrices
 
 #: Coefficients in the order of the kernels: component of the force, of the displacement, and the neighbour
@@ -36,13 +35,9 @@ _OWN = ((0, 1, 2, 3), (7, 8, 9, 10), (14, 15, 16, 17))
 def stencil(mesh: BlockMesh, *, poisson: float, modulus: Array | None) -> Array:
     """Sum the trilinear cells around the nodes of one column, for nu below 1/2.
 
-    The modulus (nz,) is that of each layer over E, from the bottom upwards; 1 by default.
-
-    Returns
-    -------
-    (nz, 3, 22) array
-        For every plane above the clamped one, from the bottom upwards, the coefficients `TERMS` of the
-        forces that it causes on the plane below it, itself and the plane above, over E times the cell width.
+    The modulus (nz,) is that of each layer over E, from the bottom upwards; 1 by default. Returned are, for
+    every plane above the clamped one, (nz, 3, 22), the coefficients `TERMS` of the forces that it causes on
+    the plane below it, itself and the plane above, over E times the cell width.
     """
     matrices, offsets = element_matrices(mesh, poisson)
     if modulus is not None:
@@ -59,8 +54,7 @@ def stencil(mesh: BlockMesh, *, poisson: float, modulus: Array | None) -> Array:
     return planes[1:].copy()
 
 
-@dataclass(frozen=True, kw_only=True)
-class LineFactors:
+class LineFactors(NamedTuple):
     """A column's coupling to itself, factorised: three tridiagonal matrices L D L'."""
 
     low: Array  # (nz, 3): Below the diagonal of L; its first row is 0
@@ -82,9 +76,9 @@ class LineFactors:
                 reciprocal[k, component] = 1 / pivot
         return cls(low=low, reciprocal=reciprocal)
 
-    @cached_property
-    def tied(self) -> Array:
-        """Vertical displacement of a column whose top is moved by one, its neighbours held; (nz,)."""
-        follow = np.ones(len(self.low))
-        follow[:-1] = np.cumprod(-self.low[:0:-1, 2])[::-1]
+    def following(self, held: Mask) -> Array:
+        """Displacement (1, nz, 3) of held columns whose top is moved by one, their neighbours fixed."""
+        follow = np.zeros((1, *self.low.shape))
+        follow[0, -1, 2] = 1
+        follow[0, :-1, 2] = np.cumprod(-self.low[:0:-1, 2])[::-1]
         return follow

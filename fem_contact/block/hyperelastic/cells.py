@@ -156,10 +156,7 @@ class Cells:
     def stiffness(self, state: Strained, *, turning: Array | None = None) -> sp.bsr_array:
         """Second derivative of the energy over the free nodes, (i ny + j) nz + k.
 
-        Parameters
-        ----------
-        turning : (nx, ny, 3) array, optional
-            What is added at the surface nodes, in xx, xy and yy: the change of forces that turn.
+        To xx, xy and yy at the surface nodes is added the change of forces that turn, (nx, ny, 3).
         """
         pattern, nz = self._pattern, self.mesh.nz
         blocks = np.empty((3, 3, *self.mesh.cells, nz, 8, 8))

@@ -30,19 +30,9 @@ _REACH, _FALL = 17.0, 1.3
 def plan_folding(coefficients: Array) -> FoldingPlan:
     """List the products of phase functions that each entry of the folded matrices consists of.
 
-    Parameters
-    ----------
-    coefficients : (nz, 5, 5, m, m) array
-        As in `column.FoldedLayers`.
-
-    Returns
-    -------
-    (k, 2) array of int
-        Row and column of the entries of the upper triangle that are not zero.
-    (k, 4) array of int
-        Numbers 5 i + j of their products f_i(theta_x) f_j(theta_y); at most four each.
-    (nz, k, 4) array
-        Coefficients.
+    From the coefficients (nz, 5, 5, m, m) of `column.FoldedLayers` follow, for the k entries of the upper
+    triangle that are not zero, row and column (k, 2), the numbers 5 i + j (k, 4) of their products
+    f_i(theta_x) f_j(theta_y), at most four each, and the coefficients of these (nz, k, 4).
     """
     layers, size = len(coefficients), coefficients.shape[-1]
     flat = coefficients.reshape(layers, -1, size, size)
@@ -112,15 +102,12 @@ def _clamp(w, below):
 def sweep(lo, hi, entries, terms, weights, places, below, counts, falls, phases, states, out):
     """Eliminate columns from the bottom upwards, blocks lo to hi of columns that lie side by side.
 
-    Parameters
-    ----------
-    falls : (nz,) array
-        Logarithm by which a wave of phase 1 at least falls within each layer, if it is thin.
-    phases : (n, 2) array
-    states : (nz, n, s (s + 1) / 2) array, or (0, 0, 0) to keep none
-        Where none is kept, layers that no wave of a block reaches are left out.
-    out : (n, types, types) array
-        Receives the vertical displacement under unit vertical forces, over E times the cell width.
+    | argument | shape | what it is |
+    |---|---|---|
+    | falls | (nz,) | logarithm by which a wave of phase 1 at least falls within each layer, if it is thin |
+    | phases | (n, 2) | theta_x, theta_y of each column |
+    | states | as above, or (0, 0, 0) | without them, layers that no wave of a block reaches are left out |
+    | out | (n, types, types) | vertical displacement per unit vertical force, over E times the cell width |
     """
     _, inner, types, lanes = counts
     size, layers, keep = below.size, weights.shape[0], states.shape[0] > 0
@@ -175,23 +162,15 @@ def descend(
 ):
     """Step from the top plane of one layer to its bottom plane, blocks lo to hi of waves.
 
-    Parameters
-    ----------
-    weights : (k, 4) array
-        Of this layer.
-    phases : (n, 2) array
-        Phases of one quadrant.
-    states : (n, s (s + 1) / 2) array, or (0, 0)
-        What lies below the layer; nothing where its bottom is clamped.
-    quadrant : (waves,) array of int
-        Which of the phases each wave mirrors onto; a negative entry -1 - i says so for a wave with negative
-        theta_x.
-    signs : (s,) array
-        Of what a mirror in x turns.
-    waves : (waves, s) complex array
-        Amplitudes of the top plane, and of the layer's pressures, on entry; of what lies below on return.
-    middle : (waves, inner) complex array
-        Receives those of the inner plane.
+    | argument | shape | what it is |
+    |---|---|---|
+    | weights | (k, 4) | those of this layer |
+    | phases | (n, 2) | those of one quadrant |
+    | states | (n, s (s + 1) / 2) | what lies below the layer; (0, 0) where its bottom is clamped |
+    | quadrant | (waves,) | phase that each wave mirrors onto; -1 - i for one with negative theta_x |
+    | signs | (s,) | of what a mirror in x turns |
+    | waves | (waves, s) | amplitudes of the top plane and the layer's pressures; then of what lies below |
+    | middle | (waves, inner) | receives those of the inner plane |
     """
     plane, inner, _, lanes = counts
     size, clamped = below.size, states.shape[0] == 0

@@ -232,7 +232,6 @@ def solve_reduced(
         offset=solution.offset,
         status=status,
         iterations=solution.iterations,
-        linear_iterations=0,
         fft_pairs=solution.fft_pairs,
         bytes=max(solution.peak_bytes + operator.nbytes, 4 * solution.force.nbytes + operator.nbytes),
         method="reduced",

@@ -32,13 +32,13 @@ def test_combined_scalar_forms_equal_the_vector_form_cell_by_cell():
     for axis in range(3):
         component[vector.nodal_dofs[axis]] = axis
     number = 3 * (node * (mesh.nz + 1) + plane) + component
-    ours = assemble(mesh, poisson=0.3, modulus=modulus).matrix.toarray()[np.ix_(number, number)]
+    ours = assemble(mesh, poisson=0.3, modulus=modulus).toarray()[np.ix_(number, number)]
     assert_allclose(ours, reference, atol=1e-14 * np.abs(reference).max())
 
 
 def test_patch_of_uniform_strain_needs_no_force_inside():
     mesh = plan_mesh((5, 4), (1.0, 1.3))
-    matrix = assemble(mesh, poisson=0.27).matrix
+    matrix = assemble(mesh, poisson=0.27)
     z = mesh.planes - mesh.planes[0]
     for component in range(3):
         field = np.zeros((5, 4, mesh.nz + 1, 3))
