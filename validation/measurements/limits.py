@@ -22,6 +22,8 @@ from validation.report.estimates import NORMAL, error_of, evaluated
 from validation.scenes.problem import ContactProblem
 
 Case = TypeVar("Case")
+#: What was solved, by the places of the cases.
+Measured = Mapping[Any, xr.Dataset]
 
 
 def solved(bench: Bench, cases: Mapping[Case, Solve]) -> dict[Case, xr.Dataset]:
