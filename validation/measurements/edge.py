@@ -18,7 +18,7 @@ from validation.effects.base import ContactModel
 from validation.execution.bench import Bench
 from validation.execution.measurement import measurement
 from validation.measurements.common import reduced_load
-from validation.measurements.limits import solved, value_at_zero
+from validation.measurements.limits import solve_of, solved, value_at_zero
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import gather
 from validation.scenes.problem import ContactProblem
@@ -158,7 +158,7 @@ def start_of_pressure(
             "patches_each": float(measured.patches),
             "small_density_each": ("bin", measured.density.values),
         },
-        attrs={name: measured.attrs[name] for name in ("solve",) if name in measured.attrs},
+        attrs=solve_of(measured),
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -156,6 +157,15 @@ def with_blocks(
     return claim(data, "kappa_fem", grid=grid)
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Other:
+    """A method on one of its grids, as coordinates."""
+
+    method_other: str
+    grid_other: str
+    points_per_wave_other: float
+
+
 def with_methods(
     data: xr.Dataset,
     answers: Measured,
@@ -166,15 +176,21 @@ def with_methods(
 
     `answers` by name of the method, number of the surface, and number of the grid.
     """
-    surfaces, cases = range(data.sizes["surface"]), [(m, g) for m in grids for g in range(len(grids[m]))]
+    surfaces = range(data.sizes["surface"])
+    cases = {
+        (m, g): _Other(
+            method_other=m,
+            grid_other="{} x {}".format(*grid),
+            points_per_wave_other=first.points_per_wave(grid),
+        )
+        for m, on in grids.items()
+        for g, grid in enumerate(on)
+    }
     names = {n: f"{n}_other_each" for n in ("residual", "converged", "seconds")}
     names |= {"pixel": "area_other_pixel_each", "perimeter": "area_other_perimeter_each"}
     names |= {"subcell": "area_other_located_each"}
-    parts = {
-        (i, k): answers[m, k, g][[*names]].rename(names) for i, (m, g) in enumerate(cases) for k in surfaces
-    }
-    other = gather(parts, other_case=range(len(cases)), surface=surfaces).drop_vars("other_case")
-    other = other.rename({name: "solve_other" for name in ("solve",) if name in other})
+    parts = {(cases[m, g], k): answer[[*names]].rename(names) for (m, k, g), answer in answers.items()}
+    other = gather(parts, other_case=[*cases.values()], surface=surfaces).rename(solve="solve_other")
     limits = {
         (m, k): method_limit([answers[m, k, g] for g in range(len(on))], on, "area_other").drop_attrs(
             deep=False
@@ -182,11 +198,7 @@ def with_methods(
         for (m, on), k in itertools.product(grids.items(), surfaces)
     }
     limit = gather(limits, other=[*grids], surface=surfaces)
-    data = xr.merge([data, other, limit], compat="no_conflicts", combine_attrs="override").assign_coords(
-        method_other=("other_case", [m for m, _ in cases]),
-        grid_other=("other_case", ["{} x {}".format(*grids[m][g]) for m, g in cases]),
-        points_per_wave_other=("other_case", [first.points_per_wave(grids[m][g]) for m, g in cases]),
-    )
+    data = xr.merge([data, other, limit], compat="no_conflicts", combine_attrs="override")
     ways = ("other", "other_pixel", "other_perimeter", "other_located")
     data = derive(data, **{f"distance_{way}_each": f"area_{way}_each / area_each - 1" for way in ways})
     others = [f"{name}_other" for name in ("residual", "converged", "seconds")]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from fem_contact.area import EDGE_CONSTANTS, contact_areas
+from fem_contact.area import contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.surface import HeightField
 from validation.arrays import Array
@@ -31,7 +31,7 @@ _EDGE = 1e-9
 
 def areas_of(result: ContactResult) -> tuple[float, ...]:
     """Return the four counts of A/A0 named in `AREAS`, in that order, of a boundary-element result."""
-    areas = contact_areas(result, edge_constant=EDGE_CONSTANTS["bem"], subcell=True)
+    areas = contact_areas(result, subcell=True)
     return tuple(float(getattr(areas, name)) for name in AREAS)
 
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -42,7 +42,7 @@ _SOLVER_SHARE = 0.1
 class Options(PressedOptions):
     """Surfaces and grids. Times are of the processor; use one worker all the same."""
 
-    off: ClassVar[Mapping[str, Any]] = {"fem_points_per_wave": (), "peer_points_per_wave": ()}
+    off = ("fem_points_per_wave", "peer_points_per_wave")
     plain = "what a digit costs is asked of the located area, which the bare half-space has"
 
     methods: Methods = ("bem", "fem")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, ClassVar, Self
+from collections.abc import Iterator
+from typing import Annotated, Any, Self
 
 import numpy as np
 import xarray as xr
@@ -29,8 +29,7 @@ from validation.units import wrong
 class Options(PressedOptions):
     """What is pressed by both methods, and on which grids."""
 
-    grids_of: ClassVar[Mapping[str, str]] = {}
-    off: ClassVar[Mapping[str, Any]] = {"full_points_per_wave": (), "elements": ()}
+    off = ("full_points_per_wave", "elements")
     slots = frozenset({"response", "pressure bound", "gap law"})
 
     methods: Methods = ("bem", "fem")

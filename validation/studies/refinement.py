@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Annotated, Any, ClassVar, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 import xarray as xr
@@ -55,9 +54,7 @@ _Case = tuple[str | float | int, ...]
 class Options(PressedOptions):
     """Surfaces, grids, and what is measured beside them."""
 
-    off: ClassVar[Mapping[str, Any]] = {"ladders": False} | dict.fromkeys(
-        ("grid_scale_grids", "grid_scale_hursts", "elements"), ()
-    )
+    off = ("ladders", "grid_scale_grids", "grid_scale_hursts", "elements")
     slots = frozenset({"response", "pressure bound"})
     plain = "an adhesive contact jumps from grid to grid, and has no law of refinement"
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -31,7 +31,7 @@ from validation.units import Positive
 class Options(pressure.Options):
     """Those of the study `pressure`, and what else is scored."""
 
-    off: ClassVar[Mapping[str, Any]] = {"ladder_reduced_pressures": (), "edge": False}
+    off = ("ladder_reduced_pressures", "edge")
 
     ladder_reduced_pressures: tuple[Positive, ...] = (0.05, 0.4)
     """p* at which it is measured how the area moves with bandwidth and sample, for the budget; none to
