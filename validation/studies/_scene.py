@@ -84,10 +84,9 @@ class PressedOptions(StudyOptions):
     def _on_grids(cls, scene: Scene, first: ContactProblem, data: Mapping[str, Any]) -> Scene:
         name = "grids" if "grids" in cls.model_fields else "points_per_wave"
         values, methods = data.get(name), scene.methods
-        if values is None or name not in cls.model_fields:
-            return scene
-        if not all(isinstance(value, (int, float)) and value > 0 for value in values):
-            return scene  # the option is refused
+        positive = all(isinstance(value, (int, float)) and value > 0 for value in values or ())
+        if not values or name not in cls.model_fields or not positive:
+            return scene  # or the option is refused
         lx, ly = first.lengths
         if name == "grids":
             grids = tuple((int(n), round(n * ly / lx)) for n in values)
@@ -110,21 +109,19 @@ class PressedOptions(StudyOptions):
     @classmethod
     def taken(cls, scene: Scene, first: ContactProblem) -> dict[str, Any]:
         """Return the options that a scene says, with their values."""
-        table = scene.methods.options("bem")
-        options: dict[str, Any] = {
-            n: () if cls.model_fields[n].annotation is not bool else False for n in cls.off
-        }
-        if "reduced_pressure" in cls.model_fields:
+        table, fields = scene.methods.options("bem"), cls.model_fields
+        options: dict[str, Any] = {n: False if fields[n].annotation is bool else () for n in cls.off}
+        if "reduced_pressure" in fields:
             options["reduced_pressure"] = first.reduced_pressure
-        if "points_per_wave" in cls.model_fields:
+        if "points_per_wave" in fields:
             options["points_per_wave"] = tuple(sorted(map(first.points_per_wave, table.grids)))
-        if "grids" in cls.model_fields:
+        if "grids" in fields:
             options["grids"] = tuple(nx for nx, _ in sorted(table.grids, key=first.points_per_wave))
-        if "methods" in cls.model_fields:
+        if "methods" in fields:
             options["methods"] = tuple(
                 getattr(scene.methods.options(name), "solver", name) for name in scene.methods.solvers
             )
-        if "shifts" in cls.model_fields and "shifts" in table.model_fields_set:
+        if "shifts" in fields and "shifts" in table.model_fields_set:
             options["shifts"] = table.shifts
         if isinstance(scene.surface, FileSurface):
             options["surfaces"] = 1
@@ -182,33 +179,22 @@ class PressedOptions(StudyOptions):
     def others(
         self, per_wave: Sequence[float], *, without: Sequence[str] | None = None
     ) -> tuple[SolverRequest, ...]:
-        """Return the solvers that are asked for but some, each with what it is told and its grids.
+        """Return the solvers that are asked for, each with what it is told and its grids, `per_wave` without a scene.
 
-        Parameters
-        ----------
-        per_wave : sequence of float
-            Their grids without a scene.
-        without : sequence of str
-            Those that the study asks in a way of its own: boundary elements, and finite ones without a scene.
+        But for those that the study asks in a way of its own: boundary elements, and finite ones without a scene.
         """
-        if self.scene is None:
-            left = ("bem", "fem") if without is None else without
-            grids = self.grids_for(per_wave)
+        scene = self.scene
+        left = without if without is not None else ("bem",) if scene else ("bem", "fem")
+        if scene is None:
             chosen = {n: chosen_solver(n) for n in getattr(self, "methods", ()) if n not in left}
-            return tuple(
-                SolverRequest(name=name, method=solver.name, settings=tuple(settings.items()), grids=grids)
-                for name, (solver, settings) in chosen.items()
-            )
-        left, methods = ("bem",) if without is None else without, self.scene.methods
-        tables = {name: methods.options(name) for name in methods.solvers if name not in left}
+            rows = [(n, solver.name, tuple(settings.items())) for n, (solver, settings) in chosen.items()]
+        else:
+            solvers = {n: s for n, s in scene.methods.solvers.items() if n not in left}
+            tables = {n: scene.methods.options(n) for n in solvers}
+            rows = [(getattr(tables[n], "solver", n), n, s.settings(tables[n])) for n, s in solvers.items()]
         return tuple(
-            SolverRequest(
-                name=getattr(table, "solver", name),
-                method=name,
-                settings=methods.solvers[name].settings(table),
-                grids=self.grids_for((), of=name),
-            )
-            for name, table in tables.items()
+            SolverRequest(name=n, method=by, settings=settings, grids=self.grids_for(per_wave, of=by))
+            for n, by, settings in rows
         )
 
     def _with_methods(self, names: tuple[str, ...]) -> Self | None:
@@ -238,8 +224,8 @@ class PressedOptions(StudyOptions):
         """H, L/lambda_long and lambda_long/lambda_short, for a dataset; H of a self-affine surface alone."""
         problem, numbers = self.first, {"periods": self.periods, "bandwidth": self.bandwidth}
         if self.scene is not None:
-            long, short = problem.longest, problem.shortest
-            numbers = {"periods": min(problem.lengths) / long, "bandwidth": long / short}
+            long = problem.longest
+            numbers = {"periods": min(problem.lengths) / long, "bandwidth": long / problem.shortest}
         return {**problem.surface.model_dump(include={"hurst"}, exclude_none=True), **numbers}
 
     def record(self) -> dict[str, Any]:
@@ -267,17 +253,12 @@ class PressedOptions(StudyOptions):
             f"Surface ({what}), solid and load (p* = {first.reduced_pressure:.4g}{effects}) are those of the scene "
             f"{scene.name!r}, and so are: {values}."
         )
-        solvers = scene.methods.solvers
-        used = {"bem", *(solvers if "methods" in fields else ())}
-        if unused := [f"[methods.{name}]" for name in solvers if name not in used]:
-            yield f"Not used of the scene, for this study presses by boundary elements: {', '.join(unused)}."
-        shifts = "shifts" in scene.methods.options("bem").model_fields_set
-        keys = {
-            "methods.bem.shifts": shifts and "shifts" not in fields,
-            "ensemble.grids": scene.ensemble is not None,
-        }
-        if names := ", ".join(name for name, idle in keys.items() if idle):
-            yield f"Keys of the scene that this study has no use for: {names}."
+        others = ", ".join(f"[methods.{name}]" for name in scene.methods.solvers if name != "bem")
+        if others and "methods" not in fields:
+            yield f"Not used of the scene, for this study presses by boundary elements: {others}."
+        shifts = "shifts" in scene.methods.options("bem").model_fields_set - fields.keys()
+        if idle := ["methods.bem.shifts"] * shifts + ["ensemble.grids"] * (scene.ensemble is not None):
+            yield f"Keys of the scene that this study has no use for: {', '.join(idle)}."
         if names := ", ".join(name.replace("_", " ") for name in self.off):
             yield f"Parts of the study that a scene turns off: {names}."
 
