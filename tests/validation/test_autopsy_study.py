@@ -12,11 +12,9 @@ from validation.measurements import diffusion, limits, rings
 from validation.measurements.budgets import (
     Memory,
     Pressed,
+    budget,
     composed_inflow,
     diffused_area,
-    flows,
-    mean_of,
-    profile,
 )
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.rings import ring_ends
@@ -105,7 +103,7 @@ def test_flows_of_a_free_walk_are_those_of_the_normal_distribution():
     def state(values):
         return Pressed(pressure=np.maximum(values, 0), in_contact=values > 0)
 
-    found = mean_of([flows(state(stress), state(stress + sign * step), unit=1.0) for sign in (1, -1)])
+    found = budget(state(stress), [state(stress + sign * step) for sign in (1, -1)], unit=1.0)
     p = (np.arange(20_000) + 0.5) * 3e-4
     density = np.exp(-0.5 * (p - 0.5) ** 2) / np.sqrt(2 * np.pi)
     lost = 3e-4 * np.sum(density * ndtr(-p / 0.1))
@@ -124,7 +122,7 @@ def test_drift_and_diffusivity_are_found_where_they_were_put():
     after = [
         Pressed(pressure=p - 0.001 * p + sign * step, in_contact=before.in_contact) for sign in (1.0, -1.0)
     ]
-    bins = mean_of([profile(before, state, unit=1.0) for state in after])
+    bins = budget(before, after, unit=1.0)
     held = bins["bin_contact"] > 0
     assert_allclose(bins["bin_change"][held], -0.001 * bins["bin_pressure"][held], rtol=1e-9)
     square = np.mean(step**2) + np.mean((0.001 * p) ** 2)

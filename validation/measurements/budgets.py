@@ -15,8 +15,10 @@ diffuses until it is absorbed at zero: its drift is zero at any step, since a st
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,16 +39,24 @@ class Pressed:
     in_contact: NDArray[np.bool_]
 
 
-def flows(before: Pressed, after: Pressed, *, unit: float) -> dict[str, float]:
-    """Return the sums of one step per nominal area, by their names in the registry.
+def budget(before: Pressed, after: Sequence[Pressed], *, unit: float) -> dict[str, Array]:
+    """Return the sums of one step per nominal area, and by the bins of the pressure before, by their names in the registry.
 
+    They are means over the states `after` a ring and after its negative: what is odd in the ring drops out.
     Pressures in `unit` [Pa], sqrt(V) before the step; the points are the same without and with the ring.
     """
+    sums, points = [_sums(before, state, unit=unit) for state in after], before.pressure.size
+    return {name: np.mean([s[name] / points for s in sums], axis=0) for name in sums[0]}
+
+
+def _sums(before: Pressed, after: Pressed, *, unit: float) -> dict[str, Any]:
     lost, entered = before.in_contact & ~after.in_contact, after.in_contact & ~before.in_contact
-    p, delta = _changes(before, after, unit=unit)
+    p = before.pressure[before.in_contact] / unit
+    delta = np.where(after.in_contact, after.pressure, 0.0)[before.in_contact] / unit - p
     new = after.pressure[entered] / unit
     total = [state.pressure[state.in_contact] / unit for state in (before, after)]
-    sums = {
+    binned = partial(np.bincount, bins_of(p), minlength=BINS)
+    return {
         "area_lost": np.count_nonzero(lost),
         "area_entered": new.size,
         "load_entered": new.sum(),
@@ -55,44 +65,17 @@ def flows(before: Pressed, after: Pressed, *, unit: float) -> dict[str, float]:
         "pressure_cross_change": p @ delta,
         "pressure_change_square": delta @ delta,
         "square_change": total[1] @ total[1] - total[0] @ total[0],
-    }
-    return {name: float(value) / before.pressure.size for name, value in sums.items()}
-
-
-def profile(before: Pressed, after: Pressed, *, unit: float) -> dict[str, Array]:
-    """Return sums of one step over the points in contact before, by the bins of their pressure then."""
-    p, delta = _changes(before, after, unit=unit)
-    leaving = ~after.in_contact[before.in_contact]
-    where = bins_of(p)
-
-    def binned(weights: Array | None = None) -> Array:
-        return np.bincount(where, weights=weights, minlength=BINS) / before.pressure.size
-
-    return {
         "bin_contact": binned(),
-        "bin_lost": binned(leaving.astype(float)),
+        "bin_lost": binned(lost[before.in_contact]),
         "bin_pressure": binned(p),
         "bin_change": binned(delta),
         "bin_change_square": binned(delta * delta),
     }
 
 
-def _changes(before: Pressed, after: Pressed, *, unit: float) -> tuple[Array, Array]:
-    p = before.pressure[before.in_contact] / unit
-    later = np.where(after.in_contact, after.pressure, 0.0)[before.in_contact]
-    return p, later / unit - p
-
-
 def bins_of(pressure: Array) -> NDArray[np.int64]:
     """Return the bin of each reduced pressure."""
     return np.clip(np.searchsorted(PROFILE_EDGES, pressure, side="right") - 1, 0, BINS - 1)
-
-
-def mean_of(readings: Sequence[Mapping[str, Array | float]]) -> dict[str, Array]:
-    """Average the readings of a ring and of its negative: what is odd in the ring drops out."""
-    return {
-        name: np.mean([np.asarray(reading[name]) for reading in readings], axis=0) for name in readings[0]
-    }
 
 
 def diffused_area(state: Pressed, added: Array) -> Array:

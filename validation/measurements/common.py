@@ -105,14 +105,14 @@ def _of_a_limit(per_wave: tuple[float, ...], others: ValidationInfo) -> tuple[fl
 #: Sub-grid shifts along each axis that the studies take unless they say otherwise.
 SHIFTS = 2
 
-#: Options of studies: positive numbers in rising order, none or more of them, at least one; grids as points along a
-#: side; grids, as lambda_short/dx, over which a limit can be taken, where a study has an option `shifts` with as many
+#: Options of studies: positive numbers in rising order, none or more of them, at least one, two; grids as points along
+#: a side; grids, as lambda_short/dx, over which a limit can be taken, where a study has an option `shifts` with as many
 #: as that, if it stands before this one.
 RisingOrNone = Annotated[tuple[Positive, ...], AfterValidator(in_rising_order)]
 Rising = Annotated[tuple[Positive, ...], AfterValidator(_given), AfterValidator(in_rising_order)]
-RisingGrids = Annotated[
-    tuple[Annotated[int, Field(ge=2)], ...], AfterValidator(_given), AfterValidator(in_rising_order)
-]
+RisingSeveral = Annotated[Rising, Field(min_length=2)]
+Counts = tuple[Annotated[int, Field(ge=2)], ...]
+RisingGrids = Annotated[Counts, AfterValidator(_given), AfterValidator(in_rising_order)]
 Ladder = Annotated[Rising, AfterValidator(_of_a_limit)]
 
 

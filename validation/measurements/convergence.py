@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -17,7 +17,7 @@ from validation.arrays import Array
 from validation.errors import RunFailed, UsageError
 from validation.execution.measurement import Call
 from validation.measurements.common import SHIFTS, base_case, base_surface
-from validation.measurements.limits import limits_of
+from validation.measurements.limits import Measured, limits_of
 from validation.measurements.measurement import grid_tolerance, grids_for, press_on_grids
 from validation.measurements.statistics import pair_means
 from validation.report.estimates import (
@@ -73,7 +73,7 @@ class Line(NamedTuple):
     reach: float  # Distance of x = 0 from the last group, over the span of all
 
 
-def fitted_line(samples: Sequence[ArrayLike], x: ArrayLike, *, common: bool = False) -> Line:
+def fitted_line(samples: Iterable[ArrayLike], x: ArrayLike, *, common: bool = False) -> Line:
     """Fit a straight line to the means of groups of independent samples, at places `x` towards 0.
 
     `common`: sample k is the same surface in every group, whose scatter then cancels in differences. All of
@@ -145,21 +145,23 @@ def line(
     """
     values = data[f"{name}_each"]
     there = solved_places(data, values, over=over)
-    dims = [str(dim) for dim in values.dims if dim not in (along, over)]
-    shape = tuple(values.sizes[dim] for dim in dims)
-    numbers = np.empty((len(Line._fields), *shape))
-    for place in np.ndindex(shape):
-        at = dict(zip(dims, place, strict=True))
-        rows = values.isel(at).transpose(along, over)
-        solved = xr.ones_like(rows, dtype=bool) if there is None else there.isel(_dims_of(there, at))
-        samples = [row[k] for row, k in zip(rows.values, solved.transpose(along, over).values, strict=True)]
-        if pairs:
-            samples = [pair_means(sample) for sample in samples]
-        steps = data[x].isel(_dims_of(data[x], at)).values
-        numbers[(slice(None), *place)] = fitted_line(samples, steps, common=common)
-    coords = {n: c for n, c in values.coords.items() if set(c.dims) <= set(dims)}
-    lines = zip(Line._fields, numbers, strict=True)
-    n = {field: xr.DataArray(values, dims=dims, coords=coords) for field, values in lines}
+
+    def fit(rows: Array, solved: Array, steps: Array) -> Line:
+        samples = [row[k] for row, k in zip(rows, solved, strict=True)]
+        return fitted_line(map(pair_means, samples) if pairs else samples, steps, common=common)
+
+    groups = [along, over]
+    lines = xr.apply_ufunc(
+        fit,
+        values,
+        xr.ones_like(values, dtype=bool) if there is None else there,
+        data[x],
+        input_core_dims=[groups, groups, [along]],
+        output_core_dims=[[] for _ in Line._fields],
+        vectorize=True,
+        keep_attrs=False,
+    )
+    n = dict(zip(Line._fields, lines, strict=True))
     made: dict[str, Any] = {"of": f"{name}_each", "x": x, "along": along, "over": over}
     made |= {"common": int(common), "pairs": int(pairs)}
     limit = n["limit"].where(n["reach"] <= _REACH).assign_attrs(made, reduction="line limit")
@@ -176,10 +178,6 @@ def line(
         error = error_of(value.drop_attrs(), **sources).assign_attrs({LIMIT: drift})
         added |= {f"{name}_{field}": value, f"{name}_{field}_error": error}
     return data.assign(added)
-
-
-def _dims_of(values: xr.DataArray, at: Mapping[str, int]) -> dict[str, int]:
-    return {dim: k for dim, k in at.items() if dim in values.dims}
 
 
 def at_equal(data: xr.Dataset, name: str, *, x: str, along: str) -> xr.Dataset:
@@ -290,7 +288,7 @@ class Ladders:
         loads, per_wave = (self.reduced_pressure,), self.points_per_wave
         return pressed_pairs(surface, loads, per_wave, pairs=pairs, shifts=self.shifts)
 
-    def reduced(self, measured: Mapping[_Case, xr.Dataset]) -> xr.Dataset:
+    def reduced(self, measured: Measured) -> xr.Dataset:
         """Reduce the results of `cases`: kappa and Nayak's parameter on every rung, and the lines through the rungs.
 
         RunFailed for contacts too small for a limit of their area.
@@ -305,7 +303,7 @@ class Ladders:
         data = mean(data, *names, over="surface_by_bandwidth", pairs=True)
         return data.assign_coords(hurst_ladder=("ladder", list(self.hursts)))
 
-    def _ladder(self, kind: str, measured: Mapping[_Case, xr.Dataset]) -> xr.Dataset:
+    def _ladder(self, kind: str, measured: Measured) -> xr.Dataset:
         (rung, source), over = LADDERS[kind], f"surface_{kind}"
         common = kind == "by_bandwidth"
         parts = {case[1:]: limits_of(data) for case, data in measured.items() if case[0] == kind}

@@ -12,12 +12,11 @@ from fem_contact.creeping import creep
 from fem_contact.solid import Solid
 from fem_contact.viscoelastic import PronySolid
 from persson import elastic
-from persson.variants import corrected_contact_area
 from validation.arrays import Array, Grid
 from validation.execution.measurement import Call, measurement
 from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import press_elastic
-from validation.measurements.theory import VARIANTS
+from validation.measurements.theory import variant_areas
 from validation.report.estimates import error_of
 from validation.scenes.problem import ContactProblem
 
@@ -80,7 +79,7 @@ def crept_of(measured: xr.Dataset, solve: Call) -> xr.Dataset:
     steps = abs(fine.area - fine.area_crept).isel(phase=0, drop=True)
     numbers["area_each_error"] = error_of(fine.area, grid=0.0, solver=steps, **ABSENT)
     theory = _theory(solve["problem"], solve["rubber"], np.array(solve["durations"]), solve["load_left"])
-    numbers |= {f"area_{name}_each": (("phase", "instant"), theory[k]) for k, name in enumerate(VARIANTS)}
+    numbers |= {f"{name}_each": (("phase", "instant"), area) for name, area in theory.items()}
     return xr.Dataset(numbers)
 
 
@@ -89,10 +88,11 @@ def moduli_of(rubber: PronySolid, durations: Array) -> Array:
     return 1 / rubber.creep_compliance(np.array([durations, durations[-1] + durations]))
 
 
-def _theory(problem: ContactProblem, rubber: PronySolid, durations: Array, load_left: float) -> Array:
-    """A/A0 by every variant, (variant, phase, instant), with E = 1/J(t) and the realised gradient."""
+def _theory(
+    problem: ContactProblem, rubber: PronySolid, durations: Array, load_left: float
+) -> dict[str, Array]:
+    """A/A0 by every variant, (phase, instant), with E = 1/J(t) and the realised gradient."""
     moduli = moduli_of(rubber, durations) / (1 - rubber.poisson**2)
     variance = elastic.stress_variance(problem.field.rms_gradient**2, contact_modulus=1.0) * moduli**2
     loads = problem.pressure * np.array([[1.0], [load_left]])
-    areas = [corrected_contact_area(loads, stress_variance=variance, variant=variant) for variant in VARIANTS]
-    return np.array(areas)
+    return variant_areas(loads, stress_variance=variance)

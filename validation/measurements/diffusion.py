@@ -63,32 +63,35 @@ def budgets_of(
     Limits over the grids stand in the place of the areas on each: ``area_each``, and ``area_negative_each`` with the
     negative ring.
     """
-    data = gather({place: stored_variables(item) for place, item in solved(bench, cases).items()}, **dims)
-    finest = [next(case for place, case in cases.items() if place[-1] == n) for n in dims["grid"]]
-    points, per_wave = [item["points"] for item in finest], []
-    for item in finest:
+    read = {}
+    for place, measured in solved(bench, cases).items():
+        problem, points = cases[place]["problem"], cases[place]["points"]
         # The ring of a probe is a little shorter than the waves there are.
-        problem, zeta = item["problem"], dict(item.arguments).get("magnification")
+        zeta = dict(cases[place].arguments).get("magnification")
         shortest = problem.shortest if zeta is None else problem.longest / zeta
-        per_wave.append(float(item["points"] * shortest / problem.lengths[0]))
+        read[place] = stored_variables(measured).assign_coords(
+            points=points, cells=points**2, points_per_wave=float(points * shortest / problem.lengths[0])
+        )
+    data = gather(read, **dims)
     others = [str(dim) for dim in data.pixel.dims if dim != "grid"]
-    flat = {n: data[n].transpose("grid", *others).values.reshape(len(finest), 1, -1) for n in AREAS}
-    areas = xr.Dataset({name: (("grid", "shift", "load"), values) for name, values in flat.items()}).assign(
-        points=("grid", points), cells=("grid", [n**2 for n in points]), points_per_wave=("grid", per_wave)
+    flat = {n: data[n].transpose("grid", *others).values for n in AREAS}
+    areas = xr.Dataset(
+        {n: (("grid", "shift", "load"), a.reshape(len(a), 1, -1)) for n, a in flat.items()},
+        coords={n: data[n] for n in ("points", "cells", "points_per_wave")},
     )
     like = data.pixel.isel(grid=0, drop=True).transpose(*others)
     parts = (*area_limits(areas), area_limits(areas.isel(grid=slice(None, -1)))[0])
     value, error, coarser = (
         like.copy(data=part.reshape(like.shape)).drop_vars(["load", "surface"]) for part in parts
     )
-    data = data.drop_vars([*AREAS, "load", "grid", "surface"])
+    data = data.drop_vars([*AREAS, *areas.coords, "load", "surface"])
     data = data.rename({str(name): f"{name}_each" for name in data.data_vars if name != "solve"})
     for k, name in enumerate(("area_each", "area_negative_each")):
         limit = value.isel(sign=k, drop=True)
         data[name] = limit.assign_attrs(reduction="limit", of="subcell")
         data[f"{name}_error"] = error_of(limit, grid=NORMAL * error.isel(sign=k, drop=True))
         data[f"coarser_{name}"] = coarser.isel(sign=k, drop=True)
-    return data.assign(grid_spacing=("grid", [1 / n for n in per_wave]))
+    return data.assign(grid_spacing=("grid", 1 / areas.points_per_wave.values))
 
 
 def of_probe(data: xr.Dataset) -> xr.Dataset:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 import scipy.ndimage
@@ -18,14 +18,12 @@ from validation.effects.base import ContactModel
 from validation.execution.bench import Bench
 from validation.execution.measurement import measurement
 from validation.measurements.common import reduced_load
-from validation.measurements.limits import solved, value_at_zero
+from validation.measurements.limits import solve_of, solved, value_at_zero
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import gather
 from validation.scenes.problem import ContactProblem
 from validation.solvers import find_solver
 from validation.solvers.base import Settings
-
-Place = TypeVar("Place")
 
 #: Distances from the edge, in cells, between which p = B sqrt(s) is read off: beyond the cells the grid smears,
 #: and before the curvature of the patch is felt.
@@ -91,32 +89,32 @@ def window_slope(below: float, *, excess: float, window: float) -> float:
 
 
 def slopes_of(
-    bench: Bench, surfaces: Mapping[Place, ContactProblem], *, points_per_wave: Sequence[float]
-) -> dict[Place, xr.Dataset]:
-    """P'(0) of each surface at dx -> 0, and how far it moves on other grids (`edge_limits`).
+    bench: Bench,
+    surfaces: Mapping[tuple[Any, ...], ContactProblem],
+    *,
+    points_per_wave: Sequence[float],
+    **dims: Sequence[Any],
+) -> xr.Dataset:
+    """P'(0) of surfaces, by their places along dimensions, at dx -> 0, and how far it moves on other grids (`edge_limits`).
 
     ``pressure_slope_each`` in units of (E* h'_rms)^-2, by a polynomial of at most second degree in
     dx^(1/2), and its drift. Grids are rising lambda_short/dx; `window_slope` ends at 1.2 E* h'_rms
     sqrt(dx/lambda_short).
     """
     cases = {
-        (place, n): edge_of_contact(problem=surface, grid=grid_for(surface, n))
+        (*place, n): edge_of_contact(problem=surface, grid=grid_for(surface, n))
         for place, surface in surfaces.items()
         for n in points_per_wave
     }
-    measured = solved(bench, cases)
-    slopes = {}
-    for place, surface in surfaces.items():
+    starts = {}
+    for place, measured in solved(bench, cases).items():
         # A grid is even, and so a little finer than asked for.
-        spacing = [1 / surface.points_per_wave(cases[place, n]["grid"]) for n in points_per_wave]
-        starts = {
-            n: start_of_pressure(measured[place, n], spacing=dx, window=_WINDOW, slope_window=_WINDOW)
-            for n, dx in zip(points_per_wave, spacing, strict=True)
-        }
-        data = edge_limits(gather(starts, grid=points_per_wave).assign_coords(spacing=("grid", spacing)))
-        names = {f"initial_slope_window_each{what}": f"pressure_slope_each{what}" for what in ("", "_drift")}
-        slopes[place] = data[[*names]].rename(names)
-    return slopes
+        spacing = 1 / cases[place]["problem"].points_per_wave(cases[place]["grid"])
+        start = start_of_pressure(measured, spacing=spacing, window=_WINDOW, slope_window=_WINDOW)
+        starts[place] = start.assign_coords(spacing=spacing)
+    data = edge_limits(gather(starts, **dims, grid=points_per_wave))
+    names = {f"initial_slope_window_each{what}": f"pressure_slope_each{what}" for what in ("", "_drift")}
+    return data[[*names]].rename(names)
 
 
 def inverse_square_coefficient(result: ContactResult) -> float:
@@ -159,7 +157,7 @@ def start_of_pressure(
             "patches_each": float(measured.patches),
             "small_density_each": ("bin", measured.density.values),
         },
-        attrs={name: measured.attrs[name] for name in ("solve",) if name in measured.attrs},
+        attrs=solve_of(measured),
     )
 
 

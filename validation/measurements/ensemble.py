@@ -164,11 +164,10 @@ def mean_area(
         factor = result.estimate.half_width / result.estimate.standard_error
         parts = chained.parts(result.chain)
         # What Student's factor of few pairs adds goes with more of them.
-        drawn.grow(allocation(parts, left / min(factor, _STUDENT)))
-        missing = {name: case for name, case in drawn.cases().items() if name not in known}
-        if not missing:
-            drawn.grow(allocation(parts, left / factor))
-            missing = {name: case for name, case in drawn.cases().items() if name not in known}
+        for student in (min(factor, _STUDENT), factor):
+            drawn.grow(allocation(parts, left / student))
+            if missing := {name: case for name, case in drawn.cases().items() if name not in known}:
+                break
         if watch is not None:
             watch(result, tuple(missing.values()))
         known |= solved(bench, missing)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -14,11 +15,11 @@ import xarray as xr
 from persson.elastic import pressure_distribution, stress_variance
 from validation.arrays import Grid
 from validation.measurements.distributions import PATCH_EDGES, STRESS_EDGES, weighted_percentile
-from validation.measurements.limits import limits_of, shift_means
+from validation.measurements.limits import Measured, limits_of, shift_means
 from validation.measurements.measurement import limit_over, stored_areas
 from validation.measurements.references import published
 from validation.measurements.statistics import order_of_convergence
-from validation.report.estimates import NORMAL, change, claim, derive, error_of, gather, mean
+from validation.report.estimates import NORMAL, change, claim, claim_shares, derive, error_of, gather, mean
 from validation.scenes.problem import ContactProblem
 
 #: Stress, over E* h'_rms, that is small; distance from the limit that is close.
@@ -111,8 +112,7 @@ _AVERAGED = (
 
 def _block_limit(blocks: Mapping[float, xr.Dataset], grids: Sequence[Grid]) -> xr.Dataset:
     """Reduce the blocks of one surface, by points per wave: areas over (fem_grid), and their limit with its interval."""
-    finest, limit = blocks[max(blocks)], method_limit([*blocks.values()], grids)
-    limit = limit.rename(area_other_each="area_fem_each", area_other_each_error="area_fem_each_error")
+    finest, limit = blocks[max(blocks)], method_limit([*blocks.values()], grids, "area_fem")
     for name in ("pixel", "perimeter"):
         limit[f"area_fem_{name}_each"] = "fem_grid", [float(data[name]) for data in blocks.values()]
     # On the finest grid, where one node is least.
@@ -122,7 +122,7 @@ def _block_limit(blocks: Mapping[float, xr.Dataset], grids: Sequence[Grid]) -> x
 
 def with_blocks(
     data: xr.Dataset,
-    blocks: Mapping[tuple[Any, ...], xr.Dataset],
+    blocks: Measured,
     strict: Mapping[str, xr.Dataset],
     grids: Sequence[Grid],
 ) -> xr.Dataset:
@@ -154,13 +154,22 @@ def with_blocks(
     # How far two discretisations of the same surfaces are apart in the limit is a part of their grids' error.
     grid_error = data.kappa_fem_error.sel(source="grid", drop=True)
     grid = (grid_error**2 + (data.distance_fem * data.kappa_fem) ** 2) ** 0.5
-    errors = {"grid": grid, "solver": data.kappa_fem.copy(data=solver) * data.kappa_fem}
-    return claim(data, "kappa_fem", depth=depth * data.kappa_fem, **errors)
+    data = claim_shares(data, "kappa_fem", depth=depth, solver=data.kappa_fem.copy(data=solver))
+    return claim(data, "kappa_fem", grid=grid)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Other:
+    """A method on one of its grids, as coordinates."""
+
+    method_other: str
+    grid_other: str
+    points_per_wave_other: float
 
 
 def with_methods(
     data: xr.Dataset,
-    answers: Mapping[tuple[Any, ...], xr.Dataset],
+    answers: Measured,
     grids: Mapping[str, Sequence[Grid]],
     first: ContactProblem,
 ) -> xr.Dataset:
@@ -168,33 +177,37 @@ def with_methods(
 
     `answers` by name of the method, number of the surface, and number of the grid.
     """
-    surfaces, cases = range(data.sizes["surface"]), [(m, g) for m in grids for g in range(len(grids[m]))]
+    surfaces = range(data.sizes["surface"])
+    cases = {
+        (m, g): _Other(
+            method_other=m,
+            grid_other="{} x {}".format(*grid),
+            points_per_wave_other=first.points_per_wave(grid),
+        )
+        for m, on in grids.items()
+        for g, grid in enumerate(on)
+    }
     names = {n: f"{n}_other_each" for n in ("residual", "converged", "seconds")}
     names |= {"pixel": "area_other_pixel_each", "perimeter": "area_other_perimeter_each"}
     names |= {"subcell": "area_other_located_each"}
-    parts = {
-        (i, k): answers[m, k, g][[*names]].rename(names) for i, (m, g) in enumerate(cases) for k in surfaces
-    }
-    other = gather(parts, other_case=range(len(cases)), surface=surfaces).drop_vars("other_case")
-    other = other.rename({name: "solve_other" for name in ("solve",) if name in other})
+    parts = {(cases[m, g], k): answer[[*names]].rename(names) for (m, k, g), answer in answers.items()}
+    other = gather(parts, other_case=[*cases.values()], surface=surfaces).rename(solve="solve_other")
     limits = {
-        (m, k): method_limit([answers[m, k, g] for g in range(len(on))], on).drop_attrs(deep=False)
+        (m, k): method_limit([answers[m, k, g] for g in range(len(on))], on, "area_other").drop_attrs(
+            deep=False
+        )
         for (m, on), k in itertools.product(grids.items(), surfaces)
     }
     limit = gather(limits, other=[*grids], surface=surfaces)
-    data = xr.merge([data, other, limit], compat="no_conflicts", combine_attrs="override").assign_coords(
-        method_other=("other_case", [m for m, _ in cases]),
-        grid_other=("other_case", ["{} x {}".format(*grids[m][g]) for m, g in cases]),
-        points_per_wave_other=("other_case", [first.points_per_wave(grids[m][g]) for m, g in cases]),
-    )
+    data = xr.merge([data, other, limit], compat="no_conflicts", combine_attrs="override")
     ways = ("other", "other_pixel", "other_perimeter", "other_located")
     data = derive(data, **{f"distance_{way}_each": f"area_{way}_each / area_each - 1" for way in ways})
     others = [f"{name}_other" for name in ("residual", "converged", "seconds")]
     return mean(data, *(f"distance_{way}" for way in ways), *others)
 
 
-def method_limit(answers: Sequence[xr.Dataset], grids: Sequence[Grid]) -> xr.Dataset:
-    """Limit of one surface over the grids of a method, with its interval and solves; NaN where they are too few."""
+def method_limit(answers: Sequence[xr.Dataset], grids: Sequence[Grid], name: str) -> xr.Dataset:
+    """Limit of one surface over the grids of a method, by a name, with its interval and solves; NaN where they are too few."""
     areas = [
         stored_areas(answer, grid=grid, edge_constant=float(answer.edge_constant))
         for answer, grid in zip(answers, grids, strict=True)
@@ -205,11 +218,11 @@ def method_limit(answers: Sequence[xr.Dataset], grids: Sequence[Grid]) -> xr.Dat
         limited = limit_over(areas)
         value, half = limited.value, NORMAL * limited.uncertainty
     limit = xr.DataArray(value, attrs={"reduction": "limit", "of": "subcell" if located else "perimeter"})
-    data = xr.Dataset({"area_other_each": limit, "area_other_each_error": error_of(limit, grid=half)})
+    data = xr.Dataset({f"{name}_each": limit, f"{name}_each_error": error_of(limit, grid=half)})
     return data.assign_attrs(solve=" ".join(str(answer.attrs.get("solve", "")) for answer in answers))
 
 
-def protocol(rough: Mapping[tuple[Any, ...], xr.Dataset], points: Sequence[int]) -> xr.Dataset:
+def protocol(rough: Measured, points: Sequence[int]) -> xr.Dataset:
     """Reduce the grid-scale protocol, by surface and grid: kappa by the way the slope is measured, and its spread."""
     surfaces = range(1 + max(k for k, _ in rough))
     kappas = {case: one[["kappa"]].rename(kappa="kappa_protocol_each") for case, one in rough.items()}
@@ -229,8 +242,8 @@ _PROTOCOL = "kappa_protocol_by_solver"
 
 
 def protocol_of_solvers(
-    rough: Mapping[tuple[Any, ...], xr.Dataset],
-    fine: Mapping[tuple[Any, ...], xr.Dataset],
+    rough: Measured,
+    fine: Measured,
     data: xr.Dataset,
     *,
     points: int,
@@ -242,8 +255,7 @@ def protocol_of_solvers(
     made = gather(counted, solver=PROTOCOL_METHODS, **there).rename(solve="solve_scale")
     names = ["area_each", "area_each_error", "area_each_drift"]
     limits = {case: limits_of(one).isel(load=0, drop=True)[names] for case, one in fine.items()}
-    converged = gather(limits, **there).drop_vars("reduced_pressure", errors="ignore")
-    converged = converged.rename(
+    converged = gather(limits, **there).rename(
         {n: n.replace("area", "area_protocol") for n in names} | {"solve": "solve_converged"}
     )
     hyun = published("kappa").isel(end=0, paper_kappa=1, drop=True)

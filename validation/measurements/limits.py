@@ -22,6 +22,8 @@ from validation.report.estimates import NORMAL, derive, error_of, evaluated
 from validation.scenes.problem import ContactProblem
 
 Case = TypeVar("Case")
+#: What was solved, by the places of the cases.
+Measured = Mapping[Any, xr.Dataset]
 
 
 def solved(bench: Bench, cases: Mapping[Case, Solve]) -> dict[Case, xr.Dataset]:
@@ -30,11 +32,16 @@ def solved(bench: Bench, cases: Mapping[Case, Solve]) -> dict[Case, xr.Dataset]:
     return {case: results[solve].assign_attrs(solve=solve.key) for case, solve in cases.items()}
 
 
+def solve_of(result: xr.Dataset) -> dict[str, str]:
+    """Return which solve a dataset is of, as an attribute of what is made of it."""
+    return {name: key for name, key in result.attrs.items() if name == "solve"}
+
+
 def read_off(result: xr.Dataset, **expressions: str) -> xr.Dataset:
     """Return what is taken of a solve: variables by expressions of what it keeps, as attributes or variables."""
     attributes = {n: xr.DataArray(v) for n, v in result.attrs.items() if isinstance(v, int | float)}
     variables = {**attributes, **{str(n): result[n] for n in result.variables}}
-    data = xr.Dataset(attrs={name: result.attrs[name] for name in ("solve",) if name in result.attrs})
+    data = xr.Dataset(attrs=solve_of(result))
     for name, expression in expressions.items():
         made = {"reduction": "read", "expression": expression}
         value = xr.DataArray(evaluated(expression, variables))

@@ -353,6 +353,15 @@ def limit_over(areas: Sequence[ContactAreas]) -> Limit:
     return located_limit(areas) if located else perimeter_limit(areas)
 
 
+def reduced_numbers(measured: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Return gap over h_rms, compliance p0 / (K h_rms), which is 0 in full contact, and energy over that of full contact."""
+    return {
+        "gap": measured.mean_gap / measured.attrs["rms_height"],
+        "compliance": 1 / measured.stiffness,
+        "energy_ratio": measured.energy / measured.attrs["full_contact_energy"],
+    }
+
+
 def no_limit(doubt: str) -> Limit:
     """Return what there is in place of a limit: why there is none."""
     return Limit(value=math.nan, uncertainty=math.nan, grids=0, definition="none", doubt=doubt)

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from fem_contact.area import EDGE_CONSTANTS, contact_areas
+from fem_contact.area import contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.surface import HeightField
 from validation.arrays import Array
 from validation.execution.measurement import measurement
-from validation.measurements.budgets import Memory, Pressed, diffused_area, flows, mean_of, profile
+from validation.measurements.budgets import Memory, Pressed, budget, diffused_area
 from validation.measurements.common import reduced_load
 from validation.measurements.measurement import press_elastic
 from validation.scenes import surfaces
@@ -31,7 +31,7 @@ _EDGE = 1e-9
 
 def areas_of(result: ContactResult) -> tuple[float, ...]:
     """Return the four counts of A/A0 named in `AREAS`, in that order, of a boundary-element result."""
-    areas = contact_areas(result, edge_constant=EDGE_CONSTANTS["bem"], subcell=True)
+    areas = contact_areas(result, subcell=True)
     return tuple(float(getattr(areas, name)) for name in AREAS)
 
 
@@ -48,10 +48,6 @@ def _dataset(
         values = np.array([row[name] for row in sums])
         made[name] = (("step", "bin")[: values.ndim], values)
     return xr.Dataset(made)
-
-
-def _step(before: Pressed, after: Sequence[Pressed], *, unit: float) -> dict[str, Array]:
-    return mean_of([{**flows(before, s, unit=unit), **profile(before, s, unit=unit)} for s in after])
 
 
 def pressed(result: ContactResult) -> Pressed:
@@ -165,7 +161,7 @@ def chain(
             memory = Memory(state, steps=len(ends))
         else:
             unit = float(np.sqrt(variance[-1]))
-            sums.append(_step(before, (state, pressed(other)), unit=unit))
+            sums.append(budget(before, (state, pressed(other)), unit=unit))
             memory.add(state, unit=unit)
         for row, (began, start) in enumerate(starts.values()):
             diffused[row, len(variance)] = diffused_area(start, np.array([v - began]))[0]
@@ -230,6 +226,6 @@ def probe(
     for step in steps:
         scaled = ring * np.sqrt(step * v / natural)
         pair = [rings.press(heights + sign * scaled, load=load, start=first.pressure) for sign in (1, -1)]
-        sums.append(_step(before, [pressed(result) for result in pair], unit=unit))
+        sums.append(budget(before, [pressed(result) for result in pair], unit=unit))
         areas.append([areas_of(result) for result in pair])
     return _dataset({"nominal": load / unit}, areas=areas, sums=sums)

@@ -10,11 +10,10 @@ import xarray as xr
 from fem_contact.sliding import slide
 from fem_contact.viscoelastic import PronySolid, TabulatedSolid
 from persson.sliding import friction_of_waves
-from persson.variants import corrected_contact_area
-from validation.arrays import Array, Grid
+from validation.arrays import Grid
 from validation.execution.measurement import Call, measurement
 from validation.measurements.flow import located_area
-from validation.measurements.theory import VARIANTS, wave_powers
+from validation.measurements.theory import variant_areas, wave_powers
 from validation.scenes.problem import ContactProblem
 
 Rubber = PronySolid | TabulatedSolid
@@ -71,22 +70,19 @@ def slid_of(measured: xr.Dataset, solve: Call) -> xr.Dataset:
     numbers |= {f"{name}_each": measured[name] for name in QUANTITIES[3:]}
     numbers["friction_each_drift"] = fine.friction - fine.dissipation
     numbers["area_each_drift"] = fine.area - before.area
-    friction, area = _theory(solve["problem"], solve["rubber"], solve["velocities"])
-    numbers |= {f"friction_{name}_each": ("velocity", friction[:, k]) for k, name in enumerate(SHARES)}
-    numbers |= {f"area_{name}_each": ("velocity", area[:, k]) for k, name in enumerate(VARIANTS)}
-    return xr.Dataset(numbers)
+    return xr.Dataset(numbers | _theory(solve["problem"], solve["rubber"], solve["velocities"]))
 
 
-def _theory(case: ContactProblem, rubber: Rubber, velocities: tuple[float, ...]) -> tuple[Array, Array]:
+def _theory(case: ContactProblem, rubber: Rubber, velocities: tuple[float, ...]) -> dict[str, Any]:
+    """Friction over h'_rms for either energy, and A/A0 by every variant, (velocity)."""
     field = case.field
     x, y, power = wave_powers(field.heights, field.spacing)
     power[0, 0] = 0
     there = power > 1e-20 * power.max()
-    friction = np.empty((len(velocities), len(SHARES)))
-    area = np.empty((len(velocities), len(VARIANTS)))
-    for k, velocity in enumerate(velocities):
-        for j, share in enumerate(SHARES.values()):
-            friction_of = friction_of_waves(
+    rows: list[dict[str, Any]] = []
+    for velocity in velocities:
+        told = {
+            name: friction_of_waves(
                 x[there],
                 y[there],
                 power=power[there],
@@ -96,9 +92,9 @@ def _theory(case: ContactProblem, rubber: Rubber, velocities: tuple[float, ...])
                 poisson=rubber.poisson,
                 energy_ratio=share,
             )
-            friction[k, j] = friction_of.friction / field.rms_gradient
-        for j, variant in enumerate(VARIANTS):
-            area[k, j] = corrected_contact_area(
-                case.pressure, stress_variance=friction_of.stress_variance, variant=variant
-            )
-    return friction, area
+            for name, share in SHARES.items()
+        }
+        variance = told["full_energy"].stress_variance
+        frictions = {f"friction_{name}": each.friction / field.rms_gradient for name, each in told.items()}
+        rows.append(frictions | variant_areas(case.pressure, stress_variance=variance))
+    return {f"{name}_each": ("velocity", [row[name] for row in rows]) for name in rows[0]}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -18,23 +18,20 @@ from validation.execution.measurement import Call
 from validation.measurements.common import persson_area
 from validation.measurements.control_variates import unsolved_pairs
 from validation.measurements.ensemble import Chained
-from validation.measurements.limits import ABSENT
-from validation.measurements.measurement import TOLERANCES_LEFT, area_limits, grids_for, press_on_grids
+from validation.measurements.limits import ABSENT, Measured
+from validation.measurements.measurement import (
+    TOLERANCES_LEFT,
+    area_limits,
+    grids_for,
+    press_on_grids,
+    reduced_numbers,
+)
 from validation.report.estimates import LIMIT, claim, error_of
 from validation.scenes.problem import ContactProblem
 from validation.scenes.surfaces import spectrum_of
 from validation.scenes.tables import SelfAffineSurface
 
-#: What is averaged beside the area, and how it is read off a surface on one grid of a period of so many long waves.
-_READ: dict[str, Callable[[xr.Dataset, float], xr.DataArray]] = {
-    "gap": lambda data, periods: data.mean_gap / data.attrs["rms_height"],
-    # p0 / (K h_rms), K = d p0 / d(approach), the contact conductance in other units; 0 in full contact.
-    "compliance": lambda data, periods: 1 / data.stiffness,
-    "energy_ratio": lambda data, periods: data.energy / data.attrs["full_contact_energy"],
-    "density_slope": lambda data, periods: data.slope,
-    "patch_density": lambda data, periods: data.patches / periods**2,
-}
-QUANTITIES = ("area", *_READ)
+QUANTITIES = ("area", "gap", "compliance", "energy_ratio", "density_slope", "patch_density")
 #: The area at p* = p0 / (E* h'_rms) with the gradient of C(q).
 BY_SPECTRUM = "area_by_spectrum"
 
@@ -109,13 +106,10 @@ class SampledSpectrum:
             return at_loads(self._values(data, "area", grid), loads=self.loads, targets=self._wanted(data))
         if name == "area" and (grid >= 2 or grid == len(self.pairs) - 1 > 0):
             return area_limits(data.isel(grid=slice(0, grid + 1)))[0]
-        on_grid = data.isel(grid=grid)
-        values = (
-            on_grid.subcell
-            if name == "area"
-            else _READ[name](on_grid, self.base.lengths[0] / self.base.longest)
-        )
-        return np.asarray(values.mean("shift").values)
+        on_grid, periods = data.isel(grid=grid), self.base.lengths[0] / self.base.longest
+        read = reduced_numbers(on_grid) | {"area": on_grid.subcell, "density_slope": on_grid.slope}
+        read["patch_density"] = on_grid.patches / periods**2
+        return np.asarray(read[name].mean("shift").values)
 
     def _grid_errors(self, name: str, finest: Sequence[xr.Dataset]) -> Array:
         """Half of the 95 % interval of what the grids leave, (load,): alike on all surfaces, it does not average."""
@@ -127,7 +121,7 @@ class SampledSpectrum:
             errors = [(self._values(data, name, -1) - self._values(data, name, -2)) / 2 for data in finest]
         return np.asarray(1.96 * np.sqrt(np.mean(np.square(errors), axis=0)))
 
-    def reduced(self, measured: Mapping[tuple[Any, ...], xr.Dataset]) -> xr.Dataset:
+    def reduced(self, measured: Measured) -> xr.Dataset:
         """Reduce the results of `cases`: the controlled mean of each quantity over (reduced_pressure), with its errors.
 
         ``saving`` is the time of plain means of the same interval over the time spent;

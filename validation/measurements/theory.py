@@ -147,14 +147,19 @@ def with_ensemble(data: xr.Dataset, spectrum: Spectrum | None) -> xr.Dataset:
     return data.assign(area_ensemble_each=(("surface", "load"), areas))
 
 
+def variant_areas(pressure: ArrayLike, *, stress_variance: ArrayLike) -> dict[str, Array]:
+    """A/A0 of the theory and its variants, by name; pressure [Pa] and variance [Pa^2] in any unit."""
+    return {
+        f"area_{name}": corrected_contact_area(pressure, stress_variance=stress_variance, variant=name)
+        for name in VARIANTS
+    }
+
+
 def with_variants(data: xr.Dataset) -> xr.Dataset:
     """Add ``area_<variant>``: A/A0 of the theory and its variants at each p* with the realised gradient."""
-    full = elastic.stress_variance(1.0, contact_modulus=1.0)
-    pressure = data.reduced_pressure
-    for name in VARIANTS:
-        area = corrected_contact_area(pressure.values, stress_variance=full, variant=name)
-        data = data.assign({f"area_{name}": (pressure.dims, area)})
-    return data
+    full, pressure = elastic.stress_variance(1.0, contact_modulus=1.0), data.reduced_pressure
+    areas = variant_areas(pressure.values, stress_variance=full)
+    return data.assign({name: (pressure.dims, area) for name, area in areas.items()})
 
 
 def modes_finding(data: xr.Dataset) -> Finding:

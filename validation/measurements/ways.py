@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 import scipy.stats
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from validation.measurements.measurement import area_limits
-from validation.report.estimates import error_of
+from validation.report.estimates import error_of, gather
 
 #: Definitions of the area.
 AREAS = ("pixel", "perimeter", "subcell")
@@ -19,36 +20,29 @@ AREAS = ("pixel", "perimeter", "subcell")
 _TARGETS = (0.1, 0.03, 0.01, 0.003, 0.001)
 
 
-def ways_of_bem(measured: list[xr.Dataset]) -> Iterator[xr.Dataset]:
+def ways_of_bem(measured: Mapping[int, xr.Dataset]) -> Iterator[xr.Dataset]:
     """Yield single grids, shifts averaged, limits over two grids, and over three with shifts."""
+    whole = gather({k: result.isel(load=0) for k, result in measured.items()}, surface=[*measured])
     per_wave = measured[0].points_per_wave.values
     for i, name in itertools.product(range(per_wave.size), AREAS):
-        on = [result.isel(grid=i, load=0) for result in measured]
-        seconds = [float(result.seconds.mean()) for result in on]
-        size = [float(result.peak_bytes.max()) for result in on]
-        label = f"BEM {name}, {per_wave[i]:g} per wave"
-        yield way([float(result[name][0]) for result in on], label=label, seconds=seconds, peak_bytes=size)
-        shifted = [float(result[name].mean()) for result in on]
-        yield way(shifted, label=f"{label}, 4 shifts", seconds=[4 * s for s in seconds], peak_bytes=size)
+        on = whole.isel(grid=i)
+        label, means, size = f"BEM {name}, {per_wave[i]:g} per wave", on.mean("shift"), on.peak_bytes
+        yield way(on[name].isel(shift=0), label=label, seconds=means.seconds, peak_bytes=size)
+        yield way(means[name], label=f"{label}, 4 shifts", seconds=4 * means.seconds, peak_bytes=size)
     for count, shifts in ((2, 1), (3, 4)):
         for i in range(per_wave.size - count + 1):
-            parts = [result.isel(grid=slice(i, i + count), shift=slice(shifts)) for result in measured]
+            some = {"grid": slice(i, i + count), "shift": slice(shifts)}
             label = f"BEM limit, {per_wave[i]:g} to {per_wave[i + count - 1]:g} per wave"
             yield way(
-                [float(area_limits(part)[0][0]) for part in parts],
+                [float(area_limits(result.isel(some))[0][0]) for result in measured.values()],
                 label=label + (", 4 shifts" if shifts == 4 else ""),
-                seconds=[float(part.seconds.sum()) for part in parts],
-                peak_bytes=[float(part.peak_bytes.max()) for part in parts],
+                seconds=whole.seconds.isel(some).sum(("grid", "shift")),
+                peak_bytes=whole.peak_bytes.isel(some),
             )
 
 
 def way(
-    areas: Sequence[float],
-    *,
-    label: str,
-    seconds: Sequence[float],
-    peak_bytes: Sequence[float],
-    process: bool = False,
+    areas: ArrayLike, *, label: str, seconds: ArrayLike, peak_bytes: ArrayLike, process: bool = False
 ) -> xr.Dataset:
     """Return one way to an area: of all surfaces, and what one surface costs.
 
@@ -56,9 +50,9 @@ def way(
     """
     return xr.Dataset(
         {
-            "area_each": ("surface", list(areas)),
-            "seconds": float(np.mean(seconds)),
-            "peak_bytes": float(max(peak_bytes)),
+            "area_each": ("surface", np.asarray(areas)),
+            "seconds": float(np.asarray(seconds).mean()),
+            "peak_bytes": float(np.asarray(peak_bytes).max()),
             "kind": label.split(",")[0],
             "process": int(process),
         },

@@ -217,6 +217,11 @@ def claim(data: xr.Dataset, *names: str, **sources: xr.DataArray | float | str) 
     return _with(data, added)
 
 
+def claim_shares(data: xr.Dataset, name: str, **shares: xr.DataArray | float) -> xr.Dataset:
+    """Claim errors of a variable by what share of it they are."""
+    return claim(data, name, **{source: share * abs(data[name]) for source, share in shares.items()})
+
+
 def _with(data: xr.Dataset, added: Mapping[str, xr.DataArray]) -> xr.Dataset:
     """Assign arrays made of the dataset's own: their coordinates are its, and need not be aligned again."""
     coords = {} if "source" in data.coords else {"source": list(SOURCES)}

@@ -8,8 +8,19 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from validation.report.marks import Band, Figure, Level, Line, panels_along
-from validation.report.views import Column, Finding, Table, Views, against, finding
+from validation.report.views import (
+    Band,
+    Column,
+    Figure,
+    Finding,
+    Level,
+    Line,
+    Table,
+    Views,
+    against,
+    finding,
+    panels_along,
+)
 
 #: A/A0 below which kappa is published, a little more than the authors' 0.1; H of the published alpha(zeta).
 _LIGHT, _PUBLISHED = 0.12, 0.8

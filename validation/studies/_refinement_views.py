@@ -10,9 +10,19 @@ import xarray as xr
 
 from validation.measurements.grids import SMALL
 from validation.report.estimates import total_error
-from validation.report.marks import Figure, Level, Line, against, panels_along
 from validation.report.values import value_of
-from validation.report.views import Column, Finding, Table, Views, finding
+from validation.report.views import (
+    Column,
+    Figure,
+    Finding,
+    Level,
+    Line,
+    Table,
+    Views,
+    against,
+    finding,
+    panels_along,
+)
 
 _AREAS = ("area_pixel_each", "area_perimeter_each", "area_located_each", "area_each")
 

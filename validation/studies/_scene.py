@@ -40,10 +40,8 @@ class SolverRequest:
 class PressedOptions(StudyOptions):
     """Options of a study that presses the surfaces of one spectrum: its own, or those of a scene."""
 
-    # Which option says, as lambda_short/dx, the grids of which method.
-    grids_of: ClassVar[Mapping[str, str]] = {"points_per_wave": "bem"}
-    # Options of parts that make surfaces of their own, and their values on a scene.
-    off: ClassVar[Mapping[str, Any]] = {}
+    # Options of parts that make surfaces of their own: on a scene none, or False.
+    off: ClassVar[tuple[str, ...]] = ()
     # Of the effects that its question allows, and why no others.
     slots: ClassVar[frozenset[SlotName]] = frozenset()
     plain: ClassVar[str] = "it compares with the elastic half-space"
@@ -74,7 +72,7 @@ class PressedOptions(StudyOptions):
         taken = cls.taken(scene, first)
         if not isinstance(scene.surface, FileSurface) and "surfaces" in data:
             taken.pop("surfaces", None)
-        twice = (set(taken) - {*cls.grids_of, "grids"}) | set(_SPECTRUM)
+        twice = (set(taken) - {"points_per_wave", "grids"}) | set(_SPECTRUM)
         if clashes := [name for name in data if name in twice]:
             raise wrong("; ".join(_clash(name, off=name in cls.off, scene=scene.name) for name in clashes))
         if "reduced_pressures" in cls.model_fields:
@@ -84,20 +82,18 @@ class PressedOptions(StudyOptions):
 
     @classmethod
     def _on_grids(cls, scene: Scene, first: ContactProblem, data: Mapping[str, Any]) -> Scene:
-        tables: dict[str, Any] = {}
-        for option, method in {**cls.grids_of, "grids": "bem"}.items():
-            table, values = scene.methods.options(method), data.get(option)
-            if option not in cls.model_fields or values is None or table is None:
-                continue
-            if not all(isinstance(value, (int, float)) and value > 0 for value in values):
-                continue  # which the option is refused for
-            lx, ly = first.lengths
-            if option == "grids":
-                grids = tuple((int(n), round(n * ly / lx)) for n in values)
-            else:
-                grids = grids_for(first, values)
-            tables[method] = table.model_copy(update={"grids": grids})
-        return scene.model_copy(update={"methods": scene.methods.model_copy(update=tables)})
+        name = "grids" if "grids" in cls.model_fields else "points_per_wave"
+        values, methods = data.get(name), scene.methods
+        positive = all(isinstance(value, (int, float)) and value > 0 for value in values or ())
+        if not values or name not in cls.model_fields or not positive:
+            return scene  # or the option is refused
+        lx, ly = first.lengths
+        if name == "grids":
+            grids = tuple((int(n), round(n * ly / lx)) for n in values)
+        else:
+            grids = grids_for(first, values)
+        table = methods.options("bem").model_copy(update={"grids": grids})
+        return scene.model_copy(update={"methods": methods.model_copy(update={"bem": table})})
 
     @classmethod
     def _check(cls, scene: Scene) -> None:
@@ -113,22 +109,19 @@ class PressedOptions(StudyOptions):
     @classmethod
     def taken(cls, scene: Scene, first: ContactProblem) -> dict[str, Any]:
         """Return the options that a scene says, with their values."""
-        options: dict[str, Any] = dict(cls.off)
-        if "reduced_pressure" in cls.model_fields:
+        table, fields = scene.methods.options("bem"), cls.model_fields
+        options: dict[str, Any] = {n: False if fields[n].annotation is bool else () for n in cls.off}
+        if "reduced_pressure" in fields:
             options["reduced_pressure"] = first.reduced_pressure
-        for option, method in cls.grids_of.items():
-            table = scene.methods.options(method)
-            if table is not None:
-                options[option] = tuple(sorted(first.points_per_wave(grid) for grid in table.grids))
-        if "grids" in cls.model_fields:
-            grids = sorted(scene.methods.options("bem").grids, key=first.points_per_wave)
-            options["grids"] = tuple(nx for nx, _ in grids)
-        if "methods" in cls.model_fields:
+        if "points_per_wave" in fields:
+            options["points_per_wave"] = tuple(sorted(map(first.points_per_wave, table.grids)))
+        if "grids" in fields:
+            options["grids"] = tuple(nx for nx, _ in sorted(table.grids, key=first.points_per_wave))
+        if "methods" in fields:
             options["methods"] = tuple(
                 getattr(scene.methods.options(name), "solver", name) for name in scene.methods.solvers
             )
-        table = scene.methods.options("bem")
-        if "shifts" in cls.model_fields and "shifts" in table.model_fields_set:
+        if "shifts" in fields and "shifts" in table.model_fields_set:
             options["shifts"] = table.shifts
         if isinstance(scene.surface, FileSurface):
             options["surfaces"] = 1
@@ -186,33 +179,22 @@ class PressedOptions(StudyOptions):
     def others(
         self, per_wave: Sequence[float], *, without: Sequence[str] | None = None
     ) -> tuple[SolverRequest, ...]:
-        """Return the solvers that are asked for but some, each with what it is told and its grids.
+        """Return the solvers that are asked for, each with what it is told and its grids, `per_wave` without a scene.
 
-        Parameters
-        ----------
-        per_wave : sequence of float
-            Their grids without a scene.
-        without : sequence of str
-            Those that the study asks in a way of its own: boundary elements, and finite ones without a scene.
+        But for those that the study asks in a way of its own: boundary elements, and finite ones without a scene.
         """
-        if self.scene is None:
-            left = ("bem", "fem") if without is None else without
-            grids = self.grids_for(per_wave)
+        scene = self.scene
+        left = without if without is not None else ("bem",) if scene else ("bem", "fem")
+        if scene is None:
             chosen = {n: chosen_solver(n) for n in getattr(self, "methods", ()) if n not in left}
-            return tuple(
-                SolverRequest(name=name, method=solver.name, settings=tuple(settings.items()), grids=grids)
-                for name, (solver, settings) in chosen.items()
-            )
-        left, methods = ("bem",) if without is None else without, self.scene.methods
-        tables = {name: methods.options(name) for name in methods.solvers if name not in left}
+            rows = [(n, solver.name, tuple(settings.items())) for n, (solver, settings) in chosen.items()]
+        else:
+            solvers = {n: s for n, s in scene.methods.solvers.items() if n not in left}
+            tables = {n: scene.methods.options(n) for n in solvers}
+            rows = [(getattr(tables[n], "solver", n), n, s.settings(tables[n])) for n, s in solvers.items()]
         return tuple(
-            SolverRequest(
-                name=getattr(table, "solver", name),
-                method=name,
-                settings=methods.solvers[name].settings(table),
-                grids=self.grids_for((), of=name),
-            )
-            for name, table in tables.items()
+            SolverRequest(name=n, method=by, settings=settings, grids=self.grids_for(per_wave, of=by))
+            for n, by, settings in rows
         )
 
     def _with_methods(self, names: tuple[str, ...]) -> Self | None:
@@ -242,8 +224,8 @@ class PressedOptions(StudyOptions):
         """H, L/lambda_long and lambda_long/lambda_short, for a dataset; H of a self-affine surface alone."""
         problem, numbers = self.first, {"periods": self.periods, "bandwidth": self.bandwidth}
         if self.scene is not None:
-            long, short = problem.longest, problem.shortest
-            numbers = {"periods": min(problem.lengths) / long, "bandwidth": long / short}
+            long = problem.longest
+            numbers = {"periods": min(problem.lengths) / long, "bandwidth": long / problem.shortest}
         return {**problem.surface.model_dump(include={"hurst"}, exclude_none=True), **numbers}
 
     def record(self) -> dict[str, Any]:
@@ -257,15 +239,28 @@ class PressedOptions(StudyOptions):
 
     def remarks(self) -> Iterator[str]:
         """Say what a scene was asked for, and what of it is not used."""
-        from validation.studies._scene_words import scene_words
-
-        return iter(()) if self.scene is None else scene_words(self, self.scene)
-
-    @property
-    def used(self) -> frozenset[str]:
-        """Methods of a scene that this study presses by."""
-        solvers = () if self.scene is None or not hasattr(self, "methods") else self.scene.methods.solvers
-        return frozenset({"bem", *self.grids_of.values(), *solvers})
+        if (scene := self.scene) is None:
+            return
+        first, surface, fields = self.first, scene.surface, type(self).model_fields
+        what = str(surface.path) if isinstance(surface, FileSurface) else surface.kind
+        effects = "".join(f", {effect.kind}" for effect in self.effects)
+        values = "; ".join(
+            f"{name.replace('_', ' ')} {_shown(value)}"
+            for name, value in self.taken(scene, first).items()
+            if name not in self.off and _shown(value) == _shown(getattr(self, name))
+        )
+        yield (
+            f"Surface ({what}), solid and load (p* = {first.reduced_pressure:.4g}{effects}) are those of the scene "
+            f"{scene.name!r}, and so are: {values}."
+        )
+        others = ", ".join(f"[methods.{name}]" for name in scene.methods.solvers if name != "bem")
+        if others and "methods" not in fields:
+            yield f"Not used of the scene, for this study presses by boundary elements: {others}."
+        shifts = "shifts" in scene.methods.options("bem").model_fields_set - fields.keys()
+        if idle := ["methods.bem.shifts"] * shifts + ["ensemble.grids"] * (scene.ensemble is not None):
+            yield f"Keys of the scene that this study has no use for: {', '.join(idle)}."
+        if names := ", ".join(name.replace("_", " ") for name in self.off):
+            yield f"Parts of the study that a scene turns off: {names}."
 
 
 #: Options that a scene stands in for, and the keys by which it says the same.
@@ -298,3 +293,8 @@ def _merged(path: Any, problem: ContactProblem) -> tuple[float, ...]:
         loads = tuple(pressure / problem.pressure_scale for pressure in problem.pressures)
     others = [float(p) for p in path if abs(float(p) / loads[0] - 1) > _SAME] if len(loads) == 1 else []
     return tuple(sorted({*others, *loads}))
+
+
+def _shown(value: Any) -> str:
+    values = value if isinstance(value, tuple) else (value,)
+    return ", ".join(f"{v:.6g}" if isinstance(v, float) else str(v) for v in values)

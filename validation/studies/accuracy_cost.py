@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -23,7 +23,7 @@ from validation.measurements.external_codes import (
     installed_peers,
     known_peers,
 )
-from validation.measurements.limits import solved
+from validation.measurements.limits import Measured, solved
 from validation.measurements.measurement import area_limits, grid_for, grids_for, press_on_grids
 from validation.measurements.ways import AREAS, chosen_ways, covered, way, ways_of_bem
 from validation.report.estimates import NORMAL, error_of, gather
@@ -42,7 +42,7 @@ _SOLVER_SHARE = 0.1
 class Options(PressedOptions):
     """Surfaces and grids. Times are of the processor; use one worker all the same."""
 
-    off: ClassVar[Mapping[str, Any]] = {"fem_points_per_wave": (), "peer_points_per_wave": ()}
+    off = ("fem_points_per_wave", "peer_points_per_wave")
     plain = "what a digit costs is asked of the located area, which the bare half-space has"
 
     methods: Methods = ("bem", "fem")
@@ -173,23 +173,23 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     )
 
 
-def _ways(options: Options, measured: Mapping[_Case, xr.Dataset]) -> Iterator[xr.Dataset]:
+def _ways(options: Options, measured: Measured) -> Iterator[xr.Dataset]:
     surfaces = range(options.surfaces)
-    yield from ways_of_bem([measured["coarse", "", k] for k in surfaces])
+    yield from ways_of_bem({k: measured["coarse", "", k] for k in surfaces})
     for single in _singles(options):
-        results = [measured[single.part, single.label, k] for k in surfaces]
+        solved_by = gather({k: measured[single.part, single.label, k] for k in surfaces}, surface=surfaces)
         for area in AREAS:
-            if area in results[0] and np.isfinite([float(result[area]) for result in results]).all():
+            if solved_by[area].notnull().all():
                 yield way(
-                    [float(result[area]) for result in results],
+                    solved_by[area],
                     label=single.label.format(area),
-                    seconds=[float(result.seconds) for result in results],
-                    peak_bytes=[float(result.peak_bytes) for result in results],
+                    seconds=solved_by.seconds,
+                    peak_bytes=solved_by.peak_bytes,
                     process=single.process,
                 )
 
 
-def _unsettled(measured: Mapping[_Case, xr.Dataset]) -> str:
+def _unsettled(measured: Measured) -> str:
     missed = [
         label.split(" {}, ")[0]
         for (part, label, _), result in measured.items()

@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from pydantic import Field
 
 from validation.effects.base import full_contact_energy
 from validation.execution.bench import Bench
@@ -28,7 +27,7 @@ from validation.measurements.adhesive import (
     shares_by_shell,
     with_pooled_stress,
 )
-from validation.measurements.common import Rising, base_case
+from validation.measurements.common import RisingSeveral, base_case
 from validation.measurements.limits import ABSENT, solved, straight_limit
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
 from validation.report.views import Figure, Finding, Line, Table, Views, against, finding
@@ -52,7 +51,7 @@ class Options(StudyOptions):
 
     why_no_scene = "it cuts the spectra of surfaces it makes"
 
-    magnifications: Rising = Field(default=(1.5, 2.0, 3.0, 4.0, 6.0, 8.0), min_length=2)
+    magnifications: RisingSeveral = (1.5, 2.0, 3.0, 4.0, 6.0, 8.0)
     """zeta = q/q_long of the last wave, rising, above 1; the last is the whole surface"""
     reduced_pressure: Positive = 0.05
     """p* with the gradient of all waves"""

@@ -15,7 +15,7 @@ import xarray as xr
 from pydantic import Field, model_validator
 
 from validation.execution.bench import Bench
-from validation.measurements.common import Rising, RisingGrids
+from validation.measurements.common import RisingGrids, RisingSeveral
 from validation.measurements.hierarchy import archard_of, press_bumps
 from validation.measurements.limits import ABSENT, stored_variables
 from validation.report.estimates import claim, derive, mean, power_law
@@ -37,7 +37,7 @@ class Options(StudyOptions):
     """waves of the second level on a period, of the third, ...; rising"""
     heights: Positives = (0.2, 0.08)
     """their heights over that of the first level, one for each"""
-    loads: Rising = Field(default=(0.002, 0.004, 0.008, 0.016, 0.032, 0.064), min_length=2)
+    loads: RisingSeveral = (0.002, 0.004, 0.008, 0.016, 0.032, 0.064)
     """p0 / (E* height of the first level / period), rising"""
     surfaces: Surfaces = 4
     grids: Annotated[RisingGrids, Field(min_length=2)] = (512, 1024)

@@ -7,7 +7,6 @@ smallest study, and the one to copy for a new one; `pressure` answers the questi
 from __future__ import annotations
 
 import itertools
-from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -26,7 +25,6 @@ from validation.studies._scene import PressedOptions
 class Options(PressedOptions):
     """What is pressed, and how often."""
 
-    grids_of: ClassVar[dict[str, str]] = {}
     slots = frozenset({"response", "pressure bound", "gap law"})
 
     reduced_pressures: Rising = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)

@@ -17,7 +17,7 @@ from pydantic import AfterValidator, Field
 
 from validation.execution.bench import Bench
 from validation.measurements.budgets import PROFILE_EDGES
-from validation.measurements.common import Rising, base_case, base_surface
+from validation.measurements.common import Rising, RisingSeveral, base_case
 from validation.measurements.diffusion import budgets_of, of_probe, with_diffusion_terms
 from validation.measurements.edge import slopes_of
 from validation.measurements.limits import ABSENT
@@ -52,15 +52,15 @@ class Options(StudyOptions):
     steps_per_octave: int = Field(default=2, ge=2, le=64, multiple_of=2)
     """rings of waves in each octave, even"""
     surfaces: Surfaces = 4
-    points_per_wave: Annotated[Rising, Field(min_length=2)] = (8.0, 12.0)
+    points_per_wave: RisingSeveral = (8.0, 12.0)
     """grids of the rings, as lambda_short/dx, rising"""
     probes: Annotated[Rising, AfterValidator(_rough)] = (2.0, 4.0, 8.0)
     """magnifications at which the surface is cut, pressed with these p* of its own gradient, and given one
     more ring as high as the steps below ask for, rising"""
     probe_surfaces: Surfaces = 8
-    variance_steps: Annotated[Rising, Field(min_length=2)] = (0.0025, 0.01, 0.04, 0.16)
+    variance_steps: RisingSeveral = (0.0025, 0.01, 0.04, 0.16)
     """Delta V / V of that ring, rising"""
-    probe_points_per_wave: Annotated[Rising, Field(min_length=2)] = (12.0, 24.0)
+    probe_points_per_wave: RisingSeveral = (12.0, 24.0)
     """grids there, as the shortest wave there is over dx, rising"""
     slope_points_per_wave: Annotated[Rising, Field(min_length=3)] = (16.0, 32.0, 64.0)
     """grids of the slope of P(p) at zero there, rising"""
@@ -80,7 +80,7 @@ class Options(StudyOptions):
 
     def problem(self, hurst: float, load: float, surface: int, *, bandwidth: float) -> ContactProblem:
         """Return a surface at a load."""
-        whole = base_surface(hurst=hurst, periods=self.periods, bandwidth=bandwidth, seed=self.seed)
+        whole = self.self_affine(hurst=hurst, bandwidth=bandwidth)
         return base_case(whole, reduced_pressure=load).further(surface)
 
 
@@ -139,8 +139,8 @@ def _probes(options: Options, bench: Bench, zeta: float) -> xr.Dataset:
         for n in grids
     }
     there = {place: options.problem(*place, bandwidth=zeta) for place in places}
-    slopes = slopes_of(bench, there, points_per_wave=options.slope_points_per_wave)
-    slope = gather(slopes, hurst=hursts, load=loads, probe_surface=surfaces)
+    along = {"hurst": hursts, "load": loads, "probe_surface": surfaces}
+    slope = slopes_of(bench, there, points_per_wave=options.slope_points_per_wave, **along)
     data = budgets_of(bench, cases, hurst=hursts, load=loads, surface=surfaces, grid=grids)
     return of_probe(data).merge(slope.drop_vars(["load", "probe_surface"]))
 

@@ -10,11 +10,10 @@ from collections.abc import Iterator
 
 import numpy as np
 import xarray as xr
-from pydantic import Field
 
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
-from validation.measurements.common import SHIFTS, Rising, base_case
+from validation.measurements.common import SHIFTS, Rising, RisingSeveral, base_case
 from validation.measurements.flow import stiffness_of
 from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import grids_for, press_on_grids
@@ -33,9 +32,7 @@ class Options(StudyOptions):
 
     why_no_scene = "it asks about spectra, and makes a surface for each"
 
-    reduced_pressures: Rising = Field(
-        default=(0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0), min_length=2
-    )
+    reduced_pressures: RisingSeveral = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
     """p* = p0 / (E* h'_rms) with the realised gradient of each surface, rising"""
     periods: Rising = (1.0, 2.0, 4.0)
     """L / lambda_long: sizes of the sample, rising"""
@@ -43,7 +40,7 @@ class Options(StudyOptions):
     bandwidth: Bandwidth = 8.0
     surfaces: Surfaces = 8
     shifts: Shifts = SHIFTS
-    points_per_wave: Rising = Field(default=(4.0, 8.0), min_length=2)
+    points_per_wave: RisingSeveral = (4.0, 8.0)
     """grids, as lambda_short/dx; the finest gives the value, its distance to the one before the uncertainty"""
     seed: Seed = 2006
 

@@ -14,7 +14,7 @@ import xarray as xr
 from pydantic import AfterValidator, Field
 
 from validation.execution.bench import Bench
-from validation.measurements.common import Rising, base_case, in_rising_order
+from validation.measurements.common import RisingSeveral, base_case, in_rising_order
 from validation.measurements.creep import PHASES, creeps, crept_of, moduli_of
 from validation.measurements.measurement import grids_for
 from validation.measurements.theory import RANKED, VARIANTS
@@ -37,7 +37,7 @@ class Options(RubberOptions):
     """share of the load that is left when the last of these times is over"""
     steps: int = Field(default=8, ge=1)
     """steps of the solver from one time to the next"""
-    points_per_wave: Rising = Field(default=(4.0, 8.0), min_length=2)
+    points_per_wave: RisingSeveral = (4.0, 8.0)
     """grids, as lambda_short/dx; the finest gives the value"""
 
 

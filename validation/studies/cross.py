@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from functools import partial
-from typing import Annotated, Any, ClassVar, Literal, Self
+from collections.abc import Iterator
+from typing import Annotated, Any, Self
 
 import numpy as np
 import xarray as xr
 from pydantic import Field, model_validator
 
+from validation.arrays import Grid
 from validation.execution.bench import Bench
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import Rising, RisingOrNone
@@ -19,6 +19,7 @@ from validation.report.estimates import derive, each, mean, power_law, reduce
 from validation.report.views import Figure, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
+from validation.solvers.base import Settings
 from validation.studies._options import Bandwidth, Element, Methods, Periods, ReducedPressure
 from validation.studies._scene import PressedOptions
 from validation.studies._study import gathered
@@ -28,8 +29,7 @@ from validation.units import wrong
 class Options(PressedOptions):
     """What is pressed by both methods, and on which grids."""
 
-    grids_of: ClassVar[Mapping[str, str]] = {}
-    off: ClassVar[Mapping[str, Any]] = {"full_points_per_wave": (), "elements": ()}
+    off = ("full_points_per_wave", "elements")
     slots = frozenset({"response", "pressure bound", "gap law"})
 
     methods: Methods = ("bem", "fem")
@@ -60,24 +60,19 @@ class Options(PressedOptions):
         return {**super().taken(scene, first), "poisson": scene.solid.poisson}
 
 
-def _blocks(options: Options) -> Iterator[tuple[str, float, Any]]:
-    if options.scene is not None or "fem" not in options.methods:
-        return
-    discretisations: list[tuple[Literal["full", "reduced"], Element, float]] = [
+def _legs(options: Options) -> Iterator[tuple[str, float, Grid, str, Settings]]:
+    """Yield what each leg is called, its points per wave and grid, method and settings."""
+    first = options.first
+    discretisations: list[tuple[str, Element, float]] = [
         *(("full", "Hex1", n) for n in options.full_points_per_wave),
         *(("reduced", e, n) for e in options.elements for n in options.reduced_points_per_wave),
     ]
-    for method, element, n in discretisations:
-        grid = grid_for(options.first, n)
-        mesh = (("method", method), ("element", element))
-        yield f"{method} {element}", n, partial(beside_bem, grid=grid, method="fem", settings=mesh)
-
-
-def _others(options: Options) -> Iterator[tuple[str, float, Any]]:
+    for method, element, n in discretisations if "fem" in options.methods else ():
+        settings = (("method", method), ("element", element))
+        yield f"{method} {element}", n, grid_for(first, n), "fem", settings
     for solver in options.others(options.method_points_per_wave):
-        ask = partial(beside_bem, method=solver.method, settings=solver.settings, effects=options.effects)
         for grid in solver.grids:
-            yield solver.name, options.first.points_per_wave(grid), partial(ask, grid=grid)
+            yield solver.name, first.points_per_wave(grid), grid, solver.method, solver.settings
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -86,8 +81,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Differences (leg, points_per_wave, surface), their means, and the order in dx of that of the pressure.
     """
     cases = {
-        (leg, per_wave, k): solve(problem=problem)
-        for leg, per_wave, solve in (*_blocks(options), *_others(options))
+        (leg, per_wave, k): beside_bem(
+            problem=problem, grid=grid, method=method, settings=settings, effects=options.effects
+        )
+        for leg, per_wave, grid, method, settings in _legs(options)
         for k, problem in enumerate(options.pressed)
     }
     data = gathered(bench, cases, lambda d, _: read_off(d, **_READ), "leg", "points_per_wave", "surface")

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from validation.execution.bench import Bench
 from validation.measurements.by_solver import beside_bem
-from validation.measurements.common import BASE_SOLID, Rising, base_case, base_surface
+from validation.measurements.common import BASE_SOLID, Rising, base_case
 from validation.measurements.limits import read_off
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim
@@ -59,7 +59,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
     Pressure differences to the half-space and to the bonded layer of the same depth, by case.
     """
-    surface = base_surface(hurst=0.8, periods=1.0, bandwidth=4.0, seed=options.seed)
+    surface = options.self_affine(hurst=0.8, periods=1.0, bandwidth=4.0)
     varied = {"depth": options.depths, "growth": options.growths, "poisson": options.poissons}
     cases = {}
     for (name, values), element in itertools.product(varied.items(), options.elements):

@@ -12,15 +12,14 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from pydantic import Field
 
 from validation.arrays import Array
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
-from validation.measurements.common import Rising
+from validation.measurements.common import RisingSeveral
 from validation.measurements.limits import solved
-from validation.measurements.measurement import TOLERANCE
-from validation.report.estimates import claim, derive
+from validation.measurements.measurement import TOLERANCE, reduced_numbers
+from validation.report.estimates import claim_shares, derive
 from validation.report.views import Figure, Finding, Line, Table, Views, against, finding, note, ranking
 from validation.studies import pressure
 from validation.studies._options import Shifts, Surfaces
@@ -41,13 +40,11 @@ class Options(pressure.Options):
 
     plain = "energy, gap and stiffness are compared with theories of the elastic half-space"
 
-    reduced_pressures: Rising = Field(
-        (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.2, 1.5, 4.0), min_length=2
-    )
+    reduced_pressures: RisingSeveral = (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.2, 1.5, 4.0)
     """p* = p0 / (E* h'_rms) with the realised gradient of each surface, rising; full contact at the last is
     a check"""
     surfaces: Surfaces = 16
-    points_per_wave: Rising = Field(default=(4.0, 8.0, 16.0), min_length=2)
+    points_per_wave: RisingSeveral = (4.0, 8.0, 16.0)
     """grids, as lambda_short/dx, rising"""
     shifts: Shifts = 1
 
@@ -73,7 +70,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     usual = int(np.argmin(np.abs(np.log(np.divide(_STRICT[:-1], used)))))
     for name in _COMPARED:
         left = data[f"left_{name}"].isel(tolerance=usual, drop=True).fillna(0)
-        data = claim(data, name, solver=left * abs(data[name]))
+        data = claim_shares(data, name, solver=left)
     data = distances(beside(data, persson_readings(), options.pressed))
     data = derive(
         data,
@@ -92,7 +89,8 @@ def _checked(near: xr.Dataset, usual: xr.Dataset) -> dict[str, Any]:
     )
     scale = near.attrs["contact_modulus"] * near.attrs["rms_gradient"]
     fall, middle = gap[:, 0] - gap[:, 1], load.mean(axis=1)
-    stored = contact.energy.values / usual.attrs["full_contact_energy"]
+    numbers = reduced_numbers(contact)
+    stored = numbers["energy_ratio"].values
     path = _path_work(contact, usual.attrs) / usual.attrs["full_contact_energy"]
     with np.errstate(divide="ignore", invalid="ignore"):
         checks = {
@@ -101,7 +99,7 @@ def _checked(near: xr.Dataset, usual: xr.Dataset) -> dict[str, Any]:
             "stiffness_check": np.diff(load, axis=1)[:, 0]
             * (near.attrs["rms_height"] / fall / middle / contact.stiffness.values),
         }
-    checks |= {"energy_ratio_first": stored, "gap_first": contact.mean_gap.values / usual.attrs["rms_height"]}
+    checks |= {"energy_ratio_first": stored, "gap_first": numbers["gap"].values}
     return {name: ("load", values) for name, values in checks.items()}
 
 
@@ -116,15 +114,13 @@ def _path_work(contact: xr.Dataset, attributes: Mapping[str, float]) -> Array:
 
 
 def _left(checks: Mapping[Any, xr.Dataset]) -> dict[str, Any]:
-    at = [checks[t].isel(grid=0, shift=0) for t in _STRICT]
-    values = {
-        "energy_ratio": [result.energy.values / result.attrs["full_contact_energy"] for result in at],
-        "gap": [result.mean_gap.values / result.attrs["rms_height"] for result in at],
-        "compliance": [1 / result.stiffness.values for result in at],
-    }
+    *looser, strictest = (reduced_numbers(checks[t].isel(grid=0, shift=0)) for t in _STRICT)
     with np.errstate(divide="ignore", invalid="ignore"):
-        changes = {name: np.abs(np.array(v[:-1]) / v[-1] - 1) for name, v in values.items()}
-    return {f"left_{name}": (("tolerance", "load"), change) for name, change in changes.items()}
+        changes = {
+            f"left_{name}": np.abs([numbers[name] / best - 1 for numbers in looser])
+            for name, best in strictest.items()
+        }
+    return {name: (("tolerance", "load"), change) for name, change in changes.items()}
 
 
 def views(data: xr.Dataset) -> Views:

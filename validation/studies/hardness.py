@@ -18,12 +18,21 @@ from validation.effects.hardness import Hardness
 from validation.execution.bench import Bench
 from validation.execution.press import Press
 from validation.execution.running import Solves
-from validation.measurements.common import BASE_SOLID, base_case
+from validation.measurements.common import BASE_SOLID, Counts, base_case
 from validation.measurements.limits import ABSENT, straight_limit
 from validation.measurements.yielding import remaining_by_theory, remaining_waves, yielded_by_theory
 from validation.report.estimates import claim, derive, gather, mean, spread
-from validation.report.marks import Figure, Line
-from validation.report.views import Column, Finding, Table, Views, against, finding, of_one_surface
+from validation.report.views import (
+    Column,
+    Figure,
+    Finding,
+    Line,
+    Table,
+    Views,
+    against,
+    finding,
+    of_one_surface,
+)
 from validation.studies._options import Bandwidth, Hurst, Periods, Positives, Seed, StudyOptions, above_one
 from validation.units import Positive, wrong
 
@@ -47,7 +56,7 @@ class Options(StudyOptions):
     seed: Seed = 11
     surfaces: int = Field(default=2, ge=1)
     """how many"""
-    grids: Annotated[tuple[Annotated[int, Field(ge=2)], ...], Field(min_length=1)] = (64, 128, 256)
+    grids: Annotated[Counts, Field(min_length=1)] = (64, 128, 256)
     """points along a side; the limit is that of the two finest, the one before says how sure it is"""
     hurst: Hurst = 0.8
     periods: Periods = 4.0

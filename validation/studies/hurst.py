@@ -13,13 +13,15 @@ from pydantic import Field
 from persson.elastic import KAPPA_BGT, KAPPA_PERSSON
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
-from validation.measurements.common import SHIFTS, Ladder, Rising, base_surface
+from validation.measurements.by_solver import beside_bem
+from validation.measurements.common import SHIFTS, Ladder, Rising
 from validation.measurements.convergence import Ladders, bandwidth_of, pressed_pairs, spectral_errors
-from validation.measurements.kappa_by_solver import KappaBySolver
-from validation.measurements.limits import limits_of, solved, solver_error
+from validation.measurements.grids import method_limit
+from validation.measurements.limits import Measured, limits_of, solved, solver_error
+from validation.measurements.measurement import grid_for
 from validation.measurements.references import ladders_beside_published, papers_of, published
 from validation.measurements.theory import RANKED, VARIANTS, with_ensemble, with_variants
-from validation.report.estimates import change, claim, derive, gather, mean
+from validation.report.estimates import change, claim_shares, derive, gather, mean
 from validation.solvers import chosen_solver
 from validation.studies._hurst_views import views
 from validation.studies._options import (
@@ -35,9 +37,6 @@ from validation.studies._options import (
 )
 
 __all__ = ["Options", "design", "run", "views"]
-
-#: Options of the surfaces that other solvers press, which begin with `method_`.
-_OF_METHODS = ("bandwidth", "reduced_pressure", "pairs", "points_per_wave")
 
 
 class Options(StudyOptions):
@@ -103,15 +102,6 @@ class Options(StudyOptions):
         return tuple(name for name in self.methods if name != "bem")
 
     @property
-    def beside(self) -> KappaBySolver | None:
-        """What other solvers press; None without them."""
-        options = self.model_dump(include={"periods", "shifts", "seed"})
-        options |= {name: getattr(self, f"method_{name}") for name in _OF_METHODS}
-        hursts, per_wave = tuple(sorted(set(self.hursts))), self.points_per_wave
-        each = KappaBySolver(solvers=self.others, hursts=hursts, bem_points_per_wave=per_wave, **options)
-        return each if self.others else None
-
-    @property
     def climbed(self) -> Ladders | None:
         """The ladders; None without them."""
         hursts = self.hursts if self.ladder_hursts is None else self.ladder_hursts
@@ -130,17 +120,40 @@ _Case = tuple[Any, ...]
 def design(options: Options) -> dict[_Case, Call]:
     """Return the solves: every spectrum's pairs, one of them with a smaller residual, and those of the ladders."""
     cases: dict[_Case, Call] = {}
-    sample = options.model_dump(include={"periods", "seed"})
     for (family, hurst), bandwidth in options.spectra.items():
-        surface = base_surface(hurst=hurst, bandwidth=bandwidth, **sample)
+        surface = options.self_affine(hurst=hurst, bandwidth=bandwidth)
         loads, count = options.reduced_pressures, {"pairs": options.pairs, "shifts": options.shifts}
         solves = pressed_pairs(surface, loads, options.points_per_wave, **count)
         cases |= {(family, hurst, k): solve for k, solve in enumerate(solves)}
     usual = next(iter(cases.values()))
     cases["strict",] = usual.but(tolerance=usual["tolerance"] / 100)
-    if options.beside:
-        cases |= options.beside.cases
+    if options.others:
+        cases |= _by_solver(options)
     return cases | (options.climbed.cases if options.climbed else {})
+
+
+def _by_solver(options: Options) -> dict[_Case, Call]:
+    """Return what several solvers press: "solver", its name, H, surface, and points per wave but of boundary elements."""
+    cases: dict[_Case, Call] = {}
+    loads, count = (
+        (options.method_reduced_pressure,),
+        {"pairs": options.method_pairs, "shifts": options.shifts},
+    )
+    for hurst in sorted(set(options.hursts)):
+        surface = options.self_affine(hurst=hurst, bandwidth=options.method_bandwidth)
+        solves = pressed_pairs(surface, loads, options.points_per_wave, **count)
+        cases |= {("solver", "bem", hurst, k): solve for k, solve in enumerate(solves)}
+        for name, (k, solve), n in itertools.product(
+            options.others, enumerate(solves), options.method_points_per_wave
+        ):
+            solver, settings = chosen_solver(name)
+            cases["solver", name, hurst, k, n] = beside_bem(
+                problem=solve["problem"],
+                grid=grid_for(solve["problem"], n),
+                method=solver.name,
+                settings=tuple(settings.items()),
+            )
+    return cases
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -154,14 +167,14 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     measured = solved(bench, cases)
     share = solver_error(measured[next(iter(cases))], measured["strict",])
     data = _of_spectra(options, cases, measured)
-    data = claim(data, "kappa", solver=share * data.kappa)
-    if options.beside:
-        data = data.merge(options.beside.reduced(measured), combine_attrs="override")
+    data = claim_shares(data, "kappa", solver=share)
+    if options.others:
+        data = data.merge(_of_solvers(options, cases, measured), combine_attrs="override")
     if options.climbed:
-        climbed = options.climbed.reduced({case: measured[case] for case in options.climbed.cases})
+        climbed = options.climbed.reduced(measured)
         data = data.merge(ladders_beside_published(climbed), combine_attrs="override")
         spectral = spectral_errors(data, hurst=data.hurst, bandwidth=data.bandwidth, periods=options.periods)
-        data = claim(data, "kappa", **{source: part * data.kappa for source, part in spectral.items()})
+        data = claim_shares(data, "kappa", **spectral)
     data = data.assign(kappa_bgt=KAPPA_BGT, kappa_persson_light=KAPPA_PERSSON)
     data = data.merge(published("kappa")) if options.literature else data
     seconds = sum(float(result.seconds.sum()) for result in measured.values())
@@ -171,9 +184,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     return data.assign_attrs(methods=methods, periods=options.periods, seconds=seconds)
 
 
-def _of_spectra(
-    options: Options, cases: Mapping[_Case, Call], measured: Mapping[_Case, xr.Dataset]
-) -> xr.Dataset:
+def _of_spectra(options: Options, cases: Mapping[_Case, Call], measured: Measured) -> xr.Dataset:
     parts, surfaces = {}, range(2 * options.pairs)
     for (family, hurst), bandwidth in options.spectra.items():
         part = gather({k: limits_of(measured[family, hurst, k]) for k in surfaces}, surface=surfaces)
@@ -197,3 +208,35 @@ def _of_spectra(
     spread = "{0}.max(['hurst', 'load']) / {0}.min(['hurst', 'load']) - 1"
     spreads = {f"{name}_spread": spread.format(name) for name in ("kappa", "kappa_pixel")}
     return data.assign(derive(bare, **spreads)[[*spreads]])
+
+
+def _of_solvers(options: Options, cases: Mapping[_Case, Call], measured: Measured) -> xr.Dataset:
+    """Kappa (solver, hurst) by each solver's own limit over its own grids, and over that of boundary elements."""
+    names, parts = {f"area{end}": f"area_by_solver{end}" for end in ("_each", "_each_error")}, {}
+    for place in dict.fromkeys(case[1:4] for case in cases if case[0] == "solver"):
+        if place[0] == "bem":
+            limit = limits_of(measured["solver", *place]).isel(load=0, drop=True)[[*names]].rename(names)
+        else:
+            of = [("solver", *place, n) for n in options.method_points_per_wave]
+            answers, grids = [measured[case] for case in of], [cases[case]["grid"] for case in of]
+            limit = method_limit(answers, grids, "area_by_solver")
+        parts[place] = limit.drop_attrs().assign_attrs(limit.attrs)
+    solvers, hursts, surfaces = (list(dict.fromkeys(along)) for along in zip(*parts, strict=True))
+    data = gather(parts, solver=solvers, hurst=hursts, surface_by_solver=surfaces)
+    data = data.rename(solve="solve_by_solver").drop_vars("surface_by_solver")
+    bem = data.sel(solver="bem", drop=True)
+    data = data.assign(
+        area_bem_each=bem.area_by_solver_each,
+        area_bem_each_error=bem.area_by_solver_each_error,
+        reduced_pressure_by_solver=options.method_reduced_pressure,
+        bandwidth_by_solver=options.method_bandwidth,
+    )
+    data = derive(
+        data,
+        kappa_persson_by_solver="erf(2**.5 * reduced_pressure_by_solver) / reduced_pressure_by_solver",
+        kappa_by_solver_each="area_by_solver_each / reduced_pressure_by_solver",
+        kappa_by_solver_difference_each="area_by_solver_each / area_bem_each - 1",
+    )
+    # The grids of a method are off to one side on all surfaces.
+    means = ("kappa_by_solver", "kappa_by_solver_difference")
+    return mean(data, *means, over="surface_by_solver", pairs=True, alike=True)

@@ -13,7 +13,7 @@ import xarray as xr
 from pydantic import Field
 
 from validation.execution.bench import Bench
-from validation.measurements.common import BASE_SOLID, Rising, base_case
+from validation.measurements.common import BASE_SOLID, Rising, RisingSeveral, base_case
 from validation.measurements.measurement import grid_for
 from validation.measurements.slopes import CHANGES, changes_of, steepened, with_differences
 from validation.report.estimates import claim
@@ -31,7 +31,7 @@ class Options(StudyOptions):
 
     why_no_scene = "it makes surfaces steeper at one reduced load"
 
-    slopes: Rising = Field(default=(0.05, 0.1, 0.2, 0.4, 0.7), min_length=2)
+    slopes: RisingSeveral = (0.05, 0.1, 0.2, 0.4, 0.7)
     """h'_rms of the surfaces, rising"""
     reduced_pressures: Rising = (0.05, 0.2)
     """p* = p0 / (E* h'_rms) with the realised gradient of each surface"""
@@ -41,7 +41,7 @@ class Options(StudyOptions):
     periods: Periods = 1.0
     bandwidth: Bandwidth = 2.0
     surfaces: Surfaces = 4
-    points_per_wave: Rising = Field(default=(12.0, 16.0), min_length=2)
+    points_per_wave: RisingSeveral = (12.0, 16.0)
     """grids, as lambda_short/dx; the finest gives the value, its distance to the one before the uncertainty"""
     seed: Seed = 2006
 

@@ -20,8 +20,7 @@ from validation.measurements.flow import GAP_THEORIES, NARROW, flow_of, leaks
 from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import grid_for
 from validation.report.estimates import claim, derive, mean, same_of_all, spread
-from validation.report.marks import Figure, Level, Line, against, panels_along
-from validation.report.views import Finding, Table, Views, finding
+from validation.report.views import Figure, Finding, Level, Line, Table, Views, against, finding, panels_along
 from validation.studies._options import Hurst, Periods, Seed, StudyOptions, Surfaces
 from validation.studies._study import gathered
 

@@ -17,7 +17,7 @@ from persson.errors import OutsideTheory
 from persson.percolation import SITE_THRESHOLD
 from persson.separation import macroasperity_magnification
 from validation.execution.bench import Bench
-from validation.measurements.common import Rising, RisingOrNone, base_case
+from validation.measurements.common import Rising, RisingOrNone, RisingSeveral, base_case
 from validation.measurements.limits import ABSENT, stored_variables
 from validation.measurements.magnified import magnified, with_macroasperities
 from validation.measurements.measurement import grid_for
@@ -33,9 +33,7 @@ class Options(StudyOptions):
 
     why_no_scene = "it asks about spectra with a roll-off, and makes a surface for each"
 
-    reduced_pressures: Rising = Field(
-        default=(0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0), min_length=2
-    )
+    reduced_pressures: RisingSeveral = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
     """p* = p0 / (E* h'_rms) with the gradient of all waves, rising"""
     magnifications: Annotated[Rising, Field(min_length=3)] = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.7, 8.0)
     """zeta = q/q_0 of the last wave there is, rising; the last is at most the bandwidth"""

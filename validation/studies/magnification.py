@@ -11,13 +11,14 @@ from persson import elastic
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
 from validation.measurements.common import SHIFTS, Ladder, Rising
-from validation.measurements.limits import limits_of, solved
+from validation.measurements.limits import limits_of
 from validation.measurements.measurement import TOLERANCE, press_on_grids, truncated_heights
 from validation.measurements.theory import modes_finding
-from validation.report.estimates import derive, gather, mean
+from validation.report.estimates import derive, mean
 from validation.report.views import Figure, Table, Views, against, finding
 from validation.studies._options import Bandwidth, Shifts, Surfaces
 from validation.studies._scene import PressedOptions
+from validation.studies._study import gathered
 
 
 class Options(PressedOptions):
@@ -58,14 +59,13 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Area (surface, magnification, load), its mean over the surfaces, and the theory told the realised gradient of
     the waves that are there, or C(q) alone up to that magnification.
     """
-    first, cases = options.first, design(options)
-    q_long = 2 * np.pi / first.longest
-    limits = {}
-    for (k, zeta), measured in solved(bench, cases).items():
-        problem, grids = (cases[k, zeta][name] for name in ("problem", "grids"))
-        gradient = truncated_heights(problem, grids[0], truncation=zeta * q_long).rms_gradient
-        limits[k, zeta] = limits_of(measured, drift=False).assign(truncated_gradient_each=gradient)
-    data = gather(limits, surface=range(options.surfaces), magnification=options.magnifications)
+    first, q_long = options.first, 2 * np.pi / options.first.longest
+
+    def limits(measured: xr.Dataset, call: Call) -> xr.Dataset:
+        cut = truncated_heights(call["problem"], call["grids"][0], truncation=call["truncation"])
+        return limits_of(measured, drift=False).assign(truncated_gradient_each=cut.rms_gradient)
+
+    data = gathered(bench, design(options), limits, "surface", "magnification")
     data["stress_variance_ensemble"] = xr.full_like(data.magnification, np.nan)
     if first.spectrum is not None:
         q = np.minimum(data.magnification * q_long, first.spectrum.q_short)

@@ -16,7 +16,7 @@ import xarray as xr
 from pydantic import Field, model_validator
 
 from validation.execution.bench import Bench
-from validation.measurements.common import Ladder, Rising, RisingOrNone, base_case, base_surface
+from validation.measurements.common import Counts, Ladder, Rising, RisingOrNone, base_case
 from validation.measurements.limits import solved
 from validation.measurements.table_samples import QUANTITIES, SampledSpectrum, joined, with_size
 from validation.measurements.theory import VARIANTS, with_variants
@@ -56,10 +56,10 @@ class Options(StudyOptions):
     """grids, as lambda_short/dx, rising"""
     largest: int = Field(default=500, ge=2)
     """points along a side beyond which a fourth or later grid is left out"""
-    pairs: Annotated[tuple[Annotated[int, Field(ge=2)], ...], Field(min_length=2)] = (80, 18, 6, 2)
+    pairs: Annotated[Counts, Field(min_length=2)] = (80, 18, 6, 2)
     """pairs +h, -h at bandwidth 16 that end with each of the grids, coarsest first; elsewhere in proportion
     to 1/bandwidth, at least 4"""
-    wide_pairs: tuple[Annotated[int, Field(ge=2)], ...] = (40, 4, 4, 4)
+    wide_pairs: Counts = (40, 4, 4, 4)
     """the same beyond bandwidth 16, as they stand; at least 4 on the coarsest grid"""
     unsolved: int = Field(default=10, ge=1)
     """pairs that are not solved, only looked at, for each that ends with the coarsest grid"""
@@ -138,7 +138,7 @@ def spectra(options: Options, amplitudes: str) -> dict[tuple[float, float], Samp
     """Return what is solved by Hurst exponent and bandwidth, of surfaces with such amplitudes."""
     sampled = {}
     for hurst, bandwidth in itertools.product(options.hursts, options.bandwidths):
-        sharp = base_surface(hurst=hurst, periods=options.periods, bandwidth=bandwidth, seed=options.seed)
+        sharp = options.self_affine(hurst=hurst, bandwidth=bandwidth)
         surface = sharp.model_copy(update={"amplitudes": amplitudes})
         sampled[hurst, bandwidth] = SampledSpectrum(
             base=base_case(surface, reduced_pressure=options.reduced_pressures[0]),

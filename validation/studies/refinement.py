@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Annotated, Any, ClassVar, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 import xarray as xr
@@ -27,11 +26,11 @@ from validation.measurements.grids import (
     with_distances,
     with_methods,
 )
-from validation.measurements.limits import solved, solver_error
+from validation.measurements.limits import Measured, solved, solver_error
 from validation.measurements.measurement import TOLERANCE, grid_for, grids_for, press_on_grids
 from validation.measurements.references import beside_published, papers_of
 from validation.measurements.theory import ensemble_area
-from validation.report.estimates import claim, gather
+from validation.report.estimates import claim_shares, gather
 from validation.solvers.theory import predict
 from validation.studies._options import Element, Hurst, Methods, ReducedPressure, Shifts, Surfaces
 from validation.studies._refinement_views import views
@@ -55,9 +54,7 @@ _Case = tuple[str | float | int, ...]
 class Options(PressedOptions):
     """Surfaces, grids, and what is measured beside them."""
 
-    off: ClassVar[Mapping[str, Any]] = {"ladders": False} | dict.fromkeys(
-        ("grid_scale_grids", "grid_scale_hursts", "elements"), ()
-    )
+    off = ("ladders", "grid_scale_grids", "grid_scale_hursts", "elements")
     slots = frozenset({"response", "pressure bound"})
     plain = "an adhesive contact jumps from grid to grid, and has no law of refinement"
 
@@ -171,10 +168,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = _of_boundary_elements(options, measured)
     shares: dict[str, Any] = {}
     if options.ladders:
-        climbed = options.climbed.reduced({case: measured[case] for case in options.climbed.cases})
+        climbed = options.climbed.reduced(measured)
         data = data.merge(climbed, combine_attrs="override")
         shares = spectral_errors(climbed, **options.model_dump(include={"hurst", "bandwidth", "periods"}))
-        data = claim(data, "kappa", **{source: share * data.kappa for source, share in shares.items()})
+        data = claim_shares(data, "kappa", **shares)
 
     def part(name: str) -> dict[_Case, xr.Dataset]:
         return {case[1:]: result for case, result in measured.items() if case[0] == name}
@@ -189,8 +186,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         strict = {str(element): measured["strict", element] for element in options.blocks}
         meshes = grids_for(options.first, options.fem_points_per_wave)
         data = with_blocks(data, part("fem"), strict, meshes)
-        further = {source: share * data.kappa_fem for source, share in shares.items()}
-        data = claim(data, "kappa_fem", **further)
+        data = claim_shares(data, "kappa_fem", **shares)
     if options.beside:
         grids = {solver.name: solver.grids for solver in options.beside}
         data = with_methods(data, part("other"), grids, options.first)
@@ -200,7 +196,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     return data.assign_attrs(shifts=options.shifts, methods=methods, **options.spectrum_words)
 
 
-def _of_boundary_elements(options: Options, measured: Mapping[_Case, xr.Dataset]) -> xr.Dataset:
+def _of_boundary_elements(options: Options, measured: Measured) -> xr.Dataset:
     surfaces, load = range(options.surfaces), options.reduced_pressure
     data = gather({k: on_grids(measured["grids", k]) for k in surfaces}, surface=surfaces)
     # Persson's theory knows some of the effects of a scene.
@@ -215,4 +211,4 @@ def _of_boundary_elements(options: Options, measured: Mapping[_Case, xr.Dataset]
     data["area_ensemble_each"] = "surface", ensemble
     data = with_distances(data, theory=not options.effects)
     usual = measured["grids", 0].isel(grid=slice(0, measured["strict",].sizes["grid"]))
-    return claim(data, "kappa", solver=solver_error(usual, measured["strict",]) * data.kappa)
+    return claim_shares(data, "kappa", solver=solver_error(usual, measured["strict",]))

@@ -22,7 +22,7 @@ from fem_contact.viscoelastic import TabulatedSolid
 from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.files import read_whole
-from validation.measurements.common import Rising, base_case, in_rising_order
+from validation.measurements.common import RisingSeveral, base_case, in_rising_order
 from validation.measurements.limits import ABSENT
 from validation.measurements.measurement import grids_for
 from validation.measurements.sliding import SHARES, Rubber, slid_of, slides
@@ -52,7 +52,7 @@ class Options(RubberOptions):
     """file of a measured modulus, in place of both: lines of omega [1/s], E' [Pa], E'' [Pa]"""
     length: Length = 1e-3
     """period of the surface"""
-    points_per_wave: Rising = Field(default=(4.0, 8.0, 16.0), min_length=2)
+    points_per_wave: RisingSeveral = (4.0, 8.0, 16.0)
     """grids, as lambda_short/dx; the finest gives the value"""
 
     @model_validator(mode="after")

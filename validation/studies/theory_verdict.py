@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -17,7 +17,7 @@ from validation.measurements.limits import solved, solver_error
 from validation.measurements.load_path import moved_shares
 from validation.measurements.measurement import grids_for, press_on_grids
 from validation.measurements.theory import RANKED, modes_finding
-from validation.report.estimates import claim, derive
+from validation.report.estimates import claim_shares, derive
 from validation.report.values import value_of
 from validation.report.views import Figure, Finding, Table, Views, against, finding, ranking
 from validation.scenes.tables import Load
@@ -31,7 +31,7 @@ from validation.units import Positive
 class Options(pressure.Options):
     """Those of the study `pressure`, and what else is scored."""
 
-    off: ClassVar[Mapping[str, Any]] = {"ladder_reduced_pressures": (), "edge": False}
+    off = ("ladder_reduced_pressures", "edge")
 
     ladder_reduced_pressures: tuple[Positive, ...] = (0.05, 0.4)
     """p* at which it is measured how the area moves with bandwidth and sample, for the budget; none to
@@ -54,8 +54,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     # What is unknown is refused before anything is solved.
     theories = (*persson_variants(), *map(find_theory, options.theory))
     data = pressure.measured_path(options, bench=bench)
-    shares = {"solver": _solver_share(options, bench), **_spectral_shares(options, bench)}
-    data = claim(data, "area", **{source: data.area * share for source, share in shares.items()})
+    shares: dict[str, Any] = {"solver": _solver_share(options, bench), **_spectral_shares(options, bench)}
+    data = claim_shares(data, "area", **shares)
     data = distances(beside(data, theories, options.pressed))
     pooled = data.stress_share_each.sum("surface").values
     predicted = (stress_shares(theory, options.first, options.reduced_pressures) for theory in theories)

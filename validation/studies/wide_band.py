@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 
 from validation import reference
+from validation.arrays import Array
 from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.execution.store import read_numbers
@@ -63,52 +64,58 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
             f"fitted_to = {options.fitted_to:g}: leaves {narrow.sum()} of {narrow.size} bandwidths, "
             f"needs {_LEAST} to fit to and others to judge by"
         )
-    over, each = ("hurst", "reduced_pressure"), ("law", "hurst", "reduced_pressure")
-    alpha = np.array(
-        [[nayak(hurst=h, bandwidth=b) for b in data.bandwidth.values] for h in data.hurst.values]
+    alpha = xr.DataArray(
+        [[nayak(hurst=h, bandwidth=b) for b in data.bandwidth.values] for h in data.hurst.values],
+        dims=("hurst", "bandwidth"),
     )
     halves = total_error(data, "area_excess", sources=_INDEPENDENT)
     assert halves is not None  # a table has it
     far = np.geomspace(alpha.max(), 1e12, 400)
-    shape = (len(LAWS), data.hurst.size, data.reduced_pressure.size)
-    blind, blind_halves = np.full((2, *shape, data.bandwidth.size), np.nan)
-    misfit, close = np.full((2, *shape), np.nan)
-    ends, end_halves = np.full((2, *shape[1:]), np.nan)
-    for (m, i, j), _ in np.ndenumerate(misfit):
-        at = {"hurst": i, "reduced_pressure": j}
-        points = np.array([alpha[i], data.area_excess.isel(at), halves.isel(at)])
+
+    def fitted(law: str, *points_of_cell: Array) -> tuple[Array | float, ...]:
+        points = np.array(points_of_cell)
         there = np.isfinite(points).all(axis=0)
         if (narrow & there).sum() < _LEAST:
-            continue
-        seen = fit(LAWS[m], *points[:, narrow & there], at=np.append(alpha[i], np.inf))
-        blind[m, i, j], blind_halves[m, i, j] = seen.values[:-1], seen.halves[:-1]
-        whole = fit(LAWS[m], *points[:, there], at=np.append(far, np.inf))
-        misfit[m, i, j] = whole.chi_square / whole.freedom
-        below = np.flatnonzero(whole.values[:-1] < _CLOSE)
-        close[m, i, j] = far[below[0]] if below.size else np.nan
-        if LAWS[m] == "saturation":
-            ends[i, j] = whole.values[-1]
-            end_halves[i, j] = np.hypot(whole.halves[-1], whole.values[-1] - seen.values[-1])
-    data = data.assign_coords(law=[*LAWS]).assign(
-        nayak_by_spectrum=(("hurst", "bandwidth"), alpha),
-        area_excess_law=((*each, "bandwidth"), blind),
-        law_misfit=(each, misfit),
-        nayak_close=(each, close),
-        area_excess_limit=(over, ends),
+            return (*np.full((2, narrow.size), np.nan), *[np.nan] * 4)
+        seen = fit(law, *points[:, narrow & there], at=np.append(points[0], np.inf))
+        whole = fit(law, *points[:, there], at=np.append(far, np.inf))
+        end = whole.values[-1]
+        end_half = np.hypot(whole.halves[-1], end - seen.values[-1])
+        misfit, below = whole.chi_square / whole.freedom, far[whole.values[:-1] < _CLOSE]
+        return seen.values[:-1], seen.halves[:-1], misfit, min(below, default=np.nan), end, end_half
+
+    along, laws = ["bandwidth"], xr.DataArray([*LAWS], dims="law", coords={"law": [*LAWS]})
+    blind, blind_halves, misfit, close, ends, end_halves = xr.apply_ufunc(
+        fitted,
+        laws,
+        alpha,
+        data.area_excess,
+        halves,
+        input_core_dims=[[], along, along, along],
+        output_core_dims=[along, along, [], [], [], []],
+        vectorize=True,
+        keep_attrs=False,
     )
-    data = claim(data, "area_excess_law", bandwidth=xr.DataArray(blind_halves, dims=(*each, "bandwidth")))
+    ends, end_halves = (values.sel(law="saturation", drop=True) for values in (ends, end_halves))
+    data = data.assign(
+        nayak_by_spectrum=alpha,
+        area_excess_law=blind,
+        law_misfit=misfit,
+        nayak_close=close,
+        area_excess_limit=ends,
+    )
     # The size of the sample moves all bandwidths alike, and so the limit.
-    size = data.area_excess_error.sel(source="size", drop=True).max("bandwidth").transpose(*over)
-    ends_error = (xr.DataArray(end_halves, dims=over) ** 2 + size.fillna(0.0) ** 2) ** 0.5
-    data = claim(data, "area_excess_limit", bandwidth=ends_error)
-    for name in ("area_excess_law", "area_excess_limit"):
+    size = data.area_excess_error.sel(source="size", drop=True).max("bandwidth").fillna(0.0)
+    errors = {"area_excess_law": blind_halves, "area_excess_limit": (end_halves**2 + size**2) ** 0.5}
+    for name, half in errors.items():
+        data = claim(data, name, bandwidth=half)
         data[f"{name}_error"].attrs[LIMIT] = "bandwidth"
     judged = xr.DataArray(~narrow, dims="bandwidth")
     miss = (data.area_excess_law - data.area_excess).where(judged).drop_attrs()
     joint = (data.area_excess_law_error.sel(source="bandwidth", drop=True) ** 2 + halves**2) ** 0.5
     cells = ("hurst", "bandwidth", "reduced_pressure")
     return data.assign(
-        law_miss=miss.transpose(*each, "bandwidth"),
+        law_miss=miss.transpose(..., "bandwidth"),
         law_miss_rms=(miss**2).mean(cells) ** 0.5,
         cells_within=(abs(miss) <= joint).sum(cells).astype(float),
         cells_scored=miss.notnull().sum(cells).astype(float),
