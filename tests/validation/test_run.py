@@ -204,25 +204,6 @@ def test_a_killed_run_continues_after_its_finished_solves(write_scene, tmp_path)
     assert times == {solve.key: store.path(solve).stat().st_mtime_ns for solve in finished}
 
 
-def test_ctrl_c_keeps_what_is_finished_and_leaves_no_drafts(read_scene, tmp_path, monkeypatch):
-    scene = read_scene(fem=False)
-    done = []
-
-    do = Press.do
-
-    def interrupted(solve, threads=None):
-        if len(done) == 2:
-            raise KeyboardInterrupt
-        done.append(solve)
-        return do(solve, threads=threads)
-
-    monkeypatch.setattr(Press, "do", interrupted)
-    with pytest.raises(KeyboardInterrupt):
-        run_scene(scene, tmp_path / "results")
-    names = sorted(path.name for path in (tmp_path / "results" / "solves").iterdir())
-    assert names == sorted(f"{solve.key}.nc" for solve in done)
-
-
 @pytest.fixture
 def solves_nothing(monkeypatch):
     monkeypatch.setattr(Press, "do", lambda solve, threads=None: pytest.fail("computed"))
