@@ -14,6 +14,7 @@ import psutil
 import xarray as xr
 
 from validation.execution.attempt import Progress
+from validation.execution.bench import Bench
 from validation.execution.solve import Prediction, Solve
 from validation.sandbox import ONE_THREAD
 from validation.studies import area
@@ -49,6 +50,11 @@ class Killing(Notes):
         super().done(solve)
         if len(self.finished) == self.count:
             self.act()
+
+
+def solve_all(solves, store, **how):
+    """Solve on a bench of a store."""
+    return Bench(store=store, **how).solve(solves)
 
 
 class Numbers(Solve):

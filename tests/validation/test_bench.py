@@ -18,15 +18,14 @@ import numpy as np
 import psutil
 import pytest
 from gold.asked import STUDIES
-from solving import Killing, Notes, Slow, dask_cluster
+from solving import Killing, Notes, Slow, dask_cluster, solve_all
 
 from validation.audit import audit
 from validation.errors import RunFailed, UsageError
 from validation.execution import pool
 from validation.execution.attempt import Progress
-from validation.execution.bench import Bench, PlannedOnly
+from validation.execution.bench import Bench, Execution, PlannedOnly
 from validation.execution.cost import available_memory
-from validation.execution.running import Execution, solve_all
 from validation.execution.store import Store
 from validation.files import prepare_folder
 from validation.studies import Study, area, find_study, studies
@@ -219,7 +218,7 @@ def test_a_bench_that_only_plans_solves_nothing(tmp_path):
     store = Store(folder=tmp_path / "store")
     with pytest.raises(PlannedOnly) as planned:
         run_area(bench=Bench(store=store, plan_only=True), **CASES)
-    assert len(planned.value.solves) == 80
+    assert len(planned.value.args) == 80
     assert not store.folder.exists()
 
 
@@ -231,7 +230,7 @@ def test_each_planned_solve_of_a_study_takes_time_and_room_for_its_unknowns(name
     bench = Bench(store=Store(folder=tmp_path), plan_only=True)
     with pytest.raises(PlannedOnly) as planned:
         study.compute(study.options(**STUDIES[name]), bench=bench)
-    for solve in planned.value.solves:
+    for solve in planned.value.args:
         cost = solve.predict()
         assert cost.unknowns >= 1
         assert cost.peak_bytes >= 8 * cost.unknowns

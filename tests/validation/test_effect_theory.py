@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from solving import solve_all
 
 from fem_contact import Solid
 from persson import SelfAffine, constant_hardness, elastic
@@ -15,7 +16,6 @@ from validation.effects.adhesion import Adhesion
 from validation.effects.base import TheoryInputs
 from validation.effects.hardness import Hardness
 from validation.execution.press import solves_of
-from validation.execution.running import solve_all
 from validation.execution.store import Store
 from validation.scenes.problem import realise
 from validation.scenes.scene import load_scene

@@ -18,13 +18,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from small_scene import OBLONG, scene_in
+from solving import solve_all
 
 from fem_contact import NotConverged, find_patches
 from validation.comparison.run import report_scene, run_scene
 from validation.errors import RunFailed, UsageError
 from validation.execution.press import Press, solves_of
 from validation.execution.provenance import Made
-from validation.execution.running import solve_all
 from validation.execution.store import Store
 from validation.files import prepare_folder
 from validation.report.words import mathematics

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 from processes import ROOT, environment_of
-from solving import Numbers
+from solving import Numbers, solve_all
 
 from validation import files
-from validation.execution.running import Execution, solve_all
+from validation.execution.bench import Execution
 from validation.execution.store import Store, check_store
 from validation.files import atomic_path, prepare_folder, read_whole, remove_drafts, write_whole
 

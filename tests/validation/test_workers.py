@@ -16,11 +16,22 @@ from pathlib import Path
 import psutil
 import pytest
 from processes import ROOT, environment_of
-from solving import Deadly, DiesAtStart, Held, Killing, Notes, Numbers, Slow, dask_cluster, still_running
+from solving import (
+    Deadly,
+    DiesAtStart,
+    Held,
+    Killing,
+    Notes,
+    Numbers,
+    Slow,
+    dask_cluster,
+    solve_all,
+    still_running,
+)
 
 from validation.errors import RunFailed, UsageError
 from validation.execution.attempt import Outcome
-from validation.execution.running import Execution, solve_all
+from validation.execution.bench import Execution
 from validation.execution.store import Store
 from validation.files import prepare_folder
 from validation.sandbox import Child
