@@ -1,5 +1,7 @@
 """The command line in this process: what it says, and how it ends."""
 
+import json
+
 from typer.testing import CliRunner
 
 from validation.cli.commands import app
@@ -15,3 +17,8 @@ def output_of(*words):
     outcome = invoke(*words)
     assert outcome.exit_code == 0, outcome.exception or outcome.output
     return outcome.stdout
+
+
+def answer_of(*words):
+    """What it answers a script, read from JSON."""
+    return json.loads(output_of(*words, "--json"))

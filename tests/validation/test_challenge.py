@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commanding import invoke, output_of
+from commanding import answer_of, invoke
 
 from validation.cases.scorecard.challenge import export, score_folder
 from validation.errors import UsageError
@@ -45,7 +45,7 @@ def answered(problems, tmp_path_factory):
 
 
 def test_a_solver_in_plain_c_passes_every_row(answered):
-    (card,) = json.loads(output_of("challenge", "score", answered, "--json"))["scorecards"]
+    (card,) = answer_of("challenge", "score", answered)["scorecards"]
     assert card["passed"]
     assert set(card["left_out"]) == BEYOND
     assert {"hertz", "westergaard", "honesty", "rough-4"} <= {row["case"] for row in card["rows"]}

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from commanding import output_of
+from commanding import answer_of, output_of
 
 from validation.comparison.compare import compare_folders, side_by_side
 from validation.comparison.run import run_scene, run_sweep
@@ -143,4 +143,4 @@ def test_the_command_prints_and_writes(results, tmp_path, monkeypatch):
     assert "They differ in" in output_of(*arguments)
     assert (tmp_path / "results" / "compare-first-other" / "data.nc").exists()
     assert not (tmp_path / "results" / "compare-first-other" / "report.html").exists()
-    assert json.loads(output_of(*arguments, "--json"))["differing"]
+    assert answer_of(*arguments)["differing"]

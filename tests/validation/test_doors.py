@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from commanding import output_of
+from commanding import answer_of, output_of
 from small_scene import UNEQUAL
 
 import fem_contact as fc
@@ -253,7 +253,7 @@ def test_every_cell_of_the_reference_is_what_is_looked_up_there():
 def test_the_command_looks_up_what_the_notebook_does():
     at = {"hurst": 0.55, "ratio": 9.0, "reduced_pressure": 0.03}
     options = [str(word) for name, value in at.items() for word in (f"--{name.replace('_', '-')}", value)]
-    printed = json.loads(output_of("reference", *options, "--json"))
+    printed = answer_of("reference", *options)
     here = fc.reference(hurst=0.55, bandwidth=9.0, reduced_pressure=0.03)
     assert set(here) <= set(printed)
     for name, value in here.items():

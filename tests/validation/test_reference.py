@@ -1,14 +1,13 @@
 """The reference table: nodes as they stand, between them within the uncertainty, nothing outside."""
 
 import contextlib
-import json
 import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
-from commanding import invoke, output_of
+from commanding import answer_of, invoke, output_of
 from gold.asked import STUDIES
 from numpy.testing import assert_allclose
 from scipy.special import erf
@@ -114,9 +113,9 @@ def test_each_kind_of_amplitudes_and_of_gradient_has_its_own_numbers(planted):
         reference.lookup(**asked | {"hurst": 0.5}, amplitudes="gaussian")
     with pytest.raises(UsageError, match=r"gradient = 'profile': must be 'surface' or 'spectrum'"):
         reference.lookup(**asked, gradient="profile")
-    told = ["reference", "--hurst", "0.1", "--ratio", "8", "--reduced-pressure", "0.1", "--json"]
+    told = ["reference", "--hurst", "0.1", "--ratio", "8", "--reduced-pressure", "0.1"]
     told += ["--amplitudes", "gaussian", "--gradient", "spectrum"]
-    area, kappa = json.loads(output_of(*told)).values()
+    area, kappa = answer_of(*told).values()
     assert area["value"] == pytest.approx(1.02 * by_spectrum["area"].value, rel=1e-12)
     assert kappa["value"] == pytest.approx(10 * area["value"], rel=1e-12)
     assert area["persson"] == pytest.approx(erf(2**0.5 * 0.1), rel=1e-12)
@@ -230,7 +229,7 @@ def test_the_command_prints_what_is_looked_up(planted):
     found = reference.lookup(hurst=0.8, bandwidth=8.0, reduced_pressure=0.05)
     told = output_of(*asked)
     assert f"{found['area'].value:.3f}"[:5] in told
-    data = json.loads(output_of(*asked, "--json"))
+    data = answer_of(*asked)
     assert data["area"]["value"] == found["area"].value
     old = invoke(*asked[:-2], "--pressure", "0.05")
     assert old.exit_code == 2

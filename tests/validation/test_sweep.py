@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.stats
-from commanding import invoke, output_of
+from commanding import answer_of, invoke, output_of
 from small_scene import scene_in
 
 from fem_contact import NotConverged
@@ -360,16 +360,16 @@ def test_a_case_whose_solves_fail_is_a_row_and_the_command_says_so(small_scene, 
 def test_the_command_plans_explains_and_runs_a_sweep(small_scene, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     settings = ["--set", "sweep.seed=[3, 4]", "--set", "methods.bem.grids=[12, 24]", "--set", "shifts=1"]
-    plan = json.loads(output_of("run", small_scene, *settings, "--dry-run", "--json"))
+    plan = answer_of("run", small_scene, *settings, "--dry-run")
     assert [row["stored"] for row in plan] == [False] * 4
-    said = json.loads(output_of("explain", small_scene, *settings, "--json"))
+    said = answer_of("explain", small_scene, *settings)
     assert said["solves"] == 4
     assert [case["case"] for case in said["cases"]] == ["seed = 3", "seed = 4"]
     assert not (tmp_path / "results").exists()
-    done = json.loads(output_of("run", small_scene, *settings, "--json", "--no-report"))
+    done = answer_of("run", small_scene, *settings, "--no-report")
     (key,) = done["sweep"]["keys"]
     assert (key["key"], key["values"]) == ("surface.seed", [3, 4])
-    made = json.loads(output_of("report", "results/small", "--json"))
+    made = answer_of("report", "results/small")
     assert any(path.endswith("report.html") for path in made)
     refused = invoke("run", small_scene, *settings, "--accuracy", "1%")
     assert isinstance(refused.exception, UsageError)

@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 import pytest
-from commanding import output_of
+from commanding import answer_of, output_of
 from small_scene import scene_in
 
 from persson import CapillaryWaves, Scale, SelfAffine, constant_hardness, contact_area
@@ -424,10 +424,10 @@ def test_an_application_is_explained_with_its_spectrum(name):
 def test_the_command_line_runs_lists_and_plans_them(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
-    assert set(APPLICATIONS) <= set(json.loads(output_of("scenes", "list", "--json")))
-    assert json.loads(output_of("run", "pyrex", "--dry-run", "--json")) == []
+    assert set(APPLICATIONS) <= set(answer_of("scenes", "list"))
+    assert answer_of("run", "pyrex", "--dry-run") == []
     assert not list(tmp_path.iterdir())
-    found = json.loads(output_of("run", "pyrex-squeezed", "--json"))
+    found = answer_of("run", "pyrex-squeezed")
     assert found["kind"] == "theory"
     area = found["findings"][0]["values"]["area_ensemble"]["value"]
     assert area == pytest.approx(0.9356, abs=2e-4)

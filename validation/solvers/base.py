@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from pydantic import Field, StrictBool
 
 from fem_contact import contact
+from fem_contact.area import EDGE_CONSTANTS, discretisation
 from fem_contact.contact import ContactResult, Status
 from fem_contact.response import Response
 from fem_contact.solid import Solid
@@ -234,9 +235,9 @@ class Solver(Method):
     def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Run through the compiled passes once, so that no solve is charged with loading them."""
 
-    @abstractmethod
     def edge_constant(self, result: ContactResult) -> float:
-        """Edge constant of the perimeter correction of a result."""
+        """Edge constant of the perimeter correction of a result: that of the discretisation it names."""
+        return EDGE_CONSTANTS[discretisation(result)]
 
     def variant(self, settings: Mapping[str, Any]) -> str:
         """Name the compiled passes that the settings choose."""

@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field, StrictInt
 
-from fem_contact.area import EDGE_CONSTANTS, discretisation
-from fem_contact.contact import ContactResult
 from validation.arrays import Grid
 from validation.effects.base import Effect, effect_key
 from validation.errors import UsageError
@@ -111,7 +109,3 @@ class Bem(Solver):
     def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Press a small surface: large enough for all passes, those of single precision among them."""
         self.solve(replace(example_job(256, effects, tolerance=1e-6), threads=1))
-
-    def edge_constant(self, result: ContactResult) -> float:
-        """Return that of boundary elements, periodic or with free surroundings."""
-        return EDGE_CONSTANTS[discretisation(result)]
