@@ -5,14 +5,15 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-from pydantic import Field, StrictInt
+from pydantic import StrictInt
 
 from validation.arrays import Grid
 from validation.effects.base import Effect, effect_key
 from validation.errors import UsageError
 from validation.solvers.base import Cost, Gridded, Job, Shift, Size, Solved, Solver, example_job
+from validation.units import key
 
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
@@ -30,9 +31,7 @@ _DOUBLED = 14 * 8
 class BemOptions(Gridded):
     """FFT boundary elements on these grids, each on `shifts`^2 sub-grid shifts of the surface."""
 
-    shifts: Annotated[StrictInt, Field(ge=1, le=8)] = Field(
-        default=1, description="positions of the surface below the grid along each axis, e.g. 2"
-    )
+    shifts: StrictInt = key("positions of the surface below the grid along each axis, e.g. 2", 1, ge=1, le=8)
 
 
 class Bem(Solver):

@@ -16,10 +16,9 @@ import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import numpy as np
-from pydantic import Field
 
 from fem_contact import contact
 from fem_contact.errors import NotConverged
@@ -29,7 +28,7 @@ from validation.solvers.base import Blocks, Claim, Cost, Job, Size, Solved, chec
 from validation.solvers.bem import FIXED_BYTES, FIXED_PAIRS
 from validation.solvers.external import verified
 from validation.solvers.fem import BlockSolver, planned, unknowns_of
-from validation.units import Duration
+from validation.units import Duration, key
 
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
@@ -51,10 +50,10 @@ _PAIRS, _BYTES = 3e-4, 40.0
 class CalculixOptions(Blocks):
     """The block by CalculiX on these surface grids; direct linear solves, so that 32 x 32 is large."""
 
-    tolerance: Annotated[float, Field(gt=0, lt=1e-1)] = Field(
-        default=_ACCEPTED, description="largest residual that is accepted; its files carry seven digits"
+    tolerance: float = key(
+        "largest residual that is accepted; its files carry seven digits", _ACCEPTED, gt=0, lt=1e-1
     )
-    seconds: Duration | None = Field(default=None, description="time one solve may take; default: 10 min")
+    seconds: Duration | None = key("time one solve may take; default: 10 min", None)
 
 
 class Calculix(BlockSolver):

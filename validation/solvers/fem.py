@@ -7,8 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
-from pydantic import Field
-
 from fem_contact.contact import ContactResult
 from fem_contact.response import Response
 from validation.arrays import Array
@@ -17,6 +15,7 @@ from validation.errors import UsageError
 from validation.report.quantities import as_length
 from validation.solvers.base import Blocks, Cost, Job, Size, Solved, Solver, check_bodies, example_job
 from validation.solvers.bem import BYTES_PER_POINT, FIXED_BYTES, FIXED_PAIRS
+from validation.units import key
 
 if TYPE_CHECKING:
     from fem_contact.block.mesh import BlockMesh
@@ -41,8 +40,8 @@ _MOST_LAYERS = 4096
 class FemOptions(Blocks):
     """Finite-element block on these surface grids."""
 
-    method: Literal["full", "reduced"] = Field(
-        default="full", description="the whole system, or its exact reduction to the surface"
+    method: Literal["full", "reduced"] = key(
+        "the whole system, or its exact reduction to the surface", "full"
     )
 
 
