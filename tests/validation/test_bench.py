@@ -307,7 +307,7 @@ def test_an_interruption_anywhere_ends_the_workers_and_keeps_what_is_finished(tm
     monkeypatch.setattr(place, where, interrupted)
     solves, began = [Slow(k) for k in range(8)], time.monotonic()
     with pytest.raises(KeyboardInterrupt):
-        solve_all(solves, store, progress=progress, execution=Execution(workers=1 if where == "do" else 2))
+        solve_all(solves, store, progress=progress, workers=1 if where == "do" else 2)
     assert time.monotonic() - began < 120
     assert workers_of(os.getpid()) == []
     assert len(progress.finished) >= 1

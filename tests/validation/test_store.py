@@ -169,7 +169,7 @@ def test_a_stored_solve_says_how_it_was_made(stored):
 
 
 def test_results_say_how_they_were_made(tmp_path):
-    done = solve_all([Numbers(1), Numbers(2)], Store(folder=tmp_path))
+    done = solve_all([Numbers(1), Numbers(2)], tmp_path)
     assert [one.threads for one in done.made()] == [1, 1]
 
 
@@ -358,7 +358,7 @@ def test_bytes_are_on_the_disk_before_the_name_is(stored, monkeypatch):
 def test_a_run_syncs_the_names_of_what_it_stored(tmp_path, monkeypatch):
     synced = []
     monkeypatch.setattr("validation.execution.bench.sync_folder", synced.append)
-    solve_all([Numbers(1)], Store(folder=tmp_path))
+    solve_all([Numbers(1)], tmp_path)
     assert synced == [tmp_path]
 
 
