@@ -14,7 +14,9 @@ import psutil
 import xarray as xr
 
 from validation.execution.attempt import Progress
+from validation.execution.bench import Bench, Execution
 from validation.execution.solve import Prediction, Solve
+from validation.execution.store import Store
 from validation.sandbox import ONE_THREAD
 from validation.studies import area
 
@@ -49,6 +51,13 @@ class Killing(Notes):
         super().done(solve)
         if len(self.finished) == self.count:
             self.act()
+
+
+def solve_all(solves, store, *, progress=None, **execution):
+    """Solve on a bench of a store, or of a folder."""
+    store = store if isinstance(store, Store) else Store(folder=Path(store))
+    bench = Bench(store=store, execution=Execution(**execution), progress=progress or Progress())
+    return bench.solve(solves)
 
 
 class Numbers(Solve):

@@ -8,15 +8,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
+from solving import solve_all
 
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from validation.comparison import accuracy_search
 from validation.comparison.accuracy import parse_accuracy, reach
 from validation.comparison.accuracy_search import Metered, Search
 from validation.errors import RunFailed, SceneError, UsageError
-from validation.execution.bench import Bench
+from validation.execution.bench import Bench, Execution
 from validation.execution.press import solves_of
-from validation.execution.running import Execution, solve_all
 from validation.execution.store import Store
 from validation.measurements.common import base_surface
 from validation.measurements.ensemble import mean_area

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from commanding import invoke, output_of
 
 from fem_contact import ContactAreas, located_limit, perimeter_limit
 from fem_contact.area import EDGE_CONSTANTS, EDGE_MAPS, TRAITS
@@ -20,7 +20,6 @@ from validation.audit.ledger import Ledger, printed
 from validation.audit.limits import limit_over
 from validation.audit.reading import judge_fields, judge_surfaces
 from validation.audit.runs import Run, audit_run
-from validation.cli.commands import app
 from validation.comparison.accuracy import run_accurate
 from validation.comparison.run import run_scene, run_sweep
 from validation.errors import RunFailed, UsageError
@@ -234,18 +233,15 @@ def test_a_shift_in_the_other_direction_is_found(small_run):
 
 
 def test_the_command_exits_with_one_where_a_number_disagrees(small_run, copied):
-    runner = CliRunner()
-    sound = runner.invoke(app, ["audit", str(small_run.folder)])
-    assert sound.exit_code == 0
-    assert "data.nc: " in sound.output
+    assert "data.nc: " in output_of("audit", small_run.folder)
     _changed(copied, lambda data: data.assign(area_own=1.01 * data.area_own))
-    damaged = runner.invoke(app, ["audit", str(copied)])
+    damaged = invoke("audit", copied)
     assert damaged.exit_code == 1
     assert "data.nc: area_own: found" in damaged.output
 
 
 def test_the_command_refuses_a_folder_without_a_run(tmp_path):
-    outcome = CliRunner().invoke(app, ["audit", str(tmp_path)])
+    outcome = invoke("audit", tmp_path)
     assert type(outcome.exception).__name__ == "UsageError"
     assert "cannot be audited" in str(outcome.exception)
 
@@ -286,7 +282,7 @@ def test_a_hostile_folder_ends_in_a_line_within_seconds(copied, hostile):
             path.unlink()
             hostile(path)
             signal.alarm(60)
-            outcome = CliRunner().invoke(app, ["audit", str(copied)])
+            outcome = invoke("audit", copied)
             assert isinstance(outcome.exception, UsageError | RunFailed), (path, repr(outcome.exception))
             assert str(outcome.exception).count("\n") == 0
             path.rmdir() if path.is_dir() else path.unlink()

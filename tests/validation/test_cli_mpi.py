@@ -6,12 +6,11 @@ import threading
 from dataclasses import asdict
 
 import pytest
+from commanding import answer_of, invoke, output_of
 from thread_processes import ThreadComm, run_threads
-from typer.testing import CliRunner
 
 from fem_contact import contact_areas
 from fem_contact.bem import parallel
-from validation.cli.commands import app
 from validation.cli.parallel import run_parallel
 from validation.errors import UsageError
 from validation.execution.press import solves_of
@@ -37,10 +36,8 @@ def test_the_command_presses_the_surface_of_the_scene_and_uses_finished_grids_ag
 ):
     path = write_scene(("[methods.bem]", f"{effect}[methods.bem]"), ("[methods.theory]", ""), fem=False)
     monkeypatch.setattr(parallel, "communicator", alone)
-    command = ["run", str(path), "--mpi", "--json", "-o", str(tmp_path / "out")]
-    done = CliRunner().invoke(app, command)
-    assert done.exit_code == 0, done.output
-    found = json.loads(done.stdout)
+    command = ["run", path, "--mpi", "-o", tmp_path / "out"]
+    found = answer_of(*command)
     scene = load_scene(str(path))
     solves = [solve for solve in solves_of(scene, realise(scene)) if solve.method == "bem" and solve.is_own]
     for row, solve in zip(found["grids"], solves, strict=True):
@@ -53,14 +50,13 @@ def test_the_command_presses_the_surface_of_the_scene_and_uses_finished_grids_ag
     path = tmp_path / "out" / "mpi" / f"{solve.key}.json"
     whole = path.read_bytes()
     path.write_bytes(whole.replace(b'"pixel": 0.', b'"pixel": 7.'))
-    outcome = CliRunner().invoke(app, command)
+    outcome = invoke(*command, "--json")
     assert f"{path.name}: damaged" in outcome.stderr
     assert json.loads(outcome.stdout)["limit"] == found["limit"]
     path.write_bytes(whole)
     monkeypatch.setattr("fem_contact.bem.solve", None)
-    assert json.loads(CliRunner().invoke(app, command).stdout) == found
-    shown = CliRunner().invoke(app, [*command[:3], *command[4:]]).stdout
-    assert f"{found['limit']['value']:.6g}" in shown
+    assert answer_of(*command) == found
+    assert f"{found['limit']['value']:.6g}" in output_of(*command)
 
 
 def test_all_threads_write_one_file_and_the_first_speaks(tmp_path, read_scene, monkeypatch, capsys):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import typer
 from rich.text import Text
-from solving import Numbers
+from solving import Numbers, solve_all
 from typer.testing import CliRunner
 
 import validation
@@ -18,7 +18,6 @@ from validation.comparison.accuracy import reach
 from validation.errors import RunFailed
 from validation.execution.bench import Bench
 from validation.execution.results import read_results
-from validation.execution.running import solve_all
 from validation.execution.store import Store
 from validation.report.estimates import total_error
 from validation.scenes.scene import load_scene

@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
+from commanding import answer_of, output_of
 
-from validation.cli.commands import app
 from validation.comparison.compare import compare_folders, side_by_side
 from validation.comparison.run import run_scene, run_sweep
 from validation.errors import UsageError
@@ -141,9 +140,7 @@ def test_a_results_folder_is_not_written_over(results):
 def test_the_command_prints_and_writes(results, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     arguments = ["compare", str(results / "first"), str(results / "other"), "--no-report"]
-    done = CliRunner().invoke(app, arguments)
-    assert done.exit_code == 0, done.output
-    assert "They differ in" in done.output
+    assert "They differ in" in output_of(*arguments)
     assert (tmp_path / "results" / "compare-first-other" / "data.nc").exists()
     assert not (tmp_path / "results" / "compare-first-other" / "report.html").exists()
-    assert json.loads(CliRunner().invoke(app, [*arguments, "--json"]).output)["differing"]
+    assert answer_of(*arguments)["differing"]

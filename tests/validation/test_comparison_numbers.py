@@ -21,10 +21,10 @@ from validation.effects.hardness import Hardness
 from validation.effects.thickness import Thickness
 from validation.errors import UsageError
 from validation.execution.attempt import Progress
+from validation.execution.bench import Execution
 from validation.execution.fields import decode_result, fields_dataset
 from validation.execution.netcdf import dataset_bytes
 from validation.execution.press import Press
-from validation.execution.running import Execution
 from validation.measurements import ensemble
 from validation.measurements.pairs import Areas
 from validation.report.estimates import claim, derive

@@ -12,12 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from commanding import answer_of, output_of
 from small_scene import UNEQUAL
-from typer.testing import CliRunner
 
 import fem_contact as fc
 from validation.audit.reading import audit
-from validation.cli import app
 from validation.execution.bench import Bench
 from validation.execution.results import read_results
 from validation.notebook import Contact
@@ -92,12 +91,6 @@ def only(first, second):
     }
 
 
-def invoke(*arguments):
-    outcome = CliRunner().invoke(app, [*map(str, arguments)])
-    assert outcome.exit_code == 0, outcome.output
-    return outcome.stdout
-
-
 @pytest.fixture(scope="module", params=MORE)
 def doors(request, tmp_path_factory):
     """One scene by every command that solves, in a folder of its own each."""
@@ -105,11 +98,11 @@ def doors(request, tmp_path_factory):
     scene = folder / "scene.toml"
     scene.write_text(UNEQUAL + MORE[request.param])
     for name in ("run", "again"):
-        invoke("run", scene, "--output", folder / name, "--quiet", "--no-report")
-    invoke("compare", folder / "run", folder / "again", "--output", folder / "compare", "--no-report")
+        output_of("run", scene, "--output", folder / name, "--quiet", "--no-report")
+    output_of("compare", folder / "run", folder / "again", "--output", folder / "compare", "--no-report")
     for mode in ("product", "zip"):
         one = ("--set", "sweep.surface.seed=[77]", "--set", f"sweep.mode={mode}")
-        invoke("run", scene, *one, "--output", folder / mode, "--quiet", "--no-report")
+        output_of("run", scene, *one, "--output", folder / mode, "--quiet", "--no-report")
     return folder
 
 
@@ -165,7 +158,7 @@ def test_the_theory_alone_says_of_a_scene_what_it_says_in_a_notebook_and_beside_
     (doors / "alone.toml").write_text(
         re.sub(r"\[methods.bem\]\n.*\n", "", (doors / "scene.toml").read_text())
     )
-    invoke("run", doors / "alone.toml", "--output", doors / "alone", "--quiet", "--no-report")
+    output_of("run", doors / "alone.toml", "--output", doors / "alone", "--quiet", "--no-report")
     scene = load_scene(str(doors / "alone.toml"))
     alone, run = numbers(doors / "alone"), numbers(doors / "run")
     asked = {
@@ -193,7 +186,7 @@ def test_a_sweep_of_one_has_the_record_of_a_run(doors, mode):
 @ONE_SURFACE
 def test_a_study_of_one_surface_says_what_a_run_says(doors):
     one = ("--scene", doors / "scene.toml", "--surfaces", 1, "--reduced-pressures", 0.1)
-    invoke("study", "area", *one, "--output", doors / "study", "--quiet", "--no-report")
+    output_of("study", "area", *one, "--output", doors / "study", "--quiet", "--no-report")
     run, study = (numbers(doors / name) for name in ("run", "study"))
     # Its solves are listed over the grids, and its kappa is a mean of one quotient. The limit is a fit by
     # least squares, which turns rounding (NumPy 2.5) into 1e-10 of the area and 2e-9 of its error.
@@ -260,7 +253,7 @@ def test_every_cell_of_the_reference_is_what_is_looked_up_there():
 def test_the_command_looks_up_what_the_notebook_does():
     at = {"hurst": 0.55, "ratio": 9.0, "reduced_pressure": 0.03}
     options = [str(word) for name, value in at.items() for word in (f"--{name.replace('_', '-')}", value)]
-    printed = json.loads(invoke("reference", *options, "--json"))
+    printed = answer_of("reference", *options)
     here = fc.reference(hurst=0.55, bandwidth=9.0, reduced_pressure=0.03)
     assert set(here) <= set(printed)
     for name, value in here.items():
@@ -273,7 +266,7 @@ def test_boundary_elements_entered_as_the_user_s_own_are_boundary_elements(tmp_p
     Path("copied_solver.py").write_text(OWN_SOLVER)
     own = '[methods.own]\nsolver = "copied_solver:solve"\ngrids = [[24, 16], [36, 24], [48, 32]]\n'
     Path("scene.toml").write_text(UNEQUAL.replace("grids", "tolerance = 1e-10\ngrids") + own)
-    invoke("run", "scene.toml", "--output", "out", "--quiet", "--no-report")
+    output_of("run", "scene.toml", "--output", "out", "--quiet", "--no-report")
     run = numbers(Path("out"))
     over = [name for name, values in run.items() if "solver" in values.dims]
     bem, copied = (run[over].sel(solver=name, drop=True) for name in ("bem", "own"))

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from solving import solve_all
 
 from fem_contact import Solid
 from persson import SelfAffine, constant_hardness, elastic
@@ -15,8 +16,6 @@ from validation.effects.adhesion import Adhesion
 from validation.effects.base import TheoryInputs
 from validation.effects.hardness import Hardness
 from validation.execution.press import solves_of
-from validation.execution.running import solve_all
-from validation.execution.store import Store
 from validation.scenes.problem import realise
 from validation.scenes.scene import load_scene
 from validation.scenes.sweep import load_asked
@@ -70,7 +69,7 @@ def test_a_scene_that_yields_is_set_beside_its_theory(read_scene, tmp_path):
     effect = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n[solid]'
     scene = read_scene(("[solid]", effect))
     problem = realise(scene)
-    results = solve_all(solves_of(scene, problem), Store(folder=tmp_path))
+    results = solve_all(solves_of(scene, problem), tmp_path)
     found = scene_data(scene, problem, results)
     assert 0 < float(found.area_plastic_persson) <= float(found.area_persson_own)
     assert (found.area_plastic_pixel > 0).sum() == found.area_pixel.notnull().sum()

@@ -295,14 +295,16 @@ def test_a_peer_that_is_missing_says_what_to_install(name, monkeypatch):
     assert "pip install 'fem-contact[peers]'" in str(find_method(name).available())
 
 
-@pytest.mark.parametrize("name", ["tamaas", "contact_mechanics"])
+@pytest.mark.parametrize(
+    ("name", "tolerance", "apart"), [("tamaas", 1e-10, 1e-6), ("contact_mechanics", 1e-9, 1e-4)]
+)
 @pytest.mark.parametrize("load", [1e-4, 0.01, 0.1])
-def test_a_peer_agrees_with_boundary_elements(name, load):
+def test_a_peer_agrees_with_boundary_elements(name, tolerance, apart, load):
     peer = find_solver(name)
     if peer.available() is not None:
         pytest.skip(str(peer.available()))
     solid = Solid(young=2e9, poisson=0.3)
-    asked = job(load * solid.contact_modulus, points=64, model=ContactModel(solid=solid), tolerance=1e-9)
+    asked = job(load * solid.contact_modulus, points=64, model=ContactModel(solid=solid), tolerance=tolerance)
     small = HeightField(heights=1e-6 * asked.field.heights, lengths=(1e-6, 1e-6))
     asked = replace(asked, field=small)
     ours = find_solver("bem").solve(asked).contact.checked()
@@ -312,7 +314,7 @@ def test_a_peer_agrees_with_boundary_elements(name, load):
     if not ours.in_contact.all():  # then no offset tells how hard it is pressed
         pressures.append(peer.claim(replace(asked, load={"offset": ours.offset})).pressure)
     for pressure in pressures:
-        assert np.linalg.norm(pressure - ours.pressure) < 1e-4 * np.linalg.norm(ours.pressure)
+        assert np.linalg.norm(pressure - ours.pressure) < apart * np.linalg.norm(ours.pressure)
 
 
 @pytest.mark.parametrize(

@@ -6,13 +6,12 @@ import time
 import tomllib
 
 import pytest
+from commanding import invoke
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 from small_scene import changed, small_scene
-from typer.testing import CliRunner
 
-from validation.cli.commands import app
 from validation.comparison.explain import explain
 from validation.errors import RunFailed, UsageError
 from validation.scenes import surfaces
@@ -161,7 +160,7 @@ def test_extreme_scenes_are_refused_or_explained(changes):
 def planned(*arguments):
     """What a study says of its plan, in how many seconds of processor time."""
     began = time.process_time()
-    outcome = CliRunner().invoke(app, ["study", *arguments, "--dry-run"])
+    outcome = invoke("study", *arguments, "--dry-run")
     return outcome, time.process_time() - began
 
 

@@ -5,13 +5,12 @@ import math
 import tomllib
 
 import pytest
+from commanding import invoke, output_of
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 from small_scene import changed, small_scene
-from typer.testing import CliRunner
 
-from validation.cli import commands as cli
 from validation.errors import SceneError, UsageError
 from validation.scenes.checks import check_scene
 from validation.scenes.mistakes import problems
@@ -181,7 +180,7 @@ def test_the_command_line_ends_with_an_exit_code_and_no_traceback(tmp_path, argu
         arguments = [*arguments, "--cases", "nonsense"]
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path)
-        result = CliRunner().invoke(cli.app, arguments)
+        result = invoke(*arguments)
     expected = (SystemExit, UsageError, SceneError)
     assert result.exception is None or isinstance(result.exception, expected), result.exception
 
@@ -189,9 +188,7 @@ def test_the_command_line_ends_with_an_exit_code_and_no_traceback(tmp_path, argu
 @pytest.mark.parametrize("name", ["stability", "graded"])
 def test_a_dry_run_of_a_study_that_needs_no_job_computes_nothing(monkeypatch, tmp_path, name):
     monkeypatch.chdir(tmp_path)
-    result = CliRunner().invoke(cli.app, ["study", name, "--dry-run"], catch_exceptions=False)
-    assert result.exit_code == 0
-    assert "0 of 0 solves" in result.output
+    assert "0 of 0 solves" in output_of("study", name, "--dry-run")
     assert not list(tmp_path.iterdir())
 
 

@@ -82,4 +82,4 @@ def test_solves_of_before_are_found_again(name, tmp_path):
     with pytest.raises(PlannedOnly) as planned:
         find_study(name).compute(find_study(name).options(), bench=bench)
     # Where this fails, what is measured has changed: raise `RESULTS_VERSION`, or a version, and then these.
-    assert planned.value.solves[0].key == OF_BEFORE[name]
+    assert planned.value.args[0].key == OF_BEFORE[name]

@@ -6,12 +6,11 @@ import shlex
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
+from commanding import output_of
 
 import fem_contact as fc
 from fem_contact import HalfSpace, HeightField, Solid, bem
 from validation import self_affine
-from validation.cli.commands import app
 from validation.report.values import value_of
 from validation.scenes.topography.writing import write_topography
 
@@ -106,7 +105,7 @@ def test_the_examples_of_a_page_run(page, tmp_path, monkeypatch):
     contact = bem.solve(surface, half_space, mean_pressure=5e6)
     space = {"surface": surface, "half_space": half_space, "contact": contact}
     if "scenes copy" not in text:
-        assert CliRunner().invoke(app, ["scenes", "copy", "quickstart", "mine.toml"]).exit_code == 0
+        output_of("scenes", "copy", "quickstart", "mine.toml")
     for language, source in re.findall(r"```(python|sh|toml)\n(.*?)```", text, re.DOTALL):
         if language == "toml":
             (tmp_path / "scene.toml").write_text(source, encoding="utf-8")
@@ -118,5 +117,4 @@ def test_the_examples_of_a_page_run(page, tmp_path, monkeypatch):
             verb, *words = shlex.split(line, comments=True) or [""]
             if verb == "fem-contact" and not _ELSEWHERE.search(line):
                 plan = ["--dry-run"] if words[0] in ("run", "study") and "--dry-run" not in words else []
-                outcome = CliRunner().invoke(app, [*words, *plan])
-                assert outcome.exit_code == 0, f"{line}: {outcome.exception or outcome.output}"
+                output_of(*words, *plan)

@@ -13,13 +13,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from commanding import invoke
 from small_scene import small_scene
-from typer.testing import CliRunner
 
 import validation
 from validation import files, reference
 from validation.cases.scorecard import challenge
-from validation.cli.commands import app
 from validation.effects import effect_kinds
 from validation.errors import RunFailed, UsageError
 from validation.execution import calibration
@@ -81,7 +80,7 @@ sys.addaudithook(_watch)
 
 def _do(command):
     shutil.rmtree("compared", ignore_errors=True)
-    return CliRunner().invoke(app, command.split())
+    return invoke(*command.split())
 
 
 def opened_by(command):
@@ -257,6 +256,6 @@ def test_runs_at_once_in_one_folder_each_end_well(tmp_path, at_once, rounds):
         for run in runs:
             said = run.communicate(timeout=600)[0]
             assert run.returncode == 0 or "another run is writing there" in said, said
-        outcome = CliRunner().invoke(app, ["audit", str(tmp_path / "out")])
+        outcome = invoke("audit", tmp_path / "out")
         assert outcome.exit_code == 0, outcome.output or outcome.exception
         assert not [path for path in (tmp_path / "out").rglob("*") if path.name.startswith(".")], "drafts"

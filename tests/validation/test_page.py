@@ -190,7 +190,7 @@ def test_an_interrupted_run_of_another_scene_does_not_stand_beside_the_old_repor
     def interrupted(*args, **kwargs):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("validation.execution.bench.solve_all", interrupted)
+    monkeypatch.setattr("validation.execution.bench.Bench.solve", interrupted)
     with pytest.raises(KeyboardInterrupt):
         run_scene(_scene(small_run), folder)
     assert (folder / "report.html").exists()

@@ -1,20 +1,18 @@
 """The reference table: nodes as they stand, between them within the uncertainty, nothing outside."""
 
 import contextlib
-import json
 import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
+from commanding import answer_of, invoke, output_of
 from gold.asked import STUDIES
 from numpy.testing import assert_allclose
 from scipy.special import erf
-from typer.testing import CliRunner
 
 from validation import reference
-from validation.cli import app
 from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.measurements.common import base_case, base_surface
@@ -115,9 +113,9 @@ def test_each_kind_of_amplitudes_and_of_gradient_has_its_own_numbers(planted):
         reference.lookup(**asked | {"hurst": 0.5}, amplitudes="gaussian")
     with pytest.raises(UsageError, match=r"gradient = 'profile': must be 'surface' or 'spectrum'"):
         reference.lookup(**asked, gradient="profile")
-    told = ["reference", "--hurst", "0.1", "--ratio", "8", "--reduced-pressure", "0.1", "--json"]
+    told = ["reference", "--hurst", "0.1", "--ratio", "8", "--reduced-pressure", "0.1"]
     told += ["--amplitudes", "gaussian", "--gradient", "spectrum"]
-    area, kappa = json.loads(CliRunner().invoke(app, told).output).values()
+    area, kappa = answer_of(*told).values()
     assert area["value"] == pytest.approx(1.02 * by_spectrum["area"].value, rel=1e-12)
     assert kappa["value"] == pytest.approx(10 * area["value"], rel=1e-12)
     assert area["persson"] == pytest.approx(erf(2**0.5 * 0.1), rel=1e-12)
@@ -229,12 +227,11 @@ def test_the_size_of_the_sample_is_the_change_that_is_seen_or_the_least_that_wou
 def test_the_command_prints_what_is_looked_up(planted):
     asked = ["reference", "--hurst", "0.8", "--ratio", "8", "--reduced-pressure", "0.05"]
     found = reference.lookup(hurst=0.8, bandwidth=8.0, reduced_pressure=0.05)
-    told = CliRunner().invoke(app, asked)
-    assert told.exit_code == 0
-    assert f"{found['area'].value:.3f}"[:5] in told.output
-    data = json.loads(CliRunner().invoke(app, [*asked, "--json"]).output)
+    told = output_of(*asked)
+    assert f"{found['area'].value:.3f}"[:5] in told
+    data = answer_of(*asked)
     assert data["area"]["value"] == found["area"].value
-    old = CliRunner().invoke(app, [*asked[:-2], "--pressure", "0.05"])
+    old = invoke(*asked[:-2], "--pressure", "0.05")
     assert old.exit_code == 2
     assert "--reduced-pressure" in old.output
     theory = reference.persson_theory(hurst=0.8, bandwidth=8.0, reduced_pressure=20.0)

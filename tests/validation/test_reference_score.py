@@ -5,11 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
+from commanding import output_of
 
 from persson import elastic
 from validation import reference, study
-from validation.cli.commands import app
 from validation.errors import UsageError
 from validation.reference import table
 from validation.report.estimates import total_error
@@ -82,9 +81,6 @@ def test_a_file_that_is_no_table_of_areas_is_refused(tmp_path, text, words):
 
 def test_the_command_scores_a_theory_and_leaves_a_page(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    done = CliRunner().invoke(
-        app, ["reference", "--theory", "persson", "--csv", str(numbers(tmp_path / "m.csv"))]
-    )
-    assert done.exit_code == 0
-    assert "3 of 3 cells of m.csv" in done.output
+    said = output_of("reference", "--theory", "persson", "--csv", numbers(tmp_path / "m.csv"))
+    assert "3 of 3 cells of m.csv" in said
     assert (tmp_path / "results" / "reference-score" / "report.html").exists()

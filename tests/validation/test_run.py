@@ -18,13 +18,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from small_scene import OBLONG, scene_in
+from solving import solve_all
 
 from fem_contact import NotConverged, find_patches
 from validation.comparison.run import report_scene, run_scene
 from validation.errors import RunFailed, UsageError
 from validation.execution.press import Press, solves_of
 from validation.execution.provenance import Made
-from validation.execution.running import solve_all
 from validation.execution.store import Store
 from validation.files import prepare_folder
 from validation.report.words import mathematics
@@ -202,25 +202,6 @@ def test_a_killed_run_continues_after_its_finished_solves(write_scene, tmp_path)
     times = {solve.key: store.path(solve).stat().st_mtime_ns for solve in finished}
     assert solve_all(small, store).solved == len(small) - len([solve for solve in finished if solve in small])
     assert times == {solve.key: store.path(solve).stat().st_mtime_ns for solve in finished}
-
-
-def test_ctrl_c_keeps_what_is_finished_and_leaves_no_drafts(read_scene, tmp_path, monkeypatch):
-    scene = read_scene(fem=False)
-    done = []
-
-    do = Press.do
-
-    def interrupted(solve, threads=None):
-        if len(done) == 2:
-            raise KeyboardInterrupt
-        done.append(solve)
-        return do(solve, threads=threads)
-
-    monkeypatch.setattr(Press, "do", interrupted)
-    with pytest.raises(KeyboardInterrupt):
-        run_scene(scene, tmp_path / "results")
-    names = sorted(path.name for path in (tmp_path / "results" / "solves").iterdir())
-    assert names == sorted(f"{solve.key}.nc" for solve in done)
 
 
 @pytest.fixture

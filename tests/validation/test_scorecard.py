@@ -1,19 +1,17 @@
 """Scorecards: a right solver passes, a wrong one is caught, and its fault is named."""
 
-import json
 import time
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from commanding import answer_of, invoke
 from reading_back import misdrawn
-from typer.testing import CliRunner
 
 from validation.cases import Verdict, below, run_cases
 from validation.cases._result import claims_dataset, claims_page, claims_views
 from validation.cases.scorecard import Subject, rows, score
-from validation.cli import app
 from validation.execution.results import read_results
 from validation.solvers import chosen_solver
 from validation.solvers.base import Cost
@@ -75,10 +73,8 @@ def test_a_nan_is_the_worst_failure_of_all():
 def test_boundary_elements_are_scored_in_less_than_two_minutes_of_processor_time(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     began = time.process_time()
-    outcome = CliRunner().invoke(app, ["validate", "--method", "bem", "--quick", "--json"])
+    (card,) = answer_of("validate", "--method", "bem", "--quick")["scorecards"]
     assert time.process_time() - began < 120
-    assert outcome.exit_code == 0, outcome.output
-    (card,) = json.loads(outcome.output)["scorecards"]
     assert card["passed"]
     result = read_results(tmp_path / "results" / "scorecard-bem")
     page = claims_page(result, figures=True)
@@ -95,9 +91,7 @@ def test_a_failing_solver_of_ones_own_exits_with_one_and_is_named(tmp_path, monk
             return np.full(heights.shape, mean_pressure)
     """
     Path("flat_toy.py").write_text("\n".join(line[8:] for line in code.splitlines()), encoding="utf-8")
-    outcome = CliRunner().invoke(
-        app, ["validate", "--method", "flat_toy:solve", "--quick", "--output", "card"]
-    )
+    outcome = invoke("validate", "--method", "flat_toy:solve", "--quick", "--output", "card")
     assert outcome.exit_code == 1
     card = read_results(tmp_path / "card").data.isel(solver=0).verdict.to_series()
     failed, holds = (set(card.index[card == word]) for word in ("FAILS", "holds"))

@@ -15,14 +15,13 @@ import numpy as np
 import pytest
 import xarray as xr
 from processes import run_python
-from solving import Numbers, fields
+from solving import Numbers, fields, solve_all
 
 from validation import files
 from validation.errors import RunFailed
 from validation.execution.attempt import Progress, attempt
 from validation.execution.checksum import Damaged, seal, unseal
 from validation.execution.provenance import Made, made_words
-from validation.execution.running import solve_all
 from validation.execution.store import Store, check_store, read_result
 from validation.files import NotWritten, atomic_path
 
@@ -170,7 +169,7 @@ def test_a_stored_solve_says_how_it_was_made(stored):
 
 
 def test_results_say_how_they_were_made(tmp_path):
-    done = solve_all([Numbers(1), Numbers(2)], Store(folder=tmp_path))
+    done = solve_all([Numbers(1), Numbers(2)], tmp_path)
     assert [one.threads for one in done.made()] == [1, 1]
 
 
@@ -358,8 +357,8 @@ def test_bytes_are_on_the_disk_before_the_name_is(stored, monkeypatch):
 
 def test_a_run_syncs_the_names_of_what_it_stored(tmp_path, monkeypatch):
     synced = []
-    monkeypatch.setattr("validation.execution.running.sync_folder", synced.append)
-    solve_all([Numbers(1)], Store(folder=tmp_path))
+    monkeypatch.setattr("validation.execution.bench.sync_folder", synced.append)
+    solve_all([Numbers(1)], tmp_path)
     assert synced == [tmp_path]
 
 
@@ -401,7 +400,7 @@ def test_limits_of_the_shell_end_in_one_line(tmp_path, limit):
     code = (
         "import sys; sys.path.insert(0, 'tests/validation')\n"
         "from pathlib import Path; from validation.errors import RunFailed, UsageError\n"
-        "from validation.execution.store import Store; from validation.execution.running import attempt\n"
+        "from validation.execution.store import Store; from validation.execution.attempt import attempt\n"
         "from solving import fields\n"
         "import os\n"
         "solve = fields(points=48)\n"

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 from processes import ROOT, environment_of
-from solving import Numbers
+from solving import Numbers, solve_all
 
 from validation import files
-from validation.execution.running import Execution, solve_all
 from validation.execution.store import Store, check_store
 from validation.files import atomic_path, prepare_folder, read_whole, remove_drafts, write_whole
 
@@ -50,7 +49,7 @@ def test_a_long_name_keeps_its_suffix(tmp_path):
 def _race(folder, first):
     store = Store(folder=Path(folder))
     order = [Numbers(k) for k in range(40)]
-    done = solve_all(order if first else order[::-1], store, execution=Execution())
+    done = solve_all(order if first else order[::-1], store)
     assert len({done[solve].attrs["recipe"] for solve in order}) == 40
 
 

@@ -8,13 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.stats
+from commanding import answer_of, invoke, output_of
 from small_scene import scene_in
-from typer.testing import CliRunner
 
 from fem_contact import NotConverged
 from validation.audit import audit
 from validation.audit.files import page_tables
-from validation.cli.commands import app
 from validation.comparison.explain import explain_sweep, problems_of, solves_of_sweep
 from validation.comparison.run import report_scene, run_scene, run_sweep
 from validation.comparison.sweep_views import sweep_views
@@ -346,16 +345,8 @@ def test_a_case_whose_solves_fail_is_a_row_and_the_command_says_so(small_scene, 
         return do(solve, threads=threads)
 
     monkeypatch.setattr(Press, "do", failing)
-    told = [
-        "run",
-        small_scene,
-        "--set",
-        "sweep.reduced_pressure=[0.1, 0.2, 0.3]",
-        "--output",
-        str(tmp_path),
-        "--quiet",
-    ]
-    outcome = CliRunner().invoke(app, told)
+    swept = "sweep.reduced_pressure=[0.1, 0.2, 0.3]"
+    outcome = invoke("run", small_scene, "--set", swept, "--output", tmp_path, "--quiet")
     assert isinstance(outcome.exception, RunFailed)
     assert "not all solves succeeded, the report is of the others" in str(outcome.exception)
     assert "In 1 of 3 cases solves failed: BEM" in outcome.output
@@ -369,22 +360,21 @@ def test_a_case_whose_solves_fail_is_a_row_and_the_command_says_so(small_scene, 
 def test_the_command_plans_explains_and_runs_a_sweep(small_scene, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     settings = ["--set", "sweep.seed=[3, 4]", "--set", "methods.bem.grids=[12, 24]", "--set", "shifts=1"]
-    call = CliRunner().invoke
-    plan = json.loads(call(app, ["run", small_scene, *settings, "--dry-run", "--json"]).stdout)
+    plan = answer_of("run", small_scene, *settings, "--dry-run")
     assert [row["stored"] for row in plan] == [False] * 4
-    said = json.loads(call(app, ["explain", small_scene, *settings, "--json"]).stdout)
+    said = answer_of("explain", small_scene, *settings)
     assert said["solves"] == 4
     assert [case["case"] for case in said["cases"]] == ["seed = 3", "seed = 4"]
     assert not (tmp_path / "results").exists()
-    done = json.loads(call(app, ["run", small_scene, *settings, "--json", "--no-report"]).stdout)
+    done = answer_of("run", small_scene, *settings, "--no-report")
     (key,) = done["sweep"]["keys"]
     assert (key["key"], key["values"]) == ("surface.seed", [3, 4])
-    made = json.loads(call(app, ["report", "results/small", "--json"]).stdout)
+    made = answer_of("report", "results/small")
     assert any(path.endswith("report.html") for path in made)
-    refused = call(app, ["run", small_scene, *settings, "--accuracy", "1%"])
+    refused = invoke("run", small_scene, *settings, "--accuracy", "1%")
     assert isinstance(refused.exception, UsageError)
     # A single scene in the same folder leaves nothing of the sweep.
-    call(app, ["run", small_scene, *settings[2:], "--no-report"], catch_exceptions=False)
+    output_of("run", small_scene, *settings[2:], "--no-report")
     assert {path.name for path in (tmp_path / "results" / "small").glob("*.*")} == {
         "budget.csv",
         "shown.json",

@@ -8,11 +8,10 @@ import sys
 
 import numpy as np
 import pytest
+from commanding import answer_of, output_of
 from small_scene import scene_in
-from typer.testing import CliRunner
 
 from persson import CapillaryWaves, Scale, SelfAffine, constant_hardness, contact_area
-from validation.cli import commands as cli
 from validation.comparison.explain import explain, roughness_of
 from validation.comparison.run import report_scene, run_scene
 from validation.effects.base import Roughness
@@ -109,9 +108,9 @@ def test_scenes_say_the_spectra_of_the_paper():
     from validation.paper import systems
 
     ours = spectrum_of(load_scene("pmma-silane").surface), spectrum_of(load_scene("polished-steel").surface)
-    for found, printed in zip(ours, (systems.pmma(), systems.steel()), strict=True):
-        assert found.q_short == pytest.approx(printed.q_short, rel=1e-15)
-        assert found.moments().rms_gradient == pytest.approx(printed.moments().rms_gradient, rel=1e-12)
+    for found, paper in zip(ours, (systems.pmma(), systems.steel()), strict=True):
+        assert found.q_short == pytest.approx(paper.q_short, rel=1e-15)
+        assert found.moments().rms_gradient == pytest.approx(paper.moments().rms_gradient, rel=1e-12)
 
 
 def test_without_effects_the_contact_is_elastic(scene):
@@ -425,23 +424,20 @@ def test_an_application_is_explained_with_its_spectrum(name):
 def test_the_command_line_runs_lists_and_plans_them(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
-    def printed(*words):
-        return CliRunner().invoke(cli.app, list(words), catch_exceptions=False).output
-
-    assert set(APPLICATIONS) <= set(json.loads(printed("scenes", "list", "--json")))
-    assert json.loads(printed("run", "pyrex", "--dry-run", "--json")) == []
+    assert set(APPLICATIONS) <= set(answer_of("scenes", "list"))
+    assert answer_of("run", "pyrex", "--dry-run") == []
     assert not list(tmp_path.iterdir())
-    found = json.loads(printed("run", "pyrex-squeezed", "--json"))
+    found = answer_of("run", "pyrex-squeezed")
     assert found["kind"] == "theory"
     area = found["findings"][0]["values"]["area_ensemble"]["value"]
     assert area == pytest.approx(0.9356, abs=2e-4)
-    text = printed("run", "pmma-silane", "-q")
+    text = output_of("run", "pmma-silane", "-q")
     kept = (tmp_path / "results" / "pmma-silane" / "summary.json").read_text(encoding="utf-8")
     said = json.loads(kept)["findings"][0]
     assert said["values"]["area_ensemble"]["value"] == pytest.approx(0.91166, abs=5e-6)
     assert said["text"] in text
     assert "results/pmma-silane/report.html" in text
-    assert "report.html" in printed("report", "results/pmma-silane")
+    assert "report.html" in output_of("report", "results/pmma-silane")
 
 
 def test_an_accuracy_needs_a_solver_to_reach_it(scene, tmp_path):

@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from commanding import output_of
 from numpy.testing import assert_allclose, assert_array_equal
 from small_scene import scene_in
-from typer.testing import CliRunner
 
 import fem_contact as fc
 from fem_contact import HeightField, estimate_spectrum, radial_spectrum, random_surface
@@ -22,7 +22,6 @@ from fem_contact.surface.spectra import window_weights
 from persson import SelfAffine
 from validation.audit.files import page_tables
 from validation.audit.reading import audit
-from validation.cli.commands import app
 from validation.comparison.explain import explain
 from validation.comparison.run import run_scene, run_sweep
 from validation.comparison.run_views import run_views
@@ -642,7 +641,7 @@ def test_the_table_to_paste_is_a_scene_whatever_the_length_was_written_as(length
     waves = np.random.default_rng(3).normal(size=shape)
     np.save("afm.npy", waves + 5 * np.arange(shape[0])[:, None])
     arguments = ["surface", "inspect", "afm.npy", "--length", length, "--unit", "nm"]
-    shown = CliRunner().invoke(app, arguments).output
+    shown = output_of(*arguments)
     assert f"size: 64 um x {shape[1]} um" in shown
     table = re.search(r"^\[surface\]\n(?:\w+ = .*\n)+", shown, re.M)[0]
     (tmp_path / "scene.toml").write_text(table + REST)

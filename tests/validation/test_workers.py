@@ -16,11 +16,21 @@ from pathlib import Path
 import psutil
 import pytest
 from processes import ROOT, environment_of
-from solving import Deadly, DiesAtStart, Held, Killing, Notes, Numbers, Slow, dask_cluster, still_running
+from solving import (
+    Deadly,
+    DiesAtStart,
+    Held,
+    Killing,
+    Notes,
+    Numbers,
+    Slow,
+    dask_cluster,
+    solve_all,
+    still_running,
+)
 
 from validation.errors import RunFailed, UsageError
 from validation.execution.attempt import Outcome
-from validation.execution.running import Execution, solve_all
 from validation.execution.store import Store
 from validation.files import prepare_folder
 from validation.sandbox import Child
@@ -40,9 +50,7 @@ def tally(tmp_path):
 def test_a_solve_whose_worker_is_killed_by_chance_is_done_at_the_end(tmp_path, tally):
     progress, unlucky = Notes(), Deadly(1, tally(1))
     others = [Slow(k) for k in range(2, 8)]
-    done = solve_all(
-        [unlucky, *others], Store(folder=tmp_path / "s"), progress=progress, execution=Execution(workers=2)
-    )
+    done = solve_all([unlucky, *others], tmp_path / "s", progress=progress, workers=2)
     assert done.solved == 7
     assert progress.finished[-1] == unlucky.key
     (note,) = progress.notes
@@ -55,7 +63,7 @@ def test_a_solve_that_kills_its_workers_is_given_up_and_the_others_are_stored(tm
     deadly, others = Deadly(1, tally(99)), [Slow(k) for k in range(2, 5)]
     store = Store(folder=tmp_path / "s")
     with pytest.raises(RunFailed, match=r"seed 1: its worker died, and once more when nothing else ran"):
-        solve_all([deadly, *others], store, execution=Execution(workers=2))
+        solve_all([deadly, *others], store, workers=2)
     assert all(store.read(solve) for solve in others)
     assert int(Path(deadly.tally).read_text()) == 99 - 2
 
@@ -64,7 +72,7 @@ def test_a_solve_that_kills_its_workers_is_given_up_and_the_others_are_stored(tm
 def test_deaths_while_a_worker_makes_itself_ready_are_not_charged_to_the_solve(tmp_path, tally):
     progress = Notes()
     solves = [DiesAtStart(1, tally(4)), Slow(2)]
-    done = solve_all(solves, Store(folder=tmp_path / "s"), progress=progress, execution=Execution(workers=2))
+    done = solve_all(solves, tmp_path / "s", progress=progress, workers=2)
     assert done.solved == 2
     assert progress.notes == []
 
@@ -72,7 +80,7 @@ def test_deaths_while_a_worker_makes_itself_ready_are_not_charged_to_the_solve(t
 @pytest.mark.nightly
 def test_workers_that_never_come_up_end_the_run_with_their_last_words(tmp_path, tally):
     with pytest.raises(RunFailed, match=r"die before they begin to solve \(no room for this library\)"):
-        solve_all([DiesAtStart(1, tally(99))], Store(folder=tmp_path / "s"), execution=Execution(workers=2))
+        solve_all([DiesAtStart(1, tally(99))], tmp_path / "s", workers=2)
 
 
 def test_a_worker_that_cannot_be_started_is_one_line(tmp_path, monkeypatch):
@@ -81,22 +89,21 @@ def test_a_worker_that_cannot_be_started_is_one_line(tmp_path, monkeypatch):
 
     monkeypatch.setattr(Child, "start", refused)
     with pytest.raises(RunFailed, match=r"no worker process can be started \(Too many open files\); name"):
-        solve_all([Slow(1), Slow(2)], Store(folder=tmp_path / "s"), execution=Execution(workers=2))
+        solve_all([Slow(1), Slow(2)], tmp_path / "s", workers=2)
 
 
 def test_what_a_script_itself_defines_is_refused_to_workers_with_the_remedy(tmp_path, monkeypatch):
     lonely = type("Lonely", (Slow,), {"__module__": "__main__", "__qualname__": "Lonely"})
     monkeypatch.setattr(sys.modules["__main__"], "Lonely", lonely, raising=False)
     with pytest.raises(RunFailed, match=r"Can't get attribute 'Lonely'.*; define that in a module"):
-        solve_all([lonely(1)], Store(folder=tmp_path / "s"), execution=Execution(workers=2))
+        solve_all([lonely(1)], tmp_path / "s", workers=2)
 
 
 def test_workers_end_within_two_seconds_of_their_parent(tmp_path):
     code = (
         "import sys; sys.path.insert(0, 'tests/validation')\n"
-        "from solving import Endless\n"
-        "from test_workers import Execution, Path, Store, solve_all\n"
-        "solve_all([Endless(1), Endless(2)], Store(folder=Path(sys.argv[1])), execution=Execution(workers=2))"
+        "from solving import Endless, solve_all\n"
+        "solve_all([Endless(1), Endless(2)], sys.argv[1], workers=2)"
     )
     parent = subprocess.Popen([sys.executable, "-c", code, str(tmp_path)], cwd=ROOT, env=environment_of())
     deadline = time.monotonic() + 300
@@ -145,7 +152,7 @@ def test_without_workers_a_cluster_is_waited_for_within_bounds_and_told(tmp_path
     solves = [Held(k, gate) for k in range(6)]
     progress = Killing(3, lambda: [process.kill() for process in team])
     with pytest.raises(RunFailed, match=r"no workers for \d+ s; what is finished is stored") as told:
-        solve_all(solves, store, progress=progress, execution=Execution(scheduler=address, patience=4.0))
+        solve_all(solves, store, progress=progress, scheduler=address, patience=4.0)
     assert "\n" not in str(told.value)
     assert any(re.search(r"no workers for \d+ s; waiting", note) for note in progress.notes)
     assert [store.read(solve) is not None for solve in solves] == [True] * 3 + [False] * 3
@@ -163,7 +170,7 @@ def test_a_lost_scheduler_is_one_line_and_what_is_stored_stays(tmp_path, cluster
     solves = [Held(k, tmp_path / "gate") for k in range(6)]
     progress = Killing(3, scheduler.kill)
     with pytest.raises(RunFailed, match=r"the scheduler is lost .* is stored: start it again") as told:
-        solve_all(solves, store, progress=progress, execution=Execution(scheduler=address))
+        solve_all(solves, store, progress=progress, scheduler=address)
     assert "\n" not in str(told.value)
     assert [store.read(solve) is not None for solve in solves] == [True] * 3 + [False] * 3
 
@@ -185,7 +192,7 @@ def test_a_solve_that_loses_its_dask_workers_is_tried_once_more_alone(tmp_path, 
     thread = threading.Thread(target=restart, daemon=True)
     thread.start()
     try:
-        done = solve_all([unlucky, *others], store, progress=progress, execution=Execution(scheduler=address))
+        done = solve_all([unlucky, *others], store, progress=progress, scheduler=address)
     finally:
         stop.set()
         thread.join()
@@ -243,17 +250,17 @@ def test_a_cluster_with_tls_works_for_who_holds_a_certificate_of_its_authority(t
     with dask_cluster(folder, 1, [str(Path(__file__).parent)], options) as (address, _, _):
         assert address.startswith("tls://")
         with pytest.raises(UsageError, match=r"no scheduler answers .*names both certificates"):
-            solve_all([Numbers(1)], store, execution=Execution(scheduler=address))
+            solve_all([Numbers(1)], store, scheduler=address)
         with (
             with_certificates(*stranger),
             pytest.raises(UsageError, match=r"no scheduler answers .*names both certificates") as told,
         ):
-            solve_all([Numbers(1)], store, execution=Execution(scheduler=address))
+            solve_all([Numbers(1)], store, scheduler=address)
         assert "\n" not in str(told.value)
         assert not store.folder.exists() or not list(store.folder.iterdir())
         monkeypatch.undo()
         with with_certificates(*own):
-            done = solve_all([Numbers(1), Numbers(2)], store, execution=Execution(scheduler=address))
+            done = solve_all([Numbers(1), Numbers(2)], store, scheduler=address)
         assert done.solved == 2
         assert all(store.read(Numbers(seed)) for seed in (1, 2))
 
@@ -276,7 +283,7 @@ def test_what_is_no_scheduler_is_given_up_in_time_and_in_one_line(tmp_path, monk
         threading.Thread(target=answer, daemon=True).start()
         address, began = f"tcp://127.0.0.1:{server.getsockname()[1]}", time.monotonic()
         with pytest.raises(UsageError, match=r"no scheduler answers there .*start one with") as told:
-            solve_all([Numbers(1)], Store(folder=tmp_path / "s"), execution=Execution(scheduler=address))
+            solve_all([Numbers(1)], tmp_path / "s", scheduler=address)
         assert time.monotonic() - began < 20
         assert "\n" not in str(told.value)
         for connection in held:

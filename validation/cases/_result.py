@@ -233,11 +233,11 @@ def _cards(data: xr.Dataset) -> list[Card]:
     if "seconds_needed" in data and bool(first.seconds_needed.notnull().any()):
         cost = first.sel(area_accuracy=0.01)
         words = "{seconds_needed:u}" if np.isfinite(cost.seconds_needed) else "not reached"
-        question, basis = (
-            "Processor time to 1 % of the area",
-            "of one rough surface, lambda_long/lambda_short = 4",
+        answer, rough = (
+            finding("cost", words, cost),
+            note("of one rough surface, lambda_long/lambda_short = 4"),
         )
-        cards.append(Card(question=question, answer=finding("cost", words, cost), basis=note(basis)))
+        cards.append(Card(question="Processor time to 1 % of the area", answer=answer, basis=rough))
     return cards
 
 

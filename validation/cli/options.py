@@ -15,7 +15,7 @@ import typer
 from validation.errors import SceneError, UsageError, harmless
 
 if TYPE_CHECKING:
-    from validation.execution.running import Execution
+    from validation.execution.bench import Execution
     from validation.execution.solve import Solve
     from validation.execution.store import Store
     from validation.scenes.tables import RunOptions
@@ -161,7 +161,7 @@ def chosen_execution(
     scene: RunOptions, *, workers: int | None, scheduler: str | None, memory: str | None
 ) -> Execution:
     """Return how to run: the command line before the scene."""
-    from validation.execution.running import Execution
+    from validation.execution.bench import Execution
     from validation.units import Memory, read_quantity
 
     limit = scene.memory if memory is None else read_quantity(Memory, memory, "--memory")

@@ -104,7 +104,7 @@ def study(
         try:
             chosen.compute(parsed, bench=Bench(store=Store(folder=store_folder), plan_only=True))
         except PlannedOnly as plan:
-            options.print_plan(plan.solves, plan.store, as_json=as_json)
+            options.print_plan(plan.args, Store(folder=store_folder), as_json=as_json)
             if getattr(parsed, "ladders", False):
                 options.say("--no-ladders leaves out what is solved for the budget alone", prefix="note: ")
             if "bem" in (others := getattr(parsed, "methods", ())) and len(others) > 1:

@@ -18,11 +18,10 @@ from fem_contact.extrapolation import PlannedGrid, predicted_uncertainty, too_sm
 from validation.arrays import Grid
 from validation.errors import NoLimit, RunFailed, UsageError
 from validation.execution.attempt import warm_up
-from validation.execution.bench import Bench
+from validation.execution.bench import Bench, Solves
 from validation.execution.cost import available_memory, memory_words, transform_seconds
 from validation.execution.measurement import Call
 from validation.execution.press import Press, solves_of
-from validation.execution.running import Solves
 from validation.execution.solve import Prediction, Solve
 from validation.measurements.ensemble import MeanArea, mean_area
 from validation.measurements.measurement import (

@@ -22,12 +22,11 @@ from validation.comparison.subsurface_stress import write_below
 from validation.comparison.theory_alone import theory_data
 from validation.comparison.treatment import with_treatment
 from validation.errors import RunFailed
-from validation.execution.bench import Bench
+from validation.execution.bench import Bench, Solves
 from validation.execution.outputs import Outputs, leave, show
 from validation.execution.press import Press, run_solves
 from validation.execution.provenance import SOLVES_MADE, made_words
 from validation.execution.results import clear_results, record_of
-from validation.execution.running import Solves
 from validation.files import atomic_path, locked, prepare_folder
 from validation.report.estimates import gather
 from validation.report.page import clear_page

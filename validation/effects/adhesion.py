@@ -6,13 +6,12 @@ import math
 from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
-from pydantic import Field
 
 from validation.arrays import Grid
 from validation.effects.base import ContactModel, Effect, Judgement, Roughness, TheoryInputs
 from validation.errors import UsageError
 from validation.report.quantities import as_length, in_prefixed_unit
-from validation.units import Length, Work
+from validation.units import Length, Work, key
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,14 +29,12 @@ class Adhesion(Effect):
     """The surfaces attract each other across the gap."""
 
     kind: Literal["adhesion"] = "adhesion"
-    work: Work = Field(description='work of adhesion, e.g. "50 mJ/m^2"')
-    reach: Length | None = Field(
-        default=None,
-        description='range of the attraction, e.g. "2 nm"; every solver needs it, the theory knows none',
+    work: Work = key('work of adhesion, e.g. "50 mJ/m^2"')
+    reach: Length | None = key(
+        'range of the attraction, e.g. "2 nm"; every solver needs it, the theory knows none', None
     )
-    law: Literal["exponential", "dugdale"] = Field(
-        default="exponential",
-        description="attraction that decays with the gap, or is constant over the range",
+    law: Literal["exponential", "dugdale"] = key(
+        "attraction that decays with the gap, or is constant over the range", "exponential"
     )
 
     slot = "gap law"

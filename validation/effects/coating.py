@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Literal, Self
 
-from pydantic import Field
-
 from validation.effects.base import ContactModel, Effect, Judgement, Roughness, TheoryInputs
 from validation.errors import UsageError
-from validation.units import Length, Number, Pressure
+from validation.units import Length, Number, Pressure, key
 
 if TYPE_CHECKING:
     from fem_contact.solid import Solid
@@ -22,14 +20,11 @@ class Coating(Effect):
     """A homogeneous layer of another modulus on top of the solid."""
 
     kind: Literal["coating"] = "coating"
-    young: Pressure = Field(description='Young\'s modulus of the coating, e.g. "20 GPa"')
-    poisson: Number | None = Field(
-        default=None,
-        gt=-1,
-        le=0.5,
-        description="Poisson ratio of the coating, e.g. 0.25; default: that of the solid",
+    young: Pressure = key('Young\'s modulus of the coating, e.g. "20 GPa"')
+    poisson: Number | None = key(
+        "Poisson ratio of the coating, e.g. 0.25; default: that of the solid", None, gt=-1, le=0.5
     )
-    thickness: Length = Field(description='thickness of the coating, e.g. "1 um"')
+    thickness: Length = key('thickness of the coating, e.g. "1 um"')
 
     slot = "response"
     meshed = False

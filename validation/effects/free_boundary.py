@@ -7,13 +7,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
-from pydantic import Field
 
 from validation.arrays import Grid
 from validation.effects.base import ContactModel, Effect, Judgement, Roughness
 from validation.errors import UsageError
 from validation.report.quantities import as_length
-from validation.units import Length
+from validation.units import Length, key
 
 if TYPE_CHECKING:
     from fem_contact.surface import HeightField
@@ -24,9 +23,8 @@ class FreeBoundary(Effect):
     """The rough body is one patch with free surroundings, flat or curved as a whole: nothing is periodic."""
 
     kind: Literal["free-boundary"] = "free-boundary"
-    radius: Length | None = Field(
-        default=None,
-        description='nominal radius of a ball under the roughness, e.g. "1 mm"; default: flat',
+    radius: Length | None = key(
+        'nominal radius of a ball under the roughness, e.g. "1 mm"; default: flat', None
     )
 
     slot = "boundary"

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from typing import Literal, Self
 
 import numpy as np
-from pydantic import Field
 
 from validation.arrays import Array
 from validation.effects.base import Body, ContactModel, Effect, Judgement, Roughness, TheoryInputs
-from validation.units import Length, Pressure
+from validation.units import Length, Pressure, key
 
 
 @dataclass(frozen=True)
@@ -30,8 +29,8 @@ class Graded(Effect):
     """The modulus relaxes exponentially from that of the solid at the surface to another one below."""
 
     kind: Literal["graded"] = "graded"
-    bulk_young: Pressure = Field(description='Young\'s modulus far below the surface, e.g. "3 GPa"')
-    depth: Length = Field(description='depth over which it relaxes, e.g. "5 um"')
+    bulk_young: Pressure = key('Young\'s modulus far below the surface, e.g. "3 GPa"')
+    depth: Length = key('depth over which it relaxes, e.g. "5 um"')
 
     slot = "response"
     cost = 6.1

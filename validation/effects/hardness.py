@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from validation.arrays import Array, Grid
 from validation.effects.base import ContactModel, Effect, Judgement, Roughness, TheoryInputs
 from validation.errors import UsageError
 from validation.report.quantities import as_length, in_prefixed_unit
-from validation.units import Length, Number, Pressure, wrong
+from validation.units import Length, Number, Pressure, key, wrong
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,14 +29,14 @@ class Hardness(Effect):
     """The solid yields where the pressure reaches its hardness: 0 <= p <= H."""
 
     kind: Literal["hardness"] = "hardness"
-    hardness: Pressure = Field(description='indentation hardness H, e.g. "2 GPa"')
-    size_wavelength: Length | None = Field(
-        default=None,
-        description="length l below which it rises, as H (1 + l/lambda)^size_exponent: lambda is that of a "
+    hardness: Pressure = key('indentation hardness H, e.g. "2 GPa"')
+    size_wavelength: Length | None = key(
+        "length l below which it rises, as H (1 + l/lambda)^size_exponent: lambda is that of a "
         "wave in the theory, the diameter of a patch of contact in solvers",
+        None,
     )
-    size_exponent: Number | None = Field(
-        default=None, ge=0, le=2, description="how fast it rises towards short waves, in [0, 2], e.g. 0.5"
+    size_exponent: Number | None = key(
+        "how fast it rises towards short waves, in [0, 2], e.g. 0.5", None, ge=0, le=2
     )
 
     slot = "pressure bound"

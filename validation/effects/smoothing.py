@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from validation.effects.base import Effect, Judgement, Roughness, TheoryInputs
 from validation.report.quantities import in_prefixed_unit
-from validation.units import Pressure, wrong
+from validation.units import Pressure, key, wrong
 
 #: Standard deviations of the full-contact stress beyond which points that yield are rare.
 _RARE = 4.0
@@ -18,11 +18,10 @@ class Smoothing(Effect):
     """The surface was squeezed before, and what yielded then is smooth now; it changes C(q)."""
 
     kind: Literal["smoothing"] = "smoothing"
-    pressure: Pressure = Field(description='nominal pressure of the squeezing, e.g. "20 MPa"')
-    hardness: Pressure = Field(description='indentation hardness at the squeezing, e.g. "6 GPa"')
-    form: Literal["gradual", "sharp"] = Field(
-        default="gradual",
-        description="C(q) less the share that yielded at q, or C(q) up to where half had yielded",
+    pressure: Pressure = key('nominal pressure of the squeezing, e.g. "20 MPa"')
+    hardness: Pressure = key('indentation hardness at the squeezing, e.g. "6 GPa"')
+    form: Literal["gradual", "sharp"] = key(
+        "C(q) less the share that yielded at q, or C(q) up to where half had yielded", "gradual"
     )
 
     slot = "spectrum"

@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 from typing import Literal, Self
 
-from pydantic import Field
-
 from validation.effects.base import Body, ContactModel, Effect, Judgement, Roughness
 from validation.report.quantities import as_length
-from validation.units import Length
+from validation.units import Length, key
 
 #: q_long d beyond which a rigid base changes the compliance by less than a tenth of a percent.
 _DEEP = 8.0
@@ -19,9 +17,9 @@ class Thickness(Effect):
     """The solid is a layer on a rigid base."""
 
     kind: Literal["thickness"] = "thickness"
-    thickness: Length = Field(description='thickness of the layer, e.g. "20 um"')
-    base: Literal["bonded", "frictionless"] = Field(
-        default="bonded", description="whether the layer sticks to its rigid base or slides on it"
+    thickness: Length = key('thickness of the layer, e.g. "20 um"')
+    base: Literal["bonded", "frictionless"] = key(
+        "whether the layer sticks to its rigid base or slides on it", "bonded"
     )
 
     slot = "response"

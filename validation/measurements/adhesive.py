@@ -25,9 +25,9 @@ from validation.arrays import Array, Grid
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import full_contact_energy
 from validation.effects.hardness import Hardness
+from validation.execution.bench import Solves
 from validation.execution.measurement import Call, measurement
 from validation.execution.press import Press
-from validation.execution.running import Solves
 from validation.measurements.measurement import even_points
 from validation.measurements.theory import wave_powers
 from validation.measurements.yielding import yielded_by_theory

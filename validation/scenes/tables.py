@@ -83,8 +83,11 @@ class RandomSurface(Table):
     amplitudes: Literal["exact", "gaussian"] = key(
         "of the waves: those of C(q), or drawn about them", "exact"
     )
-    seed: Annotated[StrictInt, Field(ge=0, lt=2**63)] | None = key(
-        "whole number that names the realisation, e.g. 7; every solver needs it, the theory none", None
+    seed: StrictInt | None = key(
+        "whole number that names the realisation, e.g. 7; every solver needs it, the theory none",
+        None,
+        ge=0,
+        lt=2**63,
     )
 
     @model_validator(mode="after")
@@ -150,9 +153,7 @@ class CapillarySurface(RandomSurface):
     temperature: Temperature = key('at which they froze: the glass transition, e.g. "370 K"')
     surface_tension: Tension = key('of the melt, e.g. "0.04 J/m^2"')
     lambda_bend: Length = key("wavelength below which bending stiffness suppresses the waves")
-    surfaces: Annotated[StrictInt, Field(ge=1, le=1000)] = key(
-        "equal surfaces of the same material that touch, e.g. 2", 1
-    )
+    surfaces: StrictInt = key("equal surfaces of the same material that touch, e.g. 2", 1, ge=1, le=1000)
 
 
 #: Units of q and C in SI.
@@ -294,8 +295,8 @@ _OneOrSeveral = Annotated[
 class Ensemble(Table):
     """Further realisations of the same C(q), by boundary elements, for the scatter between surfaces."""
 
-    realisations: Annotated[StrictInt, Field(ge=2, le=_MOST_REALISATIONS)] = key(
-        "how many surfaces, that of the scene included, e.g. 8"
+    realisations: StrictInt = key(
+        "how many surfaces, that of the scene included, e.g. 8", ge=2, le=_MOST_REALISATIONS
     )
     grids: Annotated[Grids, Field(min_length=2)] = key(
         "surface points, e.g. [32, 64]; default: 4 and 8 on the shortest wave"
@@ -449,8 +450,8 @@ class RunOptions(Table):
     a scheduler, and folders outside, are named on the command line alone.
     """
 
-    workers: Annotated[StrictInt, Field(ge=1, le=4096)] = key(
-        "local processes, e.g. 4; 1 runs everything in the process itself", 1
+    workers: StrictInt = key(
+        "local processes, e.g. 4; 1 runs everything in the process itself", 1, ge=1, le=4096
     )
     memory: Memory | None = key('memory for all solves, e.g. "4 GiB"', None)
     store: Inside | None = key('folder of finished solves, shared between runs, e.g. "results/solves"', None)

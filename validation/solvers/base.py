@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from pydantic import Field, StrictBool
 
 from fem_contact import contact
+from fem_contact.area import EDGE_CONSTANTS, discretisation
 from fem_contact.contact import ContactResult, Status
 from fem_contact.response import Response
 from fem_contact.solid import Solid
@@ -21,7 +22,7 @@ from fem_contact.surface import HeightField
 from validation.arrays import Grid
 from validation.effects.base import ContactModel, Effect, SlotName, effect_key
 from validation.errors import UsageError
-from validation.units import Grids, Length, Number, Table
+from validation.units import Grids, Length, Number, Table, key
 
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
@@ -34,26 +35,24 @@ Settings = tuple[tuple[str, float | str], ...]
 class Gridded(Table):
     """Options of every method that solves on grids."""
 
-    grids: Annotated[Grids, Field(min_length=1)] = Field(
-        description="surface points, e.g. [32, 64]; default: 4, 8 and 16 on the shortest wave, as affordable"
+    grids: Annotated[Grids, Field(min_length=1)] = key(
+        "surface points, e.g. [32, 64]; default: 4, 8 and 16 on the shortest wave, as affordable"
     )
-    tolerance: Annotated[Number, Field(gt=0, lt=1e-2)] = Field(
-        default=1e-8,
-        description="complementarity sum p |g| / (h_rms sum p) of the solution, e.g. 1e-6; penetration, "
+    tolerance: Number = key(
+        "complementarity sum p |g| / (h_rms sum p) of the solution, e.g. 1e-6; penetration, "
         "tension and load are within ten times that",
+        1e-8,
+        gt=0,
+        lt=1e-2,
     )
-    under_resolved: StrictBool = Field(
-        default=False, description="run grids with lambda_short <= 2 dx, labelled"
-    )
+    under_resolved: StrictBool = key("run grids with lambda_short <= 2 dx, labelled", False)
 
 
 class Blocks(Gridded):
     """Options of every method whose body is a block of finite elements."""
 
-    depth: Length | None = Field(default=None, description="depth of the block; default: the longer period")
-    growth: Number = Field(
-        default=1.2, ge=1, le=4, description="ratio of the thicknesses of successive layers"
-    )
+    depth: Length | None = key("depth of the block; default: the longer period", None)
+    growth: Number = key("ratio of the thicknesses of successive layers", 1.2, ge=1, le=4)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -234,9 +233,9 @@ class Solver(Method):
     def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Run through the compiled passes once, so that no solve is charged with loading them."""
 
-    @abstractmethod
     def edge_constant(self, result: ContactResult) -> float:
-        """Edge constant of the perimeter correction of a result."""
+        """Edge constant of the perimeter correction of a result: that of the discretisation it names."""
+        return EDGE_CONSTANTS[discretisation(result)]
 
     def variant(self, settings: Mapping[str, Any]) -> str:
         """Name the compiled passes that the settings choose."""

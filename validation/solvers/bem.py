@@ -5,16 +5,15 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-from pydantic import Field, StrictInt
+from pydantic import StrictInt
 
-from fem_contact.area import EDGE_CONSTANTS, discretisation
-from fem_contact.contact import ContactResult
 from validation.arrays import Grid
 from validation.effects.base import Effect, effect_key
 from validation.errors import UsageError
 from validation.solvers.base import Cost, Gridded, Job, Shift, Size, Solved, Solver, example_job
+from validation.units import key
 
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
@@ -32,9 +31,7 @@ _DOUBLED = 14 * 8
 class BemOptions(Gridded):
     """FFT boundary elements on these grids, each on `shifts`^2 sub-grid shifts of the surface."""
 
-    shifts: Annotated[StrictInt, Field(ge=1, le=8)] = Field(
-        default=1, description="positions of the surface below the grid along each axis, e.g. 2"
-    )
+    shifts: StrictInt = key("positions of the surface below the grid along each axis, e.g. 2", 1, ge=1, le=8)
 
 
 class Bem(Solver):
@@ -111,7 +108,3 @@ class Bem(Solver):
     def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Press a small surface: large enough for all passes, those of single precision among them."""
         self.solve(replace(example_job(256, effects, tolerance=1e-6), threads=1))
-
-    def edge_constant(self, result: ContactResult) -> float:
-        """Return that of boundary elements, periodic or with free surroundings."""
-        return EDGE_CONSTANTS[discretisation(result)]

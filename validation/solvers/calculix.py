@@ -16,23 +16,19 @@ import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import numpy as np
-from pydantic import Field
 
 from fem_contact import contact
-from fem_contact.area import EDGE_CONSTANTS
-from fem_contact.contact import ContactResult
 from fem_contact.errors import NotConverged
-from fem_contact.response import Response
 from validation.arrays import Array
 from validation.effects.base import Effect
-from validation.solvers.base import Blocks, Claim, Cost, Job, Size, Solved, Solver, check_bodies
+from validation.solvers.base import Blocks, Claim, Cost, Job, Size, Solved, check_bodies
 from validation.solvers.bem import FIXED_BYTES, FIXED_PAIRS
 from validation.solvers.external import verified
-from validation.solvers.fem import block_response, planned, unknowns_of
-from validation.units import Duration
+from validation.solvers.fem import BlockSolver, planned, unknowns_of
+from validation.units import Duration, key
 
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
@@ -54,22 +50,20 @@ _PAIRS, _BYTES = 3e-4, 40.0
 class CalculixOptions(Blocks):
     """The block by CalculiX on these surface grids; direct linear solves, so that 32 x 32 is large."""
 
-    tolerance: Annotated[float, Field(gt=0, lt=1e-1)] = Field(
-        default=_ACCEPTED, description="largest residual that is accepted; its files carry seven digits"
+    tolerance: float = key(
+        "largest residual that is accepted; its files carry seven digits", _ACCEPTED, gt=0, lt=1e-1
     )
-    seconds: Duration | None = Field(default=None, description="time one solve may take; default: 10 min")
+    seconds: Duration | None = key("time one solve may take; default: 10 min", None)
 
 
-class Calculix(Solver):
+class Calculix(BlockSolver):
     """Linear hexahedra (C3D8) and gap elements (GAPUNI) of CalculiX."""
 
     name = "calculix"
     label = "CalculiX"
     options = CalculixOptions
-    independent = True
     foreign = True
     slots = frozenset({"response"})
-    score_element = "Hex1"
     score_points = 8
     setting_keys = ("tolerance", "growth", "depth", "seconds")
     papers = ("CalculiX: [dhondt2004].",)
@@ -87,14 +81,6 @@ class Calculix(Solver):
     def check(self, options: CalculixOptions, problem: ContactProblem, effects: Sequence[Effect]) -> None:
         """Refuse a layer that is not bonded to its base, and two depths."""
         check_bodies(self.name, problem.elastic, effects, depth=options.depth)
-
-    def felt(self, job: Job) -> Response:
-        """Return the block of its mesh by our reduction to the surface."""
-        return block_response(job)
-
-    def score_settings(self, points: int) -> dict[str, float | str]:
-        """Refine the layers with the grid."""
-        return {"growth": 1.2 ** (self.score_points / points)}
 
     def cost(self, size: Size) -> Cost:
         """Predict from the unknowns of the mesh."""
@@ -137,10 +123,6 @@ class Calculix(Solver):
         rise = -rises * length
         judged = verified(claim, accepted_job, method=self.label, element="Hex1", displacement=rise)
         return Solved(contact=judged)
-
-    def edge_constant(self, result: ContactResult) -> float:
-        """Return that of linear hexahedra."""
-        return EDGE_CONSTANTS["Hex1"]
 
 
 def _run(deck: Iterable[str], shape: tuple[int, int], *, seconds: float) -> tuple[Array, Array]:

@@ -17,10 +17,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from pydantic import Field
 
 from fem_contact import contact
 from fem_contact.area import EDGE_CONSTANTS
@@ -43,7 +42,7 @@ from validation.solvers.base import (
     example_job,
 )
 from validation.solvers.bem import FIXED_BYTES, FIXED_PAIRS
-from validation.units import Duration, Memory, Table
+from validation.units import Duration, Memory, Table, key
 
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
@@ -59,11 +58,9 @@ _MOST_WORDS = 500
 class ExternalOptions(Gridded):
     """A contact solver from elsewhere on these grids, its answer recomputed."""
 
-    tolerance: Annotated[float, Field(gt=0, lt=1e-1)] = Field(
-        default=1e-6, description="largest residual of the returned pressure that is accepted"
-    )
-    seconds: Duration | None = Field(default=None, description="time one solve may take; default: 10 min")
-    memory: Memory | None = Field(default=None, description="memory one solve may take; default: 4 GiB")
+    tolerance: float = key("largest residual of the returned pressure that is accepted", 1e-6, gt=0, lt=1e-1)
+    seconds: Duration | None = key("time one solve may take; default: 10 min", None)
+    memory: Memory | None = key("memory one solve may take; default: 4 GiB", None)
 
 
 class ExternalSolver(Solver):

@@ -7,8 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
-from pydantic import Field
-
 from fem_contact.contact import ContactResult
 from fem_contact.response import Response
 from validation.arrays import Array
@@ -17,6 +15,7 @@ from validation.errors import UsageError
 from validation.report.quantities import as_length
 from validation.solvers.base import Blocks, Cost, Job, Size, Solved, Solver, check_bodies, example_job
 from validation.solvers.bem import BYTES_PER_POINT, FIXED_BYTES, FIXED_PAIRS
+from validation.units import key
 
 if TYPE_CHECKING:
     from fem_contact.block.mesh import BlockMesh
@@ -41,24 +40,39 @@ _MOST_LAYERS = 4096
 class FemOptions(Blocks):
     """Finite-element block on these surface grids."""
 
-    method: Literal["full", "reduced"] = Field(
-        default="full", description="the whole system, or its exact reduction to the surface"
+    method: Literal["full", "reduced"] = key(
+        "the whole system, or its exact reduction to the surface", "full"
     )
 
 
-class Fem(Solver):
+class BlockSolver(Solver):
+    """A solver whose body is a block of linear hexahedra, its surface nodes the points of a grid."""
+
+    independent = True
+    score_element = "Hex1"
+
+    def felt(self, job: Job) -> Response:
+        """Return the block of its mesh, reduced to the surface here."""
+        from fem_contact.block import BlockResponse
+
+        return BlockResponse(mesh=planned(job), solid=job.model.solid, width=job.field.spacing[0])
+
+    def score_settings(self, points: int) -> dict[str, float | str]:
+        """Refine the layers with the grid: at one growth, finer grids approach a block that is .2 % off."""
+        return {"growth": float(Blocks.model_fields["growth"].default) ** (self.score_points / points)}
+
+
+class Fem(BlockSolver):
     """The finite-element block: the whole system, or its exact reduction to the surface."""
 
     name = "fem"
     label = "FEM"
     options = FemOptions
     slots = frozenset({"response", "pressure bound"})
-    independent = True
     holds = frozenset({"offset"})
     sinks = True
     controls = frozenset({"offset", "max_iterations"})
     setting_keys = ("method", "tolerance", "growth", "depth")
-    score_element = "Hex1"
     score_points = 16
     papers = (
         "Finite elements: [gustafsson2020].",
@@ -145,23 +159,9 @@ class Fem(Solver):
             )
         return Solved(contact=contact, block=replace(solutions[-1], contact=contact))
 
-    def felt(self, job: Job) -> Response:
-        """Return the block of its mesh, reduced to the surface by the other of the two codes."""
-        return block_response(job)
-
-    def score_settings(self, points: int) -> dict[str, float | str]:
-        """Refine the layers with the grid: at one growth, finer grids approach a block that is .2 % off."""
-        return {"growth": float(FemOptions.model_fields["growth"].default) ** (self.score_points / points)}
-
     def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Press a small block."""
         self.solve(example_job(16, effects, method=self.variant(settings or {})))
-
-    def edge_constant(self, result: ContactResult) -> float:
-        """Return that of the finite element used."""
-        from fem_contact.area import EDGE_CONSTANTS
-
-        return EDGE_CONSTANTS[result.provenance["element"]]
 
     def facts(self, options: FemOptions, problem: ContactProblem) -> Iterator[tuple[str, str]]:
         """Yield for each grid the discretisation error that its waves are answered with."""
@@ -213,10 +213,3 @@ def planned(job: Job) -> BlockMesh:
     from fem_contact.block import plan_mesh
 
     return plan_mesh(job.field.shape, job.field.lengths, **_mesh(job.settings, job.model))
-
-
-def block_response(job: Job) -> Response:
-    """Return the response of the block of trilinear cells whose nodes are the points of a surface."""
-    from fem_contact.block import BlockResponse
-
-    return BlockResponse(mesh=planned(job), solid=job.model.solid, width=job.field.spacing[0])

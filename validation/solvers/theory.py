@@ -8,7 +8,6 @@ from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from pydantic import Field
 
 from persson import elastic
 from persson.errors import PerssonError
@@ -17,7 +16,7 @@ from validation.effects.base import Effect, TheoryInputs, effect_key
 from validation.errors import UsageError
 from validation.report.words import json_ready
 from validation.solvers.base import Method
-from validation.units import Pressure, Table
+from validation.units import Pressure, Table, key
 
 if TYPE_CHECKING:
     from persson.adhesion import AdhesiveContact
@@ -29,15 +28,14 @@ if TYPE_CHECKING:
 class TheoryOptions(Table):
     """Persson's theory; its options are readings of what the paper leaves open on adhesion."""
 
-    energy: Literal["improved", "old", "as_printed"] = Field(
-        default="improved",
-        description="elastic energy at partial contact: Eqs. 44-49, Eq. 43, or Eq. 50 as it is printed",
+    energy: Literal["improved", "old", "as_printed"] = key(
+        "elastic energy at partial contact: Eqs. 44-49, Eq. 43, or Eq. 50 as it is printed", "improved"
     )
-    area: Literal["star", "projected"] = Field(
-        default="star", description="areas of Eq. 37 with the slope factor of the rough surface, or without"
+    area: Literal["star", "projected"] = key(
+        "areas of Eq. 37 with the slope factor of the rough surface, or without", "star"
     )
-    ideal_strength: Pressure | None = Field(
-        default=None, description='largest stress of the bonds, w over an atomic distance, e.g. "1 GPa"'
+    ideal_strength: Pressure | None = key(
+        'largest stress of the bonds, w over an atomic distance, e.g. "1 GPa"', None
     )
 
 

@@ -6,15 +6,14 @@ import hashlib
 import importlib.util
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-from pydantic import Field
+from typing import TYPE_CHECKING, Any
 
 from validation.effects.base import Effect
 from validation.errors import UsageError
 from validation.registry import with_own_folder
 from validation.solvers.base import Settings
 from validation.solvers.external import ExternalOptions, ExternalSolver
+from validation.units import key
 
 if TYPE_CHECKING:
     from validation.scenes.problem import ContactProblem
@@ -25,8 +24,8 @@ _FUNCTION = r"^[A-Za-z_][\w.]*:[A-Za-z_][\w.]*$"
 class OwnOptions(ExternalOptions):
     """Your own solver, ``solve(heights, lengths, *, contact_modulus, mean_pressure) -> pressures``."""
 
-    solver: Annotated[str, Field(pattern=_FUNCTION, max_length=200)] = Field(
-        description='a function as "module:name", e.g. "my_module:solve"'
+    solver: str = key(
+        'a function as "module:name", e.g. "my_module:solve"', pattern=_FUNCTION, max_length=200
     )
 
 

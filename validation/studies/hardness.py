@@ -15,9 +15,8 @@ from pydantic import Field, model_validator
 
 from fem_contact.hardness import yielded
 from validation.effects.hardness import Hardness
-from validation.execution.bench import Bench
+from validation.execution.bench import Bench, Solves
 from validation.execution.press import Press
-from validation.execution.running import Solves
 from validation.measurements.common import BASE_SOLID, Counts, base_case
 from validation.measurements.limits import ABSENT, straight_limit
 from validation.measurements.yielding import remaining_by_theory, remaining_waves, yielded_by_theory
