@@ -12,6 +12,7 @@ _NEW = {
     "validation.solves": "validation.execution",
     "validation.measures": "validation.measurements",
     "validation.bounded": "validation.sandbox",
+    "validation.execution.running": "validation.execution.bench",
     "validation.scenes.realised": "validation.scenes.problem",
     "validation.theories.own": "validation.theories.user_function",
 }
