@@ -169,7 +169,7 @@ TABULATED = 512
 
 
 def _on_distinct(q: Array, compliance: Callable[[Array], Array]) -> Array:
-    """Evaluate at the distinct |q| only, by far fewer than the wavevectors of a grid; 0 at q = 0."""
+    """Evaluate at the distinct |q| alone, which are far fewer than the wavevectors; 0 at q = 0."""
     values, places = np.unique(q, return_inverse=True)
     out = np.zeros(values.shape)
     # Of a wave far longer than the solar system the compliance may exceed what a number can hold.

@@ -139,7 +139,7 @@ class Layered:
         return self.solids[int(np.count_nonzero(edges[:-1] < depth))]
 
     def sunk(self, depth: float) -> float:
-        """Displacement into the solid per mean pressure [m/Pa], relative to the surface or to the base."""
+        """Displacement into the solid per mean pressure [m/Pa], from the base or else from the surface."""
         tops = np.append(0.0, np.cumsum(self.thicknesses)[:-1])
         within = np.clip(depth - tops, 0, self.thicknesses)
         if np.isfinite(self.base_depth):

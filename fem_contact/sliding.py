@@ -380,6 +380,7 @@ def _iterated(problem: _Problem, start: Array | None) -> SlidingContact:
         pairs += state.contact.cost.fft_pairs + _PAIRS
         inner_steps += state.contact.cost.iterations
         pressure = state.contact.pressure
+        # Of penetration ten times the tolerance is allowed.
         residual = max(state.contact.residuals.complementarity, state.contact.residuals.penetration / 10)
         if residual < best:
             best, since = residual, 0

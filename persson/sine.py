@@ -149,7 +149,10 @@ def _omitted(modes: int, variance: float, width: float) -> float:
 
 
 def _still(s0: float, *, modes: int, variance: float, walls: tuple[float, float]) -> SineExpansion:
-    """Let the amplitudes decay between walls that stand; of 1 - s_0, what has not yielded yet is missing."""
+    """Let the amplitudes decay between walls that stand.
+
+    As V grows without end the share 1 - s_0 yields; from it is taken what has yet to.
+    """
     n, width = np.arange(1, modes + 1), walls[0] + walls[1]
     now = 2 / width * np.sin(np.pi * n * s0) * np.exp(-0.5 * variance * (np.pi * n / width) ** 2)
     return SineExpansion(

@@ -162,7 +162,7 @@ def solve_displacement(
         raise UnsupportedEffect(
             "response = FreeHalfSpace: a patch is pressed by a load; give solve its mean pressure"
         )
-    problem = _checked(surface, response, **options)
+    problem = _problem(surface, response, **options)
     search = LoadSearch(problem, target=finite(name, distance), of_gap=name == "mean_gap")
     return problem.result(search.run(), target=None)
 
@@ -183,7 +183,7 @@ def solve_path(
     surface, response, pressure_bound, tolerance, max_iterations, time_limit, threads
         As in `solve`.
     """
-    problem = _checked(surface, response, **options)
+    problem = _problem(surface, response, **options)
     loads = positives("mean_pressures", mean_pressures)
     for load in loads:
         problem.check_load(load)
@@ -196,7 +196,7 @@ def solve_path(
     return results
 
 
-def _checked(
+def _problem(
     surface: HeightField,
     response: Response,
     *,

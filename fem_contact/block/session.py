@@ -283,13 +283,13 @@ def _apart(problem: Problem) -> Answer:
 
 def _provenance(problem: Problem, *, width: float, answer: Answer) -> dict[str, str]:
     mesh = problem.mesh
-    widest = float(np.max(mesh.layers[:-1] / mesh.layers[1:])) if mesh.nz > 1 else 1.0
+    growth = float(np.max(mesh.layers[:-1] / mesh.layers[1:])) if mesh.nz > 1 else 1.0
     share = "cell area" if mesh.element.order == 1 else "node area (corner : edge : centre = 1 : 2 : 4)"
     return {
         "method": _METHODS[answer.method],
         "element": mesh.element.name,
         "mesh": f"{mesh.cells[0]} x {mesh.cells[1]} x {mesh.nz} cells, {mesh.unknowns} unknowns",
-        "layers": f"first {mesh.layers[-1]:.4g} cell widths, growth {widest:.4g}",
+        "layers": f"first {mesh.layers[-1]:.4g} cell widths, growth {growth:.4g}",
         "depth": f"{float(-mesh.planes[0]) * width:.6g} m, clamped",
         "pressure": f"nodal force over {share}; contact area counts the same areas",
         "tolerance": f"{problem.tolerance:.3g} (reached: {answer.note})",

@@ -135,8 +135,9 @@ def read_off(result: Result, name: str, variable: xr.Variable) -> Array | None:
         return None
 
     def read(solve: xr.Dataset) -> Any:
-        places = set(solve.coords) - set(solve.dims)
-        if plain in (solve.variables if name != plain else places) and solve[plain].dtype.kind in "fib":
+        # Without "_each" it may be a mean over surfaces, which no solve has; a coordinate is never one.
+        known = solve.variables if name != plain else set(solve.coords) - set(solve.dims)
+        if plain in known and solve[plain].dtype.kind in "fib":
             return solve[plain].values
         return solve.attrs.get(plain, _asked(result, solve, plain))
 

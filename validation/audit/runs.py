@@ -138,13 +138,13 @@ class Run:
             for of in ("surface", "solid", "load")
         )
         asked, k = dict(self.surface), 0
-        # The recipe holds the digest of a file in place of its path.
+        # The recipe of a `ContactProblem` holds the digest of a file in place of its path.
         surface |= {key: asked[key] for key in ("path", "second_path") if key in asked and key in surface}
-        if self.measured:  # it names no usual treatment of later versions
-            surface = {"spikes": "keep", **surface}
-            for since in ("heights", "clipped"):
+        if self.measured:
+            surface = {"spikes": "keep", **surface}  # which it names where they are clipped alone
+            for since in ("heights", "clipped"):  # how this version reads a map, whatever is asked
                 surface.pop(since, None)
-            k = surface.pop("more_paths", 0)
+            k = surface.pop("more_paths", 0)  # of several maps which, where the scene lists them
             asked = {"tilt": "keep", "spikes": "keep", **asked}
             asked = {key: value for key, value in asked.items() if key not in ("treatment", "more_paths")}
         else:
@@ -152,6 +152,7 @@ class Run:
         said = surface, solid, load, recipe["effects"]
         same = said == (asked, self.scene["solid"], self.scene["load"], self.effects)
         options = self.options.get(recipe["method"], {})
+        # A solve of the surface upside down is of a quantity, not of the scene.
         same = same and all(options[key] == v for key, v in recipe["settings"].items() if key in options)
         return k if same and "inverted" not in recipe and k in range(self.realisations) else None
 

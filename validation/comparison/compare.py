@@ -14,7 +14,7 @@ import xarray as xr
 
 from validation.errors import UsageError
 from validation.execution.outputs import Outputs
-from validation.execution.results import Result, read_results, write_results
+from validation.execution.results import RECORD, Result, read_results, record_of, write_results
 from validation.files import locked, prepare_folder
 from validation.report.estimates import derive, each
 from validation.report.findings import Finding, finding, note
@@ -47,12 +47,9 @@ def compare_folders(folders: Sequence[Path], output: Path, *, report: bool = Tru
     A UsageError where fewer than two can be compared, or `output` holds results of its own.
     """
     results, left_out = _read(folders)
-    try:
-        if read_results(output).kind != "compare":
-            raise UsageError(f"--output {output}: holds results of its own; name another folder")
-    except UsageError as error:
-        if "of its own" in str(error) or "damaged" in str(error):
-            raise
+    # A record that cannot be read may be that of a run.
+    if (output / RECORD).exists() and record_of(output).get("kind") != "compare":
+        raise UsageError(f"--output {output}: holds results of its own; name another folder")
     data, differ, first = side_by_side(results), differing(results), next(iter(results.values()))
     settings = {label: dict(result.settings) for label, result in results.items()}
     kind = _KINDS.get(first.kind, f"results of the {_question(first)}")
@@ -85,7 +82,7 @@ def compare_folders(folders: Sequence[Path], output: Path, *, report: bool = Tru
         seeds="; ".join(seeds),
         papers=(),
         records={"table": table},
-        data=None,
+        data=None,  # table.csv has all numbers
         summary={
             "kind": "compare",
             "results": {label: labelled_folders[label] for label in results},

@@ -168,6 +168,7 @@ class Call(Solve):
 
 
 def _plain(value: Any) -> Any:
+    """Return an argument as JSON-ready data; another form of it would rename every stored solve."""
     if isinstance(value, tuple):
         return [_plain(item) for item in value]
     if isinstance(value, BaseModel):

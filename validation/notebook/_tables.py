@@ -43,7 +43,7 @@ def plain(value: Any) -> Any:
 
 
 def checked(kind: type[T], source: str, values: Mapping[str, Any]) -> T:
-    """Return a table of what was said; what is None was not.
+    """Return a table of what was said; None counts as not said.
 
     Raises
     ------

@@ -148,13 +148,15 @@ def _of_protocol(data: xr.Dataset) -> Iterator[Finding]:
     form += "{each} ({slope})."
     item = "{kappa_protocol_by_solver} at H = {hurst_protocol}, {kappa_excess_protocol:+%} from the converged one of the same "
     item += "surfaces, so that the grid makes {grid_part_protocol:%} of its distance to the theory"
-    yield finding("share", form, data.isel(slope=0), item=item)
+    first = data.isel(slope=0)  # the spectral slope, that of C(q)
+    yield finding("share", form, first, item=item)
     same = np.flatnonzero(np.isclose(data.hurst_protocol, float(data.hurst_hyun)))
     if same.size:
         form = "Beside the converged {kappa_protocol_limit} Hyun's {kappa_hyun} at H = {hurst_hyun} lies {verdict}; the protocol has {each}."
         item = "{kappa_protocol_by_solver} ({slope})"
         at = data.isel(hurst_protocol=int(same[0]))
         half = total_error(at, "kappa_excess_protocol")
+        # A grid that raises kappa explains no value that lies below.
         raised = half is not None and bool((at.kappa_excess_protocol > half).any())
         side = " (the grid, which raises kappa, explains none of that)" if raised else ""
         outcomes = {"-": f"below{side}", "+": "above", "0": "within the interval"}

@@ -129,7 +129,6 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         data,
         item=named + "{initial_density}, {verdict} zero, and falls like dx^{decay} on the grids",
         by="initial_density",
-        words={"+": "above", "-": "below"},
     )
     form = "The slope of P at zero, in units of (E* h'_rms)^-2: {each}; Persson's closed form has "
     form += "{initial_slope_persson}."
