@@ -153,7 +153,7 @@ def test_an_accuracy_claims_twice_the_standard_error_of_the_grids_and_the_tolera
     search = _search(monkeypatch)
     # The pilot solves one grid, the ladder both.
     answers = iter([[planted[1]], planted])
-    monkeypatch.setattr(Search, "_solved", lambda self, grids, shifts: next(answers))
+    monkeypatch.setattr(Search, "_solved", lambda self, *asked: next(answers))
     found = search.own_surface()
     assert found.area == pytest.approx(limit.value, rel=1e-12)
     assert found.error == pytest.approx(2 * limit.uncertainty / limit.value + 7 * search.tolerance, rel=1e-12)
