@@ -137,8 +137,9 @@ def run_tests(tree, tests, *, cache, limit=600, whole=False):
 
 
 def failed_tests(output):
-    """Return the names of tests that failed, of what pytest said."""
-    return tuple(re.findall(r"^(?:FAILED|ERROR) (\S+(?: \S+\])?)", output, flags=re.M))
+    """Return which tests failed by what pytest said, with all cases where a case has blanks in its name."""
+    found = re.findall(r"^(?:FAILED|ERROR) (\S+(?: \S+\])?)", output, flags=re.M)
+    return tuple(dict.fromkeys(n if n.endswith("]") else n.partition("[")[0] for n in found))
 
 
 def judge(mutant, tree, *, tests=()):
