@@ -132,9 +132,14 @@ def test_rows_that_nothing_names_are_not_paired_where_their_numbers_differ():
         side_by_side({"a": of(2), "b": of(3)})
 
 
-def test_a_results_folder_is_not_written_over(results):
+@pytest.mark.parametrize("damaged", [False, True])
+def test_a_results_folder_is_not_written_over(results, tmp_path, damaged):
+    record = tmp_path / "result.json"
+    text = (results / "other/result.json").read_text(encoding="utf-8")
+    record.write_text(text[: -10 if damaged else None], encoding="utf-8")
     with pytest.raises(UsageError, match="holds results of its own"):
-        compare_folders([results / "first", results / "other"], results / "other")
+        compare_folders([results / "first", results / "other"], tmp_path)
+    assert [*tmp_path.iterdir()] == [record]
 
 
 def test_the_command_prints_and_writes(results, tmp_path, monkeypatch):
