@@ -76,7 +76,11 @@ def allowed(error: Mapping[str, Any]) -> str:
 
 
 def brief(value: object) -> str:
-    """Write a value as Python does, and no more of it than tells it from others."""
+    """Write a value as Python does, and no more of it than tells it from others.
+
+    >>> len(brief("x" * 98)), len(brief("x" * 99))
+    (100, 80)
+    """
     try:
         words = repr(value)
     except ValueError:  # a whole number of thousands of digits

@@ -10,6 +10,7 @@ from fem_contact import GivenResponse, HeightField, NotConverged
 from validation.cases import run_cases
 from validation.cases.scorecard import Subject, rows, score
 from validation.cases.scorecard.diagnosis import diagnose
+from validation.cases.scorecard.elementary import WAVES, Transfer
 from validation.solvers.base import Claim
 from validation.solvers.bem import Bem
 
@@ -240,3 +241,12 @@ def test_what_a_solver_of_this_process_raises_is_told_by_its_rows():
     card = score(Subject(name="raising", solver=Spoilt(fail), settings={}))
     assert {verdict.error for verdict in card.failed} == {"ZeroDivisionError: by zero"}
     assert card.diagnosis == ""
+
+
+@pytest.mark.parametrize("shift", [(1.0, 0.0), (0.0, -1.0), (2.0, 3.0)])
+def test_a_shift_is_told_along_each_axis(shift):
+    n = 32
+    turns = np.array([kx * shift[0] + ky * shift[1] for kx, ky, *_ in WAVES])
+    made = {"allowed": np.full(len(WAVES), 0.01), "exact": np.zeros((n, n)), "pressed": None}
+    assert Transfer(ratio=np.exp(-2j * np.pi * turns / n), **made).shift == pytest.approx(shift)
+    assert Transfer(ratio=np.exp(1j * np.arange(len(WAVES))), **made).shift is None

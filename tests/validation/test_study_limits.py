@@ -1,6 +1,7 @@
 """What the studies conclude with: limits of ladders, budgets, the theory in two modes, verdicts."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ from validation.measurements.theory import WITH_ENERGY, Waves, ensemble_area, mo
 from validation.report.estimates import claim, mean
 from validation.scenes.surfaces import height_field, spectrum_of
 from validation.scenes.tables import SolidSpec
-from validation.studies import stress_near_zero
+from validation.studies import depth, stress_near_zero
 
 SOLID = SolidSpec(young=3e8, poisson=0.25)
 SMALL = {"periods": 2.0, "bandwidth": 2.0}
@@ -226,6 +227,36 @@ def test_the_slope_from_the_contour_tends_to_that_of_a_hertzian_contact_in_first
     # p^2 = p_m^2 (2 s/a - s^2/a^2): read at 1.5 to 4 cells, 1/B^2 is too large by some 1.4 cells over a.
     assert fine == pytest.approx(1.4 / 19.2, abs=0.04)
     assert coarse / fine == pytest.approx(2.0, abs=0.7)
+
+
+def test_the_contour_is_read_two_and_three_cells_inside_alone():
+    dx, inside = 0.1, 0.1 * np.arange(-9.5, 22.5)  # of a strip that begins at the tenth row
+    inside = np.minimum(inside, inside[::-1])
+    read = (inside > 2 * dx) & (inside < 4 * dx)
+    pressure = np.where(read, 3.0 * np.sqrt(abs(inside)), 50.0)
+    contact = np.broadcast_to((inside > 0)[:, None], (32, 8))
+    found = SimpleNamespace(
+        in_contact=contact, pressure=np.where(contact, pressure[:, None], 0.0), spacing=(dx, dx)
+    )
+    assert inverse_square_coefficient(found) == pytest.approx(1 / 9, rel=1e-12)
+    nothing = SimpleNamespace(in_contact=~contact & contact, pressure=0 * found.pressure, spacing=(dx, dx))
+    assert np.isnan(inverse_square_coefficient(nothing))
+
+
+def test_the_depth_that_is_enough_is_the_first_whose_bottom_costs_less_than_a_tenth_of_the_mesh():
+    mesh, over = 0.02, np.array([1.11, 1.09, 1.0])
+    data = xr.Dataset(
+        {
+            "varied": ("case", ["depth"] * 3 + ["growth"]),
+            "element": ("case", ["Hex1"] * 4),
+            "depth": ("case", [1.0, 2.0, 4.0, 4.0]),
+            "pressure_difference": ("case", [*(mesh * over), 0.5]),
+            "pressure_difference_layer": ("case", [mesh] * 4),
+        }
+    )
+    found = depth._finding(data, "Hex1")
+    assert found.values["deep"].value == 2.0
+    assert found.values["shallow_difference"].value == mesh * 1.11
 
 
 def synthetic_edge(*, value, slope, bend):

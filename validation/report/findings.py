@@ -219,6 +219,8 @@ def finding(
         raise UsageError(
             f"finding {form!r}: the kind {kind!r} says no verdict, or 'by' names no value that decides"
         )
+    if form.count("[") != form.count("]"):
+        raise UsageError(f"finding {form!r}: a bracket is not closed, or not opened")
     rows: list[dict[str, Value]] = []
     if data is not None and item:
         # The rest need not be sliced at every place.

@@ -15,7 +15,8 @@ with tempfile.TemporaryDirectory() as place:
         folder.mkdir()
         start = time.process_time()
         record, _ = compute(name, Bench.at(Path(place) / "solves"), folder)
-        record.pop("misdrawn", None)
+        for of_page in ("misdrawn", "shown"):  # is kept in shown.json
+            record.pop(of_page)
         path = write(name, record)
         spent = time.process_time() - start
         print(f"{name}: {len(record)} places, {path.stat().st_size} bytes, {spent:.2f} s", flush=True)

@@ -5,6 +5,7 @@ from fnmatch import fnmatch
 import numpy as np
 import xarray as xr
 
+from gold import shown
 from gold.asked import ROUNDING
 from gold.make import compute, machine, numbers_of, read
 from gold.maps import maps_of
@@ -27,7 +28,8 @@ def disagreements(name, bench, folder, *, known=None):
         for place, entry in gold["record"].items()
         if here or not any(fnmatch(f"{name}: {place}", pattern) for pattern in ROUNDING)
     }
-    odd = new.pop("misdrawn", {"words": []})["words"]
+    odd = new.pop("misdrawn")["words"]
+    odd += shown.differences(name, new.pop("shown")["words"])
     return [*differences(name, record, new, data, rtol=rtol), *odd]
 
 

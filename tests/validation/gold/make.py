@@ -16,8 +16,9 @@ import numpy as np
 from reading_back import misdrawn
 
 from gold.asked import LADDERS, STUDIES, UNSTEADY
+from gold.shown import shown_on
 from validation.measurements.convergence import Ladders
-from validation.report.marks import draw
+from validation.report.page import page_of
 from validation.report.table import budget_table
 from validation.scenes.scene import load_scene
 from validation.studies import find_study
@@ -72,14 +73,18 @@ def compute(name, bench, folder, *, known=None):
     if shown.budget:
         budget = budget_table(data, shown.budget)
         record |= _of_table("budget", budget.columns, budget.rows)
-    odd = []
-    for drawing in (draw(figure, data) for figure in shown.figures):
+    page, odd = page_of(data, shown, figures=True, title=name, lead="", settings={}, seeds="", papers=()), []
+    for drawing in page.figures:
         record |= _of_dataset(f"figure.{drawing.name}", drawing.data)
         odd += misdrawn(drawing, data)
-    said = [found.text for found in shown.findings]
-    odd += [f"no sentence: {text}" for text in said if not text.endswith(".")]
-    record |= _of_words("findings", said)
-    return {**_steady(name, record), "misdrawn": {"words": odd}}, data
+    odd += [f"no sentence: {text}" for text in page.findings if not text.endswith(".")]
+    record |= _of_words("findings", page.findings)
+    return {**_steady(name, record), **of_page(name, page, odd)}, data
+
+
+def of_page(name, page, odd):
+    """Record what a page shows, and what is wrong on it."""
+    return {"shown": {"words": shown_on(name, page)}, "misdrawn": {"words": odd}}
 
 
 def of_dataset(name, data):

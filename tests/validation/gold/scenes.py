@@ -3,7 +3,7 @@
 from reading_back import misdrawn
 
 from gold.asked import ACCURATE, COMPARED, SCENES
-from gold.make import of_dataset
+from gold.make import of_dataset, of_page
 from validation.comparison.accuracy import run_accurate
 from validation.comparison.compare import compare_folders
 from validation.comparison.pages import result_page
@@ -26,7 +26,7 @@ def of_scene(name, bench, folder):
         data = _ran(name, solves, folder / "run")
         page = result_page(read_results(folder / "run"), figures=True)
     odd = [problem for drawing in page.figures for problem in misdrawn(drawing, data)]
-    return {**of_dataset(name, data), "misdrawn": {"words": odd}}, data
+    return {**of_dataset(name, data), **of_page(name, page, odd)}, data
 
 
 def _ran(name, solves, results):

@@ -1,0 +1,73 @@
+"""What a page shows, by the names of its variables: which stand in tables, on which axes, in which sentences.
+
+``python -m gold.shown NAME ...`` from ``tests/validation`` writes shown.json again, all without a name.
+"""
+
+import json
+import sys
+import tempfile
+from pathlib import Path
+from string import Formatter
+
+from gold.asked import COMPARED, SCENES, STUDIES, UNSTEADY
+
+STORED = Path(__file__).parent / "shown.json"
+
+
+def shown_on(name, page):
+    """Say it of a page, a line for each table, sentence and mark; none of the wording of either."""
+    lines = []
+    for file, table in page.summary["tables"].items():
+        columns = [f"{c['name']}{c['at'] or ''}" for c in table.get("columns", ())] or table["names"]
+        lines.append(f"table {file}: along {', '.join(table.get('rows', ()))}: {', '.join(columns)}")
+    lines.append(f"budget: {', '.join(page.summary.get('budget', ()))}")
+    for drawing in page.figures:
+        marks = {id(one.mark): one for one in drawing.drawn}.values()
+        lines += [f"figure {drawing.name}: {_mark(one)}" for one in marks]
+    if not any("findings" in place for place in UNSTEADY.get(name.partition(" ")[0], ())):
+        # Which way is the cheapest, and what can be said of it, is another today.
+        for found in (f for f in page.summary["findings"] if f["kind"] != "cost"):
+            names = [part[1] for form in (found["form"], found.get("item", "")) for part in _parsed(form)]
+            lines.append(f"{found['kind']} by {found.get('by', '')}: {', '.join(names)}")
+    return lines
+
+
+def _parsed(form):
+    return [part for part in Formatter().parse(form) if part[1] is not None]
+
+
+def _mark(one):
+    mark, told = one.mark, {}
+    for key in ("by", "at", "where", "look", "joined", "steps", "high", "rows", "symmetric"):
+        if value := getattr(mark, key, None):
+            told[key] = value
+    scales = one.axes.get_xscale(), one.axes.get_yscale()
+    return f"{type(mark).__name__} {mark.y} over {one.x} {told}, {', '.join(scales)}"
+
+
+def differences(name, lines):
+    """Say what was shown and is not, and what is shown now."""
+    known = json.loads(STORED.read_text(encoding="utf-8"))[name]
+    yield from (f"shown no more: {line}" for line in known if line not in lines)
+    yield from (f"newly shown: {line}" for line in lines if line not in known)
+    if sorted(lines) == sorted(known) and lines != known:
+        yield f"shown in another order: {lines}"
+
+
+def main():
+    """Write it again where a change is meant."""
+    from gold.make import compute
+    from validation.execution.bench import Bench
+
+    known = json.loads(STORED.read_text(encoding="utf-8")) if sys.argv[1:] else {}
+    with tempfile.TemporaryDirectory() as place:
+        for name in sys.argv[1:] or (*STUDIES, *SCENES, *COMPARED):
+            folder = Path(place) / name
+            folder.mkdir()
+            known[name] = compute(name, Bench.at(Path(place) / "solves"), folder)[0]["shown"]["words"]
+            print(name, len(known[name]), flush=True)
+    STORED.write_text(json.dumps(known, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
