@@ -54,6 +54,13 @@ def _mark(one, data):
         numbers = numbers.transpose(*one.data[one.mark.rows].dims, *one.data[one.x].dims)
         if not _same(shown, numbers.values * factor):
             yield "the map is not that of its variable"
+        for k, name, label in ((0, one.x, one.axes.get_xlabel()), (1, one.mark.rows, one.axes.get_ylabel())):
+            edges, places = one.artist.get_coordinates()[..., k], np.asarray(one.data[name].values)
+            edges = edges[:, 0] if k else edges[0]
+            if places.dtype.kind == "f" and not _same(
+                edges[:-1] + edges[1:], 2 * places * np.nan_to_num(_factor(name, label))
+            ):
+                yield f"the map lies elsewhere along {name}"
         return
     factor_x, factor_y = _factor(one.x, one.axes.get_xlabel()), _factor(one.mark.y, one.axes.get_ylabel())
     if math.isnan(factor_x) or math.isnan(factor_y):

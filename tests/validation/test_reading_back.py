@@ -118,7 +118,7 @@ def test_a_map_of_the_kit_shows_what_it_says(map_drawing):
     assert list(misdrawn(*map_drawing)) == []
 
 
-@pytest.mark.parametrize("mistake", ["transposed", "of another solver", "in another unit"])
+@pytest.mark.parametrize("mistake", ["transposed", "of another solver", "in another unit", "rows in another"])
 def test_a_mistake_in_a_map_is_noticed(map_drawing, mistake):
     drawing, data = map_drawing
     (one,) = drawing.drawn
@@ -126,6 +126,8 @@ def test_a_mistake_in_a_map_is_noticed(map_drawing, mistake):
         one.artist.set_array(one.artist.get_array().T)
     elif mistake == "of another solver":
         one.artist.set_array(one.artist.get_array() + 9)
+    elif mistake == "rows in another":
+        one.axes.set_ylabel(one.axes.get_ylabel().replace("[um]", "[nm]"))
     else:
         object.__setattr__(one, "label", one.label.replace("MPa", "GPa"))
     assert list(misdrawn(drawing, data))

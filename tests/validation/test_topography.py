@@ -36,6 +36,7 @@ from validation.scenes.topography.patch import Topography
 from validation.scenes.topography.reading import file_says, read_topography
 from validation.scenes.topography.statistics import height_statistics
 from validation.scenes.topography.writing import write_topography
+from validation.units import LARGEST
 
 LENGTH = 1e-5
 SPECTRUM = SelfAffine.from_rms_gradient(
@@ -85,6 +86,11 @@ def test_every_format_is_written_and_read_back_exactly(tmp_path, suffix):
     assert_array_equal(found.heights, field.heights)
     assert_allclose(found.lengths, field.lengths, rtol=1e-14)
     if not says_size:
+        largest = LARGEST / np.abs(field.heights).max()  # as its unit
+        size = {"lengths": (1e6 * largest, 1e6 * largest)}
+        assert read_topography(path, unit=0.9 * largest, **size).heights.max() <= LARGEST
+        with pytest.raises(UsageError, match="holds heights up to"):
+            read_topography(path, unit=1.1 * largest, **size)
         with pytest.raises(UsageError, match="does not say how large the patch is"):
             read_topography(path)
         with pytest.raises(UsageError, match="does not say the unit of its heights: give unit"):
