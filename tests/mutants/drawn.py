@@ -294,26 +294,37 @@ def judge(fault, tree, tests):
     doors += [] if fault.file.startswith("validation") else ["tests/test_public_api.py"]
     for portion in filter(None, (tests[:8], tests[8:], doors)):
         outcome = driver.judge(fault, tree, tests=portion)
+        if (
+            outcome.verdict == "broken"
+            and driver.run_tests(tree, portion, cache=tree.parent / "cache")[0] == 0
+        ):
+            return "killed", "nothing runs"
         for test in outcome.failed or ([""] if outcome.verdict == "killed" else []):
             if not test or driver.run_tests(tree, [test], cache=tree.parent / "cache")[0] == 0:
                 return "killed", test or "no end"
-    path, folder = tree / fault.file, tree.parent / "shown"
+    path = tree / fault.file
     sound = path.read_text(encoding="utf-8")
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir()
     path.write_text(fault.applied(sound), encoding="utf-8")
-    # Compiled code with the fault is kept nowhere else.
-    environment = os.environ | {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(folder / "cache")}
     try:
-        for command in _COMMANDS:
-            called = [sys.executable, "-B", "-m", "validation.cli.commands", *command.split()]
-            if subprocess.run(
-                called, cwd=folder, env=environment, capture_output=True, check=False
-            ).returncode:
-                return "killed", f"fem-contact {command}"
+        command = _failing(tree)
     finally:
         path.write_text(sound, encoding="utf-8")
-    return "survived", ""
+    return ("killed", command) if command else ("survived", "")
+
+
+def _failing(tree):
+    """Run what a user would; return the first command that fails, or leaves nothing."""
+    folder = tree.parent / "shown"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    # Compiled code with the fault is kept nowhere else.
+    environment = os.environ | {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(folder / "cache")}
+    for command in _COMMANDS:
+        called = [sys.executable, "-B", "-c", _MAIN, *command.split()]
+        done = subprocess.run(called, cwd=folder, env=environment, capture_output=True, check=False)
+        if done.returncode or not (folder / command.split()[-1] / "report.html").exists():
+            return f"fem-contact {command}"
+    return ""
 
 
 def killed_by_suite(faults, tree):
@@ -356,6 +367,8 @@ def main():
     excused = tomllib.loads(Path(__file__).with_name("drawn.toml").read_text(encoding="utf-8"))
     covering, counts, survivors = Covering(given.coverage), Counter[str](), list[Fault]()
     with driver.copied_tree() as tree:
+        if command := _failing(tree):
+            sys.exit(f"{command} fails by itself")
         for package in given.packages:
             for fault in drawn(package, seed=given.seed, count=given.count):
                 if given.only in fault.name:
