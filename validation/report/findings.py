@@ -219,9 +219,9 @@ def finding(
         raise UsageError(
             f"finding {form!r}: the kind {kind!r} says no verdict, or 'by' names no value that decides"
         )
-    for words in (form, item):
-        if words.count("[") != words.count("]") or words != words.strip():
-            raise UsageError(f"finding {words!r}: a bracket is not closed, or a part of the sentence is missing")
+    for one in (form, item):
+        if one.count("[") != one.count("]") or one != one.strip():
+            raise UsageError(f"finding {one!r}: a bracket is not closed, or a part of the sentence is missing")
     rows: list[dict[str, Value]] = []
     if data is not None and item:
         # The rest need not be sliced at every place.
