@@ -23,6 +23,7 @@ from persson import PerssonError
 #: Modules whose public names are all public_api, or results, constants and types that need none.
 FEM = solver_doors() | {f"block.{name}": door for name, door in block_doors().items()}
 THEORY = theory_doors()
+ALL = FEM | {f"persson.{name}": door for name, door in THEORY.items()}
 
 #: Processor seconds: more than the slowest sensible call takes, less than a hang.
 PATIENCE = 60
@@ -134,14 +135,14 @@ def knock(door, changes):
     return None
 
 
-@pytest.mark.parametrize("name", [*FEM, *(f"persson.{name}" for name in THEORY)])
+@pytest.mark.parametrize("name", ALL)
 def test_every_door_opens_to_sensible_arguments(name):
-    function, valid = (FEM | {f"persson.{key}": door for key, door in THEORY.items()})[name]
+    function, valid = ALL[name]
     function(**valid)
 
 
 @pytest.mark.parametrize("package", DOORS)
-@settings(max_examples=400, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=400, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_whatever_is_handed_in_nothing_but_the_packages_own_exceptions_comes_out(package, data):
     doors = DOORS[package]
@@ -151,9 +152,9 @@ def test_whatever_is_handed_in_nothing_but_the_packages_own_exceptions_comes_out
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [*FEM, *(f"persson.{name}" for name in THEORY)])
+@pytest.mark.parametrize("name", ALL)
 def test_every_argument_of_every_door_meets_every_hostile_value(name):
-    door = (FEM | {f"persson.{key}": door for key, door in THEORY.items()})[name]
+    door = ALL[name]
     for argument in door[1]:
         for value in OTHERS:
             knock(door, {argument: value})
@@ -227,10 +228,7 @@ TAKEN = (
 @pytest.mark.parametrize(("value", "taken"), TAKEN, ids=[str(value) for value, _ in TAKEN])
 def test_what_is_no_sensible_number_is_refused_but_where_it_means_something(value, taken):
     found = Counter(
-        argument
-        for door in (*FEM.values(), *THEORY.values())
-        for argument in door[1]
-        if not refusal_of(door, {argument: value})
+        argument for door in ALL.values() for argument in door[1] if not refusal_of(door, {argument: value})
     )
     assert found == taken
 
@@ -263,7 +261,7 @@ def numbers_of(door):
 def test_numbers_beyond_what_can_be_computed_with_are_refused(value, computable):
     taken = {
         argument
-        for door in (*FEM.values(), *THEORY.values())
+        for door in ALL.values()
         for argument in numbers_of(door)
         if not refusal_of(door, {argument: value})
     }
@@ -308,7 +306,7 @@ def test_a_surface_in_slabs_is_drawn_as_a_whole_one_unless_told_otherwise():
 @pytest.mark.parametrize("package", ["fem_contact", "fem_contact.block", "persson"])
 def test_every_public_function_is_among_the_doors(package):
     module = importlib.import_module(package)
-    called = [getattr(door[0], "__func__", door[0]) for door in (*FEM.values(), *THEORY.values())]
+    called = [getattr(door[0], "__func__", door[0]) for door in ALL.values()]
     known = {id(function) for function in called} | {
         id(getattr(door[0], "__self__", None)) for door in THEORY.values()
     }

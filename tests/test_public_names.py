@@ -1,9 +1,7 @@
 """The public names of the two packages: each stands once, in the stub, and is imported when first asked."""
 
-import subprocess
-import sys
-
 import pytest
+from processes import run_python
 
 import fem_contact
 import persson
@@ -38,10 +36,7 @@ def test_another_package_called_validation_is_refused_with_the_remedy(tmp_path, 
     (tmp_path / "validation").mkdir()
     (tmp_path / "validation" / "__init__.py").write_text("def validate(): ...")
     code = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import fem_contact.face; {line}"
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=60
-    )
-    last = done.stderr.strip().splitlines()[-1]
+    last = run_python("-c", code).stderr.strip().splitlines()[-1]
     assert str(tmp_path) in last
     assert "pip uninstall validation" in last
 

@@ -12,7 +12,7 @@ import sys
 import time
 
 import numpy as np
-from bem_speed import PRESSURE, SOFT, benchmark_surface
+from bem_speed import PRESSURE, SOFT, benchmark_surface, pair_seconds
 
 from fem_contact.bem import solve
 from fem_contact.complementarity import solve as iteration
@@ -20,20 +20,6 @@ from fem_contact.complementarity.arrays import ArrayGrids
 
 #: Bytes that a pair moves for each point, and the largest grid that is solved by the compiled passes, too.
 PAIR_BYTES, COMPARED = 84, 2048
-
-
-def pair_seconds(n, device):
-    """Least time of one pair of transforms with the multiplication between them."""
-    grids = ArrayGrids(device, (n, n), threads=1)
-    operator = grids.operator_of(SOFT, (n, n), (1.0, 1.0))
-    field = grids.put(np.random.default_rng(3).standard_normal((n, n)))
-    out, times = grids.xp.empty_like(field), []
-    for _ in range(7):
-        clock = time.perf_counter()
-        operator.apply(field, out)
-        float(out[0, 0])  # waits for the device
-        times.append(time.perf_counter() - clock)
-    return min(times)
 
 
 def main(device="cpu", sizes="256,512,1024"):
@@ -54,7 +40,10 @@ def main(device="cpu", sizes="256,512,1024"):
         surface, inside[0] = benchmark_surface(n), 0.0
         result = solve(surface, SOFT, mean_pressure=PRESSURE, device=device).checked()
         cost, rest = result.cost, 1 - inside[0] / result.cost.wall_seconds
-        pair, off = pair_seconds(n, device), float("nan")
+        grids, off = ArrayGrids(device, (n, n), threads=1), float("nan")
+        operator = grids.operator_of(SOFT, (n, n), (1.0, 1.0))
+        field = grids.put(np.random.default_rng(3).standard_normal((n, n)))
+        pair, _ = pair_seconds(operator, field, grids.xp.empty_like(field), repeats=7)
         if n <= COMPARED:
             compiled = solve(surface, SOFT, mean_pressure=PRESSURE, method="double").checked()
             off = float(np.max(np.abs(result.pressure - compiled.pressure)) / np.max(compiled.pressure))

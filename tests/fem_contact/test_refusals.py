@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 import pytest
 from made_results import made_areas, made_contact
+from refusing import refused
 from surfaces import rough_surface
 
 from fem_contact import HeightField, Solid, adhesion, bem, block, creep, find_patches, measured_lay, slide
@@ -308,8 +309,7 @@ OTHERS = [
     ids=[f"{k} {words}" for k, (*_, words) in enumerate([*REFUSED, *OTHERS])],
 )
 def test_what_cannot_be_is_refused_by_name(kind, call, words):
-    with pytest.raises(kind, match=words) as caught:
+    with refused(kind, words) as caught:
         call()
-    assert "\n" not in str(caught.value)
     assert isinstance(caught.value, FemContactError)
     assert kind is not InvalidInput or isinstance(caught.value, ValueError)

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
+from refusing import refused
 
 from fem_contact import HeightField, InvalidInput, radial_spectrum, random_surface, resolves
 from fem_contact.surface import random_waves
@@ -208,11 +209,8 @@ def test_moments_are_the_mean_squares_of_the_derivatives():
 
 
 def test_an_under_resolved_grid_is_refused_with_the_grid_that_would_do():
-    with pytest.raises(
-        InvalidInput, match=r"shape = \(15, 16\): does not resolve .* at least \(16, 16\)"
-    ) as caught:
+    with refused(InvalidInput, r"shape = \(15, 16\): does not resolve .* at least \(16, 16\)"):
         surface_on((15, 16))
-    assert "\n" not in str(caught.value)
     with pytest.raises(InvalidInput, match="does not resolve"):
         random_waves(self_affine, q_short=Q_SHORT, lengths=LENGTHS, seed=7).on((15, 16))
     assert resolves((16, 16), LENGTHS, q_short=Q_SHORT)

@@ -206,7 +206,7 @@ def test_a_wall_too_wild_to_follow_ends_in_a_refusal_not_in_a_number():
 @given(
     pressure=st.floats(0.05, 3), limit=st.floats(0, 5), hardness=st.floats(3.1, 30), growth=st.floats(0, 0.6)
 )
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_ledger_closes_and_areas_are_shares_whatever_the_walls(pressure, limit, hardness, growth):
     result = solve_diffusion(
         np.geomspace(0.1, 1e5, 12),

@@ -95,7 +95,7 @@ def test_extremes_neither_overflow_nor_lose_digits():
 
 
 @given(area=st.floats(1e-12, 1 - 1e-9))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_pressure_for_area_inverts_contact_area(area):
     pressure = pressure_for_area(area, stress_variance=4.0)
     assert contact_area(pressure, stress_variance=4.0) == pytest.approx(area, rel=1e-12)

@@ -11,12 +11,16 @@ from persson.spectrum import SelfAffine
 from persson.tabulated import Tabulated
 
 
-@pytest.mark.parametrize("hurst", [0.0, 0.5, 1.0])
-@pytest.mark.parametrize("decades", [1, 10])
-@pytest.mark.parametrize("pressure", [0.0, 1e-3])
-def test_adhesion_converges_for_every_hurst_exponent_and_any_number_of_decades(hurst, decades, pressure):
+@pytest.fixture(params=[(hurst, decades) for decades in (1, 10) for hurst in (0.0, 0.5, 1.0)])
+def scale(request):
+    """Of every Hurst exponent, and any number of decades."""
+    hurst, decades = request.param
     rough = SelfAffine.from_rms_gradient(0.3, hurst=hurst, q_long=1e4, q_short=10.0 ** (4 + decades))
-    scale = Scale(rough, contact_modulus=1.0)
+    return Scale(rough, contact_modulus=1.0)
+
+
+@pytest.mark.parametrize("pressure", [0.0, 1e-3])
+def test_adhesion_converges_for_every_hurst_exponent_and_any_number_of_decades(scale, pressure):
     result = solve_adhesion(scale, pressure=pressure, interface=Interface(work_of_adhesion=1e-7)).checked()
     assert result.status in (AdhesionStatus.CONVERGED, AdhesionStatus.NO_CONTACT)
     assert 0 <= result.real_area <= 1
@@ -27,12 +31,8 @@ def test_adhesion_converges_for_every_hurst_exponent_and_any_number_of_decades(h
         assert result.error_estimate < 0.01
 
 
-@pytest.mark.parametrize("hurst", [0.0, 0.5, 1.0])
-@pytest.mark.parametrize("decades", [1, 10])
-def test_rising_hardness_converges_for_every_hurst_exponent_and_any_number_of_decades(hurst, decades):
-    rough = SelfAffine.from_rms_gradient(0.3, hurst=hurst, q_long=1e4, q_short=10.0 ** (4 + decades))
-    scale = Scale(rough, contact_modulus=1.0)
-    q = np.geomspace(1.1e4, rough.q_short, 7)
+def test_rising_hardness_converges_for_every_hurst_exponent_and_any_number_of_decades(scale):
+    q = np.geomspace(1.1e4, scale.spectrum.q_short, 7)
     result = size_dependent_hardness(
         scale,
         pressure=0.01,
@@ -65,7 +65,7 @@ def test_tension_beyond_what_holds_leaves_no_contact():
 
 
 @given(load=st.floats(1e-6, 0.99), v=st.floats(1e-4, 1e4))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_yielding_moves_contact_from_elastic_to_plastic_and_only_there_from_none(load, v):
     """A hardness lowers the elastic area and, since it limits stress, raises the whole contact."""
     areas = constant_hardness(load, stress_variance=v, yield_stress=1.0)

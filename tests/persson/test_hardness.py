@@ -12,7 +12,7 @@ from persson import Scale, SelfAffine, constant_hardness, contact_area, size_dep
 
 
 @given(x=st.floats(1e-12, 1 - 1e-9), v=st.floats(1e-4, 5))
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 def test_areas_and_load_are_conserved(x, v):
     areas = constant_hardness(x, stress_variance=v, yield_stress=1.0)
     assert areas.elastic + areas.plastic + areas.detached == pytest.approx(1, abs=1e-14)

@@ -105,7 +105,7 @@ def test_spectrum_vanishes_outside_its_range_and_keeps_its_edges():
     rolloff=st.sampled_from(ROLLOFFS),
     gradient=st.floats(1e-3, 3),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_dimensionless_moments_do_not_know_the_unit_of_length(hurst, decades, rolloff, gradient):
     small = SelfAffine.from_rms_gradient(
         gradient, hurst=hurst, q_long=7.0, q_short=7 * 10**decades, rolloff=rolloff

@@ -2,16 +2,18 @@
 
 import pickle
 
+import numpy as np
 import pytest
 from gold.asked import STUDIES
-from gold.make import new_numbers
+from gold.make import new_numbers, options_of
 from small_scene import small_scene
 
 from validation.comparison.run import run_scene
 from validation.execution.bench import Bench
-from validation.files import atomic_path
+from validation.files import atomic_path, prepare_folder
 from validation.scenes.scene import load_scene
-from validation.studies import find_study
+from validation.studies import Study, find_study
+from validation.studies._outputs import run_study
 
 _HEAD = 'name = "small"\ntitle = "A small scene"\n' + small_scene(
     "shifts = 2\n\n[methods.theory]\n", grids="[12, 24, 48]"
@@ -49,6 +51,28 @@ def read_scene(write_scene):
     return lambda *replacements, fem=True: load_scene(str(write_scene(*replacements, fem=fem)))
 
 
+@pytest.fixture
+def solved(read_scene, tmp_path):
+    """Run the small scene of boundary elements with pieces of its text replaced, without a report."""
+    return lambda *replacements: run_scene(
+        read_scene(*replacements, fem=False), tmp_path / "results", report=False
+    )
+
+
+@pytest.fixture
+def map_scene(read_scene, tmp_path):
+    """Read the small scene with a map of heights [nm] in place of its waves."""
+
+    def read(heights):
+        np.save(tmp_path / "heights.npy", heights)
+        waves = 'kind = "self-affine"\nlength = "10 um"\nhurst = 0.7\nlambda_long = "5 um"\n'
+        waves += 'lambda_short = "2.5 um"\nrms_gradient = 0.05\nseed = 77'
+        file = 'kind = "file"\npath = "heights.npy"\nlength = "10 um"\nunit = "1 nm"'
+        return read_scene((waves, file), fem=False)
+
+    return read
+
+
 @pytest.fixture(scope="session")
 def bench(tmp_path_factory, worker_id):
     """One store of this session, which all its processes share: what one test solves, no other does."""
@@ -57,18 +81,24 @@ def bench(tmp_path_factory, worker_id):
 
 
 @pytest.fixture(scope="session")
-def numbers(bench, tmp_path_factory):
-    """Numbers of a study as its gold file asks for them, by name: computed once for all processes."""
+def once(bench):
+    """What a function makes, by name: once for all processes of this session."""
 
-    def known(name):
+    def known(name, make):
         path = bench.store.folder.parent / f"{name}.pickle"
         if not path.exists():
-            data = new_numbers(name, bench, tmp_path_factory.mktemp("asked"))
+            made = pickle.dumps(make())
             with atomic_path(path) as draft:
-                draft.write_bytes(pickle.dumps(data))
+                draft.write_bytes(made)
         return pickle.loads(path.read_bytes())
 
     return known
+
+
+@pytest.fixture(scope="session")
+def numbers(once, bench, tmp_path_factory):
+    """Numbers of a study as its gold file asks for them, by name."""
+    return lambda name: once(name, lambda: new_numbers(name, bench, tmp_path_factory.mktemp("asked")))
 
 
 @pytest.fixture(scope="session")
@@ -78,7 +108,22 @@ def asked(numbers):
 
 
 @pytest.fixture(scope="session")
-def small_run(tmp_path_factory):
+def left(numbers, bench):
+    """Leave in a folder what a study makes of its gold numbers; without a report their data alone."""
+
+    def leave(name, folder, *, report=True):
+        study, options, _ = options_of(name, prepare_folder(folder))
+        data = numbers(name)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(Study, "compute", lambda *_, **__: data)
+            run_study(study, options, folder, bench=bench, report=report)
+        return folder
+
+    return leave
+
+
+@pytest.fixture(scope="session")
+def small_run(once, tmp_path_factory):
     """The small scene, run once."""
     folder = tmp_path_factory.mktemp("small")
-    return run_scene(load_scene(str(_written(folder))), folder / "results")
+    return once("small run", lambda: run_scene(load_scene(str(_written(folder))), folder / "results"))

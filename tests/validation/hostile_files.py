@@ -30,8 +30,8 @@ def all_hostile():
     yield from _nothing()
     yield from _npy()
     yield from _text()
-    yield from _x3p()
     yield from _netcdf()
+    yield from _x3p()
 
 
 def _nothing():

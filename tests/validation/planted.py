@@ -139,6 +139,12 @@ def contact(**fields):
     return result
 
 
+def decided(study, data, by):
+    """The finding of a study that a number decides."""
+    (found,) = (one for one in study.views(data).findings if one.by == by)
+    return found
+
+
 def column(table, title):
     """The cells of a column of a table."""
     k = table.columns.index(title)

@@ -1,5 +1,6 @@
 """A small scene as text: one rough surface on one solid, to which a test adds what it is about."""
 
+from validation.scenes.scene import load_scene
 from validation.scenes.sweep import load_asked
 
 
@@ -8,6 +9,11 @@ def scene_in(folder, text, *settings, name="scene"):
     path = folder / f"{name}.toml"
     path.write_text(text, encoding="utf-8")
     return load_asked(str(path), settings)
+
+
+def scene_of(run):
+    """Return the scene that a run was told, which lies beside its results."""
+    return load_scene(str(run.folder.parent / "scene.toml"))
 
 
 def small_scene(more="", *, length='"10 um"', load="reduced_pressure = 0.1", grids="[24, 36, 48]"):
@@ -32,16 +38,12 @@ grids = {grids}
 
 
 def changed(tree, place, value):
-    """A copy of the tree with one place set; places that do not exist any more are left alone."""
-    key, *rest = place
+    """A copy of the tree with a place such as "effects.0.kind" set; one that is no more is left alone."""
+    key, _, rest = place.partition(".")
     if isinstance(tree, dict):
-        copy = dict(tree)
-        copy[key] = changed(tree.get(key, {}), rest, value) if rest else value
-        return copy
-    if isinstance(tree, list) and isinstance(key, int) and key < len(tree):
-        copy = list(tree)
-        copy[key] = changed(tree[key], rest, value) if rest else value
-        return copy
+        return {**tree, key: changed(tree.get(key, {}), rest, value) if rest else value}
+    if isinstance(tree, list) and key.isdigit() and (k := int(key)) < len(tree):
+        return [*tree[:k], changed(tree[k], rest, value) if rest else value, *tree[k + 1 :]]
     return tree
 
 

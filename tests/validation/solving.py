@@ -18,7 +18,6 @@ from validation.execution.bench import Bench, Execution
 from validation.execution.solve import Prediction, Solve
 from validation.execution.store import Store
 from validation.sandbox import ONE_THREAD
-from validation.studies import area
 
 
 class Notes(Progress):
@@ -95,6 +94,8 @@ class Numbers(Solve):
 
 def fields(points=12, load=0.1):
     """A small solve of a scene."""
+    from validation.studies import area  # which takes the workers of other solves a second
+
     told = area.Options(grids=(12, 16), periods=2.0, bandwidth=2.0, hurst=0.7, surfaces=2, seed=21)
     return told.press(surface=0, reduced_pressure=load, grid=(points, points))
 
@@ -134,11 +135,16 @@ class Deadly(Numbers):
         self.tally = tally
 
     def do(self, *, threads=None):
-        left = int(Path(self.tally).read_text())
-        if left:
-            Path(self.tally).write_text(str(left - 1))
-            os.kill(os.getpid(), signal.SIGKILL)
+        _die_of(self.tally)
         return super().do()
+
+
+def _die_of(tally, last_words=""):
+    left = int(Path(tally).read_text())
+    if left:
+        Path(tally).write_text(str(left - 1))
+        print(last_words, file=sys.stderr, flush=True)
+        os.kill(os.getpid(), signal.SIGKILL)
 
 
 class DiesAtStart(Numbers):
@@ -151,11 +157,7 @@ class DiesAtStart(Numbers):
         self.tally = tally
 
     def warm_up(self):
-        left = int(Path(self.tally).read_text())
-        if left:
-            Path(self.tally).write_text(str(left - 1))
-            print("no room for this library", file=sys.stderr, flush=True)
-            os.kill(os.getpid(), signal.SIGKILL)
+        _die_of(self.tally, "no room for this library")
 
 
 def still_running(processes, *, seconds):

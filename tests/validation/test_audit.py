@@ -21,10 +21,9 @@ from validation.audit.limits import limit_over
 from validation.audit.reading import judge_fields, judge_surfaces
 from validation.audit.runs import Run, audit_run
 from validation.comparison.accuracy import run_accurate
-from validation.comparison.run import run_scene, run_sweep
+from validation.comparison.run import run_sweep
 from validation.errors import RunFailed, UsageError
 from validation.execution.results import read_results, write_results
-from validation.scenes.scene import load_scene
 from validation.scenes.sweep import load_asked
 
 
@@ -32,6 +31,19 @@ from validation.scenes.sweep import load_asked
 def copied(small_run, tmp_path):
     """A copy of the results of the small scene, to be damaged."""
     return shutil.copytree(small_run.folder, tmp_path / "results")
+
+
+def sound(folder):
+    """The ledger of results in which nothing is wrong."""
+    ledger = audit(folder)
+    assert [str(entry) for entry in ledger.wrong] == []
+    return ledger
+
+
+@pytest.fixture
+def audited(solved):
+    """Run the small scene with pieces of its text replaced, and read it back: nothing is wrong."""
+    return lambda *replacements: sound(solved(*replacements).folder)
 
 
 def _changed(folder, change):
@@ -44,8 +56,7 @@ def _changed(folder, change):
 
 
 def test_every_number_of_the_small_run_follows_from_its_fields(small_run):
-    ledger = audit(small_run.folder)
-    assert [str(entry) for entry in ledger.wrong] == []
+    ledger = sound(small_run.folder)
     places = {entry.name.partition(" of ")[0] for entry in ledger.entries if entry.place == "data.nc"}
     assert places >= _JUDGED
     assert len(ledger.entries) > 200
@@ -78,58 +89,43 @@ def _moved(variables, name, by):
 @pytest.mark.parametrize("by", [lambda x: 1.01 * x, lambda x: np.nan], ids=["moved", "missing"])
 def test_each_number_of_the_dataset_that_is_not_what_it_was_is_found_by_name(small_run, by):
     result, unnoticed = Result(small_run.folder), []
-    sound = result.data
+    whole = result.data
     for name in sorted(_JUDGED):
-        result.data = _moved(sound, name, by)
+        result.data = _moved(whole, name, by)
         wrong = {entry.name for entry in audit_run(result)[0].wrong}
         unnoticed += [] if any(place.startswith(name) for place in wrong) else [name]
     assert unnoticed == []
 
 
-def test_an_ensemble_with_a_coarse_grid_and_a_second_theory_agrees_throughout(write_scene, tmp_path):
+def test_an_ensemble_with_a_coarse_grid_and_a_second_theory_agrees_throughout(audited):
     ensemble = "[ensemble]\nrealisations = 3\ngrids = [16, 32]\n\n[methods.theory]"
-    scene = write_scene(
+    ledger = audited(
         ("[methods.theory]", ensemble),
         ("grids = [12, 24, 48]\nshifts = 2", "grids = [6, 16, 32]\nunder_resolved = true"),
         # Gaussian amplitudes and a pressure in Pa: each surface has its own gradient, and its own theory.
         ("seed = 77", 'seed = 77\namplitudes = "gaussian"'),
         ("reduced_pressure = 0.1", 'pressure = "11 kPa"'),
-        fem=False,
     )
-    run_scene(load_scene(str(scene)), tmp_path / "results", report=False)
-    ledger = audit(tmp_path / "results")
-    assert [str(entry) for entry in ledger.wrong] == []
     names = {entry.name for entry in ledger.entries}
     assert {"area_ratio_each of surface 2", "area", "area_error of source 0", "scatter"} <= names
     assert "resolved of 6 x 6" in names
 
 
-def test_an_ensemble_is_read_without_the_shifts_of_its_first_surface(write_scene, tmp_path):
+def test_an_ensemble_is_read_without_the_shifts_of_its_first_surface(audited):
     ensemble = "[ensemble]\nrealisations = 2\ngrids = [12, 24]\n\n[methods.theory]"
-    scene = write_scene(("[methods.theory]", ensemble), fem=False)
-    run_scene(load_scene(str(scene)), tmp_path / "results", report=False)
-    ledger = audit(tmp_path / "results")
-    assert [str(entry) for entry in ledger.wrong] == []
+    ledger = audited(("[methods.theory]", ensemble))
     assert "area_each of surface 1" in {entry.name for entry in ledger.entries}
 
 
-def _audited(write_scene, folder, effects, *, theory=True):
-    """Run the small scene with effects, and read it back; return the run and the ledger."""
-    table = "" if not theory else "[methods.theory]"
-    scene = write_scene(("[methods.theory]", f"{effects}\n\n{table}"), fem=False)
-    run_scene(load_scene(str(scene)), folder, report=False)
-    return audit(folder)
-
-
-_HARD = '[[effects]]\nkind = "hardness"\nhardness = "60 kPa"'
-_STICKY = '[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "0.2 um"'
+#: What stands in place of the theory of the small scene.
+_HARD = '[[effects]]\nkind = "hardness"\nhardness = "60 kPa"\n[methods.theory]'
+_STICKY = '[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "0.2 um"\n[methods.theory]'
 _COAT = '[[effects]]\nkind = "coating"\nyoung = "5 MPa"\npoisson = 0.3\nthickness = "2 um"'
 _LAYER = '[[effects]]\nkind = "thickness"\nthickness = "3 um"'
 
 
-def test_with_a_hardness_areas_and_the_theory_of_one_hardness_are_judged(write_scene, tmp_path):
-    ledger = _audited(write_scene, tmp_path / "results", _HARD)
-    assert [str(entry) for entry in ledger.wrong] == []
+def test_with_a_hardness_areas_and_the_theory_of_one_hardness_are_judged(audited, tmp_path):
+    ledger = audited(("[methods.theory]", _HARD))
     names = {entry.name for entry in ledger.entries}
     assert {"area_plastic_persson", "area_persson_own", "area_ensemble"} <= names
     assert "area_plastic_pixel of bem 48 x 48" in names
@@ -139,9 +135,8 @@ def test_with_a_hardness_areas_and_the_theory_of_one_hardness_are_judged(write_s
     assert "area_plastic_persson" in wrong
 
 
-def test_with_adhesion_tension_and_balance_are_judged_and_the_theory_is_listed(write_scene, tmp_path):
-    ledger = _audited(write_scene, tmp_path / "results", _STICKY)
-    assert [str(entry) for entry in ledger.wrong] == []
+def test_with_adhesion_tension_and_balance_are_judged_and_the_theory_is_listed(audited, tmp_path):
+    ledger = audited(("[methods.theory]", _STICKY))
     names = {entry.name for entry in ledger.entries}
     assert {"residual, tension", "residual, complementarity", "residual of bem 48 x 48"} <= names
     run = _run(tmp_path / "results")
@@ -152,9 +147,8 @@ def test_with_adhesion_tension_and_balance_are_judged_and_the_theory_is_listed(w
     assert {"residual, tension", "residual, complementarity"} <= {entry.name for entry in ledger.wrong}
 
 
-def test_the_displacement_of_a_bonded_layer_is_judged(write_scene, tmp_path):
-    ledger = _audited(write_scene, tmp_path / "results", _LAYER, theory=False)
-    assert [str(entry) for entry in ledger.wrong] == []
+def test_the_displacement_of_a_bonded_layer_is_judged(audited, tmp_path):
+    audited(("[methods.theory]", _LAYER))
     run = _run(tmp_path / "results")
     one = run.solves["bem", (24, 24), (0.0, 0.0), 0]
     run.effects[0]["thickness"] *= 1.1
@@ -164,9 +158,8 @@ def test_the_displacement_of_a_bonded_layer_is_judged(write_scene, tmp_path):
     assert [entry.name for entry in ledger.wrong] == ["u against 2 p / (E* q)"]
 
 
-def test_a_coated_solid_is_judged_by_the_modulus_of_its_coating(write_scene, tmp_path):
-    ledger = _audited(write_scene, tmp_path / "results", _COAT, theory=False)
-    assert [str(entry) for entry in ledger.wrong] == []
+def test_a_coated_solid_is_judged_by_the_modulus_of_its_coating(audited, tmp_path):
+    audited(("[methods.theory]", _COAT))
     run = _run(tmp_path / "results")
     data = read_results(tmp_path / "results").data
     assert float(data.contact_modulus) == pytest.approx(5e6 / (1 - 0.3**2), rel=1e-12)
@@ -182,20 +175,18 @@ def test_a_sweep_is_read_case_by_case(write_scene, tmp_path):
         ["sweep.load.pressure=['5 kPa', '10 kPa']", "sweep.effects.hardness.hardness=['200 kPa', 60e3]"],
     )
     run_sweep(sweep, tmp_path / "swept", report=False)
-    ledger = audit(tmp_path / "swept")
-    assert [str(entry) for entry in ledger.wrong] == []
+    ledger = sound(tmp_path / "swept")
     assert "area_own at pressure = 5000.0, hardness = 60000.0" in {entry.name for entry in ledger.entries}
     wrong = _changed(tmp_path / "swept", lambda d: d.assign(area_own=d.area_own * [[1, 1], [1, 1.01]]))
     assert "area_own at pressure = 10000.0, hardness = 200000.0" in wrong
 
 
-def test_what_a_run_to_an_accuracy_claims_follows_from_its_fields(write_scene, tmp_path):
-    scene = write_scene(
+def test_what_a_run_to_an_accuracy_claims_follows_from_its_fields(read_scene, tmp_path):
+    scene = read_scene(
         ("[methods.theory]", "[ensemble]\nrealisations = 2\ngrids = [12, 24]\n\n[methods.theory]")
     )
-    run_accurate(load_scene(str(scene)), tmp_path / "results", target=0.3, report=False)
-    ledger = audit(tmp_path / "results")
-    assert [str(entry) for entry in ledger.wrong] == []
+    run_accurate(scene, tmp_path / "results", target=0.3, report=False)
+    ledger = sound(tmp_path / "results")
     assert "area_own_error of source 1" in {entry.name for entry in ledger.entries}
     wrong = _changed(tmp_path / "results", lambda d: d.assign(area_own_error=d.area_own_error / 2))
     assert "area_own_error of source 1" in wrong

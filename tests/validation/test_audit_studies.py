@@ -3,25 +3,16 @@
 import numpy as np
 import pytest
 import xarray as xr
-from small_scene import small_scene
 
 from validation.audit import audit
 from validation.audit.from_solves import second_order_step
 from validation.files import read_record, write_record
-from validation.scenes.scene import load_scene
-from validation.studies import find_study
-from validation.studies._outputs import run_study
 
 
 @pytest.fixture
-def folder(tmp_path, bench):
+def folder(tmp_path, left):
     """A small study of its own surfaces, without a report."""
-    made = tmp_path / "area"
-    made.mkdir()
-    study = find_study("area")
-    options = study.options(grids=(16, 32, 48), reduced_pressures=(0.05, 0.3), surfaces=2, seed=61)
-    run_study(study, options, made, bench=bench, report=False)
-    return made
+    return left("area", tmp_path / "area", report=False)
 
 
 def test_a_study_agrees_and_without_its_store_its_solves_are_listed(folder):
@@ -36,14 +27,8 @@ def test_a_study_agrees_and_without_its_store_its_solves_are_listed(folder):
     assert "data.nc: area_each" in ledger.unread
 
 
-def test_a_study_on_a_scene_is_computed_again_from_its_solves(tmp_path, bench):
-    (tmp_path / "mine.toml").write_text(small_scene())
-    study, folder = find_study("area"), tmp_path / "area"
-    folder.mkdir()
-    scene = load_scene(str(tmp_path / "mine.toml"))
-    options = study.options(scene=scene, reduced_pressures=(0.1, 0.2), surfaces=2)
-    run_study(study, options, folder, bench=bench, report=False)
-    ledger = audit(folder)
+def test_a_study_on_a_scene_is_computed_again_from_its_solves(tmp_path, left):
+    ledger = audit(left("area on a scene", tmp_path, report=False))
     assert [str(entry) for entry in ledger.wrong] == []
     assert "data.nc: area_each" not in ledger.unread
 

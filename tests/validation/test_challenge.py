@@ -45,7 +45,7 @@ def answered(problems, tmp_path_factory):
 
 
 def test_a_solver_in_plain_c_passes_every_row(answered):
-    (card,) = answer_of("challenge", "score", answered)["scorecards"]
+    (card,) = answer_of("challenge score", answered)["scorecards"]
     assert card["passed"]
     assert set(card["left_out"]) == BEYOND
     assert {"hertz", "westergaard", "honesty", "rough-4"} <= {row["case"] for row in card["rows"]}
@@ -56,7 +56,7 @@ def test_answers_that_are_wrong_by_a_factor_are_named(answered, tmp_path):
     for file in folder.glob("problem-*/pressure.txt"):
         pressure = np.loadtxt(file)
         np.savetxt(file, 2 * (pressure - pressure.mean()) + pressure.mean())
-    outcome = invoke("challenge", "score", folder, "--json")
+    outcome = invoke("challenge score", folder, "--json")
     assert outcome.exit_code == 1
     (card,) = json.loads(outcome.stdout.partition("\nfem-contact:")[0])["scorecards"]
     failed = {row["case"] for row in card["rows"] if not row["passed"]}

@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 import typer
+from commanding import typed
 from rich.text import Text
 from solving import Numbers, solve_all
 from typer.testing import CliRunner
@@ -23,7 +24,6 @@ from validation.report.estimates import total_error
 from validation.scenes.scene import load_scene
 from validation.studies import GROUPS, studies
 
-_ACCURATELY = ("run", "quickstart", "--accuracy", "1%")
 COMMANDS = ("run", "study", "compare", "validate", "reproduce", "report", "explain", "surface", "scenes")
 
 
@@ -31,13 +31,37 @@ COMMANDS = ("run", "study", "compare", "validate", "reproduce", "report", "expla
 def tool(monkeypatch, capsys, tmp_path):
     """Run the command in this process; return exit code, stdout and stderr."""
 
-    def call(*arguments):
+    def call(line, *words):
         monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr("sys.argv", ["fem-contact", *map(str, arguments)])
+        monkeypatch.setattr("sys.argv", ["fem-contact", *typed(line, *words)])
         with pytest.raises(SystemExit) as exit_:
             cli.main()
         printed = capsys.readouterr()
         return exit_.value.code or 0, printed.out, printed.err
+
+    return call
+
+
+@pytest.fixture
+def done(tool):
+    """Run a command that ends well; what it prints."""
+
+    def call(*words):
+        code, out, err = tool(*words)
+        assert code == 0, err
+        return out
+
+    return call
+
+
+@pytest.fixture
+def mistake(tool):
+    """Run a command that cannot be run as it is; what stderr says."""
+
+    def call(*words):
+        code, _, said = tool(*words)
+        assert code == 2
+        return said
 
     return call
 
@@ -56,9 +80,8 @@ def test_a_flag_is_off_unless_there_is_another_to_turn_it_off():
         assert flag.default in ((True, None) if flag.secondary_opts else (False, None)), (path, flag.name)
 
 
-def test_help_names_every_command_with_examples_and_the_exit_codes(tool):
-    code, out, _ = tool("--help")
-    assert code == 0
+def test_help_names_every_command_with_examples_and_the_exit_codes(done):
+    out = done("--help")
     places = [out.index(f"─ {panel} ─") for panel in ("Run", "Ask, without solving", "Check", "Keep house")]
     assert places == sorted(places)
     for command in COMMANDS:
@@ -67,13 +90,13 @@ def test_help_names_every_command_with_examples_and_the_exit_codes(tool):
     assert "--install-completion" in out
     for command in COMMANDS:
         if command not in ("surface", "scenes"):
-            assert "Example" in tool(command, "--help")[1], command
+            assert "Example" in done(command, "--help"), command
     for group, names in (
         ("surface", ("generate", "inspect", "convert")),
         ("scenes", ("list", "keys", "show", "copy")),
     ):
         for name in names:
-            assert "Example" in tool(group, name, "--help")[1], name
+            assert "Example" in done(group, name, "--help"), name
 
 
 def test_no_word_of_a_help_text_is_taken_for_markup():
@@ -96,20 +119,19 @@ def test_an_effect_that_does_not_fit_is_named_with_its_file(tool, write_scene):
         assert f"{path}: [[effects]] 1 hardness = 1 Pa: must not be below the nominal pressure" in err
 
 
-def test_a_report_of_nothing_names_the_results_that_are_there(tool, tmp_path):
+def test_a_report_of_nothing_names_the_results_that_are_there(mistake, tmp_path):
     for folder, record in (("here", "result.json"), ("there", "result.json"), ("empty", "other.json")):
         (tmp_path / "results" / folder).mkdir(parents=True)
         (tmp_path / "results" / folder / record).write_text("{}")
-    code, _, err = tool("report", "results/area")
-    assert code == 2
+    err = mistake("report results/area")
     assert err.rstrip().endswith("run a scene or study first; results are in results/here, results/there")
 
 
 def test_a_surface_on_the_smallest_grid_is_written_with_a_word_of_warning(tool):
-    code, _, err = tool("surface", "generate", "quickstart", "rough.nc")
-    assert code == 0
+    code, _, err = tool("surface generate quickstart rough.nc")
+    assert code == 0, err
     assert "note: 17 x 17 is the smallest grid that resolves this surface" in err
-    assert tool("surface", "generate", "quickstart", "fine.nc", "--grid", "40")[2] == ""
+    assert tool("surface generate quickstart fine.nc --grid 40")[2] == ""
 
 
 def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatch):
@@ -123,118 +145,112 @@ def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatc
 
 
 @pytest.mark.parametrize(
-    ("typed", "incomplete", "completed"),
+    ("line", "completed"),
     [
-        (["study"], "hur", ["hurst"]),
-        (["study", "hurst"], "--hu", ["--hursts"]),
-        (["study", "hurst"], "--dry", ["--dry-run"]),
-        (["run"], "quick", ["quickstart"]),
-        (["run", "quickstart", "--set"], "load.f", ["load.force="]),
-        (["reference"], "--red", ["--reduced-pressure"]),
-        (["reference", "--theory"], "yang", ["yang-persson"]),
+        ("study hur", "hurst"),
+        ("study hurst --hu", "--hursts"),
+        ("study hurst --dry", "--dry-run"),
+        ("run quick", "quickstart"),
+        ("run quickstart --set load.f", "load.force="),
+        ("reference --red", "--reduced-pressure"),
+        ("reference --theory yang", "yang-persson"),
     ],
 )
-def test_names_and_options_are_completed(typed, incomplete, completed):
-    words = ["fem-contact", *typed, incomplete]
-    asked = {"_FEM_CONTACT_COMPLETE": "complete_bash", "COMP_WORDS": " ".join(words)}
-    shown = CliRunner().invoke(
-        cli.app, env=asked | {"COMP_CWORD": str(len(words) - 1)}, prog_name="fem-contact"
-    )
-    assert shown.output.split() == completed
+def test_names_and_options_are_completed(line, completed):
+    asked = {"_FEM_CONTACT_COMPLETE": "complete_bash", "COMP_WORDS": f"fem-contact {line}"}
+    asked["COMP_CWORD"] = str(len(line.split()))
+    assert CliRunner().invoke(cli.app, env=asked, prog_name="fem-contact").output.strip() == completed
 
 
 @pytest.mark.parametrize(
-    ("arguments", "words"),
+    ("line", "words"),
     [
-        (("run", "nowhere"), "no such scene"),
-        (("explain", "missing.toml"), "cannot be read"),
-        (("scenes", "show", "quikstart"), "no such scene; did you mean 'quickstart'?"),
-        (("explain", "quickstart", "--set", "yung=3 GPa"), "did you mean 'solid.young'?"),
-        (("run", "quickstart", "--memory", "4 kg"), "--memory = '4 kg': is not a memory size"),
+        ("run nowhere", "no such scene"),
+        ("explain missing.toml", "cannot be read"),
+        ("scenes show quikstart", "no such scene; did you mean 'quickstart'?"),
+        ("explain quickstart --set 'yung=3 GPa'", "did you mean 'solid.young'?"),
+        ("run quickstart --memory '4 kg'", "--memory = '4 kg': is not a memory size"),
         (
-            ("run", "quickstart", "--workers", "2", "--scheduler", "tcp://x:1"),
+            "run quickstart --workers 2 --scheduler tcp://x:1",
             "not together with --scheduler",
         ),
-        (("run", "quickstart", "--memory", "1 MiB"), "raise the limit with --memory"),
-        (("run", "quickstart", "--memory", "3"), "raise the limit with --memory"),
-        (("run", "pyrex", "--accuracy", "1%"), "--accuracy"),
-        ((*_ACCURATELY[:-1], "one"), "--accuracy = 'one': must be a share such as 1% or 0.01"),
-        ((*_ACCURATELY, "--time-limit", "0"), "--time-limit = '0': must be greater than 0"),
-        ((*_ACCURATELY, "--time-limit", "3 m"), "--time-limit = '3 m': is not a time"),
-        (("run", "quickstart", "--time-limit", "3 s"), "--time-limit = '3 s': belongs to --accuracy"),
-        ((*_ACCURATELY, "--dry-run"), "--dry-run: not together with --accuracy"),
-        ((*_ACCURATELY, "--scheduler", "tcp://x:1"), "--scheduler: not together with --accuracy"),
-        (("study", "nothing"), "no such study; one of: "),
-        (("study", "--lst"), "study --lst: no such option; did you mean '--list'?"),
-        (("study", "presure"), "no such study; did you mean 'pressure'?; one of: "),
-        (("study", "area", "--surfaces"), "--surfaces: needs a value"),
-        (("study", "adhesion", "--grids", "64"), "--grids = 64: must have at least 2 values"),
-        (("study", "area", "--hurts", "1"), "unknown option '--hurts'; did you mean '--hurst"),
-        (("study", "depth", "quickstart"), "takes no scene: its surface is the one"),
+        ("run quickstart --memory '1 MiB'", "raise the limit with --memory"),
+        ("run quickstart --memory 3", "raise the limit with --memory"),
+        ("run pyrex --accuracy 1%", "--accuracy"),
+        ("run quickstart --accuracy one", "--accuracy = 'one': must be a share such as 1% or 0.01"),
+        ("run quickstart --accuracy 1% --time-limit 0", "--time-limit = '0': must be greater than 0"),
+        ("run quickstart --accuracy 1% --time-limit '3 m'", "--time-limit = '3 m': is not a time"),
+        ("run quickstart --time-limit '3 s'", "--time-limit = '3 s': belongs to --accuracy"),
+        ("run quickstart --accuracy 1% --dry-run", "--dry-run: not together with --accuracy"),
+        ("run quickstart --accuracy 1% --scheduler tcp://x:1", "--scheduler: not together with --accuracy"),
+        ("study nothing", "no such study; one of: "),
+        ("study --lst", "study --lst: no such option; did you mean '--list'?"),
+        ("study presure", "no such study; did you mean 'pressure'?; one of: "),
+        ("study area --surfaces", "--surfaces: needs a value"),
+        ("study adhesion --grids 64", "--grids = 64: must have at least 2 values"),
+        ("study area --hurts 1", "unknown option '--hurts'; did you mean '--hurst"),
+        ("study depth quickstart", "takes no scene: its surface is the one"),
         (
-            ("study", "area", "--set", "seed=3"),
+            "study area --set seed=3",
             "--set seed=3: sets a key of a scene; name one after the study",
         ),
-        (("validate", "hert"), "no such case; did you mean 'hertz'?"),
-        (("validate", "--method", "bem", "hertz"), "by all rows; leave out hertz"),
-        (("report", "nowhere"), "holds no results (result.json)"),
-        (("surface", "inspect", "nowhere.npy"), "cannot be read"),
+        ("validate hert", "no such case; did you mean 'hertz'?"),
+        ("validate --method bem hertz", "by all rows; leave out hertz"),
+        ("report nowhere", "holds no results (result.json)"),
+        ("surface inspect nowhere.npy", "cannot be read"),
         (
-            ("surface", "generate", "quickstart", "rough.docx"),
+            "surface generate quickstart rough.docx",
             "the suffix must be one of .npy, .txt, .nc, .x3p",
         ),
-        (("surface", "generate", "quickstart", "no/where.npy"), "not written"),
+        ("surface generate quickstart no/where.npy", "not written"),
         (
-            ("run", "quickstart", "--store", "/proc/nothing"),
+            "run quickstart --store /proc/nothing",
             "--store = '/proc/nothing': cannot be written to",
         ),
     ],
 )
-def test_a_mistake_is_one_line_on_stderr_and_exit_code_2(tool, arguments, words):
-    code, out, err = tool(*arguments)
+def test_a_mistake_is_one_line_on_stderr_and_exit_code_2(tool, line, words):
+    code, out, err = tool(line)
     assert code == 2
     assert words in err
     assert err.count("\n") == 1
     assert out == ""
 
 
-def test_an_unknown_option_is_exit_code_2_without_a_traceback(tool):
-    code, _, err = tool("run", "--frobnicate")
-    assert code == 2
+def test_an_unknown_option_is_exit_code_2_without_a_traceback(mistake):
+    err = mistake("run --frobnicate")
     assert "--frobnicate" in err
     assert "Traceback" not in err
 
 
-def test_explain_says_what_runs_and_what_is_left_out_and_solves_nothing(tool, tmp_path):
-    code, out, err = tool("explain", "quickstart")
-    assert code == 0, err
+def test_explain_says_what_runs_and_what_is_left_out_and_solves_nothing(done, tmp_path):
+    out = done("explain quickstart")
     for words in ("512 x 512", "unknowns", "seconds", "MiB", "adhesion", "hardness", "unknown without"):
         assert words in out
     assert list(tmp_path.iterdir()) == []
-    data = json.loads(tool("explain", "quickstart", "--json")[1])
+    data = json.loads(done("explain quickstart --json"))
     assert {grid["method"] for grid in data["grids"]} == {"bem", "fem"}
 
 
-def test_keys_of_a_scene_are_listed_with_unit_meaning_and_default(tool):
-    listed = tool("scenes", "keys")[1].splitlines()
+def test_keys_of_a_scene_are_listed_with_unit_meaning_and_default(done):
+    listed = done("scenes keys").splitlines()
     young = listed.index('solid.young = "1 GPa"')
     assert listed[young + 1] == "    Young's modulus (plain numbers in Pa); required"
     workers = listed.index("run.workers = 4")
     assert listed[workers + 1].endswith("1 runs everything in the process itself; default: 1")
     assert len(listed) > 150
-    assert tool("scenes", "keys", "mean gap")[1].count("\n") == 2
-    assert 'sweep.mode = "product"' in tool("scenes", "keys", "sweep")[1]
+    assert done("scenes keys 'mean gap'").count("\n") == 2
+    assert 'sweep.mode = "product"' in done("scenes keys sweep")
     assert key_names("load.mean") == ["load.mean_gap="]
 
 
-def test_scenes_are_listed_and_copied(tool, tmp_path):
-    assert "quickstart" in tool("scenes", "list")[1]
-    assert tool("scenes", "copy", "quickstart", "mine.toml")[0] == 0
-    shown = tool("scenes", "show", "quickstart")[1]
+def test_scenes_are_listed_and_copied(done, mistake, tmp_path):
+    assert "quickstart" in done("scenes list")
+    done("scenes copy quickstart mine.toml")
+    shown = done("scenes show quickstart")
     # Its file names it: with the name of the original it would write over that one's results.
     assert (tmp_path / "mine.toml").read_text() == shown.replace('name = "quickstart"\n', "")
-    code, _, err = tool("scenes", "copy", "quickstart", "mine.toml")
-    assert code == 2
+    err = mistake("scenes copy quickstart mine.toml")
     assert "File exists" in err
 
 
@@ -250,29 +266,26 @@ def test_a_failed_solve_and_ctrl_c_have_exit_codes_and_a_sentence(tool, monkeypa
         raise error
 
     monkeypatch.setattr("validation.comparison.run.run_scene", fails)
-    ended, _, err = tool("run", "quickstart", "-q")
+    ended, _, err = tool("run quickstart -q")
     assert (ended, err.count("\n")) == (code, 1)
     assert words in err
 
 
-def test_a_dry_run_lists_solves_and_does_none(tool, tmp_path):
-    code, out, _ = tool("run", "quickstart", "--dry-run")
-    assert code == 0
+def test_a_dry_run_lists_solves_and_does_none(done, tmp_path):
+    out = done("run quickstart --dry-run")
     assert len(out.splitlines()) <= 10
     *kinds, last = out.splitlines()[1:]
     assert sum(int(line.split()[-4]) for line in kinds) == 57
     assert last.startswith("57 of 57 solves are to be done")
-    rows = json.loads(tool("run", "quickstart", "--dry-run", "--json")[1])
+    rows = json.loads(done("run quickstart --dry-run --json"))
     assert len(rows) == 57
     assert all(row["seconds"] > 0 and row["peak_bytes"] > 0 and not row["stored"] for row in rows)
-    plan = json.loads(tool("study", "area", "--seed", "5", "--surfaces", "2", "--dry-run", "--json")[1])
+    plan = json.loads(done("study area --seed 5 --surfaces 2 --dry-run --json"))
     assert len(plan) == 8 * 2 * 3
     assert list(tmp_path.iterdir()) == []
 
 
-def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(
-    write_scene, tool, tmp_path, monkeypatch
-):
+def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(write_scene, tool, done, tmp_path):
     path = write_scene(
         ("[solid]", '[run]\noutput = "there"\nstore = "kept"\nquiet = true\npictures = false\n[solid]'),
         fem=False,
@@ -283,13 +296,12 @@ def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(
     assert (tmp_path / "there" / "report.html").exists()
     assert len(list((tmp_path / "kept").glob("bem-*.nc"))) == 12
     assert not (tmp_path / "there" / "solves").exists()
-    code, out, err = tool("run", path, "--output", "here", "--no-report")
-    assert code == 0, err
+    out = done("run", path, "--output", "here", "--no-report")
     assert "Solves done: 0, found finished: 12" in out
     for column in ("method", "grid", "A/A0, counted", "kappa"):
         assert column in out
     assert (tmp_path / "here" / "table.csv").exists()
-    summary = json.loads(tool("run", path, "--output", "here", "--no-report", "--json")[1])
+    summary = json.loads(done("run", path, "--output", "here", "--no-report", "--json"))
     assert summary["kind"] == "run"
     assert summary["findings"][0]["values"]
 
@@ -306,17 +318,15 @@ def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(
         ("worker = 2", "did you mean 'workers'"),
     ],
 )
-def test_a_wrong_option_in_the_scene_is_named(write_scene, tool, tmp_path, line, words):
+def test_a_wrong_option_in_the_scene_is_named(write_scene, mistake, tmp_path, line, words):
     (tmp_path / "link").symlink_to(tmp_path.parent)
-    code, _, err = tool("run", write_scene(("[solid]", f"[run]\n{line}\n[solid]")))
-    assert code == 2
+    err = mistake("run", write_scene(("[solid]", f"[run]\n{line}\n[solid]")))
     assert words in err
 
 
-def test_what_a_stranger_wrote_is_shown_harmlessly(write_scene, tool, tmp_path, monkeypatch):
+def test_what_a_stranger_wrote_is_shown_harmlessly(write_scene, tool, done, tmp_path, monkeypatch):
     path = write_scene(('title = "A small scene"', 'title = "a [/] b [red]c <script>"'), fem=False)
-    code, out, err = tool("run", path, "--no-pictures")
-    assert code == 0, err
+    out = done("run", path, "--no-pictures")
     assert "a [/] b [red]c <script>" in out
     assert "c <script>" not in (tmp_path / "results" / "small" / "report.html").read_text()
     np.save(tmp_path / "a\x1b[31m\u202eb.npy", np.ones((3, 3)))
@@ -327,14 +337,13 @@ def test_what_a_stranger_wrote_is_shown_harmlessly(write_scene, tool, tmp_path, 
         assert "\x1b" not in out + err
 
 
-def test_links_that_lead_out_of_the_results_are_not_followed(write_scene, tool, tmp_path):
+def test_links_that_lead_out_of_the_results_are_not_followed(write_scene, tool, done, mistake, tmp_path):
     path = write_scene(fem=False)
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "results").mkdir()
     link = tmp_path / "results" / "small"
     link.symlink_to(tmp_path / "elsewhere")
-    code, _, err = tool("run", path)
-    assert code == 2
+    err = mistake("run", path)
     assert "'results/small' is a link that leads to" in err
     assert "say --output 'results/small' to follow it" in err
     link.unlink()
@@ -347,35 +356,29 @@ def test_links_that_lead_out_of_the_results_are_not_followed(write_scene, tool, 
     # A folder of results may itself be a link to a larger disk.
     (tmp_path / "results").rmdir()
     (tmp_path / "results").symlink_to(tmp_path / "elsewhere")
-    assert tool("run", path, "--dry-run")[0] == 0
+    done("run", path, "--dry-run")
 
 
-def test_a_grid_that_no_memory_holds_is_refused(tool, tmp_path):
+def test_a_grid_that_no_memory_holds_is_refused(mistake, tmp_path):
     np.save(tmp_path / "scan.npy", np.random.default_rng(12).normal(size=(8, 8)))
-    for words in (
-        ("generate", "quickstart", "a.npy"),
-        ("convert", "scan.npy", "b.npy", "--length", "1 um", "--unit", "1 nm"),
-    ):
-        code, _, err = tool("surface", *words, "--grid", "1000000")
-        assert code == 2
+    for line in ("generate quickstart a.npy", "convert scan.npy b.npy --length '1 um' --unit '1 nm'"):
+        err = mistake(f"surface {line} --grid 1000000")
         assert "--grid = 1000000: takes 1000000 x 1000000 points and 5.59e+04 GiB" in err
 
 
-def test_surfaces_are_generated_inspected_and_converted(tool, tmp_path):
-    code, out, err = tool("surface", "generate", "quickstart", "rough.nc", "--grid", "48")
-    assert code == 0, err
+def test_surfaces_are_generated_inspected_and_converted(done, mistake, tmp_path):
+    out = done("surface generate quickstart rough.nc --grid 48")
     assert "48 x 48 heights" in out
-    assert tool("surface", "generate", "quickstart", "rough.nc")[0] == 2
-    facts = json.loads(tool("surface", "inspect", "rough.nc", "--json")[1])
-    scene = json.loads(tool("surface", "inspect", "quickstart", "--json")[1])
+    mistake("surface generate quickstart rough.nc")
+    facts = json.loads(done("surface inspect rough.nc --json"))
+    scene = json.loads(done("surface inspect quickstart --json"))
     assert facts["h'_rms (spectral)"] == pytest.approx(scene["h'_rms (spectral)"], rel=1e-9)
     assert facts["missing points"] == 0
-    shown = tool("surface", "inspect", "rough.nc")[1]
+    shown = done("surface inspect rough.nc")
     assert "C(q)" in shown
     assert re.search(r"^summits per area: \S+ 1/[mun]?m\^2$", shown, re.M)
-    assert tool("surface", "convert", "rough.nc", "rough.txt")[0] == 0
-    code, out, _ = tool("surface", "convert", "rough.txt", "rough.npy", "--length", "100 um", "--unit", "1 m")
-    assert code == 0
+    done("surface convert rough.nc rough.txt")
+    out = done("surface convert rough.txt rough.npy --length '100 um' --unit '1 m'")
     assert 'it does not say length = [0.0001, 0.0001] (m) and unit = "1 m"' in out
     from validation.scenes.topography.reading import read_topography
 
@@ -384,19 +387,17 @@ def test_surfaces_are_generated_inspected_and_converted(tool, tmp_path):
     )
 
 
-def test_a_file_that_does_not_say_size_or_unit_is_asked_for_them(tool, tmp_path):
+def test_a_file_that_does_not_say_size_or_unit_is_asked_for_them(tool, done, tmp_path):
     np.save(tmp_path / "scan.npy", np.outer(np.sin(np.arange(16)), np.ones(16)))
     for said, words in (
-        ((), ("--length: missing, and 'scan.npy' does not say it; size L", "--unit: missing")),
-        (("--length", "1 um"), ("--unit: missing, and 'scan.npy' does not say it; unit of",)),
-        (("--unit", "1 nm"), ("--length: missing, and 'scan.npy' does not say it; size L",)),
+        ("", ("--length: missing, and 'scan.npy' does not say it; size L", "--unit: missing")),
+        ("--length '1 um'", ("--unit: missing, and 'scan.npy' does not say it; unit of",)),
+        ("--unit '1 nm'", ("--length: missing, and 'scan.npy' does not say it; size L",)),
     ):
-        code, _, err = tool("surface", "inspect", "scan.npy", *said)
+        code, _, err = tool(f"surface inspect scan.npy {said}")
         assert (code, err.count("\n")) == (2, len(words))
         assert all(line in err for line in words)
-    facts = json.loads(
-        tool("surface", "inspect", "scan.npy", "--length", "1 um", "--unit", "1 nm", "--json")[1]
-    )
+    facts = json.loads(done("surface inspect scan.npy --length '1 um' --unit '1 nm' --json"))
     assert facts["h_rms [m]"] == pytest.approx(1e-9 * np.std(np.sin(np.arange(16))), rel=1e-9)
     assert 0.5 < facts["edge jump over typical step"] < 4
     assert "scan.npy: 16 x 16 points" in facts["treatment"]
@@ -406,39 +407,37 @@ def test_the_version_is_that_of_the_package(tool):
     assert tool("--version") == (0, f"fem-contact {validation.__version__}\n", "")
 
 
-def test_a_conversion_levels_fills_and_tapers_and_says_so(tool, tmp_path):
+def test_a_conversion_levels_fills_and_tapers_and_says_so(tool, mistake, tmp_path):
     x = np.linspace(0, 1, 40)
     heights = 100 * np.sin(9 * x)[:, None] * np.cos(7 * x)[None, :] + 500 * x[:, None]
     heights[5:8, 9] = np.nan
     np.savetxt(tmp_path / "scan.txt", heights)
-    code, _, err = tool("surface", "convert", "scan.txt", "out.nc", "--length", "10 um", "--unit", "1 nm")
-    assert code == 2
+    err = mistake("surface convert scan.txt out.nc --length '10 um' --unit '1 nm'")
     assert "3 of 1600 heights are NaN" in err
-    treatment = ("--tilt", "plane", "--missing", "nearest", "--edges", "hann")
-    sizes = ("--length", "10 um", "--unit", "1 nm")
-    code, out, err = tool("surface", "convert", "scan.txt", "out.nc", *sizes, *treatment)
+    treatment = "--tilt plane --missing nearest --edges hann"
+    code, out, err = tool(f"surface convert scan.txt out.nc --length '10 um' --unit '1 nm' {treatment}")
     assert code == 0, err
     for words in ("plane taken out", "filled: nearest", "hann taper"):
         assert words in err
     assert "40 x 40 heights" in out
-    assert tool("surface", "convert", "scan.txt", "o.nc", "--length", "1 kg")[0] == 2
+    mistake("surface convert scan.txt o.nc --length '1 kg'")
 
 
-def test_studies_and_cases_and_scenes_are_listed_for_people_and_scripts(tool):
-    assert "--reduced-pressures numbers with commas" in tool("study", "pressure", "--help")[1]
-    listed = tool("study", "--list")[1].splitlines()
+def test_studies_and_cases_and_scenes_are_listed_for_people_and_scripts(done):
+    assert "--reduced-pressures numbers with commas" in done("study pressure --help")
+    listed = done("study --list").splitlines()
     assert [sum(line.split()[:1] == [title] for line in listed) for title in ("How", "What")] == [3, 1]
     assert max(map(len, listed)) <= 80
     assert [name for group in GROUPS.values() for name in group if name not in studies()] == []
     assert {line[3:].split()[0] for line in listed if line[:3] in (" * ", "   ")} == set(studies())
-    assert "area" in json.loads(tool("study", "--list", "--json")[1])
-    listed = tool("validate", "--list", "--quick")[1]
+    assert "area" in json.loads(done("study --list --json"))
+    listed = done("validate --list --quick")
     assert "hertz-bem" in listed
     assert {line.split()[1] for line in listed.splitlines()} == {"quick"}
-    assert "quickstart" in json.loads(tool("scenes", "list", "--json")[1])
+    assert "quickstart" in json.loads(done("scenes list --json"))
 
 
-def test_reproduce_prints_the_claims(tool, monkeypatch, tmp_path):
+def test_reproduce_prints_the_claims(done, monkeypatch, tmp_path):
     from validation.paper import reproduce
     from validation.paper.claims import ClaimRow, percent
 
@@ -457,11 +456,10 @@ def test_reproduce_prints_the_claims(tool, monkeypatch, tmp_path):
     monkeypatch.setattr(reproduce, "APPLICATIONS", (None,))
     monkeypatch.setattr(reproduce, "FIGURES", ())
     monkeypatch.setattr(reproduce, "judge", lambda application, tell: [row])
-    code, out, err = tool("reproduce", "--no-figures", "-q")
-    assert code == 0, err
+    out = done("reproduce --no-figures -q")
     assert "reprod" in out
     assert "[nm]" in out
-    assert json.loads(tool("reproduce", "--json")[1])[0]["computed"] == 1.01
+    assert json.loads(done("reproduce --json"))[0]["computed"] == 1.01
 
 
 def test_an_accuracy_is_reached_told_and_stored_and_not_solved_again(tool, write_scene, tmp_path):
@@ -488,13 +486,13 @@ def test_an_accuracy_is_reached_told_and_stored_and_not_solved_again(tool, write
     assert (again.solves, again.area, again.error) == (0, told["area"], told["error"])
 
 
-def test_a_study_leaves_its_report_unless_it_is_told_not_to(tool, tmp_path):
-    for options, there in (((), True), (("--no-report",), False)):
-        assert tool("study", "reference-score", "--theory", "persson", "-o", str(there), *options)[0] == 0
+def test_a_study_leaves_its_report_unless_it_is_told_not_to(done, tmp_path):
+    for option, there in (("", True), ("--no-report", False)):
+        done(f"study reference-score --theory persson -o {there} {option}")
         assert (tmp_path / str(there) / "report.html").exists() == there
 
 
-def test_every_option_of_every_study_says_what_it_is(tool):
+def test_every_option_of_every_study_says_what_it_is(tool, mistake):
     for name, found in studies().items():
         for flag, field in found.options.flags().items():
             assert field.description, (name, flag)
@@ -502,13 +500,13 @@ def test_every_option_of_every_study_says_what_it_is(tool):
         lines = "\n".join(found.help_lines())
         assert "None" not in lines
         assert "default: )" not in lines
-    code, out, err = tool("study", "hurst", "--help")
+    code, out, err = tool("study hurst --help")
     assert (code, err) == (0, "")
     assert "--equal-nayak a number (may be left out)" in out
     assert "--periods a number (default: " in out
     assert "L / lambda_long" in out
     assert "Example" not in out
-    assert tool("study", "nothing", "-h")[0] == 2
+    mistake("study nothing -h")
 
 
 @pytest.mark.parametrize(
@@ -524,26 +522,23 @@ def test_a_copied_scene_has_results_of_its_own(tmp_path, file, name):
     assert load_scene(str(again)).name == f"of-{name}".removesuffix("-copy")
 
 
-def test_store_check_verifies_lists_and_sets_aside(tool, tmp_path):
+def test_store_check_verifies_lists_and_sets_aside(tool, done, mistake, tmp_path):
     store, solves = Store(folder=tmp_path / "solves"), [Numbers(k) for k in range(3)]
     solve_all(solves, store)
-    code, out, err = tool("store", "check", store.folder)
-    assert code == 0, err
+    out = done("store check", store.folder)
     assert "3 of 3 solves are intact" in out
     assert "done on" in out or "done between" in out
     data = bytearray(store.path(solves[1]).read_bytes())
     data[2000] ^= 1
     store.path(solves[1]).write_bytes(data)
-    code, out, err = tool("store", "check", store.folder, "--list")
+    code, out, err = tool("store check", store.folder, "--list")
     assert code == 1
     assert f"{store.path(solves[1]).name}: damaged: its bytes are not those that were written" in out
     assert f"{store.path(solves[0]).name}: intact" in out
     assert "1 of 3 files are damaged or cannot be read; --set-aside" in err
-    code, out, err = tool("store", "check", store.folder, "--set-aside", "--json")
-    assert code == 0, err
+    out = done("store check", store.folder, "--set-aside", "--json")
     assert [row["intact"] for row in json.loads(out)].count(False) == 1
     assert store.path(solves[1]).with_suffix(".nc.corrupt").exists()
-    assert "2 of 2 solves are intact" in tool("store", "check", store.folder)[1]
-    code, _, err = tool("store", "check", tmp_path / "nowhere")
-    assert code == 2
+    assert "2 of 2 solves are intact" in done("store check", store.folder)
+    err = mistake("store check", tmp_path / "nowhere")
     assert "is no folder" in err

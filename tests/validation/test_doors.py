@@ -98,11 +98,11 @@ def doors(request, tmp_path_factory):
     scene = folder / "scene.toml"
     scene.write_text(UNEQUAL + MORE[request.param])
     for name in ("run", "again"):
-        output_of("run", scene, "--output", folder / name, "--quiet", "--no-report")
-    output_of("compare", folder / "run", folder / "again", "--output", folder / "compare", "--no-report")
+        output_of(f"run {scene} --output {folder / name} --quiet --no-report")
+    output_of(f"compare {folder / 'run'} {folder / 'again'} --output {folder / 'compare'} --no-report")
     for mode in ("product", "zip"):
-        one = ("--set", "sweep.surface.seed=[77]", "--set", f"sweep.mode={mode}")
-        output_of("run", scene, *one, "--output", folder / mode, "--quiet", "--no-report")
+        one = f"--set sweep.surface.seed=[77] --set sweep.mode={mode}"
+        output_of(f"run {scene} {one} --output {folder / mode} --quiet --no-report")
     return folder
 
 
@@ -114,17 +114,20 @@ def numbers(folder):
     return read_results(folder).data
 
 
+def said(scene):
+    """Surface, solid and effects of a scene as a notebook is told them."""
+    return {
+        "surface": fc.self_affine(**scene.surface.model_dump(exclude={"kind"}, exclude_none=True)),
+        **scene.solid.model_dump(exclude_none=True),
+        **{effect.kind: effect.hardness for effect in scene.effects},
+    }
+
+
 @ONE_SURFACE
 def test_a_notebook_and_a_run_have_the_same_record(doors):
     scene = load_scene(str(doors / "scene.toml"))
     grids = scene.methods.options("bem").grids
-    contact = fc.press(
-        fc.self_affine(**scene.surface.model_dump(exclude={"kind"}, exclude_none=True)),
-        **scene.solid.model_dump(exclude_none=True),
-        reduced_pressure=0.1,
-        grid=grids[0],
-        **{effect.kind: effect.hardness for effect in scene.effects},
-    )
+    contact = fc.press(**said(scene), reduced_pressure=0.1, grid=grids[0])
     run, pressed = numbers(doors / "run"), contact._on(grids)
     assert differing(run, pressed.data) == []
     assert only(run, pressed.data) == set()
@@ -158,14 +161,9 @@ def test_the_theory_alone_says_of_a_scene_what_it_says_in_a_notebook_and_beside_
     (doors / "alone.toml").write_text(
         re.sub(r"\[methods.bem\]\n.*\n", "", (doors / "scene.toml").read_text())
     )
-    output_of("run", doors / "alone.toml", "--output", doors / "alone", "--quiet", "--no-report")
-    scene = load_scene(str(doors / "alone.toml"))
+    output_of(f"run {doors / 'alone.toml'} --output {doors / 'alone'} --quiet --no-report")
+    asked = said(load_scene(str(doors / "alone.toml")))
     alone, run = numbers(doors / "alone"), numbers(doors / "run")
-    asked = {
-        "surface": fc.self_affine(**scene.surface.model_dump(exclude={"kind"}, exclude_none=True)),
-        **scene.solid.model_dump(exclude_none=True),
-        **{effect.kind: effect.hardness for effect in scene.effects},
-    }
     here = fc.theory(**asked, reduced_pressure=0.1)
     words = {"area": "area_ensemble", "area_plastic": "area_plastic_ensemble"}
     renamed = here.rename({name: words[name] for name in map(str, here) if name in words})
@@ -185,8 +183,8 @@ def test_a_sweep_of_one_has_the_record_of_a_run(doors, mode):
 
 @ONE_SURFACE
 def test_a_study_of_one_surface_says_what_a_run_says(doors):
-    one = ("--scene", doors / "scene.toml", "--surfaces", 1, "--reduced-pressures", 0.1)
-    output_of("study", "area", *one, "--output", doors / "study", "--quiet", "--no-report")
+    one = f"--scene {doors / 'scene.toml'} --surfaces 1 --reduced-pressures 0.1"
+    output_of(f"study area {one} --output {doors / 'study'} --quiet --no-report")
     run, study = (numbers(doors / name) for name in ("run", "study"))
     # Its solves are listed over the grids, and its kappa is a mean of one quotient. The limit is a fit by
     # least squares, which turns rounding (NumPy 2.5) into 1e-10 of the area and 2e-9 of its error.
@@ -251,9 +249,7 @@ def test_every_cell_of_the_reference_is_what_is_looked_up_there():
 
 
 def test_the_command_looks_up_what_the_notebook_does():
-    at = {"hurst": 0.55, "ratio": 9.0, "reduced_pressure": 0.03}
-    options = [str(word) for name, value in at.items() for word in (f"--{name.replace('_', '-')}", value)]
-    printed = answer_of("reference", *options)
+    printed = answer_of("reference --hurst 0.55 --ratio 9 --reduced-pressure 0.03")
     here = fc.reference(hurst=0.55, bandwidth=9.0, reduced_pressure=0.03)
     assert set(here) <= set(printed)
     for name, value in here.items():
@@ -266,7 +262,7 @@ def test_boundary_elements_entered_as_the_user_s_own_are_boundary_elements(tmp_p
     Path("copied_solver.py").write_text(OWN_SOLVER)
     own = '[methods.own]\nsolver = "copied_solver:solve"\ngrids = [[24, 16], [36, 24], [48, 32]]\n'
     Path("scene.toml").write_text(UNEQUAL.replace("grids", "tolerance = 1e-10\ngrids") + own)
-    output_of("run", "scene.toml", "--output", "out", "--quiet", "--no-report")
+    output_of("run scene.toml --output out --quiet --no-report")
     run = numbers(Path("out"))
     over = [name for name, values in run.items() if "solver" in values.dims]
     bem, copied = (run[over].sel(solver=name, drop=True) for name in ("bem", "own"))

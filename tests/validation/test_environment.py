@@ -21,9 +21,9 @@ def environment_restored():
     os.environ.update(before)
 
 
-def command(*arguments, shell="", **extra):
+def command(line, shell="", **extra):
     """Run `fem-contact`, after commands of the shell."""
-    return run_python("-m", "validation.cli", *arguments, shell=shell, **extra)
+    return run_python("-m", "validation.cli", *line.split(), shell=shell, **extra)
 
 
 @pytest.mark.parametrize(
@@ -37,7 +37,7 @@ def test_numbers_of_threads_are_put_right(monkeypatch, said, kept):
 
 def test_a_surface_is_made_whatever_omp_num_threads_says(tmp_path):
     target = tmp_path / "rough.npy"
-    done = command("surface", "generate", "quickstart", str(target), "--grid", "128", OMP_NUM_THREADS="")
+    done = command(f"surface generate quickstart {target} --grid 128", OMP_NUM_THREADS="")
     assert done.returncode == 0, done.stderr
     assert target.exists()
 
@@ -131,38 +131,38 @@ def test_kernels_compile_with_a_read_only_home_and_package(tmp_path, package, ke
 
 
 @pytest.mark.parametrize(
-    "arguments",
+    "line",
     [
-        ("scenes", "list"),
-        pytest.param(("--help",), marks=pytest.mark.nightly),
-        pytest.param(("scenes", "show", "quickstart"), marks=pytest.mark.nightly),
+        "scenes list",
+        pytest.param("--help", marks=pytest.mark.nightly),
+        pytest.param("scenes show quickstart", marks=pytest.mark.nightly),
     ],
 )
-def test_an_output_that_is_full_is_one_line(arguments):
-    done = command(*arguments, shell="exec > /dev/full;")
+def test_an_output_that_is_full_is_one_line(line):
+    done = command(line, shell="exec > /dev/full;")
     assert done.returncode == 1
     assert done.stderr == "fem-contact: the output cannot be written (No space left on device)\n"
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("arguments", [("scenes", "list"), ("run", "quickstart", "--dry-run", "--json")])
-def test_an_output_that_is_closed_is_no_traceback(arguments):
-    done = command(*arguments, shell="exec >&-;")
+@pytest.mark.parametrize("line", ["scenes list", "run quickstart --dry-run --json"])
+def test_an_output_that_is_closed_is_no_traceback(line):
+    done = command(line, shell="exec >&-;")
     assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("arguments", [("run", "quickstart", "-q"), ("study", "heights"), ("reproduce",)])
-def test_an_output_folder_that_is_a_link_to_itself_is_one_line(arguments, tmp_path):
+@pytest.mark.parametrize("line", ["run quickstart -q", "study heights", "reproduce"])
+def test_an_output_folder_that_is_a_link_to_itself_is_one_line(line, tmp_path):
     (tmp_path / "loop").symlink_to("loop")
-    done = command(*arguments, "-o", str(tmp_path / "loop"))
+    done = command(f"{line} -o {tmp_path / 'loop'}")
     assert done.returncode == 2
     assert done.stderr.endswith("loop': cannot be written to (File exists); name another folder\n")
     assert done.stderr.count("\n") == 1
 
 
 def test_too_little_memory_is_one_line(tmp_path):
-    done = command("run", "quickstart", "-q", "-o", str(tmp_path), shell="ulimit -v 600000;")
+    done = command(f"run quickstart -q -o {tmp_path}", shell="ulimit -v 600000;")
     assert done.returncode == 2
     assert done.stderr == (
         "fem-contact: ulimit -v = 600000: the libraries alone take more; allow 1048576 or more\n"

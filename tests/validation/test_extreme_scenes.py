@@ -10,6 +10,7 @@ from commanding import invoke
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
+from refusing import refused
 from small_scene import changed, small_scene
 
 from validation.comparison.explain import explain
@@ -46,28 +47,28 @@ def problem(tree):
 
 
 BEYOND = [
-    (("surface", "length"), 5e-324, "surface.length = 5e-324: is out of range; sizes from 1e-30"),
-    (("surface", "length"), "1 m**9**9**9", "has an unknown unit"),
-    (("surface", "length"), "1 nm squared squared squared", "has an unknown unit"),
-    (("surface", "length"), "1e999999999 m", "has an unknown unit"),
-    (("surface", "length"), "1" * 5000 + " m", "(5004 characters): must be a length such as"),
-    (("surface", "length"), 10**5000, "a number of thousands of digits: is out of range"),
-    (("surface", "rms_gradient"), 5e-324, "surface.rms_gradient = 5e-324: must lie between 1e-12 and 1e+06"),
-    (("surface", "seed"), 2**63, "must be less than 9223372036854775808"),
-    (("solid", "young"), 1e300, "solid.young = 1e+300: is out of range"),
-    (("load", "reduced_pressure"), 1e300, "must lie between 1e-12 and 1e+06"),
-    (("methods", "bem", "grids"), [9 * 10**15], "must have at most 131072 points along a side"),
-    (("methods", "bem", "grids"), [32] * 10**6, "at most 256 values"),
+    ("surface.length", 5e-324, "surface.length = 5e-324: is out of range; sizes from 1e-30"),
+    ("surface.length", "1 m**9**9**9", "has an unknown unit"),
+    ("surface.length", "1 nm squared squared squared", "has an unknown unit"),
+    ("surface.length", "1e999999999 m", "has an unknown unit"),
+    ("surface.length", "1" * 5000 + " m", "(5004 characters): must be a length such as"),
+    ("surface.length", 10**5000, "a number of thousands of digits: is out of range"),
+    ("surface.rms_gradient", 5e-324, "surface.rms_gradient = 5e-324: must lie between 1e-12 and 1e+06"),
+    ("surface.seed", 2**63, "must be less than 9223372036854775808"),
+    ("solid.young", 1e300, "solid.young = 1e+300: is out of range"),
+    ("load.reduced_pressure", 1e300, "must lie between 1e-12 and 1e+06"),
+    ("methods.bem.grids", [9 * 10**15], "must have at most 131072 points along a side"),
+    ("methods.bem.grids", [32] * 10**6, "at most 256 values"),
     (
-        ("ensemble",),
+        "ensemble",
         {"realisations": 100_000_000, "grids": [32, 48]},
         "ensemble.realisations = 100000000: must be less than or equal to 10000",
     ),
-    (("title",), "\x1b[31mred", r"must be a line of text; it holds the control character '\x1b'"),
-    (("title",), "abc\u202edef", r"it holds the control character '\u202e'"),
-    (("title",), "two\nlines", r"'\n'"),
-    (("title",), "x" * 10**6, "(1000002 characters): String should have at most 200 characters"),
-    (("name",), "x" * 101, "name = 'xxx"),
+    ("title", "\x1b[31mred", r"must be a line of text; it holds the control character '\x1b'"),
+    ("title", "abc\u202edef", r"it holds the control character '\u202e'"),
+    ("title", "two\nlines", r"'\n'"),
+    ("title", "x" * 10**6, "(1000002 characters): String should have at most 200 characters"),
+    ("name", "x" * 101, "name = 'xxx"),
 ]
 
 
@@ -78,7 +79,7 @@ def test_a_value_beyond_all_reason_is_refused_by_name(place, value, words):
 
 def test_titles_in_any_language_and_with_brackets_are_shown(tmp_path):
     for title in ("Rauheit – größer", "粗さ", "a [/] b [bold]c", "חספוס"):
-        assert problem(changed(TREE, ("title",), title)) == ""
+        assert problem(changed(TREE, "title", title)) == ""
 
 
 EXTREMES = st.one_of(
@@ -87,29 +88,29 @@ EXTREMES = st.one_of(
 )
 WHOLE = st.integers(0, 10**18)
 PLACES = {
-    ("surface", "length"): st.one_of(EXTREMES, st.lists(EXTREMES, min_size=2, max_size=2)),
-    ("surface", "hurst"): st.floats(0, 1),
-    ("surface", "lambda_long"): EXTREMES,
-    ("surface", "lambda_short"): EXTREMES,
-    ("surface", "rms_gradient"): EXTREMES,
-    ("surface", "seed"): WHOLE,
-    ("surface", "rolloff"): st.sampled_from(["sharp", "smooth", "plateau"]),
-    ("solid", "young"): EXTREMES,
-    ("solid", "poisson"): st.floats(-1, 0.5),
-    ("load", "reduced_pressure"): EXTREMES,
-    ("load",): st.builds(lambda p: {"pressure": p}, EXTREMES),
-    ("methods", "bem", "grids"): st.lists(st.one_of(WHOLE, st.integers(2, 200_000)), max_size=3),
-    ("methods", "bem", "shifts"): st.integers(0, 9),
-    ("methods", "fem", "grids"): st.lists(st.integers(2, 200_000), max_size=3),
-    ("methods", "fem", "depth"): EXTREMES,
-    ("methods", "fem", "growth"): st.floats(1, 4),
-    ("methods", "fem", "method"): st.sampled_from(["full", "reduced"]),
-    ("ensemble",): st.builds(
+    "surface.length": st.one_of(EXTREMES, st.lists(EXTREMES, min_size=2, max_size=2)),
+    "surface.hurst": st.floats(0, 1),
+    "surface.lambda_long": EXTREMES,
+    "surface.lambda_short": EXTREMES,
+    "surface.rms_gradient": EXTREMES,
+    "surface.seed": WHOLE,
+    "surface.rolloff": st.sampled_from(["sharp", "smooth", "plateau"]),
+    "solid.young": EXTREMES,
+    "solid.poisson": st.floats(-1, 0.5),
+    "load.reduced_pressure": EXTREMES,
+    "load": st.builds(lambda p: {"pressure": p}, EXTREMES),
+    "methods.bem.grids": st.lists(st.one_of(WHOLE, st.integers(2, 200_000)), max_size=3),
+    "methods.bem.shifts": st.integers(0, 9),
+    "methods.fem.grids": st.lists(st.integers(2, 200_000), max_size=3),
+    "methods.fem.depth": EXTREMES,
+    "methods.fem.growth": st.floats(1, 4),
+    "methods.fem.method": st.sampled_from(["full", "reduced"]),
+    "ensemble": st.builds(
         lambda n, grid: {"realisations": n, "grids": [grid, 2 * grid]},
         st.one_of(WHOLE, st.integers(2, 300)),
         st.integers(2, 70_000),
     ),
-    ("effects",): st.lists(
+    "effects": st.lists(
         st.one_of(
             st.builds(lambda h: {"kind": "hardness", "hardness": h}, EXTREMES),
             st.builds(lambda w, r: {"kind": "adhesion", "work": w, "reach": r}, EXTREMES, EXTREMES),
@@ -130,7 +131,7 @@ def explained(changes):
     """Read and explain a scene with extreme values: how it ended."""
     tree = {**TREE}
     # Tables before what is in them, or the load of a table that was replaced would be set.
-    for place, value in sorted(changes, key=lambda change: -len(change[0])):
+    for place, value in sorted(changes, key=lambda change: -change[0].count(".")):
         tree = changed(tree, place, value)
     if problem(tree):
         return "refused when read"
@@ -148,7 +149,7 @@ def explained(changes):
     return "explained"
 
 
-@settings(max_examples=120, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@settings(suppress_health_check=[HealthCheck.too_slow])
 @given(CHANGES)
 def test_extreme_scenes_are_refused_or_explained(changes):
     # Large surfaces are looked at by their spectrum; this keeps the others small as well.
@@ -196,7 +197,7 @@ def test_every_option_of_a_study_at_extremes_is_planned_or_refused_in_a_line(nam
                 assert seconds < 60, ended
 
 
-LARGE = Scene.model_validate(changed(TREE, ("surface", "lambda_short"), 1e-9))
+LARGE = Scene.model_validate(changed(TREE, "surface.lambda_short", 1e-9))
 
 
 def test_a_surface_too_large_to_be_looked_at_is_told_by_its_spectrum():
@@ -225,8 +226,5 @@ def test_a_surface_that_does_not_fit_into_memory_is_refused_in_one_line(monkeypa
 
     free = psutil.virtual_memory()._replace(available=2**30)
     monkeypatch.setattr(psutil, "virtual_memory", lambda: free)
-    with pytest.raises(
-        UsageError, match=r"20001 x 20001 points and 22\.4 GiB, .* take a lambda_short above 4.* nm"
-    ) as e:
+    with refused(UsageError, r"20001 x 20001 points and 22\.4 GiB, .* take a lambda_short above 4.* nm"):
         height_field(LARGE.surface)
-    assert "\n" not in str(e.value)

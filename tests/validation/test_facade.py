@@ -1,11 +1,14 @@
 """The few lines of a notebook give the numbers of a run, and what is wrong is said in one line."""
 
+from functools import partial
+
 import numpy as np
 import pint
 import pytest
 from matplotlib.figure import Figure
 from numpy.testing import assert_allclose, assert_array_equal
 from reading_back import misdrawn
+from refusing import refused
 
 import fem_contact
 import persson
@@ -25,7 +28,8 @@ WAVES = {
 }
 SOLID = {"young": "2 GPa", "poisson": 0.25}
 SURFACE = self_affine(**WAVES, seed=7)
-CONTACT = press(SURFACE, **SOLID, reduced_pressure=0.08, grid=32)
+pressed = partial(press, SURFACE, **SOLID)
+CONTACT = pressed(reduced_pressure=0.08, grid=32)
 NODE = {"hurst": 0.8, "bandwidth": 8, "reduced_pressure": 0.05}
 TILTED = np.tile(np.arange(16.0)[:, None], 16) + np.random.default_rng(9).normal(size=(16, 16))
 TILTED[3, 4] = np.nan
@@ -33,13 +37,13 @@ TILTED[3, 4] = np.nan
 
 def test_a_load_may_be_a_force_or_a_distance_and_the_rough_body_elastic():
     pressure, area = 0.08 * CONTACT.problem.pressure_scale, CONTACT.areas().perimeter
-    by_force = press(SURFACE, **SOLID, force=f"{pressure * 1e-8 * 1e3!r} mN", grid=32)
+    by_force = pressed(force=f"{pressure * 1e-8 * 1e3!r} mN", grid=32)
     assert by_force.areas().perimeter == pytest.approx(area, rel=1e-6)
-    held = press(SURFACE, **SOLID, mean_gap=CONTACT.mean_gap.value, grid=32)
+    held = pressed(mean_gap=CONTACT.mean_gap.value, grid=32)
     assert held.areas().perimeter == pytest.approx(area, rel=1e-5)
     assert held.theory.area == pytest.approx(CONTACT.theory.area, rel=1e-5)
     assert "p* = 0.08" in repr(held)
-    two = press(SURFACE, **SOLID, second_young="2 GPa", second_poisson=0.25, pressure=pressure / 2, grid=32)
+    two = pressed(second_young="2 GPa", second_poisson=0.25, pressure=pressure / 2, grid=32)
     assert two.areas().perimeter == pytest.approx(area, rel=1e-6)
     patch = measured(SURFACE.heights(32).values, length=1e-4, unit=1.0, edges="free")
     free = press(patch, **SOLID, pressure=pressure, free_boundary=True, grid=32)
@@ -52,7 +56,7 @@ def test_quantities_of_pint_are_read():
     contact = press(SURFACE, young=2000 * unit.MPa, poisson=0.25, pressure=17.5 * unit.MPa, grid=32)
     assert contact.problem.pressure == 17.5e6
     with pytest.raises(UsageError, match="'3 m': is not a pressure"):
-        press(SURFACE, **SOLID, pressure=3 * unit.m)
+        pressed(pressure=3 * unit.m)
 
 
 def test_a_surface_knows_its_size_in_numbers_and_pictures():
@@ -94,7 +98,7 @@ def test_a_figure_goes_into_axes_that_are_there():
 
 
 def test_a_finite_element_contact_is_corrected_by_the_constant_of_its_element():
-    contact = press(SURFACE, **SOLID, reduced_pressure=0.08, method="fem", grid=18)
+    contact = pressed(reduced_pressure=0.08, method="fem", grid=18)
     assert (
         contact.areas().edge_constant == EDGE_CONSTANTS["Hex1"] == contact_areas(contact.result).edge_constant
     )
@@ -158,16 +162,16 @@ def test_a_file_is_a_surface_and_its_size_may_stand_in_it(tmp_path):
 
 def test_a_table_tells_contacts_apart_by_what_differs():
     loads = (0.05, 0.1)
-    soft = table([press(SURFACE, **SOLID, reduced_pressure=p, hardness="150 MPa") for p in loads])
+    soft = table([pressed(reduced_pressure=p, hardness="150 MPa") for p in loads])
     assert soft.reduced_pressure.values == pytest.approx(loads)
     assert (soft.plastic.diff("reduced_pressure") > 0).all()
     assert (soft.persson_plastic > 0).all()
-    swept = [press(SURFACE, **SOLID, reduced_pressure=0.05, hardness=h) for h in ("150 MPa", "200 MPa")]
+    swept = [pressed(reduced_pressure=0.05, hardness=h) for h in ("150 MPa", "200 MPa")]
     assert table(swept).hardness.dims == ("hardness",)
     with pytest.raises(UsageError, match="nor does any of: reduced_pressure, pressure, method"):
-        table([press(SURFACE, **SOLID, reduced_pressure=0.05)] * 2)
+        table([pressed(reduced_pressure=0.05)] * 2)
     with pytest.raises(UsageError, match="these do: reduced_pressure, pressure"):
-        table([press(SURFACE, **SOLID, reduced_pressure=0.05)], along="colour")
+        table([pressed(reduced_pressure=0.05)], along="colour")
 
 
 def test_the_theory_alone_is_the_closed_form_of_the_spectrum():
@@ -178,7 +182,7 @@ def test_the_theory_alone_is_the_closed_form_of_the_spectrum():
 
 
 def test_several_grids_give_every_number_its_error():
-    fine = press(SURFACE, **SOLID, reduced_pressure=0.08, grids=[32, (48, 48), 64])
+    fine = pressed(reduced_pressure=0.08, grids=[32, (48, 48), 64])
     numbers = [fine.area, fine.kappa, fine.mean_gap, fine.approach, fine.stiffness, fine.max_pressure]
     assert all(0 < number.error < 0.1 * abs(number.value) for number in numbers)
     assert all("grid" in number.sources for number in numbers)
@@ -204,11 +208,11 @@ def test_what_the_report_of_a_study_shows_is_had_of_its_dataset(tmp_path):
 
 def test_a_limit_that_is_not_there_says_why():
     with pytest.raises(NoLimit, match="two resolved grids"):
-        press(SURFACE, **SOLID, reduced_pressure=0.05, grid=32).limit([32])
+        pressed(reduced_pressure=0.05, grid=32).limit([32])
 
 
 def test_what_is_shown_is_short():
-    contact = press(SURFACE, **SOLID, reduced_pressure=0.05, grid=32)
+    contact = pressed(reduced_pressure=0.05, grid=32)
     for shown in (repr(SURFACE), repr(contact)):
         assert len(shown) < 250
     assert repr(CONTACT.mean_gap) == "mean gap = 358 nm"
@@ -223,6 +227,9 @@ def test_what_is_shown_is_short():
     assert share == pytest.approx(contact.areas().pixel, rel=1e-9)
 
 
+loaded = partial(pressed, pressure=1e6)
+
+
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [
@@ -232,12 +239,12 @@ def test_what_is_shown_is_short():
             lambda: press(SURFACE, HalfSpace(solid=Solid(young=1e9, poisson=0.3)), pressure=1e6),
             "solid: found HalfSpace; give its Solid, half_space.solid",
         ),
-        (lambda: press(SURFACE, **SOLID, pressure="1 kg"), "load.pressure = '1 kg': is not a pressure"),
-        (lambda: press(SURFACE, **SOLID, reduced_pressure=[0.1, 0.2]), r"one load; for several write table"),
-        (lambda: press(SURFACE, **SOLID, pressure=1e6, hardnes=1e9), "did you mean 'hardness'"),
-        (lambda: press(SURFACE, **SOLID, pressure=1e6, adhesion=1.0), "give a table .* with work, reach"),
-        (lambda: press(SURFACE, **SOLID, pressure=1e6, method="bemm"), "did you mean 'bem'"),
-        (lambda: press(SURFACE, **SOLID, pressure=1e6, grid=8), r"too coarse for lambda_short"),
+        (lambda: pressed(pressure="1 kg"), "load.pressure = '1 kg': is not a pressure"),
+        (lambda: pressed(reduced_pressure=[0.1, 0.2]), r"one load; for several write table"),
+        (lambda: loaded(hardnes=1e9), "did you mean 'hardness'"),
+        (lambda: loaded(adhesion=1.0), "give a table .* with work, reach"),
+        (lambda: loaded(method="bemm"), "did you mean 'bem'"),
+        (lambda: loaded(grid=8), r"too coarse for lambda_short"),
         (lambda: measured(np.zeros((8, 8)), lengths=1e-5), "unknown key 'lengths'; did you mean 'length'"),
         (lambda: measured(np.zeros((8, 8)), length=1e-5), 'unit is missing; .* unit="1 nm"'),
         (lambda: measured(np.zeros((8, 6)), length=1e-5, unit=1), "one length for 8 x 6 points; give both"),
@@ -248,9 +255,9 @@ def test_what_is_shown_is_short():
         (lambda: measured(3, length=1e-5, unit=1), "heights of type int: .*give a file, a 2-D array"),
         (lambda: measured(TILTED, more_paths=["b.npy"]), r"press each map: table\(\[press\(measured\(path, "),
         (lambda: self_affine(lengths=1e-5), "unknown key 'lengths'; did you mean 'length'"),
-        (lambda: press(SURFACE, **SOLID, pressure=1e6, options=7), "options = 7: give a table"),
-        (lambda: press(SURFACE, **SOLID, pressure=1e6, method={}), "method = {}: give its name; one of: bem"),
-        (lambda: press(SURFACE, **SOLID, pressure=1e6, force=1.0), "exactly one of .* found pressure and"),
+        (lambda: loaded(options=7), "options = 7: give a table"),
+        (lambda: loaded(method={}), "method = {}: give its name; one of: bem"),
+        (lambda: loaded(force=1.0), "exactly one of .* found pressure and"),
         (lambda: table(None), "table: None: give a list of contacts"),
         (lambda: measured(np.zeros((8, 8)), length=1e-5, unit=[1, 2]), r"unit = \[1, 2\]: must be a length"),
         (lambda: fem_contact.study("hurts"), "did you mean 'hurst'"),
@@ -261,8 +268,8 @@ def test_what_is_shown_is_short():
         (lambda: fem_contact.reference(**NODE, gradient=np.ones(2)), "must be 'surface' or 'spectrum'"),
         (lambda: fem_contact.reference(**{**NODE, "bandwidth": "8"}), "bandwidth = '8': must be one finite"),
         (lambda: CONTACT.limit(np.ones(2)), r"give several, as \[32, 48, 64\]"),
-        (lambda: press(SURFACE, **SOLID, pressure=1e6, grids=64), r"grids = 64: give several, as \[32"),
-        (lambda: press(SURFACE, **SOLID, pressure=1e6, grids=[64, 96], grid=64), "give one of them"),
+        (lambda: loaded(grids=64), r"grids = 64: give several, as \[32"),
+        (lambda: loaded(grids=[64, 96], grid=64), "give one of them"),
         (lambda: CONTACT.limit([3.5]), "grid = 3.5: give points along the sides"),
         (lambda: CONTACT.plot([0, 0]), "is not drawn; one of: 'pressure'"),
         (lambda: CONTACT.plot(ax=3), "ax = 3: one axes of matplotlib"),
@@ -270,15 +277,14 @@ def test_what_is_shown_is_short():
         (lambda: CONTACT.against([]), "another method"),
         (lambda: CONTACT.plot("heat"), "one of: 'pressure'"),
         (
-            lambda: press(SURFACE, **SOLID, reduced_pressure=0.08, method="fem", grid=18).stiffness,
+            lambda: pressed(reduced_pressure=0.08, method="fem", grid=18).stiffness,
             "follows from",
         ),
     ],
 )
 def test_what_is_wrong_is_said_in_one_line(wrong, words):
-    with pytest.raises(UsageError, match=words) as caught:
+    with refused(UsageError, words):
         wrong()
-    assert "\n" not in str(caught.value)
 
 
 def test_study_names_are_completed():

@@ -5,14 +5,12 @@ import pytest
 import xarray as xr
 
 from validation.comparison.numbers import scene_data
-from validation.comparison.run import run_scene
 from validation.comparison.run_views import run_views
 from validation.errors import UsageError
 from validation.execution.press import solves_of
 from validation.report.estimates import claim, derive
 from validation.report.findings import finding
 from validation.scenes.problem import realise
-from validation.scenes.scene import load_scene
 
 
 def _found(data, words):
@@ -47,11 +45,10 @@ def test_counting_is_said_to_err_to_the_side_to_which_it_does(small_run):
     assert all(row["area_pixel_off"].value < 0 for row in _found(under, "Counted points").rows)
 
 
-def test_an_ensemble_says_its_mean_and_a_plain_run_that_it_is_one_surface(small_run, read_scene, tmp_path):
+def test_an_ensemble_says_its_mean_and_a_plain_run_that_it_is_one_surface(small_run, solved):
     assert _found(small_run.data, "One surface").kind == "note"
     ensemble = "[ensemble]\nrealisations = 3\ngrids = [12, 24]\n\n[methods.theory]"
-    scene = read_scene(("[methods.theory]", ensemble), fem=False)
-    outputs = run_scene(scene, tmp_path / "out", report=False)
+    outputs = solved(("[methods.theory]", ensemble))
     data, found = outputs.data, _found(outputs.data, "the mean is A/A0")
     assert found.values["area"].value == float(data.area) == pytest.approx(float(data.area_each.mean()))
     assert found.values["surfaces"].value == 3
@@ -60,44 +57,39 @@ def test_an_ensemble_says_its_mean_and_a_plain_run_that_it_is_one_surface(small_
 
 
 @pytest.mark.parametrize(("pressure", "complete"), [("0.1", False), ("8.0", True)])
-def test_complete_contact_is_said_where_it_is(write_scene, tmp_path, pressure, complete):
-    path = write_scene(("reduced_pressure = 0.1", f"reduced_pressure = {pressure}"), fem=False)
-    outputs = run_scene(load_scene(str(path)), tmp_path / "results", report=False)
+def test_complete_contact_is_said_where_it_is(solved, pressure, complete):
+    outputs = solved(("reduced_pressure = 0.1", f"reduced_pressure = {pressure}"))
     assert any("Contact is complete" in text for text in outputs.page.findings) is complete
 
 
-def test_a_contact_of_one_point_has_no_area_in_the_limit(write_scene, tmp_path):
-    path = write_scene(("reduced_pressure = 0.1", "reduced_pressure = 1e-6"), fem=False)
-    data = run_scene(load_scene(str(path)), tmp_path / "results", report=False).data
+def test_a_contact_of_one_point_has_no_area_in_the_limit(solved):
+    data = solved(("reduced_pressure = 0.1", "reduced_pressure = 1e-6")).data
     assert np.isnan(data.area)
     assert "on the finest grid" in str(data.no_limit.item())
     assert np.isnan(data.density_at_zero_order)
 
 
-def test_pulled_points_are_in_the_distribution_with_adhesion_alone(read_scene, tmp_path):
+def test_pulled_points_are_in_the_distribution_with_adhesion_alone(solved):
     sticky = '[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "0.2 um"\n[methods.theory]'
-    scene = read_scene(("[methods.theory]", sticky), fem=False)
-    data = run_scene(scene, tmp_path / "results", report=False).data
+    data = solved(("[methods.theory]", sticky)).data
     assert float(data.stress_near[0]) < 0
     assert np.isnan(data.density_at_zero).all()
     assert not any("P(sigma)" in one.form for one in run_views(data).findings)
 
 
-def test_the_yielded_area_stands_on_a_card(read_scene, tmp_path):
+def test_the_yielded_area_stands_on_a_card(solved):
     hard = '[[effects]]\nkind = "hardness"\nhardness = "60 kPa"\n[methods.theory]'
-    scene = read_scene(("[methods.theory]", hard), fem=False)
-    outputs = run_scene(scene, tmp_path / "r", report=False)
+    outputs = solved(("[methods.theory]", hard))
     (card,) = [card for card in outputs.page.answers if "yielded" in card.question]
     plastic = float(outputs.data.area_plastic_pixel.sel(solver="bem", grid="48 x 48"))
     assert card.answer == f"{plastic:.4g}"
     assert f"theory: {float(outputs.data.area_plastic_persson):.4g}" in card.basis
 
 
-def test_an_under_resolved_grid_is_named_and_in_no_limit(write_scene):
-    path = write_scene(
+def test_an_under_resolved_grid_is_named_and_in_no_limit(read_scene):
+    scene = read_scene(
         ("grids = [12, 24, 48]\nshifts = 2", "grids = [6, 16, 32]\nunder_resolved = true"), fem=False
     )
-    scene = load_scene(str(path))
     results = {solve: solve.do().contact for solve in solves_of(scene)}
     data = scene_data(scene, realise(scene), results)
     assert "6 x 6" in _found(data, "Under-resolved").text

@@ -9,7 +9,6 @@ import pytest
 from validation.comparison.run import run_scene
 from validation.execution.store import Store
 from validation.scenes import surfaces
-from validation.scenes.scene import load_scene
 
 
 @pytest.fixture
@@ -46,20 +45,9 @@ def test_a_stored_result_is_read_once_in_a_run(read_scene, tmp_path, counted):
     assert calls["read"] == 12
 
 
-def test_a_measured_file_is_read_and_hashed_once_in_a_run(write_scene, tmp_path, counted):
+def test_a_measured_file_is_read_and_hashed_once_in_a_run(map_scene, tmp_path, counted):
     x = np.cos(2 * np.pi * np.arange(16) / 16)
-    np.save(tmp_path / "heights.npy", 30 * x[:, None] * x[None, :])
-    head = (
-        'kind = "self-affine"\nlength = "10 um"\nhurst = 0.7\nlambda_long = "5 um"\nlambda_short = "2.5 um"\n'
-    )
-    path = write_scene(
-        (
-            head + "rms_gradient = 0.05\nseed = 77",
-            'kind = "file"\npath = "heights.npy"\nlength = "10 um"\nunit = "1 nm"',
-        ),
-        fem=False,
-    )
-    scene = load_scene(str(path))
+    scene = map_scene(30 * x[:, None] * x[None, :])
     calls = counted(importlib.import_module("validation.scenes.topography.measured"), "read_topography")
     outputs = run_scene(scene, tmp_path / "results", report=False)
     assert outputs.solved > 4

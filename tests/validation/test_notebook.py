@@ -105,7 +105,7 @@ def test_the_examples_of_a_page_run(page, tmp_path, monkeypatch):
     contact = bem.solve(surface, half_space, mean_pressure=5e6)
     space = {"surface": surface, "half_space": half_space, "contact": contact}
     if "scenes copy" not in text:
-        output_of("scenes", "copy", "quickstart", "mine.toml")
+        output_of("scenes copy quickstart mine.toml")
     for language, source in re.findall(r"```(python|sh|toml)\n(.*?)```", text, re.DOTALL):
         if language == "toml":
             (tmp_path / "scene.toml").write_text(source, encoding="utf-8")

@@ -80,7 +80,7 @@ sys.addaudithook(_watch)
 
 def _do(command):
     shutil.rmtree("compared", ignore_errors=True)
-    return invoke(*command.split())
+    return invoke(command)
 
 
 def opened_by(command):

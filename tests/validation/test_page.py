@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from rich.console import Console
+from small_scene import scene_of
 
 from validation.audit.files import page_tables
 from validation.cli.progress import Bar
@@ -32,14 +33,8 @@ from validation.report.page import Page, render, write_page
 from validation.report.table import ResultTable, WordTable, shown, write_dataset
 from validation.report.views import Card, Views
 from validation.report.words import mathematics
-from validation.scenes.scene import load_scene
 from validation.studies import find_study
 from validation.studies._outputs import _cards, _undetermined, run_study, study_page
-
-
-def _scene(run):
-    """The scene that it was told."""
-    return load_scene(str(run.folder.parent / "scene.toml"))
 
 
 def _run_area(folder, store, **how):
@@ -192,7 +187,7 @@ def test_an_interrupted_run_of_another_scene_does_not_stand_beside_the_old_repor
 
     monkeypatch.setattr("validation.execution.bench.Bench.solve", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        run_scene(_scene(small_run), folder)
+        run_scene(scene_of(small_run), folder)
     assert (folder / "report.html").exists()
     with pytest.raises(KeyboardInterrupt):
         run_scene(read_scene(("A small scene", "Another")), folder)
@@ -204,7 +199,7 @@ def test_a_folder_is_that_of_what_ran_in_it_last(outputs, small_run, tmp_path):
     folder = tmp_path / "both"
     shutil.copytree(outputs["study"][1], folder)
     assert record_of(folder)["kind"] == "study"
-    run_scene(_scene(small_run), folder, bench=Bench.at(small_run.folder / "solves"), report=False)
+    run_scene(scene_of(small_run), folder, bench=Bench.at(small_run.folder / "solves"), report=False)
     assert record_of(folder)["kind"] == "run"
     _run_area(folder, outputs["study"][1].parent / "solves", report=False)
     assert record_of(folder)["kind"] == "study"
@@ -375,7 +370,7 @@ def test_without_a_report_the_numbers_are_there_and_the_report_can_be_made_later
     folder = tmp_path / kind
     if kind == "run":
         shutil.copytree(whole, folder)
-        run_scene(_scene(small_run), folder, report=False)
+        run_scene(scene_of(small_run), folder, report=False)
     else:
         folder.mkdir()
         shutil.copytree(

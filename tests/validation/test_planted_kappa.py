@@ -6,7 +6,18 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
-from planted import SMALL, STUDENT, THREE, PlantedBench, block, column, located, measurement, realisation
+from planted import (
+    SMALL,
+    STUDENT,
+    THREE,
+    PlantedBench,
+    block,
+    column,
+    decided,
+    located,
+    measurement,
+    realisation,
+)
 
 from fem_contact import area_error
 from fem_contact.area import EDGE_CONSTANTS
@@ -93,7 +104,7 @@ def test_hurst_has_counted_kappa_on_every_grid_and_what_it_exceeds_the_limit_by(
         expected = [[k + 0.1 * 2 / n / p for p in (0.05, 0.1)] for k in (2.03, 2.07)]
         assert_allclose(exponents.kappa_pixel.isel(family=0, grid=g), expected, rtol=1e-12)
     each = [0.1 * 2 / 16 / p / (2 + h / 10 + PAIR) for h in (0.2, 0.6) for p in (0.05, 0.1)]
-    assert float(exponents.kappa_excess[0]) == pytest.approx(np.mean(each), rel=1e-9)
+    assert_allclose(exponents.kappa_excess[0], np.mean(each), rtol=1e-9)
 
 
 def test_hurst_tells_each_theory_its_load(exponents):
@@ -106,10 +117,10 @@ def test_hurst_tells_each_theory_its_load(exponents):
 
 def test_hurst_ladders_lead_to_the_planted_limits_by_the_orders_of_their_laws(exponents):
     for kind, order, start in (("by_bandwidth", 1.6, 0.4 * 0.5**1.6), ("by_size", 2.0, 0.4 * 0.5**2)):
-        assert float(exponents[f"order_{kind}"][0]) == pytest.approx(order, rel=1e-12)
+        assert_allclose(exponents[f"order_{kind}"][0], order, rtol=1e-12)
         # The pairs repeat: each rung has the mean .01 of two of them.
-        assert float(exponents[f"kappa_{kind}_limit"][0]) == pytest.approx(2.03 - start, rel=1e-9)
-        assert float(exponents[f"kappa_{kind}_slope"][0]) == pytest.approx(0.4, rel=1e-9)
+        assert_allclose(exponents[f"kappa_{kind}_limit"][0], 2.03 - start, rtol=1e-9)
+        assert_allclose(exponents[f"kappa_{kind}_slope"][0], 0.4, rtol=1e-9)
 
 
 def test_hurst_decides_whether_kappa_changes_with_the_exponent_by_the_interval_over_pairs(exponents):
@@ -145,10 +156,10 @@ def test_hurst_has_kappa_by_each_solver_on_its_own_grids_and_its_distance_from_b
     both = (grids**2).sum("solver").mean("surface_by_solver")
     far = total_error(exponents, "kappa_by_solver_difference")[1]
     assert_allclose(far, 1.01 * np.sqrt(both), rtol=1e-2)
-    (found,) = (one for one in hurst.views(exponents).findings if one.by == "kappa_by_solver_difference")
+    found = decided(hurst, exponents, "kappa_by_solver_difference")
     for factor, outcome in ((0.9, "agree"), (1.1, "differ")):
         moved = exponents.assign(kappa_by_solver_difference=factor * total_error(exponents, found.by))
-        (told,) = (one for one in hurst.views(moved).findings if one.by == found.by)
+        told = decided(hurst, moved, found.by)
         assert told.outcomes == (outcome,) * 2
     assert "kappa_by_solver" in hurst.views(exponents).budget
     assert hurst.views(exponents).figures[0].name == "kappa-of-solvers"
@@ -240,10 +251,10 @@ def test_refinement_finds_by_how_much_counting_exceeds_the_limit(refined):
 
 
 def test_refinement_finds_the_planted_order_and_the_part_of_the_grid(refined):
-    assert float(refined.order_pixel) == pytest.approx(1.0, rel=1e-9)
+    assert_allclose(refined.order_pixel, 1.0, rtol=1e-9)
     kappa, theory = 2.0, math.erf(math.sqrt(2) * 0.05) / 0.05
-    assert float(refined.kappa) == pytest.approx(kappa, rel=1e-9)
-    assert float(refined.area_excess) == pytest.approx(kappa / theory - 1, rel=1e-9)
+    assert_allclose(refined.kappa, kappa, rtol=1e-9)
+    assert_allclose(refined.area_excess, kappa / theory - 1, rtol=1e-9)
     parts = [[0.2 / n / (0.1 * k + 0.2 / n - 0.05 * theory) for k in THREE] for n in (16, 24, 32)]
     assert_allclose(refined.grid_part, np.mean(parts, axis=1), rtol=1e-9)
     assert refinement.views(refined).findings[0].outcomes == ("+",)
@@ -255,14 +266,14 @@ def test_refinement_finds_where_the_excess_of_the_coarse_grid_lies(refined):
     """Six tenths of what is counted lie at small pressures, on every grid."""
     excess = np.mean((0.1 * THREE + 0.2 / 16) / (0.1 * THREE + 0.2 / 32)) - 1
     above = (0.1 + 0.2 / 16) / (0.1 + 0.2 / 32) - 1
-    assert float(refined.area_pixel_change) == pytest.approx(excess, rel=1e-9)
-    assert float(refined.small_stress_part) == pytest.approx(0.6, rel=1e-9)
-    assert float(refined.large_stress_change) == pytest.approx(above, rel=1e-9)
+    assert_allclose(refined.area_pixel_change, excess, rtol=1e-9)
+    assert_allclose(refined.small_stress_part, 0.6, rtol=1e-9)
+    assert_allclose(refined.large_stress_change, above, rtol=1e-9)
 
 
 def test_finite_elements_reach_the_planted_limit_one_per_cent_above_the_other(refined):
     assert_allclose(refined.distance_fem_each, 0.01, rtol=1e-7)
-    assert float(refined.depth_share) == pytest.approx(0.005, rel=1e-9)
+    assert_allclose(refined.depth_share, 0.005, rtol=1e-9)
     # The planted blocks lie on their law. Depth and the grids of the other limit make the distance uncertain.
     assert_allclose(refined.area_each_drift, 0.0, atol=1e-9)
     grids, meshes = (
@@ -271,10 +282,10 @@ def test_finite_elements_reach_the_planted_limit_one_per_cent_above_the_other(re
     )
     half = float(total_error(refined, "distance_fem")[0])
     assert half == pytest.approx(math.hypot(grids, meshes, 0.005), rel=1e-3)
-    (found,) = (one for one in refinement.views(refined).findings if one.by == "distance_fem")
+    found = decided(refinement, refined, "distance_fem")
     assert found.outcomes == ("differ",)
     close = refined.assign(distance_fem=0.9 * total_error(refined, "distance_fem"))
-    (found,) = (one for one in refinement.views(close).findings if one.by == "distance_fem")
+    found = decided(refinement, close, "distance_fem")
     assert found.outcomes == ("agree",)
     # In the budget the distance of the two limits is a part of the grids' share.
     grid = column(find_study("refinement").budget(refined), "grid [%]")
@@ -298,13 +309,13 @@ def test_published_values_agree_only_with_an_interval_that_could_have_missed_the
     told = refined.drop_vars([n for n in refined.variables if "published" in str(n) or "paper" in str(n)])
     told = claim(told.assign(kappa=value), "kappa", surfaces=half, grid=0.0 * half, solver=0.0 * half)
     data = references.beside_published(told)
-    (found,) = (one for one in refinement.views(data).findings if one.by == "kappa_difference")
+    found = decided(refinement, data, "kappa_difference")
     assert found.outcomes == outcomes
 
 
 def test_refinement_has_kappa_of_the_protocols_by_slope_and_their_spread(refined):
     assert_allclose(refined.kappa_protocol[-1], [3.0, 2.5, 1.9], rtol=1e-12)
-    assert float(refined.kappa_protocol_spread) == pytest.approx(3 / 1.9 - 1, rel=1e-12)
+    assert_allclose(refined.kappa_protocol_spread, 3 / 1.9 - 1, rtol=1e-12)
 
 
 def test_the_protocol_by_full_elements_says_what_the_grid_adds_to_what_converges_and_where_hyun_lies(refined):
@@ -314,18 +325,18 @@ def test_the_protocol_by_full_elements_says_what_the_grid_adds_to_what_converges
     assert_allclose(refined.kappa_protocol_limit, 2.0, rtol=1e-9)
     each, theory = 2.0 * THREE, math.erf(math.sqrt(2) * 0.05) / 0.05
     fem = refined.sel(solver="fem").isel(slope=0, hurst_protocol=-1)
-    assert float(fem.kappa_excess_protocol) == pytest.approx(np.mean(3.6 / each - 1), rel=1e-9)
-    assert float(fem.grid_part_protocol) == pytest.approx(np.mean((3.6 - each) / (3.6 - theory)), rel=1e-9)
+    assert_allclose(fem.kappa_excess_protocol, np.mean(3.6 / each - 1), rtol=1e-9)
+    assert_allclose(fem.grid_part_protocol, np.mean((3.6 - each) / (3.6 - theory)), rtol=1e-9)
     half = float(total_error(refined, "kappa_hyun_difference")[-1])
     assert half == pytest.approx(float(total_error(refined, "kappa_protocol_limit")[-1]), rel=1e-9)
     for value, outcome in ((0.9, "0"), (1.1, "+"), (-1.1, "-")):
         moved = refined.assign(kappa_hyun_difference=value * total_error(refined, "kappa_hyun_difference"))
-        (found,) = (one for one in refinement.views(moved).findings if one.by == "kappa_hyun_difference")
+        found = decided(refinement, moved, "kappa_hyun_difference")
         assert found.outcomes == (outcome,)
         assert ("explains none" in found.text) == (outcome == "-")
         # Where the intervals do not show that the grid raises kappa, nothing is concluded from it.
         same = moved.assign(kappa_excess_protocol=-0.1 + 0 * moved.kappa_excess_protocol)
-        (found,) = (one for one in refinement.views(same).findings if one.by == "kappa_hyun_difference")
+        found = decided(refinement, same, "kappa_hyun_difference")
         assert "explains none" not in found.text
 
 

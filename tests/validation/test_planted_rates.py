@@ -45,10 +45,11 @@ def test_errors_of_several_sources_and_variables_combine_to_intervals_that_hold(
         assert_hold(data, name, truth)
 
 
+_SIGNS = {(1.0, 1.0): "0", (1.1, 1.0): "+", (-1.0, 1.0): "0", (-1.1, 1.0): "-", (1.0, np.nan): "?"}
 #: By kind that decides: outcomes at each threshold and beyond, by value and half width.
 TURNS = {
-    "comparison": {(1.0, 1.0): "0", (1.1, 1.0): "+", (-1.0, 1.0): "0", (-1.1, 1.0): "-", (1.0, np.nan): "?"},
-    "trend": {(1.0, 1.0): "0", (1.1, 1.0): "+", (-1.0, 1.0): "0", (-1.1, 1.0): "-", (1.0, np.nan): "?"},
+    "comparison": _SIGNS,
+    "trend": _SIGNS,
     "agreement": {(1.0, 1.0): "agree", (1.1, 1.0): "differ", (-1.0, 1.0): "agree", (-1.1, 1.0): "differ"},
     "equivalence": {
         (0.6, 0.3): "within",

@@ -81,6 +81,6 @@ def test_a_file_that_is_no_table_of_areas_is_refused(tmp_path, text, words):
 
 def test_the_command_scores_a_theory_and_leaves_a_page(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    said = output_of("reference", "--theory", "persson", "--csv", numbers(tmp_path / "m.csv"))
+    said = output_of("reference --theory persson --csv", numbers(tmp_path / "m.csv"))
     assert "3 of 3 cells of m.csv" in said
     assert (tmp_path / "results" / "reference-score" / "report.html").exists()

@@ -9,9 +9,6 @@ import subprocess
 import numpy as np
 import pytest
 
-from validation.studies import find_study
-from validation.studies._outputs import run_study
-
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 FLAGS = [
     "--headless",
@@ -83,16 +80,11 @@ def browse(page, folder, *, width, height, screenshot=None):
 
 
 @pytest.fixture(scope="module")
-def pages(small_run, tmp_path_factory, bench):
+def pages(small_run, tmp_path_factory, left):
     """The report of a run and that of a study."""
     folder = tmp_path_factory.mktemp("pages")
     shutil.copytree(small_run.folder, folder / "run")
-    area = find_study("area")
-    options = area.options(
-        reduced_pressures=(0.02, 0.1, 0.5), seed=3, surfaces=2, grids=(16, 24, 32), bandwidth=2.0
-    )
-    (folder / "study").mkdir()
-    run_study(area, options, folder / "study", bench=bench)
+    left("area", folder / "study")
     return {name: folder / name / "report.html" for name in ("run", "study")}
 
 

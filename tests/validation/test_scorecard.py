@@ -73,7 +73,7 @@ def test_a_nan_is_the_worst_failure_of_all():
 def test_boundary_elements_are_scored_in_less_than_two_minutes_of_processor_time(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     began = time.process_time()
-    (card,) = answer_of("validate", "--method", "bem", "--quick")["scorecards"]
+    (card,) = answer_of("validate --method bem --quick")["scorecards"]
     assert time.process_time() - began < 120
     assert card["passed"]
     result = read_results(tmp_path / "results" / "scorecard-bem")
@@ -91,7 +91,7 @@ def test_a_failing_solver_of_ones_own_exits_with_one_and_is_named(tmp_path, monk
             return np.full(heights.shape, mean_pressure)
     """
     Path("flat_toy.py").write_text("\n".join(line[8:] for line in code.splitlines()), encoding="utf-8")
-    outcome = invoke("validate", "--method", "flat_toy:solve", "--quick", "--output", "card")
+    outcome = invoke("validate --method flat_toy:solve --quick --output card")
     assert outcome.exit_code == 1
     card = read_results(tmp_path / "card").data.isel(solver=0).verdict.to_series()
     failed, holds = (set(card.index[card == word]) for word in ("FAILS", "holds"))

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 import scipy.stats
 from commanding import answer_of, invoke, output_of
+from refusing import refused
 from small_scene import scene_in
 
 from fem_contact import NotConverged
@@ -243,10 +245,8 @@ def test_a_key_is_set_with_units_by_its_name_or_its_last_word(small_scene):
     ],
 )
 def test_a_setting_that_does_not_fit_is_one_line_that_names_the_key(small_scene, setting, words):
-    with pytest.raises(UsageError) as refused:
+    with refused(UsageError, re.escape(words)):
         load_asked(small_scene, [setting])
-    assert words in str(refused.value)
-    assert "\n" not in str(refused.value)
 
 
 @pytest.mark.parametrize(
@@ -261,10 +261,8 @@ def test_a_setting_that_does_not_fit_is_one_line_that_names_the_key(small_scene,
 )
 def test_a_table_sweep_that_does_not_fit_is_refused_in_one_line(write_scene, table, words):
     path = write_scene(("[methods.theory]", f"[sweep]\n{table}\n[methods.theory]"), fem=False)
-    with pytest.raises(SceneError) as refused:
+    with refused(SceneError, re.escape(words)):
         load_asked(str(path))
-    assert words in str(refused.value)
-    assert "\n" not in str(refused.value)
 
 
 def test_a_swept_key_is_not_set_to_one_value_and_single_scenes_are_asked_for_by_name(write_scene):
@@ -369,7 +367,7 @@ def test_the_command_plans_explains_and_runs_a_sweep(small_scene, tmp_path, monk
     done = answer_of("run", small_scene, *settings, "--no-report")
     (key,) = done["sweep"]["keys"]
     assert (key["key"], key["values"]) == ("surface.seed", [3, 4])
-    made = answer_of("report", "results/small")
+    made = answer_of("report results/small")
     assert any(path.endswith("report.html") for path in made)
     refused = invoke("run", small_scene, *settings, "--accuracy", "1%")
     assert isinstance(refused.exception, UsageError)

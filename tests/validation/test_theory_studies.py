@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from planted import edge_data
+from planted import decided, edge_data
 
 from validation.errors import UsageError
 from validation.execution.outputs import show
@@ -86,12 +86,12 @@ def test_a_report_lists_what_is_uncertain_and_writes_it_as_csv(scored, tmp_path)
 
 def test_the_pressure_study_says_from_where_on_the_distributions_move(numbers):
     data = numbers("pressure")
-    claim = next(one for one in pressure.views(data).findings if one.by == "moved_stress_beyond")
+    claim = decided(pressure, data, "moved_stress_beyond")
     assert claim.outcomes[-1] == "+"
     # Were all loads alike, none would have moved.
     shares = data.stress_share_each
     alike = moved_shares(data.assign(stress_share_each=shares * 0 + shares.isel(load=0)))
-    claim = next(one for one in pressure.views(alike).findings if one.by == "moved_stress_beyond")
+    claim = decided(pressure, alike, "moved_stress_beyond")
     assert set(claim.outcomes) <= {"0", "-"}
 
 

@@ -14,6 +14,7 @@ import pytest
 import xarray as xr
 from commanding import output_of
 from numpy.testing import assert_allclose, assert_array_equal
+from refusing import refused
 from small_scene import scene_in
 
 import fem_contact as fc
@@ -61,6 +62,10 @@ def patch(n=96, *, seed=31):
         SPECTRUM, q_short=SPECTRUM.q_short, lengths=(2 * LENGTH,) * 2, shape=(2 * n, 2 * n), seed=seed
     )
     return np.array(whole.heights[:n, :n])
+
+
+def square(heights, side=LENGTH):
+    return Topography(heights=heights, lengths=(side, side))
 
 
 def measured_patch(n=96):
@@ -154,10 +159,10 @@ def test_without_surfacetopography_a_line_says_what_to_install(tmp_path, monkeyp
 
 def test_a_plane_is_found_from_the_known_points_alone():
     heights, holes = measured_patch()
-    flat = Topography(heights=heights, lengths=(LENGTH, LENGTH))
+    flat = square(heights)
     x = np.arange(96) * LENGTH / 96
     plane = 0.05 * x[:, None] - 0.02 * x[None, :] + 3e-6
-    only_plane = Topography(heights=np.where(holes, np.nan, plane), lengths=(LENGTH, LENGTH))
+    only_plane = square(np.where(holes, np.nan, plane))
     assert only_plane.slope == pytest.approx((0.05, -0.02), rel=1e-12)
     left = only_plane.levelled("plane").heights
     assert np.nanmax(np.abs(left)) < 1e-12 * 3e-6
@@ -169,9 +174,9 @@ def test_a_plane_is_found_from_the_known_points_alone():
 
 def test_holes_are_refused_or_filled_by_choice():
     heights, holes = measured_patch()
-    levelled = Topography(heights=heights, lengths=(LENGTH, LENGTH)).levelled("plane")
+    levelled = square(heights).levelled("plane")
     assert "of 9216 heights are NaN or infinite" in levelled.faults(**AS_IT_IS)["missing"][0]
-    truth = Topography(heights=patch(), lengths=(LENGTH, LENGTH)).levelled("plane").heights
+    truth = square(patch()).levelled("plane").heights
     error = {}
     for choice in ("nearest", "harmonic"):
         filled = levelled.filled(choice)
@@ -189,12 +194,12 @@ def test_the_membrane_continues_a_plane_exactly():
     plane = 2 * x[:, None] - x[None, :]
     holed = plane.copy()
     holed[3:7, 4:9] = np.nan
-    found = Topography(heights=holed, lengths=(1.0, 1.0)).filled("harmonic").heights
+    found = square(holed, 1.0).filled("harmonic").heights
     assert_allclose(found, plane, atol=1e-12 * 20)
 
 
 def test_edges_that_do_not_match_are_refused_unless_a_taper_is_named():
-    rough = Topography(heights=patch(), lengths=(LENGTH, LENGTH)).levelled("plane")
+    rough = square(patch()).levelled("plane")
     assert rough.edge_jump > 4
     assert set(rough.faults(**AS_IT_IS)) == {"edges"}
     assert rough.faults(**AS_IT_IS)["edges"][1] == "tukey"
@@ -234,7 +239,7 @@ def test_without_a_window_the_estimate_of_a_periodic_surface_is_its_spectrum():
 def test_a_windowed_patch_gives_back_the_spectrum_it_was_cut_from():
     powers = []
     for seed in range(100, 116):
-        levelled = Topography(heights=patch(seed=seed), lengths=(LENGTH, LENGTH)).levelled("plane")
+        levelled = square(patch(seed=seed)).levelled("plane")
         rings = estimate_spectrum(levelled.heights, levelled.lengths, window="hann")
         powers.append(rings.power)
     unit = 2 * math.pi / LENGTH
@@ -292,7 +297,7 @@ def test_a_measured_topography_goes_through_theory_and_solvers(tmp_path):
     estimated = Measured.read(scene.surface).spectrum.moments().rms_gradient
     slopes = np.gradient(patch(), LENGTH / 96, edge_order=2)
     assert estimated == pytest.approx(float(np.hypot(np.std(slopes[0]), np.std(slopes[1]))), rel=0.1)
-    assert float(c.rms_gradient) == pytest.approx(estimated, rel=0.25)
+    assert_allclose(c.rms_gradient, estimated, rtol=0.25)
     assert 0.05 < float(c.area_ensemble) < 0.3
     assert float(c.residual.max()) < 1e-6
     report = (tmp_path / "results" / "report.html").read_text()
@@ -337,9 +342,9 @@ def test_several_maps_of_a_surface_are_an_ensemble(tmp_path):
     for k, name in enumerate("abc"):
         scene = scene_in(tmp_path, head.format(path=f"{name}.npy", more="treatment = false"))
         alone = run_scene(scene, tmp_path / name, report=False).data
-        assert float(data.area_each[k]) == pytest.approx(float(alone.area_own), rel=1e-9)
-        assert float(data.area_persson_each[k]) == pytest.approx(float(alone.area_persson_own), rel=1e-9)
-    assert float(data.area) == pytest.approx(float(data.area_each.mean()), rel=1e-12)
+        assert_allclose(data.area_each[k], alone.area_own, rtol=1e-9)
+        assert_allclose(data.area_persson_each[k], alone.area_persson_own, rtol=1e-9)
+    assert_allclose(data.area, data.area_each.mean(), rtol=1e-12)
     assert not audit(tmp_path / "all").wrong
     assert "Over 3 maps the mean is" in (tmp_path / "all" / "report.html").read_text()
     broken = {ensemble.format(4): "has 3 maps; say realisations = 3", together: "add .ensemble. with"}
@@ -404,7 +409,7 @@ def test_a_file_that_was_just_changed_is_read_again(tmp_path):
 
 def test_a_plane_of_many_blocks_is_that_of_one(monkeypatch):
     heights, _ = measured_patch()
-    whole = Topography(heights=heights, lengths=(LENGTH, LENGTH))
+    whole = square(heights)
     expected = {tilt: whole.levelled(tilt).heights for tilt in ("plane", "quadratic")}
     monkeypatch.setattr("validation.scenes.topography.patch._BLOCK_POINTS", 400)
     for tilt, found in expected.items():
@@ -414,7 +419,7 @@ def test_a_plane_of_many_blocks_is_that_of_one(monkeypatch):
 def test_more_holes_than_a_membrane_is_stretched_over_are_refused(monkeypatch):
     heights, holes = measured_patch()
     monkeypatch.setattr("validation.scenes.topography.patch.MOST_HOLES", 20)
-    patch = Topography(heights=heights, lengths=(LENGTH, LENGTH))
+    patch = square(heights)
     words, remedy = patch.faults(**AS_IT_IS | {"missing": "harmonic"})["missing"]
     assert remedy == "nearest"
     assert f"{holes.sum()} of 9216 heights are NaN or infinite, and 'harmonic' fills at most 20" in words
@@ -433,9 +438,8 @@ def test_more_holes_than_a_membrane_is_stretched_over_are_refused(monkeypatch):
 )
 def test_a_file_that_is_no_topography_is_refused_in_one_line(tmp_path, name, content, words):
     (tmp_path / name).write_bytes(content)
-    with pytest.raises(UsageError, match=words) as caught:
+    with refused(UsageError, words):
         read_topography(tmp_path / name, lengths=(1.0, 1.0))
-    assert str(caught.value).count("\n") == 0
 
 
 WAVES = np.outer(np.sin(np.arange(24) * math.pi / 6), np.ones(24))
@@ -457,9 +461,8 @@ def test_a_file_that_no_scene_can_press_is_refused_before_anything_is_solved(
     if heights is not None:
         np.save(tmp_path / "scan.npy", heights)
     for command in (explain, lambda scene: run_scene(scene, tmp_path / "results")):
-        with pytest.raises(UsageError, match=words) as caught:
+        with refused(UsageError, words):
             command(scene_in(tmp_path, SCENE.format(path="scan.npy", length=length)))
-        assert str(caught.value).count("\n") == 0
     assert not list((tmp_path / "results").rglob("*.nc"))
 
 
@@ -529,7 +532,7 @@ def test_the_budget_of_the_treatment_is_what_a_scene_so_treated_says(treated, tm
         "quadratic taken out",
     ]
     changes = data.treated_area_change.values
-    assert float(data.treatment_spread) == pytest.approx(math.sqrt(np.sum(changes**2)), rel=1e-12)
+    assert_allclose(data.treatment_spread, math.sqrt(np.sum(changes**2)), rtol=1e-12)
     text = (folder / "scene.toml").read_text().replace('"afm.txt"', json.dumps(str(folder / "afm.txt")))
     pressure = f"pressure = {float(data.pressure)!r}"
     text = text.replace("reduced_pressure = 0.1", pressure).replace("[[160, 96], [320, 192]]", "[[160, 96]]")
@@ -590,7 +593,7 @@ def test_the_page_says_the_budget_and_that_the_premise_is_judged(treated):
     error = float((outputs.data.area_error**2).sum()) ** 0.5 / float(outputs.data.area)
     assert ("by treatment" in sure) == bool(outputs.data.treatment_spread > error)
     assert f"{100 * float(outputs.data.treatment_spread):.2g}" in sure
-    assert float(outputs.data.pixel) == pytest.approx(1.25e-7, rel=1e-12)
+    assert_allclose(outputs.data.pixel, 1.25e-7, rtol=1e-12)
     assert float(outputs.data.steep_share) > 0.02
 
 
@@ -646,8 +649,7 @@ def test_the_table_to_paste_is_a_scene_whatever_the_length_was_written_as(length
     shape = (64, 48) if "," in length else (64, 64)
     waves = np.random.default_rng(3).normal(size=shape)
     np.save("afm.npy", waves + 5 * np.arange(shape[0])[:, None])
-    arguments = ["surface", "inspect", "afm.npy", "--length", length, "--unit", "nm"]
-    shown = output_of(*arguments)
+    shown = output_of("surface inspect afm.npy --unit nm --length", length)
     assert f"size: 64 um x {shape[1]} um" in shown
     table = re.search(r"^\[surface\]\n(?:\w+ = .*\n)+", shown, re.M)[0]
     (tmp_path / "scene.toml").write_text(table + REST)
@@ -706,13 +708,13 @@ def test_single_spikes_are_clipped_to_their_neighbours_and_a_gaussian_surface_is
     grid = (64 * fine, 64 * fine)
     field = random_surface(rough, q_short=rough.q_short, lengths=(1, 1), shape=grid, seed=4)
     heights = np.array(field.heights)
-    clean = Topography(heights=heights, lengths=(1.0, 1.0))
+    clean = square(heights, 1.0)
     assert clean.clipped() is clean
     spiked = heights.copy()
     places = (np.array([0, 20, 41]), np.array([7, 63, 0]))
     spiked[places] += (4.5 * heights.std(), -4.5 * heights.std(), 4.5 * heights.std())
     spiked[40:44, 2:6] = np.nan
-    found = Topography(heights=spiked, lengths=(1.0, 1.0)).clipped()
+    found = square(spiked, 1.0).clipped()
     assert found.history == ("3 heights more than 6 standard deviations away clipped",)
     changed = np.argwhere(~((found.heights == spiked) | np.isnan(spiked)))
     assert changed.tolist() == np.transpose(places).tolist()
@@ -722,7 +724,7 @@ def test_single_spikes_are_clipped_to_their_neighbours_and_a_gaussian_surface_is
     # In a map of few digits most steps are none.
     coarse = np.repeat(np.arange(8.0), 8)[:, None] + np.zeros(64)
     coarse[::5, ::5] += 1
-    flat = Topography(heights=coarse, lengths=(1.0, 1.0))
+    flat = square(coarse, 1.0)
     assert flat.clipped() is flat
 
 

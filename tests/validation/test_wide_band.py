@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from planted import decided
 
 from validation import reference
 from validation.errors import UsageError
@@ -75,7 +76,7 @@ def test_the_study_finds_the_law_that_was_planted(law, tmp_path, plant):
     assert data.cells_within.sel(law=law) == data.cells_scored.sel(law=law) == 6
     assert data.law_miss_rms.sel(law=law) < 0.005
     assert (data.law_misfit.sel(law=law) < 0.1).all()
-    (end,) = [found for found in study.views(data).findings if found.by == "area_excess_limit"]
+    end = decided(study, data, "area_excess_limit")
     assert set(end.outcomes) == {"+" if law == "saturation" else "0"}
     if law == "saturation":
         np.testing.assert_allclose(data.area_excess_limit, 0.1, atol=0.01)

@@ -15,7 +15,8 @@ from pathlib import Path
 
 import psutil
 import pytest
-from processes import ROOT, environment_of
+from processes import ROOT, environment_of, run_python
+from refusing import refused
 from solving import (
     Deadly,
     DiesAtStart,
@@ -151,9 +152,8 @@ def test_without_workers_a_cluster_is_waited_for_within_bounds_and_told(tmp_path
     (address, team, _), store, gate = cluster, Store(folder=tmp_path / "s"), tmp_path / "gate"
     solves = [Held(k, gate) for k in range(6)]
     progress = Killing(3, lambda: [process.kill() for process in team])
-    with pytest.raises(RunFailed, match=r"no workers for \d+ s; what is finished is stored") as told:
+    with refused(RunFailed, r"no workers for \d+ s; what is finished is stored"):
         solve_all(solves, store, progress=progress, scheduler=address, patience=4.0)
-    assert "\n" not in str(told.value)
     assert any(re.search(r"no workers for \d+ s; waiting", note) for note in progress.notes)
     assert [store.read(solve) is not None for solve in solves] == [True] * 3 + [False] * 3
     gate.touch()
@@ -169,9 +169,8 @@ def test_a_lost_scheduler_is_one_line_and_what_is_stored_stays(tmp_path, cluster
     (address, _, scheduler), store = cluster, Store(folder=tmp_path / "s")
     solves = [Held(k, tmp_path / "gate") for k in range(6)]
     progress = Killing(3, scheduler.kill)
-    with pytest.raises(RunFailed, match=r"the scheduler is lost .* is stored: start it again") as told:
+    with refused(RunFailed, r"the scheduler is lost .* is stored: start it again"):
         solve_all(solves, store, progress=progress, scheduler=address)
-    assert "\n" not in str(told.value)
     assert [store.read(solve) is not None for solve in solves] == [True] * 3 + [False] * 3
 
 
@@ -282,10 +281,9 @@ def test_what_is_no_scheduler_is_given_up_in_time_and_in_one_line(tmp_path, monk
         held = []
         threading.Thread(target=answer, daemon=True).start()
         address, began = f"tcp://127.0.0.1:{server.getsockname()[1]}", time.monotonic()
-        with pytest.raises(UsageError, match=r"no scheduler answers there .*start one with") as told:
+        with refused(UsageError, r"no scheduler answers there .*start one with"):
             solve_all([Numbers(1)], tmp_path / "s", scheduler=address)
         assert time.monotonic() - began < 20
-        assert "\n" not in str(told.value)
         for connection in held:
             connection.close()
 
@@ -317,5 +315,5 @@ before = set(sys.modules)
 xr.Dataset({"pressure": ("x", [1.0])}, coords={"x": [0.0]})
 print(sorted({name.partition(".")[0] for name in set(sys.modules) - before}))
 """
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
+    done = run_python("-c", code)
+    assert done.stdout.strip() == "[]", done.stderr

@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING, Any
 import matplotlib
 import matplotlib.figure
 import numpy as np
-from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import (
+    FuncFormatter,
+    LogFormatterSciNotation,
+    LogLocator,
+    MaxNLocator,
+    NullFormatter,
+    StrMethodFormatter,
+)
 
 from validation.errors import harmless
 
@@ -69,7 +76,7 @@ def readable_ticks(axis: Axis) -> None:
     if base != 10 and not plain:
         return
     # As plain text: to set each label as a formula takes longer than to draw the figure.
-    axis.set_major_formatter(FuncFormatter((lambda value, _: f"{value:g}") if plain else _power_of_ten))
+    axis.set_major_formatter(StrMethodFormatter("{x:g}") if plain else FuncFormatter(_power_of_ten))
     axis.set_minor_formatter(NullFormatter())
     if base != 10:
         axis.set_major_locator(LogLocator(base=base) if high / low >= base**2 else MaxNLocator(4))

@@ -3,6 +3,7 @@
 from small_scene import OBLONG, small_scene
 
 _ROUGH = {"periods": 2.0, "bandwidth": 2.0, "points_per_wave": (4.0, 6.0, 8.0), "seed": 61}
+_LOADED = {**_ROUGH, "surfaces": 3, "shifts": 1, "reduced_pressures": (0.02, 0.03, 0.3, 4.0)}
 _LADDERS = {
     "ladder_hursts": (0.3, 0.8),
     "ladder_bandwidths": (2.0, 2.5, 3.0),
@@ -183,7 +184,7 @@ STUDIES: dict[str, dict[str, object]] = {
         "seed": 61,
     },
     "magnification on a scene": {"scene": _PLAIN, "magnifications": (2.0,), "surfaces": 2, "shifts": 1},
-    "pressure": {**_ROUGH, "surfaces": 3, "shifts": 1, "reduced_pressures": (0.02, 0.03, 0.3, 4.0)},
+    "pressure": _LOADED,
     "pressure on a scene": {"scene": _PLAIN, "reduced_pressures": (0.02, 0.3), "surfaces": 2},
     "wide-band": {},
     "reference-score": {"theory": ("persson", "xu")},
@@ -245,14 +246,7 @@ STUDIES: dict[str, dict[str, object]] = {
         "bandwidth": 2.0,
         "seed": 61,
     },
-    "theory-verdict": {
-        **_ROUGH,
-        "surfaces": 3,
-        "shifts": 1,
-        "reduced_pressures": (0.02, 0.03, 0.3, 4.0),
-        "edge": False,
-        "ladder_reduced_pressures": (),
-    },
+    "theory-verdict": {**_LOADED, "edge": False, "ladder_reduced_pressures": ()},
     # Its ladders are those of `refinement`.
     "theory-verdict with ladders": {
         **_ROUGH,
