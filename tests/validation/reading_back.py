@@ -57,10 +57,11 @@ def _mark(one, data):
         for k, name, label in ((0, one.x, one.axes.get_xlabel()), (1, one.mark.rows, one.axes.get_ylabel())):
             edges, places = one.artist.get_coordinates()[..., k], np.asarray(one.data[name].values)
             edges = edges[:, 0] if k else edges[0]
-            if places.dtype.kind == "f" and not _same(
-                edges[:-1] + edges[1:], 2 * places * np.nan_to_num(_factor(name, label))
-            ):
-                yield f"the map lies elsewhere along {name}"
+            if places.dtype.kind == "f":
+                middles = (places[1:] + places[:-1]) / 2
+                ends = [*(2 * places[:1] - middles[:1]), *middles, *(2 * places[-1:] - middles[-1:])]
+                if not _same(edges, np.array(ends) * np.nan_to_num(_factor(name, label))):
+                    yield f"the map lies elsewhere along {name}"
         return
     factor_x, factor_y = _factor(one.x, one.axes.get_xlabel()), _factor(one.mark.y, one.axes.get_ylabel())
     if math.isnan(factor_x) or math.isnan(factor_y):

@@ -221,7 +221,9 @@ def finding(
         )
     for one in (form, item):
         if one.count("[") != one.count("]") or one != one.strip():
-            raise UsageError(f"finding {one!r}: a bracket is not closed, or a part of the sentence is missing")
+            raise UsageError(
+                f"finding {one!r}: a bracket is not closed, or a part of the sentence is missing"
+            )
     rows: list[dict[str, Value]] = []
     if data is not None and item:
         # The rest need not be sliced at every place.

@@ -247,10 +247,12 @@ def _findings(whole: xr.Dataset, few: list[int]) -> Iterator[Finding]:
     form = "The area lies above Persson's, by spectrum, by {each}."
     item = "{area_excess_low:%} to {area_excess_high:%} " + at
     yield finding("value", form, data, item=item)
-    form = (
-        "At equal Nayak parameter the areas of the Hurst exponents that have it lie apart by at most {each}."
+    yield finding(
+        "value",
+        "At equal Nayak parameter the areas of the Hurst exponents that have it lie apart by at most {each}.",
+        data,
+        item="{area_equal_spread:%} " + at,
     )
-    yield finding("value", form, data, item="{area_equal_spread:%} " + at)
     form = "Plain means over single surfaces on the same grids would cost, for the same intervals, in the median so many times "
     form += "what was spent on a load: {each}."
     yield finding("cost", form, whole, item="{saving_median} at lambda_long/lambda_short = {bandwidth}")

@@ -78,8 +78,6 @@ def compute(name, bench, folder, *, known=None):
         record |= _of_dataset(f"figure.{drawing.name}", drawing.data)
         odd += misdrawn(drawing, data)
     odd += [f"no sentence: {text}" for text in page.findings if not text.endswith(".")]
-    forms = [(found.form, found.item) for found in shown.findings]
-    odd += [f"said twice: {form}" for form, item in forms if [other for other, _ in forms].count(form) > 1]
     record |= _of_words("findings", page.findings)
     return {**_steady(name, record), **of_page(name, page, odd)}, data
 
