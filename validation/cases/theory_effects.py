@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from scipy.integrate import quad
+from scipy.integrate import cumulative_trapezoid, quad
 
 from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
 from persson.diffusion import solve_diffusion
@@ -220,14 +220,10 @@ def _energies() -> Checks:
             # as it is printed is <sigma^2> - sigma_0^2, which is that about s = 0.
             limit = np.interp(np.log(q), np.log(contact.wavevectors), contact.tensile_limit)
             variance = np.interp(np.log(q), np.log(contact.wavevectors), contact.variance)
-            started = np.concatenate(
-                [[variance[0] * area[0]], np.diff(variance) * (area[1:] + area[:-1]) / 2]
-            )
-            middle = ((limit + load) ** 2)[1:] + ((limit + load) ** 2)[:-1]
-            lost = np.concatenate([[0.0], middle / 2 * np.diff(area)])
-            share = np.cumsum(started + lost) / variance
+            grown = variance[0] * area[0] + cumulative_trapezoid(area, variance, initial=0)
+            share = (grown + cumulative_trapezoid((limit + load) ** 2, area, initial=0)) / variance
         density = _RIM_MODULUS / 4 * spectrum / q * share
-        paid = np.concatenate([[0.0], np.cumsum(np.diff(q) * (density[1:] + density[:-1]) / 2)])
+        paid = cumulative_trapezoid(density, q, initial=0)
         gained = contact.real_area * float(area_factor(_RIM.m2())) * _RIM_INTERFACE.work_of_adhesion
         exact = gained - (paid[-1] - paid)
         factor = area_factor(_RIM.m2(q))
