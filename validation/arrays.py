@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: Points along x and y.
+#: Points along x and y; lengths, steps or a shift along them.
 Grid = tuple[int, int]
+Pair = tuple[float, float]
 
 
 def padded(rows: Iterable[Iterable[float]]) -> Array:

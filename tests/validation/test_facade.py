@@ -298,5 +298,5 @@ def test_study_names_are_completed():
 def test_the_three_packages_have_one_version():
     assert validation.__version__ == persson.__version__ == fem_contact.__version__
     assert "press" in dir(validation)
-    with pytest.raises(AttributeError, match="no attribute 'presss'"):
+    with pytest.raises(AttributeError, match="No validation attribute presss"):
         _ = validation.presss

@@ -1,24 +1,22 @@
 """3-D pictures: where rendering fails there is a word, not a crash and not half a file."""
 
-import subprocess
-from unittest.mock import Mock
-
 import pytest
 
 from validation.comparison import pictures
-
-DIED = subprocess.CompletedProcess([], -11, "", "libGL.so.1: cannot open shared object file")
-HANGS = subprocess.TimeoutExpired([], 1)
+from validation.sandbox import OutOfBounds
 
 
-@pytest.mark.parametrize(
-    ("end", "words"), [({"return_value": DIED}, "libGL.so.1"), ({"side_effect": HANGS}, "took more than")]
-)
-def test_a_renderer_that_dies_or_hangs_leaves_a_word_and_no_file(tmp_path, monkeypatch, end, words):
-    monkeypatch.setattr(pictures.subprocess, "run", Mock(**end))
+@pytest.mark.parametrize("words", ["crashed its process (SIGSEGV)", "took more than 120 s"])
+def test_a_renderer_that_dies_or_hangs_leaves_a_word_and_no_file(tmp_path, monkeypatch, words):
+    def ends(worker, *_, **bounds):
+        worker.stderr.write(b"libGL.so.1: cannot open shared object file\n")
+        raise OutOfBounds(words)
+
+    monkeypatch.setattr(pictures.Worker, "call", ends)
     picture, missing = pictures.render_stored(tmp_path / "solve.nc", label="BEM 8 x 8")
     assert picture is None
     assert words in missing
+    assert "libGL.so.1" in missing
     assert list(tmp_path.iterdir()) == []
 
 
@@ -28,8 +26,7 @@ def test_what_is_rendered_is_the_stored_contact(small_run, tmp_path, monkeypatch
         "fem_contact.export.render_surface", lambda path, solution: drawn.append((path, solution))
     )
     (stored,) = (small_run.folder / "solves").glob("fem-24x24-*.nc")
-    monkeypatch.setattr(pictures.sys, "argv", ["-c", str(stored), str(tmp_path / "surface.png")])
-    pictures._main()
+    pictures._render(stored, tmp_path / "surface.png")
     ((path, solution),) = drawn
     assert path == tmp_path / "surface.png"
     assert solution.pressure.shape == (24, 24)

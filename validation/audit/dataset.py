@@ -19,6 +19,7 @@ from validation.audit.stored import LARGEST, Array, sealed_bytes
 from validation.execution.netcdf import read_dataset
 from validation.files import read_record, read_whole
 
+Lines: TypeAlias = list[list[str]]
 #: Variables by name.
 Variables: TypeAlias = Mapping[Any, xr.Variable]
 
@@ -55,7 +56,7 @@ class Result:
         return sorted({*there, *(name for name in written if str(Path(name).parent) == folder)})
 
     @cached_property
-    def tables(self) -> dict[str, list[list[str]]]:
+    def tables(self) -> dict[str, Lines]:
         """Lines of each CSV file by its name, its header first."""
         return {
             name: list(csv.reader(io.StringIO(self._shown(name).decode(), newline="")))

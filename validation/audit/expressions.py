@@ -19,13 +19,8 @@ _OPERATORS: dict[type, Callable[..., Any]] = {
     ast.USub: operator.neg,
 }
 _FUNCTIONS: dict[str, Callable[..., Any]] = {
-    "abs": np.abs,
+    **{name: getattr(np, name) for name in ("abs", "exp", "log", "maximum", "minimum", "sqrt")},
     "erf": erf,
-    "exp": np.exp,
-    "log": np.log,
-    "maximum": np.maximum,
-    "minimum": np.minimum,
-    "sqrt": np.sqrt,
 }
 _REDUCED = ("isel", "max", "mean", "sum")
 

@@ -16,7 +16,7 @@ import xarray as xr
 from validation.audit.dataset import Result, ordered
 from validation.audit.expressions import value_of
 from validation.audit.limits import TRAITS, limit_over
-from validation.audit.stored import Array, Stored, moments
+from validation.audit.stored import Array, Pair, Stored, moments
 from validation.execution.netcdf import read_dataset
 
 #: Points per shortest wave below which a grid enters no limit.
@@ -59,7 +59,7 @@ def over_solves(
     return filled if seen else None
 
 
-def limits(solve: xr.Dataset, *, without: int = 0) -> list[tuple[float, float]]:
+def limits(solve: xr.Dataset, *, without: int = 0) -> list[Pair]:
     """Limit over the resolved grids and its standard error at each load, without so many of the coarsest."""
     wave = solve["points_per_wave"].values
     grids = np.flatnonzero(wave >= _LEAST_POINTS * (1 - 1e-9))[without:]
@@ -74,8 +74,7 @@ def limits(solve: xr.Dataset, *, without: int = 0) -> list[tuple[float, float]]:
             spacing = 1 / float(points[i]), float(points[i]) / float(cells[i])
             numbers = {name: float(values[i, j, load]) for name, values in arrays.items()}
             areas.append(SimpleNamespace(spacing=spacing, cells=int(cells[i]), **numbers))
-        located = not any(math.isnan(area.subcell) for area in areas)
-        found.append(limit_over(areas, located=located))
+        found.append(limit_over(areas, located=not any(math.isnan(area.subcell) for area in areas)))
     return found
 
 

@@ -12,7 +12,7 @@ import numpy as np
 _NUMBER = r"[-+]?\d+(?:\.(?P<decimals>\d+))?(?:e(?P<power>[-+]?\d+))?"
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Entry:
     """One number or word of a run."""
 
@@ -54,16 +54,11 @@ class Ledger:
             off = np.where((a == b) | (np.isnan(a) & np.isnan(b)), 0.0, off)
             k = np.unravel_index(int(np.argmax(off)), a.shape) if a.ndim else ()
             at = f" at {tuple(map(int, k))}" if a.ndim else ""
-            agrees = bool(off[k] <= 1)
-            self.entries.append(
-                Entry(place=place, name=name + at, found=float(a[k]), recomputed=float(b[k]), agrees=agrees)
-            )
+            self.entries.append(Entry(place, name + at, float(a[k]), float(b[k]), bool(off[k] <= 1)))
 
     def same(self, place: str, name: str, found: Any, expected: Any) -> None:
         """Enter what must be equal."""
-        self.entries.append(
-            Entry(place=place, name=name, found=found, recomputed=expected, agrees=found == expected)
-        )
+        self.entries.append(Entry(place, name, found, expected, found == expected))
 
     def exact(self, place: str, name: str, found: Any, expected: Any) -> None:
         """Enter a word that must be equal, or a number that may differ by rounding."""
@@ -76,8 +71,7 @@ class Ledger:
         self, place: str, name: str, found: str, expected: float | None, digits: int | None = None
     ) -> None:
         """Enter a number as it is printed: to half a unit of its last digit, or of that significant one."""
-        agrees = printed(found, expected, digits=digits)
-        self.entries.append(Entry(place=place, name=name, found=found, recomputed=expected, agrees=agrees))
+        self.entries.append(Entry(place, name, found, expected, printed(found, expected, digits=digits)))
 
 
 def as_number(value: Any) -> float:

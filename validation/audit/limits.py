@@ -8,6 +8,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from validation.audit.stored import Pair
+
 #: What contour and heights are like.
 TRAITS = ("alignment", "anisotropy", "unresolved", "wavenumber")
 
@@ -43,23 +45,23 @@ _ANISOTROPIC, _CHANCE, _COARSE, _COARSE_SHARE, _LEAST, _NARROW = 6.5, 0.12, 1.5,
 _SMOOTH, _KINKED, _STEPS, _HIDDEN, _UNSEEN = 0.05, 0.2, 0.7, 0.02, 0.15
 
 
-def limit_over(solves: Sequence[Areas], *, located: bool) -> tuple[float, float]:
+def limit_over(solves: Sequence[Areas], *, located: bool) -> Pair:
     """A/A0 for vanishing spacing and its standard error; NaN where these grids do not give it."""
-    groups: dict[tuple[float, float], list[Areas]] = {}
+    groups: dict[Pair, list[Areas]] = {}
     for one in solves:
         groups.setdefault(one.spacing, []).append(one)
-    grids = [groups[key] for key in sorted(groups, key=lambda s: s[0] * s[1])]
+    grids = [groups[key] for key in sorted(groups, key=math.prod)]
     few = not grids or np.mean([one.pixel * one.cells for one in grids[0]]) < LEAST_POINTS * (1 - 1e-9)
     value, error = (math.nan, math.nan) if few else _best(grids, located=located)
     return (value, error) if 0 < value <= 1 + 1e-12 else (math.nan, math.nan)
 
 
-def _best(grids: Sequence[Sequence[Areas]], *, located: bool) -> tuple[float, float]:
+def _best(grids: Sequence[Sequence[Areas]], *, located: bool) -> Pair:
     """Best estimate of A from areas whose errors are correlated as the error law says."""
     means = [float(np.mean([one.subcell if located else one.perimeter for one in group])) for group in grids]
     used = [k for k, mean in enumerate(means) if mean > 0 or k == 0]
     area = np.array([means[k] for k in used])
-    step = np.array([math.sqrt(grids[k][0].spacing[0] * grids[k][0].spacing[1]) for k in used])
+    step = np.array([math.sqrt(math.prod(grids[k][0].spacing)) for k in used])
     fraction = float(np.mean([one.edges for one in grids[0]])) * step / step[0]
     unresolved = np.mean([one.unresolved for one in grids[0]])
     # Kinks that one grid or one in full contact says nothing of, and steps.
@@ -95,8 +97,7 @@ def _best(grids: Sequence[Sequence[Areas]], *, located: bool) -> tuple[float, fl
     )
     lines = np.sqrt(patches) * np.array([len(grids[k]) for k in used])
     spread = spread + np.outer(common, common) + np.diag(anew**2 / lines)
-    ones = np.ones(area.size)
-    weight = np.linalg.solve(spread, ones)
+    weight = np.linalg.solve(spread, np.ones(area.size))
     value = float(area[0] + weight @ (area - area[0]) / weight.sum())
     rest = area - value
     # What one grid is told by the law alone is a tenth wider.

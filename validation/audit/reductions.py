@@ -172,7 +172,7 @@ def _power(result: Result, variable: xr.Variable) -> tuple[Array, Array, Array]:
         half = math.nan
         if free:
             half = float(stdtrit(free, 0.975)) * math.sqrt(float(rest @ rest) / free / spread)
-        found[(slice(None), *place)] = slope, half, math.exp(v.mean() - slope * u.mean())
+        found[:, *place] = slope, half, math.exp(v.mean() - slope * u.mean())
     return found[0], found[1], found[2]
 
 
@@ -207,7 +207,7 @@ def _line(result: Result, name: str, variable: xr.Variable) -> Array:
         at = x[place]
         middle = float(w @ at)
         slope = float(w @ ((at - middle) * means)) / float(w @ (at - middle) ** 2)
-        found[(0, *place)], found[(1, *place)] = float(w @ means) - slope * middle, slope
+        found[:, *place] = float(w @ means) - slope * middle, slope
     if str(attrs["reduction"]) == "line slope":
         return np.asarray(found[1])
     reach = ordered(result.data[name.removesuffix("_limit") + "_reach"], dims)

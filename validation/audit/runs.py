@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -17,9 +17,7 @@ from validation.audit.dataset import Result, Variables
 from validation.audit.ledger import Ledger
 from validation.audit.limits import LEAST_POINTS, limit_over
 from validation.audit.reductions import NORMAL
-from validation.audit.stored import Stored, sealed_bytes
-
-Grid = tuple[int, int]
+from validation.audit.stored import Grid, Pair, Stored, sealed_bytes
 
 #: What a solve leaves of the located area, in tolerances (docs/bem.md).
 _LEFT = 7.0
@@ -112,7 +110,7 @@ class Run:
         self.methods = [name for name in methods if "grids" in methods[name]]
         self.options: dict[str, dict[str, Any]] = methods
         #: Stored solves by method, grid, shift and realisation.
-        self.solves: dict[tuple[str, Grid, tuple[float, float], int], Stored] = {}
+        self.solves: dict[tuple[str, Grid, Pair, int], Stored] = {}
         self.realisations = int(scene.get("ensemble", {}).get("realisations", 1))
         wave = self.surface.get("lambda_short")
         self.shortest = None if wave is None else float(wave)
@@ -240,13 +238,13 @@ class Run:
             return max(residuals.values())
         return max(*residuals.values(), abs(solve.mean_pressure - pressure) / pressure)
 
-    def limit(self, method: str, k: int = 0, grids: set[Grid] | None = None) -> tuple[float, float]:
+    def limit(self, method: str, k: int = 0, grids: Collection[Grid] | None = None) -> Pair:
         """Limit of one realisation over resolved grids of one method, and its standard error.
 
         Over other grids than those of the comparison it is that of solves without a shift. Where these grids
         tell none it is the area on the finest, whose error is NaN; of too few points it is NaN, too.
         """
-        compared = {(int(g[0]), int(g[1])) for g in self.options[method]["grids"]}
+        compared = set(map(tuple, self.options[method]["grids"]))
         solves = [
             solve
             for (name, grid, shift, realisation), solve in self.solves.items()
@@ -265,7 +263,7 @@ class Run:
             return math.nan, math.nan
         return math.fsum(s.subcell if located else s.perimeter for s in finest) / len(finest), math.nan
 
-    def theory(self, m2: float | None, pressure: float | None) -> tuple[float, float]:
+    def theory(self, m2: float | None, pressure: float | None) -> Pair:
         """A/A0 and A_pl/A0 with V = E*^2 m2 / 4, elastic or with one hardness; NaN with other effects."""
         known = (self.bare or self.hardness is not None) and "theory" in self.options
         if not known or m2 is None or pressure is None:
@@ -276,13 +274,13 @@ class Run:
             return sum(parts), parts[0]
         return math.erf(pressure / math.sqrt(2 * variance)) if m2 > 0 else 1.0, math.nan
 
-    def own_theory(self, k: int = 0) -> tuple[float, float]:
+    def own_theory(self, k: int = 0) -> Pair:
         """A/A0 and A_pl/A0 of one realisation."""
         moments = self.moments(k)
         return self.theory(None if moments is None else moments[1], self.pressure(k))
 
     @cached_property
-    def spectral_moments(self) -> tuple[float, float] | None:
+    def spectral_moments(self) -> Pair | None:
         """(m0, m2): integrals over C(q) ~ q^(-2 - 2 H) between the cut-offs of a sharp spectrum."""
         s = self.surface
         if s["kind"] != "self-affine" or s.get("rolloff", "sharp") != "sharp":
@@ -327,8 +325,7 @@ def _judge(
         ]
         label = f"{name}{' of ' * bool(dims)}{' '.join(dims)}{f' at {words}' * bool(words)}"
         how = _LOOSE.get(name, {}) if accurate is None or name != "area_own_error" else {"rtol": 1e-4}
-        value = float(data[name].isel(where, missing_dims="ignore"))
-        ledger.number("data.nc", label, value, expected, **how)
+        ledger.number("data.nc", label, float(data[name].isel(where, missing_dims="ignore")), expected, **how)
         judged.add(name)
     return judged
 
@@ -336,9 +333,12 @@ def _judge(
 def _of_surface(run: Run) -> Expected:
     if run.measured:
         return
-    numbers: dict[str, float | None] = {"contact_modulus": run.surface_modulus}
-    numbers |= {"contact_modulus_below": run.modulus, "pressure": run.pressure()}
-    numbers["reduced_pressure"] = run.reduced_pressure
+    numbers: dict[str, float | None] = {
+        "contact_modulus": run.surface_modulus,
+        "contact_modulus_below": run.modulus,
+        "pressure": run.pressure(),
+        "reduced_pressure": run.reduced_pressure,
+    }
     if (moments := run.moments()) is not None:
         m0, m2, m4 = moments
         numbers |= {"rms_height": math.sqrt(m0), "rms_gradient": math.sqrt(m2)}
@@ -362,9 +362,12 @@ def _of_solves(run: Run) -> Expected:
             means["area_plastic_pixel"] = "plastic"
         row = {name: math.fsum(getattr(s, of) for s in solves) / len(solves) for name, of in means.items()}
         row |= {"density_at_zero": math.nan} if run.adhesive else {}
-        row |= {"shifts": len(solves), "resolved": float(run.resolved(solves[0]))}
-        row["seconds"] = math.fsum(solve.cost["wall_seconds"] for solve in solves)
-        row["unknowns"] = solves[0].cost["unknowns"]
+        row |= {
+            "shifts": len(solves),
+            "resolved": float(run.resolved(solves[0])),
+            "seconds": math.fsum(solve.cost["wall_seconds"] for solve in solves),
+            "unknowns": solves[0].cost["unknowns"],
+        }
         if not run.measured:
             load, residual = run.reduced_pressure or math.nan, max(run.residual(solve) for solve in solves)
             if run.holds_distance:
@@ -409,7 +412,7 @@ def _of_ensemble(run: Run) -> Expected:
     count, ensemble = run.realisations, run.scene.get("ensemble")
     if ensemble is None:
         return
-    grids = {(int(g[0]), int(g[1])) for g in ensemble["grids"]}
+    grids = set(map(tuple, ensemble["grids"]))
     areas = [run.limit("bem", k, grids)[0] for k in range(count)]
     for k, area in enumerate(areas):
         theory = run.own_theory(k)[0]
@@ -424,7 +427,7 @@ def _of_ensemble(run: Run) -> Expected:
     yield "scatter", deviation / mean, {}
 
 
-def yielded_areas(pressure: float, *, variance: float, hardness: float) -> tuple[float, float]:
+def yielded_areas(pressure: float, *, variance: float, hardness: float) -> Pair:
     """A_pl/A0 and A_el/A0 of Persson's theory for one hardness: diffusion between walls at 0 and H.
 
     Eigenfunctions sin(n pi sigma / H) decay like exp(-(n pi)^2 V / 2 H^2); where V is so small that they do

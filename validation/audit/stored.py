@@ -16,6 +16,8 @@ from validation.execution.netcdf import read_dataset
 from validation.files import read_whole
 
 Array = NDArray[Any]
+Grid = tuple[int, int]
+Pair = tuple[float, float]
 
 #: Excess of the counted area per edge and cell, by the element that the result names.
 EDGE_CONSTANTS = {
@@ -44,13 +46,13 @@ EDGE_BEND = {
 }
 
 
-def wavevectors(shape: tuple[int, ...], lengths: tuple[float, float]) -> Array:
+def wavevectors(shape: tuple[int, ...], lengths: Pair) -> Array:
     """|q| [1/m] of each term of a discrete Fourier transform."""
     qx, qy = (2 * np.pi * np.fft.fftfreq(n, length / n) for n, length in zip(shape, lengths, strict=True))
     return np.asarray(np.sqrt(qx[:, None] ** 2 + qy[None, :] ** 2))
 
 
-def moments(heights: Array, lengths: tuple[float, float]) -> tuple[float, float, float]:
+def moments(heights: Array, lengths: Pair) -> tuple[float, float, float]:
     """(m0, m2, m4): sums of q^0, q^2, q^4 times the power of each wave of the interpolant but the mean."""
     power = np.abs(np.fft.fft2(heights)) ** 2 / heights.size**2
     power[0, 0] = 0.0
@@ -101,7 +103,7 @@ class Stored:
         self.weights = fields.get("weights", np.ones(self.p.shape))
         self.method = str(self.recipe["method"])
         #: Points along x and y, their number, the spacing [m], and the shift in parts of a cell.
-        self.grid: tuple[int, int] = (self.p.shape[0], self.p.shape[1])
+        self.grid: Grid = (self.p.shape[0], self.p.shape[1])
         self.cells = int(self.p.size)
         self.spacing = (self.lengths[0] / self.grid[0], self.lengths[1] / self.grid[1])
         self.shift = (float(self.recipe["shift"][0]), float(self.recipe["shift"][1]))
@@ -157,7 +159,7 @@ class Stored:
         if not m2 > 0:
             return math.nan
         stress = self.modulus * math.sqrt(m2)
-        step = math.sqrt(self.spacing[0] * self.spacing[1])
+        step = math.sqrt(math.prod(self.spacing))
         eps = 0.2 * stress * math.sqrt(step / (2 * math.pi * math.sqrt(m2 / m4)))
         if np.any(self.bound & (self.p < eps)):
             return math.nan
@@ -291,7 +293,7 @@ class Stored:
         """Root of the sixth over the fourth moment, times the spacing."""
         power, x, y, _ = self._waves
         fourth, sixth = (float(np.sum(power * (x**2 + y**2) ** k)) for k in (2, 3))
-        step = math.sqrt(self.spacing[0] * self.spacing[1])
+        step = math.sqrt(math.prod(self.spacing))
         return math.sqrt(sixth / fourth) * step if fourth > 0 else 0.0
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pint
 
-from validation.audit.dataset import Result, Variables, ordered
+from validation.audit.dataset import Lines, Result, Variables, ordered
 from validation.audit.files import page_tables
 from validation.audit.ledger import Ledger, as_number
 from validation.audit.reductions import SOURCES, errors_of, recomputed
@@ -162,9 +162,7 @@ def judge_tables(result: Result, ledger: Ledger) -> None:
             ledger.unread.append(f"{name}: what its columns are of")
 
 
-def _judge_listing(
-    result: Result, file: str, names: list[str], lines: list[list[str]], ledger: Ledger
-) -> None:
+def _judge_listing(result: Result, file: str, names: list[str], lines: Lines, ledger: Ledger) -> None:
     """Judge a table with a row for each number that there is, each in a unit of its own."""
     header, *lines = lines
     value, unit = header.index("value"), header.index("unit")
@@ -182,9 +180,7 @@ def _judge_listing(
     _judge_lines(file, header, lines, rows, ledger)
 
 
-def _judge_table(
-    result: Result, file: str, shown: Mapping[str, Any], lines: list[list[str]], ledger: Ledger
-) -> None:
+def _judge_table(result: Result, file: str, shown: Mapping[str, Any], lines: Lines, ledger: Ledger) -> None:
     """Judge a table by the variables that its columns are of, where more is known than coordinates."""
     data = result.data
     header, *lines = lines
@@ -211,7 +207,7 @@ def _judge_table(
 
 
 def _judge_lines(
-    file: str, header: list[str], lines: list[list[str]], rows: list[dict[int, Any]], ledger: Ledger
+    file: str, header: list[str], lines: Lines, rows: list[dict[int, Any]], ledger: Ledger
 ) -> None:
     """Judge the lines of a CSV file by words and numbers at their columns."""
     ledger.same(file, "number of rows", len(lines), len(rows))
@@ -235,8 +231,11 @@ def judge_budget(result: Result, ledger: Ledger) -> None:
             # Of zero only no error is a part.
             shares = [100 * abs(half / value) if value else 0.0 if half == 0 else math.nan for half in halves]
             entering = [share for s, share in zip(SOURCES, shares, strict=True) if s not in _SPECTRAL]
-            cells: dict[str, Any] = {"value": value, "for any [%]": math.hypot(*shares)}
-            cells["for this spectrum and period [%]"] = math.hypot(*entering)
+            cells: dict[str, Any] = {
+                "value": value,
+                "for any [%]": math.hypot(*shares),
+                "for this spectrum and period [%]": math.hypot(*entering),
+            }
             for source, share in zip(SOURCES, shares, strict=True):
                 words = "does not enter" if source in error.attrs else "not measured"
                 cells[f"{source} [%]"] = words if source in error.attrs or math.isnan(share) else share
@@ -252,7 +251,7 @@ def judge_budget(result: Result, ledger: Ledger) -> None:
     _judge_lines("budget.csv", header, lines, at_columns, ledger)
 
 
-def _spread_out(result: Result, file: str, rows: list[list[str]], ledger: Ledger) -> None:
+def _spread_out(result: Result, file: str, rows: Lines, ledger: Ledger) -> None:
     """Judge a CSV file of variables that share their dimensions."""
     header, *lines = rows
     for k, name in enumerate(header):
@@ -263,8 +262,7 @@ def _spread_out(result: Result, file: str, rows: list[list[str]], ledger: Ledger
         whole = base != name and base in result.data
         expected = _totals(result.data, base, {}) if whole else variable.values
         if expected.ndim and expected.size == len(lines) and variable.dims != (name,):
-            found = np.array([as_number(line[k]) for line in lines])
-            ledger.exact(file, name, found, expected.ravel())
+            ledger.exact(file, name, np.array([as_number(line[k]) for line in lines]), expected.ravel())
 
 
 def judge_page(result: Result, ledger: Ledger) -> None:

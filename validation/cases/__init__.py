@@ -14,7 +14,7 @@ import pkgutil
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, cast
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -51,6 +51,10 @@ class Check:
     def passed(self) -> bool:
         """Whether the two agree; a NaN never does."""
         return math.isfinite(self.computed) and abs(self.computed - self.reference) <= self.tolerance
+
+
+#: What decides a claim.
+Checks: TypeAlias = Iterable[Check]
 
 
 def near(quantity: str, computed: ArrayLike, reference: ArrayLike, tolerance: ArrayLike) -> Check:
@@ -113,20 +117,20 @@ class Case:
 
     name: str
     claim: str
-    run: Callable[..., Iterable[Check]]
+    run: Callable[..., Checks]
     source: str = ""
     quick: bool = True
     solver: str = ""
     tolerance: str = "rounding"
 
 
-def case(name: str, *, source: str = "", **fields: Any) -> Callable[[Callable[..., Iterable[Check]]], Case]:
+def case(name: str, *, source: str = "", **fields: Any) -> Callable[[Callable[..., Checks]], Case]:
     """Make a `Case` of the function that follows, which yields the checks; `fields` are those of `Case`.
 
     Its claim is the first line of the function's docstring.
     """
 
-    def made(run: Callable[..., Iterable[Check]]) -> Case:
+    def made(run: Callable[..., Checks]) -> Case:
         claim = (run.__doc__ or "").partition("\n")[0]
         return Case(name=name, claim=claim, run=run, source=cited(source), **fields)
 

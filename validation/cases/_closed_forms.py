@@ -11,10 +11,20 @@ from numpy.typing import ArrayLike
 from scipy.integrate import quad
 
 from fem_contact.surface import HeightField
-from validation.arrays import Array
+from validation.arrays import Array, Pair
 
 #: Sums over a square lattice of period 1 without its origin: of 1/R^3, and of 1/R less a uniform background.
 _LATTICE_CUBE, _LATTICE_MADELUNG = 9.03362168, -3.90026492
+
+
+def periodic(heights: Array) -> HeightField:
+    """Return heights as a surface of period 1 along both sides."""
+    return HeightField(heights=heights, lengths=(1.0, 1.0))
+
+
+def places(n: int, part: float = 0.5) -> Array:
+    """Return n places across the period, from its middle: each this part of a cell inside its own."""
+    return (np.arange(n) + part) / n - 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,15 +55,15 @@ class HertzInPeriod:
         """Approach of the apex over the period, without the mean displacement."""
         return self.radius**2 + self.load / self.contact_modulus * _LATTICE_MADELUNG / math.pi
 
-    def distance(self, n: int, shift: tuple[float, float]) -> Array:
+    def distance(self, n: int, shift: Pair) -> Array:
         """Distance of n x n points from the apex, which lies `shift` cells beside a point."""
-        x, y = ((np.arange(n) + part) / n - 0.5 for part in shift)
+        x, y = (places(n, part) for part in shift)
         return np.hypot(x[:, None], y[None, :])
 
-    def surface(self, n: int, shift: tuple[float, float]) -> HeightField:
+    def surface(self, n: int, shift: Pair) -> HeightField:
         """Return the paraboloid on n x n points."""
         curvature = 1 - self.load / self.contact_modulus * _LATTICE_CUBE / (2 * math.pi)
-        return HeightField(heights=-(self.distance(n, shift) ** 2) * curvature / 2, lengths=(1.0, 1.0))
+        return periodic(-(self.distance(n, shift) ** 2) * curvature / 2)
 
     def stress(self, x: Array, y: Array, depth: float, *, poisson: float) -> Array:
         r"""Stress [Pa] below the apex, (..., 6): Huber's, with what the images add near the axis.
@@ -82,7 +92,7 @@ EGG_BOX_FLAT = math.sqrt(2) * math.pi * EGG_BOX_DEPTH
 def egg_box(n: int) -> HeightField:
     """Return the egg box on n x n points, none of which is a peak."""
     x = np.cos(2 * np.pi * (np.arange(n) + 0.5) / n)
-    return HeightField(heights=EGG_BOX_DEPTH * x[:, None] * x[None, :], lengths=(1.0, 1.0))
+    return periodic(EGG_BOX_DEPTH * x[:, None] * x[None, :])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,8 +117,7 @@ class Westergaard:
     def surface(self, n: int, across: tuple[int, float] | None = None) -> HeightField:
         """Return the wave, its crest midway between two of n points, with `across`: points and length."""
         points, length = across or (4, 4 / n)
-        x = (np.arange(n) + 0.5) / n - 0.5
-        heights = self.amplitude * np.cos(2 * np.pi * x)[:, None] * np.ones(points)
+        heights = self.amplitude * np.cos(2 * np.pi * places(n))[:, None] * np.ones(points)
         return HeightField(heights=heights, lengths=(1.0, length))
 
     def pressure(self, x: Array) -> Array:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.arrays import Array, padded
+from validation.arrays import padded
 from validation.cases import TOLERANCES, Check, Verdict
 from validation.execution.outputs import Outputs, leave
 from validation.execution.results import Result
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 
     from validation.cases.scorecard import Scorecard
 
-KIND = "claims"
 #: Errors of the area that a digit is priced at.
 ACCURACIES = (0.1, 0.01, 0.001)
 _FINDINGS = 5
@@ -51,10 +50,6 @@ def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard]) -> x
     of_claim = {verdict.row: verdict for verdict in reversed(verdicts)}
     scored = [verdict for verdict in verdicts if not verdict.left_out]
     checks = [(verdict, check) for verdict in scored for check in verdict.checks]
-
-    def by_check(value: Callable[[Verdict, Check], Any], kind: type = str) -> tuple[str, Array]:
-        return "check", np.array([value(*pair) for pair in checks], kind)
-
     parts = {
         (verdict.row, _solver(verdict)): xr.Dataset(
             {
@@ -71,13 +66,7 @@ def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard]) -> x
             "statement": ("claim", [of_claim[claim].claim for claim in claims]),
             "tolerance_from": ("claim", [of_claim[claim].tolerance for claim in claims]),
             "claim_source": ("claim", [of_claim[claim].source for claim in claims]),
-            "check_claim": by_check(lambda verdict, _: verdict.case),
-            "check_solver": by_check(lambda verdict, _: _solver(verdict)),
-            "check_quantity": by_check(lambda _, check: check.quantity),
-            "check_verdict": by_check(lambda _, check: "holds" if check.passed else "FAILS"),
-            "check_value": by_check(lambda _, check: check.computed, float),
-            "check_reference": by_check(lambda _, check: check.reference, float),
-            "check_tolerance": by_check(lambda _, check: check.tolerance, float),
+            **_columns(checks),
             "claims_judged": float(len(scored)),
             "claims_failed": float(sum(not verdict.passed for verdict in scored)),
             "checks_made": float(len(checks)),
@@ -95,6 +84,15 @@ _OTHER = "other"
 
 def _solver(verdict: Verdict) -> str:
     return verdict.solver or _OTHER
+
+
+def _columns(checks: Sequence[tuple[Verdict, Check]]) -> dict[str, Any]:
+    """Return what stands of every check, words first, by the names of its columns."""
+    words = [(v.case, _solver(v), c.quantity, "holds" if c.passed else "FAILS") for v, c in checks]
+    numbers = [(c.computed, c.reference, c.tolerance) for _, c in checks]
+    columns = (*np.array(words, str).reshape(-1, 4).T, *np.array(numbers, float).reshape(-1, 3).T)
+    names = ("claim", "solver", "quantity", "verdict", "value", "reference", "tolerance")
+    return {f"check_{name}": ("check", column) for name, column in zip(names, columns, strict=True)}
 
 
 def _unique(names: Iterable[str]) -> list[str]:
@@ -207,8 +205,10 @@ def _ladder_figures(data: xr.Dataset) -> list[Figure]:
     }
     line, panels = Line(y="ladder_miss", by="ladder", label="{ladder_solver}"), []
     for claim in claims:
-        places = {solver: {"ladder_claim": claim, "ladder_solver": solver} for solver in looks}
-        marks = [replace(line, where=places[solver], look=look) for solver, look in looks.items()]
+        marks = [
+            replace(line, where={"ladder_claim": claim, "ladder_solver": solver}, look=look)
+            for solver, look in looks.items()
+        ]
         title = claim.replace(": observed order of", "\n")
         panels.append(Panel(marks=marks, x="ladder_points", log="xy", title=title))
     return [
@@ -226,18 +226,15 @@ def _cards(data: xr.Dataset) -> list[Card]:
     failed = float(data.claims_failed) > 0
     words = "no: {claims_failed} of {claims_judged} fail" if failed else "yes"
     basis = finding("value", "{claims_judged} claims with {checks_made} numbers", data)
-    cards = [Card(question="Does everything hold?", answer=finding("value", words, data), basis=basis)]
+    cards = [Card("Does everything hold?", finding("value", words, data), basis)]
     first = data.isel(solver=0)
     if "diagnosis" in data and str(first.diagnosis.item()):
-        cards.append(Card(question="What is wrong?", answer=finding("value", "{diagnosis}", first)))
+        cards.append(Card("What is wrong?", finding("value", "{diagnosis}", first)))
     if "seconds_needed" in data and bool(first.seconds_needed.notnull().any()):
         cost = first.sel(area_accuracy=0.01)
         words = "{seconds_needed:u}" if np.isfinite(cost.seconds_needed) else "not reached"
-        answer, rough = (
-            finding("cost", words, cost),
-            note("of one rough surface, lambda_long/lambda_short = 4"),
-        )
-        cards.append(Card(question="Processor time to 1 % of the area", answer=answer, basis=rough))
+        basis = note("of one rough surface, lambda_long/lambda_short = 4")
+        cards.append(Card("Processor time to 1 % of the area", finding("cost", words, cost), basis))
     return cards
 
 
@@ -314,8 +311,9 @@ def write_claims(
 ) -> Outputs:
     """Write dataset, record and page of verdicts into a folder; without `report` numbers alone."""
     data, asked = claims_dataset(verdicts, cards), json_ready(dict(settings))
-    record: dict[str, Any] = {"kind": KIND, "name": name, "settings": asked, "store": folder}
-    return leave(folder, data, claims_page, report=report, **record)
+    return leave(
+        folder, data, claims_page, report=report, kind="claims", name=name, settings=asked, store=folder
+    )
 
 
 def write_scorecards(folder: Path, cards: Sequence[Scorecard], *, report: bool = True) -> Outputs:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 
@@ -11,13 +10,13 @@ from persson import spheres
 from persson.asperities import bush_gibson_thomas, nayak_asperities, ring_asperities
 from persson.spectrum import Moments
 from validation.arrays import Array
-from validation.cases import Check, below, case, near, relative
+from validation.cases import Checks, below, case, near, relative
 
 _RADIUS, _MODULUS, _WORK = 2e-3, 3e6, 0.05
 
 
 @case("spheres-adhesive", source="[johnson1971]; [maugis1992]")
-def _jkr() -> Iterator[Check]:
+def _jkr() -> Checks:
     """An adhesive sphere comes off at 3/2 pi w R if soft, at 2 pi w R if stiff."""
 
     def load(a: float | Array) -> Array:
@@ -31,7 +30,7 @@ def _jkr() -> Iterator[Check]:
     exact = (_RADIUS * _WORK**2 / _MODULUS**2 / reach**3) ** (1 / 3)
     soft = spheres.jkr_pull_off(_RADIUS, work_of_adhesion=_WORK)
     stiff = spheres.derjaguin_pull_off(_RADIUS, work_of_adhesion=_WORK)
-    yield below("F at the radius of no load, over pull-off", float(load(free)) / (1.5 * unit), 1e-12)
+    yield below("F at the radius of no load, over pull-off", load(free) / (1.5 * unit), 1e-12)
     yield relative("smallest F [N]", np.min(load(around)), -1.5 * unit, 1e-6)
     yield relative("pull-off force [N]", soft, 1.5 * unit, 1e-12)
     yield relative("pull-off of stiff spheres over pi w R", stiff / unit, 2.0, 1e-12)
@@ -46,7 +45,7 @@ _MOMENTS = Moments(m0=4e-12, m2=1e-2, m4=1e-2**2 * 8 / 4e-12)
 
 
 @case("asperities-summits", source="[nayak1971]; [mccool1987]")
-def _summits() -> Iterator[Check]:
+def _summits() -> Checks:
     """Summits of a random surface have Nayak's density, curvature and heights.
 
     Statistics of summits in the moments of a profile: mu0 = m0, mu2 = m2 / 2, mu4 = 3 m4 / 8.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.stress import elastic_energy, loading_work
 from fem_contact.surface import HeightField
-from validation.cases import Check, below, case, order, relative
+from validation.cases import Checks, below, case, order, relative
 from validation.cases._closed_forms import EGG_BOX_DEPTH, EGG_BOX_FLAT, egg_box
 from validation.cases.scorecard.subject import rough
 
@@ -26,7 +25,7 @@ _JOHNSON = "[johnson1985]"
     source="K. L. Johnson, Contact Mechanics, Sec. 13.2; edge half a cell outside the last point",
     tolerance="grid",
 )
-def _punch() -> Iterator[Check]:
+def _punch() -> Checks:
     """Boundary elements converge to the pressure under periodic flat punches.
 
     Press a periodic flat punch, half width b: p = p0 cos(pi x) / (sin^2(pi b) - sin^2(pi x))^(1/2).
@@ -49,7 +48,7 @@ def _punch() -> Iterator[Check]:
 
 
 @case("bem-egg-box-light", source=_JOHNSON, tolerance="estimate")
-def _egg_box_light() -> Iterator[Check]:
+def _egg_box_light() -> Checks:
     """An egg box under light load touches like isolated spheres.
 
     Each peak is a sphere of radius 1 / (4 pi^2 D): two contacts of Hertz in a period.
@@ -64,7 +63,7 @@ def _egg_box_light() -> Iterator[Check]:
 
 
 @case("bem-energy", source="conservation of energy", tolerance="estimate")
-def _energy() -> Iterator[Check]:
+def _energy() -> Checks:
     """The work of loading equals the elastic energy, to second order in the steps."""
     misses = []
     for count in (9, 17, 33):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
@@ -13,21 +12,21 @@ from fem_contact import block
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 from persson.spectrum import SelfAffine
-from validation.arrays import Array
-from validation.cases import Case, Check, below, case, order
+from validation.arrays import Array, Grid
+from validation.cases import Case, Checks, below, case, order
 from validation.measurements.statistics import largest_difference, relative_distance
 
 _LAYER = "[johnson_book], Sec. 5.8: an elastic layer bonded to a rigid base"
 _SAME = "code verification: two ways to solve one discrete system"
 
 
-def _rough(shape: tuple[int, int]) -> HeightField:
+def _rough(shape: Grid) -> HeightField:
     spectrum = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=2 * math.pi, q_short=8 * math.pi)
     lengths = (1.0, shape[1] / shape[0])
     return random_surface(spectrum, q_short=spectrum.q_short, lengths=lengths, shape=shape, seed=31415)
 
 
-def _both_ways(element: str, shape: tuple[int, int], poisson: float) -> Iterator[Check]:
+def _both_ways(element: str, shape: Grid, poisson: float) -> Checks:
     surface, solid = _rough(shape), Solid(young=1.0, poisson=poisson)
     load = 0.05 * solid.contact_modulus * surface.rms_gradient
     full = block.solve(surface, solid, mean_pressure=load, method="full", element=element, tolerance=1e-11)
@@ -42,7 +41,7 @@ def _both_ways(element: str, shape: tuple[int, int], poisson: float) -> Iterator
 
 
 @case("block-assembled", source=_SAME, tolerance="solver")
-def _assembled() -> Iterator[Check]:
+def _assembled() -> Checks:
     """scikit-fem's assembled matrix and pyamg find the same field under the contact forces."""
     for element, poisson, shape in (("Hex1", 0.3, (24, 24)), ("Hex2/P1disc", 0.45, (16, 16))):
         surface, solid = _rough(shape), Solid(young=1.0, poisson=poisson)
@@ -69,7 +68,7 @@ _WAVES = (
 
 
 @case("block-waves", source=_LAYER, tolerance="grid")
-def _waves() -> Iterator[Check]:
+def _waves() -> Checks:
     """Every element meets the compliance of the bonded layer, to the accuracy it is chosen for."""
     for element, poisson, growth, nodes, axis, diagonal in _WAVES:
         (errors,) = block.wave_errors(
@@ -81,7 +80,7 @@ def _waves() -> Iterator[Check]:
 
 
 @case("block-order", source=_LAYER, tolerance="grid")
-def _orders() -> Iterator[Check]:
+def _orders() -> Checks:
     """With growth - 1 in proportion to the cell the finite-element limit is the elastic limit."""
     for element, poisson, expected in (("Hex1", 0.3, 2), ("Hex1/P0", 0.49, 2), ("Hex2", 0.3, 4)):
         sizes, errors = (32, 64, 128), []

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 
@@ -11,8 +10,8 @@ from fem_contact import bem
 from fem_contact.graded import ExponentialSolid, LayeredSolid
 from fem_contact.response import BondedLayer, FrictionlessLayer, Response
 from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
-from validation.cases import Check, below, case, order, relative
+from validation.cases import Checks, below, case, order, relative
+from validation.cases._closed_forms import periodic
 
 
 def _felt(response: Response, q: float) -> float:
@@ -21,10 +20,10 @@ def _felt(response: Response, q: float) -> float:
 
 
 @case("bodies-layers", source="K. L. Johnson, Contact Mechanics, Sec. 5.8")
-def _layers() -> Iterator[Check]:
+def _layers() -> Checks:
     """A wave is pressed flat on a bonded and on a frictionless layer by its height over their compliance."""
     x = np.cos(2 * np.pi * np.arange(48) / 48)
-    surface = HeightField(heights=0.01 * x[:, None] * np.ones(4), lengths=(1.0, 1.0))
+    surface = periodic(0.01 * x[:, None] * np.ones(4))
     for poisson in (0.3, 0.5):
         solid = Solid(young=1.0, poisson=poisson)
         a, k = 2 * math.pi * 0.1, 3 - 4 * poisson
@@ -34,14 +33,13 @@ def _layers() -> Iterator[Check]:
             ("bonded", BondedLayer(solid=solid, thickness=0.1), bonded),
             ("frictionless", FrictionlessLayer(solid=solid, thickness=0.1), sliding),
         ):
-            amplitude = float(np.ptp(bem.solve(surface, layer, mean_pressure=10.0).checked().pressure)) / 2
+            amplitude = np.ptp(bem.solve(surface, layer, mean_pressure=10.0).checked().pressure) / 2
             exact = 0.01 * math.pi * solid.contact_modulus / ratio
-            name = f"pressure amplitude, {kind}, nu = {poisson}"
-            yield relative(name, amplitude, exact, 1e-10)
+            yield relative(f"pressure amplitude, {kind}, nu = {poisson}", amplitude, exact, 1e-10)
 
 
 @case("bodies-graded", source="exact layer matrices", tolerance="grid")
-def _depth() -> Iterator[Check]:
+def _depth() -> Checks:
     """A modulus that relaxes with depth is that of many thin layers, to second order.
 
     Set 400 thin layers beside an exponential profile, which sums 64 that follow the wave.
@@ -64,5 +62,4 @@ def _depth() -> Iterator[Check]:
     yield order("its observed order", counts[:3], errors[:3], expected=2.0, tolerance=0.3)
     for q, young in ((1e4, 1.0), (1e-5, 5.0)):
         exact = 2 * 0.91 / (young * q)
-        name = f"C of a {'short' if q > 1 else 'long'} wave [m/Pa]"
-        yield relative(name, _felt(graded, q), exact, 1e-3)
+        yield relative(f"C of a {'short' if q > 1 else 'long'} wave [m/Pa]", _felt(graded, q), exact, 1e-3)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
 from validation.audit import audit
-from validation.cases import Check, below, case, near, relative
+from validation.cases import Checks, below, case, near, relative
 from validation.cases._closed_forms import Westergaard
 from validation.comparison.run import run_scene
 from validation.execution.results import read_results
@@ -28,7 +27,7 @@ _EDGE = {"bem": 0.103, "fem": 0.198}
 
 
 @case("comparison-wave", source="[westergaard1939]; Persson 2006, Eq. 20", tolerance="grid")
-def _wave() -> Iterator[Check]:
+def _wave() -> Checks:
     """Of a wave pressed as a scene, every number of the dataset is Westergaard's.
 
     Press a cosine of period 1 until it touches over 60 %; its file holds 32 x 4 points.

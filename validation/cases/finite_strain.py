@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 from scipy.optimize import brentq
@@ -11,7 +10,8 @@ from scipy.optimize import brentq
 from fem_contact import block
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
-from validation.cases import Check, below, case, order, relative
+from validation.cases import Checks, below, case, order, relative
+from validation.cases._closed_forms import periodic
 from validation.measurements.statistics import relative_distance
 
 _SOLID = Solid(young=2.0, poisson=0.3)
@@ -21,8 +21,7 @@ _SHEAR, _BULK = 1 / 1.3, 2 / (3 * 0.4)
 def _wavy(amplitude: float, points: int) -> HeightField:
     """Two waves that no symmetry of the grid holds in place."""
     x, y = np.meshgrid(*2 * [2 * math.pi * np.arange(points) / points], indexing="ij")
-    waves = np.cos(x + 0.4) + np.cos(y) * np.cos(x) + 0.5 * np.sin(x + y)
-    return HeightField(heights=amplitude * waves, lengths=(1.0, 1.0))
+    return periodic(amplitude * (np.cos(x + 0.4) + np.cos(y) * np.cos(x) + 0.5 * np.sin(x + y)))
 
 
 @case(
@@ -30,7 +29,7 @@ def _wavy(amplitude: float, points: int) -> HeightField:
     source="W = mu/2 (J^(-2/3) tr C - 3) + K/2 (J - 1)^2 with two stretches 1",
     tolerance="solver",
 )
-def _flat() -> Iterator[Check]:
+def _flat() -> Checks:
     """A neo-Hookean block pressed flat takes the closed form of confined compression.
 
     Press a block whose sides cannot move to half of Young's modulus, far from small strain.
@@ -52,7 +51,7 @@ def _flat() -> Iterator[Check]:
 
 
 @case("finite-strain-steep", source="equilibrium; a conservative body", tolerance="solver")
-def _steep() -> Iterator[Check]:
+def _steep() -> Checks:
     """Under steep waves forces balance, and the work of the load is the energy stored."""
     surface = _wavy(0.05, 8)
     loads = 0.2 * _SOLID.contact_modulus * surface.rms_gradient * np.array([1, 1.0005, 1.001])
@@ -73,7 +72,7 @@ def _steep() -> Iterator[Check]:
 
 
 @case("finite-strain-limit", source="the full linear system on the same mesh", tolerance="estimate")
-def _limit() -> Iterator[Check]:
+def _limit() -> Checks:
     """At small slopes the block of finite strain is the linear one, in first order."""
     surface = _wavy(0.01, 8)
     load = 0.2 * _SOLID.contact_modulus * surface.rms_gradient

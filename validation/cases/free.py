@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from fem_contact.conductance import frozen_contact
 from fem_contact.response import FreeHalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import Patch
-from validation.cases import Check, below, case, order
+from validation.cases import Checks, below, case, order
 from validation.cases._closed_forms import HertzInPeriod
 
 _FREE = FreeHalfSpace(solid=Solid(young=1.0, poisson=0.3))
@@ -25,7 +24,7 @@ _SQUARE = 0.3667892
 
 
 @case("free-hertz", source="[hertz1882]; [johnson_book], Sec. 4.2", tolerance="grid")
-def _hertz() -> Iterator[Check]:
+def _hertz() -> Checks:
     """A ball on a patch hardly larger than its contact is Hertz's within .1 %: it has no images.
 
     Press a ball of radius 1 to a contact of radius .1; no grid point is its apex.
@@ -51,7 +50,7 @@ def _hertz() -> Iterator[Check]:
 
 
 @case("free-punch", source="[read1997]: C = .3667892 x 4 pi eps L", tolerance="grid")
-def _punch() -> Iterator[Check]:
+def _punch() -> Checks:
     """A flat square patch has the stiffness of a punch, that is the capacitance of a square plate.
 
     Pressures at the edges of a punch are infinite: first order.

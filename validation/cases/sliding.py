@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 from scipy.optimize import brentq
@@ -13,7 +12,8 @@ from fem_contact.sliding import SlidingContact, slide
 from fem_contact.surface import HeightField, random_surface
 from fem_contact.viscoelastic import PronySolid
 from persson.sliding import friction_of_waves
-from validation.cases import Check, below, case, near, relative
+from validation.cases import Checks, below, case, near, relative
+from validation.cases._closed_forms import periodic, places
 from validation.measurements.theory import wave_powers
 
 #: Of the rough cases: Poisson ratio and h'_rms.
@@ -69,28 +69,27 @@ def _hunter(load: float, *, ratio: float, drift: float) -> tuple[float, float, f
 
 
 @case("sliding-cylinder", source=_SOURCE, tolerance="grid")
-def _cylinder() -> Iterator[Check]:
+def _cylinder() -> Checks:
     """A cylinder on a standard solid has Hunter's friction within 1 %, and his contact to a cell."""
     n, elastic = 2048, 0.02
     load = math.pi * elastic**2 / 4
-    x = (np.arange(n) + 0.5) / n - 0.5
+    x = places(n)
     # The images of the load bend the surface like 2 pi / 3 load x: the cylinder is made flatter by that.
     heights = -(x**2)[:, None] / 2 * (1 - 2 * math.pi / 3 * load)
-    profile = HeightField(heights=heights, lengths=(1.0, 1.0))
     for ratio, speed in ((10.0, 0.5), (1000.0, 0.5), (1000.0, 1.5)):
         drift = speed * elastic
-        result = slide(profile, _standard(ratio, 0.0), velocity=drift, mean_pressure=load).checked()
+        result = slide(periodic(heights), _standard(ratio, 0.0), velocity=drift, mean_pressure=load).checked()
         a, centre, friction = _hunter(load, ratio=ratio, drift=drift)
         pressure = result.contact.pressure[:, 0]
         touched = x[result.contact.in_contact[:, 0]]
         parameters = f"E_inf/E_0 = {ratio:g}, v tau = {speed:g} a_0"
         yield relative(f"friction, {parameters}", np.sum(x * pressure) / np.sum(pressure), friction, 0.01)
-        yield near(f"half width, {parameters}", float(touched[-1] - touched[0]) / 2, a, 1 / n)
-        yield near(f"centre, {parameters}", float(touched[-1] + touched[0]) / 2, centre, 1 / n)
+        yield near(f"half width, {parameters}", (touched[-1] - touched[0]) / 2, a, 1 / n)
+        yield near(f"centre, {parameters}", (touched[-1] + touched[0]) / 2, centre, 1 / n)
 
 
 @case("sliding-twice", source=_RESPONSE, tolerance="grid")
-def _twice() -> Iterator[Check]:
+def _twice() -> Checks:
     """Pressure on slopes and losses of the solid give one friction as the grid is refined."""
     result = _slid(256, 10.0, 0.03)
     ratio = result.slopes / result.dissipation
@@ -102,7 +101,7 @@ def _twice() -> Iterator[Check]:
 
 
 @case("sliding-full", source=_FRICTION, tolerance="solver")
-def _full() -> Iterator[Check]:
+def _full() -> Checks:
     """In full contact solver and theory give the friction that the waves add up to."""
     result = _slid(32, 50.0, 0.02, reduced=60.0)
     surface = _rough(32)

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 from persson import elastic
 from persson.asperities import bush_gibson_thomas
 from persson.spectrum import SelfAffine
-from validation.cases import Check, case, relative
+from validation.cases import Checks, case, relative
 from validation.cases._closed_forms import integral
 
 
 @case("theory-light-load", source="[bush1975]", tolerance="estimate")
-def _light_load() -> Iterator[Check]:
+def _light_load() -> Checks:
     """At light load kappa of independent asperities is sqrt(2 pi)."""
     moments = SelfAffine.from_rms_gradient(1.0, hurst=0.8, q_long=1.0, q_short=2.0).moments()
     asperities = []
@@ -29,7 +28,7 @@ def _light_load() -> Iterator[Check]:
 
 
 @case("theory-distribution", source="Persson 2006, Eqs. 16-20")
-def _distribution() -> Iterator[Check]:
+def _distribution() -> Checks:
     """P(sigma) integrates to A/A0 = erf(p0 / sqrt(2 V)) and carries the load."""
     variance = 0.25
     for pressure in (0.01, 0.3, 1.0):
@@ -41,14 +40,14 @@ def _distribution() -> Iterator[Check]:
         area = integral(density, 0, top)
         load = integral(lambda stress: stress * density(stress), 0, top)
         exact = math.erf(pressure / math.sqrt(2 * variance))
-        closed = float(elastic.contact_area(pressure, stress_variance=variance))
+        closed = elastic.contact_area(pressure, stress_variance=variance)
         yield relative(f"A/A0 at p0 = {pressure}", closed, exact, 1e-14)
         yield relative(f"integral of P at p0 = {pressure}", area, exact, 1e-9)
         yield relative(f"first moment of P at p0 = {pressure}", load, pressure, 1e-9)
 
 
 @case("theory-variance", source="Persson 2006, Eq. 21")
-def _variance() -> Iterator[Check]:
+def _variance() -> Checks:
     """V is twice G p0^2, with G by quadrature over C(q)."""
     spectrum = SelfAffine.from_rms_height(1e-6, hurst=0.8, q_long=1e5, q_short=1e8)
     modulus, pressure = 2e6, 1e4

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from scipy.integrate import quad
+from scipy.integrate import cumulative_trapezoid, quad
 
 from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
 from persson.diffusion import solve_diffusion
@@ -18,7 +18,7 @@ from persson.scale import Scale
 from persson.separation import mean_separation
 from persson.spectrum import SelfAffine, area_factor
 from persson.variants import Variant, corrected_contact_area, energy_factor, light_load_kappa
-from validation.cases import Check, below, case, near, relative, within
+from validation.cases import Checks, below, case, near, relative, within
 from validation.measurements.statistics import largest_difference
 
 
@@ -30,7 +30,7 @@ def _eigenfunctions(x: float, v: float) -> tuple[float, float]:
 
 
 @case("theory-hardness", source="Persson 2006, Eqs. 27-32")
-def _hardness() -> Iterator[Check]:
+def _hardness() -> Checks:
     """Elastic and yielded areas are those of diffusion between two absorbing walls.
 
     Between both walls: few eigenfunctions at large V, images at small V, and the diffusion solver.
@@ -50,7 +50,7 @@ def _hardness() -> Iterator[Check]:
 
 
 @case("theory-diffusion", source="Persson 2006, Eqs. 17 and 48")
-def _diffusion() -> Iterator[Check]:
+def _diffusion() -> Checks:
     """Diffusion before one tensile wall is the source less its image.
 
     One wall at -sigma_a: the image of the source in it; before any wall is felt, a Gaussian.
@@ -67,8 +67,7 @@ def _diffusion() -> Iterator[Check]:
     area = math.erf((wall + pressure) / width)
     second = (wall + pressure) ** 2 * (area - 1) + grown
     off = largest_difference(solved.distribution(0, sigma), exact)
-    early = solve_diffusion([1e-6], pressure=1.0)
-    peak = float(early.distribution(0, np.array(1.0)))
+    peak = solve_diffusion([1e-6], pressure=1.0).distribution(0, np.array(1.0))
     yield relative("area", solved.area_elastic[0], area, 1e-7)
     yield below("largest error of P(sigma) over its largest value", off, 1e-6)
     yield relative("<(sigma - sigma_0)^2>", solved.mean_square[0], second, 1e-6)
@@ -77,7 +76,7 @@ def _diffusion() -> Iterator[Check]:
 
 
 @case("theory-variants", source="[yang2008]; [wang2017]")
-def _variants() -> Iterator[Check]:
+def _variants() -> Checks:
     """Corrected theories solve dV = S(P) dV_full."""
     ratio = 0.45
     factors: dict[str, Callable[[float], float]] = {
@@ -99,7 +98,7 @@ def _variants() -> Iterator[Check]:
                 epsrel=1e-10,
                 limit=200,
             )[0]
-            area = float(corrected_contact_area(1.0, stress_variance=full, variant=name))
+            area = corrected_contact_area(1.0, stress_variance=full, variant=name)
             exact = math.erf(1 / math.sqrt(2 * variance))
             yield relative(f"A/A0 of {variant} at V = {variance}", area, exact, 1e-7)
 
@@ -108,7 +107,7 @@ _ROUGH = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e5, q_short=1e8)
 
 
 @case("theory-graded", source="Persson 2006, Sec. 5")
-def _profile() -> Iterator[Check]:
+def _profile() -> Checks:
     """A wave feels the modulus of a graded solid weighted by q exp(-q z).
 
     Weigh E(z) with q exp(-q z): both ends, closed forms, and what a quadrature makes of them.
@@ -139,7 +138,7 @@ def _profile() -> Iterator[Check]:
 
 
 @case("theory-separation", source="[persson2007]")
-def _separation() -> Iterator[Check]:
+def _separation() -> Checks:
     """The work of the load is the elastic energy, and at light load the separation is logarithmic.
 
     Sum what the load stores: u(p1) - u(p2) = int dU/dp dp / p, summed over waves and loads.
@@ -158,14 +157,14 @@ def _separation() -> Iterator[Check]:
     p = np.exp(math.log(low) + math.log(high / low) * (1 + p_nodes) / 2)[:, None]
     # dU/dp = int dV / (E* q) dA/dp, with A = erf(p / sqrt(2 V)).
     rate = np.sqrt(2 / (math.pi * variance)) * np.exp(-(p**2) / (2 * variance)) @ growth
-    exact = float(np.sum(rate * p_weights) * math.log(high / low) / 2)
+    exact = np.sum(rate * p_weights) * math.log(high / low) / 2
     separation = mean_separation(np.array([low, high]), scale=scale)
     far = mean_separation(np.array([1e-2, 1e-3]), scale=scale)
     # At vanishing load A = p (2 / (pi V))^(1/2), so that the separation grows by this per e-fold.
-    growth_per_efold = float(np.sqrt(2 / (math.pi * variance)) @ growth)
+    growth_per_efold = np.sqrt(2 / (math.pi * variance)) @ growth
     # Gauss's rule on both sides: panels of 1/8 in ln V there, 200 points in the root of ln q here.
     yield relative("u(p1) - u(p2) [m]", separation[0] - separation[1], exact, 1e-9)
-    grown = float(far[1] - far[0]) / math.log(10)
+    grown = (far[1] - far[0]) / math.log(10)
     yield relative("growth per e-fold at light load [m]", grown, growth_per_efold, 1e-4)
 
 
@@ -181,7 +180,7 @@ def _rim(interface: Interface, pressure: float = _RIM_PRESSURE) -> AdhesiveConta
 
 
 @case("theory-adhesion", source="Persson 2006, Secs. 8.2-8.4")
-def _adhesion() -> Iterator[Check]:
+def _adhesion() -> Checks:
     """Adhesion brings the area of a tire rim to .44, and its limits are exact."""
     variance = _RIM_MODULUS**2 / 4 * float(_RIM.m2())
     plain = math.erf(_RIM_PRESSURE / math.sqrt(2 * variance))
@@ -197,14 +196,14 @@ def _adhesion() -> Iterator[Check]:
     yield near("A/A0 of the rim with adhesion", printed.real_area, 0.44, 0.005)
     yield relative("A/A0 with vanishing adhesion", vanishing.real_area, plain, 1e-4)
     yield relative("A/A0 with great adhesion", strong.real_area, 1.0, 1e-6)
-    left = float(area_factor(_RIM.m2())) * 50 - energy
+    left = area_factor(_RIM.m2()) * 50 - energy
     yield relative("energy left by great adhesion [J/m^2]", strong.macroscopic_work, left, 1e-5)
     # A wall at -sigma* at most: no more area than the load and that strength together press into contact.
     yield within("A/A0 of weak bonds", bounded.real_area, plain, most * (1 + 1e-4))
 
 
 @case("theory-adhesion-energy", source="Persson 2006, Eqs. 37, 43, 48 and 50")
-def _energies() -> Iterator[Check]:
+def _energies() -> Checks:
     """The adhesive energy left at each scale is what the waves beyond it have not cost.
 
     Write Eq. 37 in wavevectors, with each elastic energy, and sum it from the solution's own areas.
@@ -221,14 +220,10 @@ def _energies() -> Iterator[Check]:
             # as it is printed is <sigma^2> - sigma_0^2, which is that about s = 0.
             limit = np.interp(np.log(q), np.log(contact.wavevectors), contact.tensile_limit)
             variance = np.interp(np.log(q), np.log(contact.wavevectors), contact.variance)
-            started = np.concatenate(
-                [[variance[0] * area[0]], np.diff(variance) * (area[1:] + area[:-1]) / 2]
-            )
-            middle = ((limit + load) ** 2)[1:] + ((limit + load) ** 2)[:-1]
-            lost = np.concatenate([[0.0], middle / 2 * np.diff(area)])
-            share = np.cumsum(started + lost) / variance
+            grown = variance[0] * area[0] + cumulative_trapezoid(area, variance, initial=0)
+            share = (grown + cumulative_trapezoid((limit + load) ** 2, area, initial=0)) / variance
         density = _RIM_MODULUS / 4 * spectrum / q * share
-        paid = np.concatenate([[0.0], np.cumsum(np.diff(q) * (density[1:] + density[:-1]) / 2)])
+        paid = cumulative_trapezoid(density, q, initial=0)
         gained = contact.real_area * float(area_factor(_RIM.m2())) * _RIM_INTERFACE.work_of_adhesion
         exact = gained - (paid[-1] - paid)
         factor = area_factor(_RIM.m2(q))
@@ -246,7 +241,7 @@ _SHORT = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e5, q_short=1e7)
 
 
 @case("theory-pull-off", source="Persson 2006, Secs. 8.3 and 10.2", tolerance="estimate")
-def _ends() -> Iterator[Check]:
+def _ends() -> Checks:
     """Nearly flat surfaces come off at the detachment stress; rougher than critical none sticks."""
     interface = Interface(work_of_adhesion=0.05)
     smooth = Scale(_SHORT.scaled(1e-8), contact_modulus=4e6)

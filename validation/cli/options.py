@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import contextlib
-import importlib
 import json
 import os
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -36,12 +36,11 @@ def key_names(incomplete: str) -> list[str]:
     return [f"{key}=" for key in scene_keys({}) if key.startswith(incomplete)]
 
 
-def named_by(module: str, listing: str) -> Callable[[str], list[str]]:
-    """Return what completes a name that a function of a module lists; it is imported when that is asked."""
+def named_by(listing: str) -> Callable[[str], list[str]]:
+    """Return what completes a name that a ``module:function`` lists; it is imported when that is asked."""
 
     def names(incomplete: str) -> list[str]:
-        every = getattr(importlib.import_module(module), listing)()
-        return [name for name in every if name.startswith(incomplete)]
+        return [name for name in resolve_name(listing)() if name.startswith(incomplete)]
 
     return names
 
@@ -216,8 +215,7 @@ def print_plan(solves: Sequence[Solve], store: Store, *, as_json: bool) -> None:
     for name, group in groups.items():
         stored, seconds = (sum(row[key] for row in group) for key in ("stored", "seconds"))
         largest = max(row["peak_bytes"] for row in group) / 2**20
-        numbers = f"{_briefly(seconds):>8s}{_briefly(largest):>8s}"
-        show(f"{name[:45]:46s}{len(group):8d}{stored:8d}{numbers}")
+        show(f"{name[:45]:46s}{len(group):8d}{stored:8d}{_briefly(seconds):>8s}{_briefly(largest):>8s}")
     left = [row["seconds"] for row in rows if not row["stored"]]
     show(
         f"{len(left)} of {len(rows)} solves are to be done, in about {_briefly(sum(left))} s one after the "

@@ -44,7 +44,7 @@ def reference(
             "--theory",
             metavar="NAME",
             help="Score a theory on all cells; your own is module:function.",
-            autocompletion=named_by("validation.theories", "theories"),
+            autocompletion=named_by("validation.theories:theories"),
         ),
     ] = None,
     csv: Annotated[
@@ -86,8 +86,7 @@ def reference(
     values = lookup(**point, amplitudes=amplitudes, gradient=gradient)
     persson = persson_theory(**point)
     if as_json:
-        record = {name: {**asdict(value), "persson": persson.get(name)} for name, value in values.items()}
-        print_json(record)
+        print_json({name: {**asdict(value), "persson": persson.get(name)} for name, value in values.items()})
         return
     rows = []
     for name, value in values.items():

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -74,8 +74,7 @@ def run(
         options.print_plan(solves(), stored, as_json=as_json)
         return
     with Bar(quiet=quiet or how.quiet or as_json) as bar:
-        bench = Bench(store=stored, execution=execution, progress=bar)
-        outputs = solve(bench=bench, report=with_report)
+        outputs = solve(bench=Bench(store=stored, execution=execution, progress=bar), report=with_report)
     line = f"Solves done: {outputs.solved}, found finished: {outputs.reused}. Written:"
     print_outputs(outputs, as_json=as_json, done=line)
     outputs.check()
@@ -170,8 +169,7 @@ def report(
     kind = str(record_of(folder).get("kind"))
     with under_way("drawing figures, writing the report", quiet=as_json):
         if kind in _PAGES:
-            module, _, name = _PAGES[kind].partition(":")
-            files = show(folder, getattr(importlib.import_module(module), name)).files
+            files = show(folder, resolve_name(_PAGES[kind])).files
         else:
             from validation.comparison.run import report_scene
 

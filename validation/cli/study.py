@@ -40,7 +40,7 @@ def study(
         typer.Argument(
             metavar="NAME",
             help="A study; see --list.",
-            autocompletion=options.named_by("validation.studies", "studies"),
+            autocompletion=options.named_by("validation.studies:studies"),
         ),
     ] = None,
     list_all: Annotated[bool, options.option("--list", help="List the studies.")] = False,

@@ -179,9 +179,14 @@ def _inspected(source: str, **asked: Any) -> dict[str, Any]:
         # Its numbers need heights everywhere, and are those of no plane.
         remedies = {key: remedy for key, (_, remedy) in measured.faults.items() if key != "edges"}
         raw, patch = measured.raw, replace(measured, surface=surface.model_copy(update=remedies)).patch
-        facts |= {"missing points": raw.missing, "slope along x": raw.slope[0]}
-        facts |= {"slope along y": raw.slope[1], "share of a plane in the variance": raw.plane_share}
-        facts |= {"edge jump over typical step": patch.edge_jump, "treatment": "; ".join(patch.history)}
+        facts |= {
+            "missing points": raw.missing,
+            "slope along x": raw.slope[0],
+            "slope along y": raw.slope[1],
+            "share of a plane in the variance": raw.plane_share,
+            "edge jump over typical step": patch.edge_jump,
+            "treatment": "; ".join(patch.history),
+        }
         if measured.faults:
             table = {"path": str(surface.path), "length": asked["length"], "unit": asked["unit"]}
             facts["before it is pressed"] = "\n".join(fault_lines(measured.faults, table))

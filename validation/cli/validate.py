@@ -75,8 +75,7 @@ def validate(
         for name, (solver, settings) in chosen.items():
             if not as_json:
                 typer.echo(f"{name}:")
-            subject = Subject(name=name, solver=solver, settings=settings, **limits)
-            cards.append(score(subject, tell=tell))
+            cards.append(score(Subject(name=name, solver=solver, settings=settings, **limits), tell=tell))
         show_scorecards(cards, write_scorecards(folder, cards, report=with_report).files, as_json=as_json)
         return
     cases = chosen_cases(names or [], quick=quick)

@@ -146,10 +146,9 @@ def run_accurate(
     prepare_folder(folder)
     bench = bench or Bench.at(folder / "solves")
     reached = reach(scene, bench, target=target, time_limit=time_limit)
-    shown: dict[str, Any] = {"accurate": reached.summary(), "report": report, "pictures": pictures}
-    outputs = run_scene(reached.chosen(scene), folder, bench=bench, **shown)
-    more = tuple(reached.sentences())
-    return replace(outputs, more=more, solved=reached.solves, reused=reached.reused)
+    found, asked = reached.chosen(scene), reached.summary()
+    outputs = run_scene(found, folder, bench=bench, accurate=asked, report=report, pictures=pictures)
+    return replace(outputs, more=tuple(reached.sentences()), solved=reached.solves, reused=reached.reused)
 
 
 def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None = None) -> AccuracyResult:

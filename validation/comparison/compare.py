@@ -21,7 +21,7 @@ from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Line, Panel
 from validation.report.page import page_of, write_page
 from validation.report.quantities import labelled, place_words, quantity_of
-from validation.report.table import ResultTable, WordTable, interval_cells, shown
+from validation.report.table import ResultTable, Row, WordTable, shown, value_cells
 from validation.report.values import value_of
 from validation.report.views import Card, Views
 
@@ -91,8 +91,7 @@ def compare_folders(folders: Sequence[Path], output: Path, *, report: bool = Tru
         },
     )
     with locked(prepare_folder(output)):
-        record: dict[str, Any] = {"kind": "compare", "name": page.title, "settings": settings}
-        result = write_results(output, data, store=output, **record)
+        result = write_results(output, data, kind="compare", name=page.title, settings=settings, store=output)
         files = write_page(page, output, numbers_only=not report)
         return Outputs(result=result, page=page, folder=output, files=files)
 
@@ -261,17 +260,15 @@ def _place(here: xr.Dataset, dim: str, data: xr.Dataset) -> str:
 
 
 def _table(data: xr.Dataset) -> ResultTable:
-    rows: list[dict[str, float | str]] = []
+    rows: list[Row] = []
     for name in _compared(data):
         for place, here in _places(data, name):
             for k, label in enumerate(data.result.values):
                 part = here.isel(result=k)
                 value, apart = value_of(part, name), value_of(part, f"{name}_apart")
                 cells = {"quantity": quantity_of(data, name).title, "where": place, "result": str(label)}
-                apart_cells = interval_cells("less the first", apart) if k else {}
-                of_value = {"value": value.value, **interval_cells("value", value)}
-                off = {"less the first": apart.value if k else np.nan, **apart_cells}
-                rows.append({**cells, **of_value, **off})
+                off = value_cells("less the first", apart) if k else {"less the first": np.nan}
+                rows.append({**cells, **value_cells("value", value), **off})
     return ResultTable.of_rows(rows)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -11,9 +10,10 @@ import xarray as xr
 from fem_contact.contact import ContactResult
 from fem_contact.stress import pressure_distribution
 from fem_contact.surface import HeightField, radial_spectrum
+from validation.arrays import Pair
 from validation.comparison.reductions import grid_name, own_solves
 from validation.comparison.subsurface_stress import planes
-from validation.execution.press import Press
+from validation.execution.press import Contacts
 from validation.report.estimates import gather
 from validation.report.quantities import labelled
 from validation.scenes.problem import ContactProblem
@@ -28,9 +28,7 @@ MAPS = ("x", "y")
 _CURVE = 401
 
 
-def with_fields(
-    data: xr.Dataset, scene: Scene, problem: ContactProblem, results: Mapping[Press, ContactResult]
-) -> xr.Dataset:
+def with_fields(data: xr.Dataset, scene: Scene, problem: ContactProblem, results: Contacts) -> xr.Dataset:
     """Add to the numbers of a run what its figures show of the fields.
 
     Maps are of the methods of the package, distributions of other codes too, stress below the contact of what
@@ -52,18 +50,17 @@ def with_fields(
     return labelled(planes(data, scene, results))
 
 
-def with_cells(data: xr.Dataset, shape: tuple[int, ...], spacing: tuple[float, float]) -> xr.Dataset:
+def with_cells(data: xr.Dataset, shape: tuple[int, ...], spacing: Pair) -> xr.Dataset:
     """Add the middles of cells along x and y [m]."""
     each = zip(MAPS, shape, spacing, strict=True)
     return data.assign_coords({name: (name, (np.arange(n) + 0.5) * step) for name, n, step in each})
 
 
-def with_maps(data: xr.Dataset, results: Mapping[Press, ContactResult]) -> xr.Dataset:
+def with_maps(data: xr.Dataset, results: Contacts) -> xr.Dataset:
     """Add heights and pressures on the finest grid that all methods share, or on the finest of the first."""
     methods = list(dict.fromkeys(solve.method for solve in results))
     grids = [{solve.grid for solve in results if solve.method == name} for name in methods]
-    common = set.intersection(*grids) or grids[0]
-    finest = max(common, key=math.prod)
+    finest = max(set.intersection(*grids) or grids[0], key=math.prod)
     there = {solve.method: result for solve, result in results.items() if solve.grid == finest}
     first, maps = there[methods[0]], np.full((data.sizes["solver"], *finest), np.nan)
     for name, result in there.items():
@@ -79,9 +76,7 @@ def with_maps(data: xr.Dataset, results: Mapping[Press, ContactResult]) -> xr.Da
     return data.assign_attrs(map_grid=grid_name(finest))
 
 
-def with_distribution(
-    data: xr.Dataset, shown: Mapping[Press, ContactResult], scene: Scene, problem: ContactProblem
-) -> xr.Dataset:
+def with_distribution(data: xr.Dataset, shown: Contacts, scene: Scene, problem: ContactProblem) -> xr.Dataset:
     """Add P(sigma) on every grid near zero, on the finest to its end, and that of the theory.
 
     All have the same bins, as many as the contact with the fewest points carries; shifts are averaged. With
@@ -108,8 +103,7 @@ def with_distribution(
         for key in keys:
             densities = [pressure_distribution(r, edges * unit).density for r in groups[key]]
             parts[key] = xr.Dataset({f"density_{name}": (name, unit * np.mean(densities, axis=0))})
-        binned = gather(parts, solver=data.solver.values, grid=data.grid.values)
-        data = data.assign(binned.data_vars)
+        data = data.assign(gather(parts, solver=data.solver.values, grid=data.grid.values).data_vars)
         data = data.assign_coords({f"stress_{name}": (name, (edges[1:] + edges[:-1]) / 2)})
         if options is None:
             continue

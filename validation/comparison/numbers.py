@@ -14,7 +14,6 @@ import numpy as np
 import xarray as xr
 
 from fem_contact.area import ContactAreas
-from fem_contact.contact import ContactResult
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS, Limit
 from validation.arrays import Array
 from validation.comparison.reductions import Case, Reading, grid_name, is_adhesive, own_solves
@@ -22,7 +21,7 @@ from validation.comparison.subsurface_stress import below
 from validation.comparison.transport import passing
 from validation.comparison.treatment import about
 from validation.errors import RunFailed
-from validation.execution.press import Press
+from validation.execution.press import Contacts, Press
 from validation.measurements.common import LEAST_POINTS_PER_WAVE
 from validation.measurements.measurement import TOLERANCES_LEFT, limit_over, no_limit
 from validation.measurements.statistics import order_of_convergence, relative_distance
@@ -44,7 +43,7 @@ _CLOSE = 0.01
 def scene_data(
     scene: Scene,
     problem: ContactProblem,
-    results: Mapping[Press, ContactResult],
+    results: Contacts,
     *,
     failures: Mapping[Press, str] | None = None,
     accurate: Mapping[str, Any] | None = None,
@@ -96,7 +95,7 @@ def scene_data(
 def _on_grids(case: Case) -> xr.Dataset:
     scene, problem = case.scene, case.problem
     every = {grid for name in case.methods for grid in scene.methods.options(name).grids}
-    grids = sorted(every, key=lambda grid: (grid[0] * grid[1], grid))
+    grids = sorted(every, key=lambda grid: (math.prod(grid), grid))
     parts: dict[tuple[str, str, int], xr.Dataset] = {}
     for reading in case.own:
         place = reading.solve.method, grid_name(reading.solve.grid)

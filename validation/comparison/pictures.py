@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
+from validation.execution.pool import Worker
 from validation.report.page import Picture
 
 _PATIENCE = 120
@@ -18,18 +17,12 @@ def render_stored(solve: Path, *, label: str) -> tuple[Picture | None, str]:
     It is done in a process of its own: without a display or a graphics driver the renderer may not only fail
     but take its process with it.
     """
-    path = [entry for entry in sys.path if entry]
-    code = f"import sys; sys.path[:0] = {path!r}; from validation.comparison.pictures import _main; _main()"
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, Worker() as worker:
         image = Path(folder) / "surface-3d.png"
-        command = [sys.executable, "-c", code, str(solve), str(image)]
         try:
-            done = subprocess.run(command, capture_output=True, text=True, timeout=_PATIENCE, check=False)
-        except subprocess.TimeoutExpired:
-            return None, f"off-screen rendering took more than {_PATIENCE} s"
-        if done.returncode or not image.exists():
-            last = done.stderr.strip().splitlines()[-1:] or [f"it ended with {done.returncode}"]
-            return None, f"off-screen rendering does not work here ({last[0][:200]})"
+            worker.call(_render, solve, image, seconds=_PATIENCE)
+        except Exception as error:  # its own, or that of the process it takes with it
+            return None, f"off-screen rendering does not work here: {error}{worker.last_words()}"
         png = image.read_bytes()
     caption = (
         f"The deformed surface of the elastic body ({label}), coloured by contact pressure: dark is high, "
@@ -38,9 +31,9 @@ def render_stored(solve: Path, *, label: str) -> tuple[Picture | None, str]:
     return Picture(name="surface-3d", png=png, caption=caption), ""
 
 
-def _main() -> None:
+def _render(solve: Path, image: Path) -> None:
     from fem_contact.export import render_surface
     from validation.execution.store import read_result
 
     # The renderer chooses the format by the suffix.
-    render_surface(Path(sys.argv[2]), read_result(Path(sys.argv[1])))
+    render_surface(image, read_result(solve))

@@ -17,7 +17,7 @@ from fem_contact.errors import InvalidInput
 from fem_contact.stress import density_at_zero
 from validation.arrays import Grid
 from validation.effects.base import Effect
-from validation.execution.press import Press
+from validation.execution.press import Contacts, Press
 from validation.measurements.measurement import areas_of_solve
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
@@ -28,7 +28,7 @@ def is_adhesive(effects: Sequence[Effect]) -> bool:
     return any(effect.slot == "gap law" for effect in effects)
 
 
-def grid_name(grid: tuple[int, int]) -> str:
+def grid_name(grid: Grid) -> str:
     """Name a grid as tables and coordinates do."""
     return f"{grid[0]} x {grid[1]}"
 
@@ -91,7 +91,7 @@ class Case:
 
     scene: Scene
     problem: ContactProblem
-    results: Mapping[Press, ContactResult]
+    results: Contacts
     readings: Mapping[Press, Reading]
     failures: Mapping[Press, str]
 

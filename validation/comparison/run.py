@@ -98,8 +98,7 @@ def run_sweep(
     settings = asked_of(sweep.scenes[0], sweep={"mode": sweep.mode, "keys": keys})
 
     def measured(results: Solves) -> tuple[xr.Dataset, Sequence[Path]]:
-        each = map(run_solves, sweep.scenes, problems)
-        counts = {"solves": len(solves), "asked": sum(map(len, each))}
+        counts = {"solves": len(solves), "asked": sum(map(len, map(run_solves, sweep.scenes, problems)))}
         return sweep_data(sweep, problems, results).assign_attrs(counts), ()
 
     bench = bench or Bench.at(folder / "solves")
@@ -140,9 +139,10 @@ def solve_and_write(
     data, written = measured(results)
     if results:
         data.attrs[SOLVES_MADE] = "\n".join(made_words(results.made()))
-    record: dict[str, Any] = {"kind": kind, "name": settings["scene"]["name"], "settings": settings}
-    page = partial(result_page, pictures=pictures)
-    outputs = leave(folder, data, page, report=report, store=store.folder, **record)
+    page, name = partial(result_page, pictures=pictures), settings["scene"]["name"]
+    outputs = leave(
+        folder, data, page, report=report, kind=kind, name=name, settings=settings, store=store.folder
+    )
     failures = data.failures.values.ravel().tolist() if "failures" in data else []
     return dataclasses.replace(
         outputs,

@@ -205,10 +205,9 @@ def _area(data: xr.Dataset) -> Iterator[Finding]:
     if float(data.area_own) >= 1 - 1e-12:
         yield note("Contact is complete: A/A0 = 1 on the resolved grids, and refinement changes nothing.")
         return
-    derived = derive(data, kappa_own="area_own / reduced_pressure")
     text = "A/A0 = {area_own} for this surface ({area_basis}), kappa = {kappa_own} at p* = "
     text += "{reduced_pressure:.4}.[ No limit over the grids: {no_limit}.]"
-    yield finding("value", text, derived)
+    yield finding("value", text, derive(data, kappa_own="area_own / reduced_pressure"))
     if float(data.surfaces) > 1:
         which = "maps" if data.attrs.get("treatment") else "surfaces of this spectrum"
         text = f"Over {{surfaces}} {which} the mean is A/A0 = {{area}}; single ones scatter by "

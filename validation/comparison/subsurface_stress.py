@@ -9,15 +9,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from fem_contact.contact import ContactResult
 from validation.arrays import padded
 from validation.comparison.reductions import grid_name, own_solves
-from validation.execution.press import Press
+from validation.execution.press import Contacts, Press
 from validation.report.estimates import gather
 from validation.scenes.scene import Scene
 
 
-def below(data: xr.Dataset, scene: Scene, results: Mapping[Press, ContactResult]) -> xr.Dataset:
+def below(data: xr.Dataset, scene: Scene, results: Contacts) -> xr.Dataset:
     """Add where the von Mises stress under the scene's own surface is largest, if it asks."""
     if scene.subsurface is None:
         return data
@@ -49,7 +48,7 @@ def _finest(scene: Scene, results: Mapping[Press, Any]) -> list[Press]:
     return list({solve.method: solve for solve in _pressed(scene, results)}.values())
 
 
-def write_below(scene: Scene, results: Mapping[Press, ContactResult], folder: Path) -> Iterator[Path]:
+def write_below(scene: Scene, results: Contacts, folder: Path) -> Iterator[Path]:
     """Write the fields below the finest grid of each method, where the scene asks for them."""
     if scene.subsurface is None or not scene.subsurface.vtu:
         return
@@ -59,12 +58,11 @@ def write_below(scene: Scene, results: Mapping[Press, ContactResult], folder: Pa
     folder.mkdir(exist_ok=True)
     for solve in _finest(scene, results):
         target = folder / f"{solve.prefix}-below.vtu"
-        fields = fields_below(results[solve], solve.response, depths=scene.subsurface.depths)
-        write_subsurface(target, fields)
+        write_subsurface(target, fields_below(results[solve], solve.response, depths=scene.subsurface.depths))
         yield target
 
 
-def planes(data: xr.Dataset, scene: Scene, results: Mapping[Press, ContactResult]) -> xr.Dataset:
+def planes(data: xr.Dataset, scene: Scene, results: Contacts) -> xr.Dataset:
     """Add the von Mises stress over depth below the finest grid of each method: largest, and rms."""
     if scene.subsurface is None:
         return data

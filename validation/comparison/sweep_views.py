@@ -128,8 +128,8 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     for key in _varying(data):
         yield from _along(data, key)
     if "area_excess" in data and bool(data.area_excess.notnull().any()):
-        excess, error = data.area_excess, data.area_excess_error
-        half = (error.sel(source=["surfaces", "grid", "solver"]) ** 2).sum("source") ** 0.5
+        excess = data.area_excess
+        half = (data.area_excess_error.sel(source=["surfaces", "grid", "solver"]) ** 2).sum("source") ** 0.5
         yield _ends(
             "The area is {low:+.2%}[ to {high:+.2%}] from Persson's theory; in {agree} of {count} cases the "
             "two agree within the 95 % interval.",

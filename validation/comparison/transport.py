@@ -11,13 +11,14 @@ import numpy as np
 import xarray as xr
 
 from fem_contact.contact import ContactResult
+from validation.arrays import Pair
 from validation.comparison.reductions import Case
 from validation.report.estimates import error_of, mean
 from validation.scenes.tables import Leak
 
 _AXES: tuple[Literal["x", "y"], ...] = ("x", "y")
 #: What is asked of one result, and what a theory says of it: value, theory's value.
-_Read = Callable[[ContactResult], tuple[float, float]]
+_Read = Callable[[ContactResult], Pair]
 
 
 def passing(data: xr.Dataset, case: Case) -> xr.Dataset:
@@ -46,8 +47,8 @@ def passing(data: xr.Dataset, case: Case) -> xr.Dataset:
         reads |= {f"leak_rate_{axis}": (_leak(quantities.leak, axis), "bruggeman") for axis in _AXES}
     for name, (read, beside) in reads.items():
         values = [read(results[solve]) for solve in ladder[-2:]]
-        (value, theory), before = values[-1], values[0][0]
-        change = abs(value - before) if len(values) > 1 and np.isfinite(value) else np.nan
+        value, theory = values[-1]
+        change = abs(value - values[0][0]) if len(values) > 1 and np.isfinite(value) else np.nan
         data[name] = xr.DataArray(value)
         data[f"{name}_error"] = error_of(data[name], grid=change)
         if np.isfinite(theory):
@@ -61,7 +62,7 @@ def passing(data: xr.Dataset, case: Case) -> xr.Dataset:
     return data
 
 
-def _conductance(resistivities: tuple[float, float], case: Case) -> _Read:
+def _conductance(resistivities: Pair, case: Case) -> _Read:
     """Conductance per nominal area, by Barber's relation on the set of contact, yielded points included."""
     from fem_contact.conductance import contact_conductance, frozen_contact
     from fem_contact.response import HalfSpace
@@ -76,7 +77,7 @@ def _conductance(resistivities: tuple[float, float], case: Case) -> _Read:
             return math.inf
         return contact_conductance(stiffness, contact_modulus=modulus, resistivities=resistivities)
 
-    def read(result: ContactResult) -> tuple[float, float]:
+    def read(result: ContactResult) -> Pair:
         theory = math.nan
         if not case.scene.effects:
             scale = Scale(case.problem.own_spectrum, contact_modulus=modulus)
@@ -94,7 +95,7 @@ def _leak(leak: Leak, axis: Literal["x", "y"]) -> _Read:
     from fem_contact.leak import flow_conductance, open_gap
     from persson.leakage import effective_medium
 
-    def read(result: ContactResult) -> tuple[float, float]:
+    def read(result: ContactResult) -> Pair:
         gap = open_gap(result)
         along, across = result.lengths if axis == "x" else result.lengths[::-1]
         per = leak.pressure_drop / along * across / leak.viscosity

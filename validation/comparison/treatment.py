@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import asdict
 
 import numpy as np
 import xarray as xr
 
-from fem_contact.contact import ContactResult
-from validation.execution.press import Press
+from validation.execution.press import Contacts
 from validation.measurements.measurement import areas_of_solve
 from validation.report.findings import Finding, finding, note
 from validation.report.table import Table
@@ -26,9 +25,7 @@ STATISTICS = (
 _CHANGES = ("treated_area_change", "treated_gradient_change", "treated_height_change")
 
 
-def with_treatment(
-    data: xr.Dataset, problem: ContactProblem, results: Mapping[Press, ContactResult]
-) -> xr.Dataset:
+def with_treatment(data: xr.Dataset, problem: ContactProblem, results: Contacts) -> xr.Dataset:
     """Add statistics of a measured surface, and what each other treatment changes at the same pressure.
 
     Changes are relative to the scene's own treatment on the same grid; ``treatment_spread`` is the root sum

@@ -85,8 +85,7 @@ def calibrate(
     # In turns, and the least processor time counts: other processes of the machine must not decide a ratio.
     for turn in range(repeats + 1):
         for name, effects in cases.items():
-            model = ContactModel.filled(solid, effects)
-            contact = bem.pressed(field, model, 0.005, tolerance=1e-8).checked()
+            contact = bem.pressed(field, ContactModel.filled(solid, effects), 0.005, tolerance=1e-8).checked()
             if turn > 0:
                 seconds[name] = min(seconds[name], contact.cost.cpu_seconds)
                 pairs[name] = contact.cost.fft_pairs

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import product
 from math import prod
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fem_contact.contact import ContactResult
 from fem_contact.settings import available_processors
@@ -171,6 +172,10 @@ class Press(Solve):
         """Share the surface of the previous solve, if it is the same one."""
         shared = getattr(previous, "problem", None)
         return replace(self, problem=shared) if shared == self.problem else self
+
+
+#: What came of solves.
+Contacts: TypeAlias = Mapping[Press, ContactResult]
 
 
 def solves_of(scene: Scene, problem: ContactProblem | None = None) -> tuple[Press, ...]:

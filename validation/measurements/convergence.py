@@ -144,7 +144,6 @@ def line(
         Source of error to which it belongs how the line moves without its first group.
     """
     values = data[f"{name}_each"]
-    there = solved_places(data, values, over=over)
 
     def fit(rows: Array, solved: Array, steps: Array) -> Line:
         samples = [row[k] for row, k in zip(rows, solved, strict=True)]
@@ -154,7 +153,7 @@ def line(
     lines = xr.apply_ufunc(
         fit,
         values,
-        xr.ones_like(values, dtype=bool) if there is None else there,
+        solved_places(data, values, over=over),
         data[x],
         input_core_dims=[groups, groups, [along]],
         output_core_dims=[[] for _ in Line._fields],

@@ -247,8 +247,7 @@ class Contact:
 
     def _by(self, methods: Mapping[str, Any]) -> Contact:
         """Press by other methods; what is solved is not solved again."""
-        theory = self.scene.methods.options("theory")
-        asked = {**dict(self.scene), "methods": {"theory": theory, **methods}}
+        asked = {**dict(self.scene), "methods": {"theory": self.scene.methods.options("theory"), **methods}}
         return pressed(checked(Scene, "press", asked), self.problem, done=self.solved)
 
     @property

@@ -14,6 +14,7 @@ import xarray as xr
 
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
+from validation.arrays import Grid
 from validation.comparison.theory_alone import theory_data
 from validation.effects import effect_kinds
 from validation.errors import NoLimit, UsageError
@@ -87,8 +88,7 @@ def press(
     FemContactError
         When the solve fails.
     """
-    body = {"young": young, "poisson": poisson, "second_young": second_young}
-    tables = _tables(surface, solid, **body, second_poisson=second_poisson)
+    tables = _tables(surface, solid, (young, poisson, second_young, second_poisson))
     load = {"pressure": pressure, "reduced_pressure": reduced_pressure, "force": force}
     load |= {"mean_gap": mean_gap, "offset": offset}
     if any(np.ndim(value) for value in load.values()):  # type: ignore[arg-type]
@@ -128,10 +128,10 @@ def theory(
     Parameters are those of `press`; a load may be a list. The dataset, over `load`, has A/A0, the yielded
     part of it, and the error that the theory estimates of itself; NaN where it has no answer.
     """
-    body = {"young": young, "poisson": poisson, "second_young": second_young}
-    tables, listed = _tables(surface, solid, **body, second_poisson=second_poisson), _effects(effects)
+    tables = _tables(surface, solid, (young, poisson, second_young, second_poisson))
     load = {"pressure": pressure, "reduced_pressure": reduced_pressure}
-    scene = checked(Scene, "theory", {**tables, "load": load, "methods": {"theory": {}}, "effects": listed})
+    tables |= {"load": load, "methods": {"theory": {}}, "effects": _effects(effects)}
+    scene = checked(Scene, "theory", tables)
     problem = replace(realise(scene), given=surface.given)
     check_scene(scene, problem)
     data = theory_data(scene, problem).set_coords("reduced_pressure")
@@ -221,8 +221,9 @@ def _said(contact: Contact) -> dict[str, Any]:
     return loads
 
 
-def _tables(surface: object, solid: object, **body: Any) -> dict[str, Any]:
+def _tables(surface: object, solid: object, numbers: tuple[Any, Any, Any, Any]) -> dict[str, Any]:
     """Return name, surface and solid as a scene has them; of what is none, what to write instead."""
+    body = dict(zip(("young", "poisson", "second_young", "second_poisson"), numbers, strict=True))
     if not isinstance(surface, Surface):
         what, remedy = type(surface).__name__, "write self_affine(...) or measured(...)"
         if isinstance(surface, np.ndarray):
@@ -264,7 +265,7 @@ def _effects(effects: Mapping[str, Any]) -> list[dict[str, Any]]:
     return listed
 
 
-def _default_grid(surface: Surface, method: str) -> tuple[int, int]:
+def _default_grid(surface: Surface, method: str) -> Grid:
     """Return twice the points of a measured surface, 4 per shortest wave, or what resolves a random one."""
     if surface.given is not None:
         nx, ny = surface.given.raw.heights.shape

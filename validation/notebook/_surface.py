@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -14,6 +14,7 @@ import numpy as np
 import xarray as xr
 
 from fem_contact.surface import HeightField, radial_spectrum
+from validation.arrays import Pair
 from validation.errors import SceneError, UsageError
 from validation.notebook._tables import (
     GridLike,
@@ -33,7 +34,7 @@ from validation.scenes.scene import sized
 from validation.scenes.tables import FileSurface, SelfAffineSurface
 from validation.scenes.tables import Surface as SurfaceTable
 from validation.scenes.topography.measured import Measured
-from validation.scenes.topography.patch import Topography
+from validation.scenes.topography.patch import Faults, Topography
 from validation.scenes.topography.raw import check_shape, real
 from validation.scenes.topography.statistics import height_statistics
 from validation.scenes.topography.writing import heights_over_places
@@ -84,7 +85,7 @@ class Surface:
         return float(np.sqrt(self.field.moments[2])) / 2
 
     @property
-    def pixel_size(self) -> tuple[float, float]:
+    def pixel_size(self) -> Pair:
         """Steps between heights [m]."""
         return self.field.spacing
 
@@ -137,7 +138,7 @@ class Surface:
 class _Measured(Measured):
     """A measured surface of Python, where arguments mend what the table of a scene would."""
 
-    def remedy(self, faults: Mapping[str, tuple[str, str]]) -> str:
+    def remedy(self, faults: Faults) -> str:
         """Say what is wrong, and which arguments mend it."""
         words = ", ".join(f'{key}="{remedy}"' for key, (_, remedy) in faults.items())
         return f": {'; '.join(why for why, _ in faults.values())}; add to measured(...): {words}"
@@ -247,8 +248,11 @@ def measured(
     single = length is not None and np.ndim(length) == 0 and sides_of(length) is None
     if single and nx != ny:
         raise UsageError(f"measured: one length for {nx} x {ny} points; give both sides, as length=(Lx, Ly)")
-    options |= {"path": words, "length": own_length if length is None else length}
-    options["unit"] = own_unit if unit is None else unit
+    options |= {
+        "path": words,
+        "length": own_length if length is None else length,
+        "unit": own_unit if unit is None else unit,
+    }
     in_memory = checked(FileSurface, "measured", options)
     assert in_memory.unit is not None
     raw = Topography(
@@ -261,7 +265,7 @@ def measured(
     return Surface(table=in_memory, given=_Measured.of(in_memory, raw))
 
 
-def _told_by(heights: Any) -> tuple[Any, tuple[float, float] | None, float | None, str]:
+def _told_by(heights: Any) -> tuple[Any, Pair | None, float | None, str]:
     """Return heights, their size [m], their unit [m] and what they are, as far as the object says it."""
     if isinstance(heights, HeightField):
         return heights.heights, heights.lengths, 1.0, "HeightField"

@@ -12,6 +12,7 @@ import xarray as xr
 from pydantic import ValidationError
 from scipy.fft import next_fast_len
 
+from validation.arrays import Grid, Pair
 from validation.comparison.fields import MAPS, with_cells
 from validation.errors import SceneError, UsageError
 from validation.report.marks import Figure, Image, Panel
@@ -20,7 +21,7 @@ from validation.scenes.mistakes import problems
 from validation.units import Table
 
 Quantity = float | str
-GridLike = int | tuple[int, int]
+GridLike = int | Grid
 T = TypeVar("T", bound=Table)
 
 
@@ -56,7 +57,7 @@ def checked(kind: type[T], source: str, values: Mapping[str, Any]) -> T:
         raise SceneError(source, problems(error)) from None
 
 
-def pair(grid: GridLike) -> tuple[int, int]:
+def pair(grid: GridLike) -> Grid:
     """Return a grid; one number stands for both sides."""
     sides = (grid, grid) if isinstance(grid, int) else tuple(grid) if isinstance(grid, (tuple, list)) else ()
     if len(sides) != 2 or not all(isinstance(n, int) and n > 0 for n in sides):
@@ -64,14 +65,14 @@ def pair(grid: GridLike) -> tuple[int, int]:
     return sides
 
 
-def grids_of(name: str, grids: object) -> list[tuple[int, int]]:
+def grids_of(name: str, grids: object) -> list[Grid]:
     """Return several grids."""
     if not isinstance(grids, Sequence) or isinstance(grids, (str, bytes)) or not grids:
         raise UsageError(f"{name} = {grids!r}: give several, as [32, 48, 64]")
     return [pair(grid) for grid in grids]
 
 
-def fast_grid(lengths: tuple[float, float], shortest: float, points_per_wave: float) -> tuple[int, int]:
+def fast_grid(lengths: Pair, shortest: float, points_per_wave: float) -> Grid:
     """Return a grid of at least so many points per shortest wave, of a size that transforms quickly."""
     spacing = shortest / points_per_wave * (1 + 1e-12)
     nx, ny = (int(next_fast_len(math.ceil(length / spacing))) for length in lengths)
@@ -97,7 +98,7 @@ def as_html(title: str, facts: Mapping[str, str]) -> str:
     return f"<table><caption>{html.escape(title)}</caption>{''.join(rows)}</table>"
 
 
-def on_places(data: xr.Dataset, spacing: tuple[float, float], **maps: Any) -> xr.Dataset:
+def on_places(data: xr.Dataset, spacing: Pair, **maps: Any) -> xr.Dataset:
     """Add maps over x and y, the middles of cells [m], to a dataset."""
     data = with_cells(data, next(iter(maps.values())).shape, spacing)
     return labelled(data.assign({name: (MAPS, values) for name, values in maps.items()}))

@@ -57,8 +57,7 @@ _RUBBER = StandardSolid(relaxed=1e6, unrelaxed=1e9, time=1e-3)
 
 def _tolerant(rms_height: float) -> FlawTolerance:
     rough = SelfAffine.from_rms_height(rms_height, hurst=0.8, q_long=1e6, q_short=1e10)
-    interface = Interface(work_of_adhesion=0.05)
-    return optimal_modulus(rough, pressure=0.0, tensile_limit=5e7, interface=interface)
+    return optimal_modulus(rough, pressure=0.0, tensile_limit=5e7, interface=Interface(work_of_adhesion=0.05))
 
 
 def _killing(q_long: float) -> float:

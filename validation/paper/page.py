@@ -30,7 +30,6 @@ _WORDS = ("section", "convention", "verdict", "reason", "note")
 
 def paper_dataset(rows: Sequence[ClaimRow], figures: Iterable[xr.Dataset]) -> xr.Dataset:
     """Return claims along `claim`, and the curves of figures."""
-    verdicts = [row.verdict for row in rows]
     columns: dict[str, Iterable[Any]] = {f"paper_{n}": [getattr(row, n) for row in rows] for n in _WORDS}
     columns |= {name: [getattr(row, name) for row in rows] for name in ("computed", "literal")}
     columns |= zip(_STATED, zip(*(row.stated for row in rows), strict=True), strict=True)
@@ -38,7 +37,7 @@ def paper_dataset(rows: Sequence[ClaimRow], figures: Iterable[xr.Dataset]) -> xr
         {
             **{name: ("claim", list(column)) for name, column in columns.items()},
             "claims_judged": float(len(rows)),
-            **{name: float(verdicts.count(words)) for name, words in _COUNTED.items()},
+            **{name: float(sum(row.verdict == words for row in rows)) for name, words in _COUNTED.items()},
         },
         coords={"claim": [f"{row.application}: {row.claim}" for row in rows]},
     )

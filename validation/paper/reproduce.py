@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 from validation.execution.outputs import Outputs, leave
 from validation.paper.claims import judge
@@ -18,7 +17,6 @@ from validation.paper.pmma import PMMA
 from validation.paper.pyrex import PYREX
 from validation.paper.rim import RIM
 
-KIND = "paper"
 #: In the order of the table.
 APPLICATIONS = (RIM, GENERAL, STEEL, PMMA, PYREX)
 
@@ -45,6 +43,6 @@ def run(output: Path, *, figures: bool = True, progress: Callable[[str], None] |
         for application in APPLICATIONS
         for row in judge(application, tell=lambda text: tell(f"claim: {text}"))
     ]
-    data = paper_dataset(rows, curves)
-    record: dict[str, Any] = {"kind": KIND, "name": "reproduce", "settings": {"figures": figures}}
-    return leave(output, data, paper_page, report=figures, store=output, **record)
+    data, settings = paper_dataset(rows, curves), {"figures": figures}
+    record = {"kind": "paper", "name": "reproduce"}
+    return leave(output, data, paper_page, report=figures, settings=settings, store=output, **record)

@@ -7,6 +7,7 @@ the Poisson ratio of PMMA (0.35), the size of the Pyrex sample (L = 1 um, Sec. 2
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from persson import elastic
 from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
@@ -41,11 +42,8 @@ def steel(*, smooth: bool = False) -> SelfAffine:
 
     With a smooth roll-off where curvature matters.
     """
-    if smooth:
-        return SelfAffine.from_rms_height(
-            1e-7, hurst=0.8, q_long=1e5, q_short=1e10, rolloff="smooth", q_min=1e3
-        )
-    return SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e10)
+    shape: dict[str, Any] = {"rolloff": "smooth", "q_min": 1e3} if smooth else {}
+    return SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e10, **shape)
 
 
 def rim(ratio: float = 1.0) -> SelfAffine:

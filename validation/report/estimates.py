@@ -69,8 +69,7 @@ def gather(cases: Mapping[Any, xr.Dataset], **dims: Sequence[Any]) -> xr.Dataset
             words = ", ".join(sorted({str(one[0] if isinstance(one, tuple) else one) for one in odd}))
             raise UsageError(f"cases to be gathered differ in {words}, as at {place}")
     sizes = {dim: len(values) for dim, values in dims.items()}
-    every = itertools.product(*dims.values())
-    places = dict(zip(every, np.ndindex(*sizes.values()), strict=True))
+    places = dict(zip(itertools.product(*dims.values()), np.ndindex(*sizes.values()), strict=True))
     named = {place if len(dims) > 1 else (place,): case for place, case in cases.items()}
     there = {places[place]: case for place, case in named.items() if place in places}
 
@@ -136,8 +135,8 @@ def each(data: xr.Dataset, *dims: str) -> Iterator[xr.Dataset]:
     [1.0, 3.0, 2.0, 4.0]
     """
     for place in np.ndindex(*(data.sizes[dim] for dim in dims)):
-        here = data.isel(dict(zip(dims, place, strict=True)))
-        yield here.assign_attrs(at={**data.attrs.get("at", {}), **dict(zip(dims, place, strict=True))})
+        at = dict(zip(dims, place, strict=True))
+        yield data.isel(at).assign_attrs(at={**data.attrs.get("at", {}), **at})
 
 
 def nearest(values: xr.DataArray, wanted: float) -> int:
@@ -296,7 +295,7 @@ def mean(
         values = _of(data, f"{name}_each", f"mean of {name!r}", over)
         there = solved_places(data, values, over=over)
         middle, half = mean_of(values, over=over, pairs=pairs, there=there)
-        count = values.sizes[over] if there is None else there.sum(over)
+        count = there.sum(over)
         sources: dict[str, Any] = {"surfaces": half}
         of = optional(data, f"{name}_each_error")
         why: dict[str, Any] = {}
@@ -337,15 +336,12 @@ def mean_of(
     Where one surface has no value the mean has none: the others are not a fair sample. A single sample has
     no interval. Where not all are `there`, the mean is over those that are.
     """
+    there = xr.ones_like(values, bool) if there is None else there
     if pairs:
         values, second = (values.isel({over: slice(k, None, 2)}) for k in (0, 1))
         values = (values.drop_vars(over, errors="ignore") + second.drop_vars(over, errors="ignore")) / 2
-        if there is not None:
-            there = there.isel({over: slice(0, None, 2)}).drop_vars(over, errors="ignore")
-    if values.sizes[over] < 2:
-        return values.mean(over, skipna=False), values.mean(over, skipna=False) * math.nan
+        there = there.isel({over: slice(0, None, 2)}).drop_vars(over, errors="ignore")
     middle = _mean(values, over, there)
-    there = xr.ones_like(values, bool) if there is None else there
     count = there.sum(over)
     with np.errstate(invalid="ignore"):  # of what is endless it is unknown
         squares = ((values - middle) ** 2).where(there, 0.0).sum(over, skipna=False)
@@ -355,24 +351,21 @@ def mean_of(
     return middle, scatter * (scipy.special.stdtrit((count - 1).clip(min=1), 0.975) / count**0.5)
 
 
-def _mean(values: xr.DataArray, over: str, there: xr.DataArray | None) -> xr.DataArray:
+def _mean(values: xr.DataArray, over: str, there: xr.DataArray) -> xr.DataArray:
     """Mean over the samples that are there; NaN where one of them is."""
-    if there is None:
-        return values.mean(over, skipna=False)
     return values.where(there).mean(over).where(~(values.isnull() & there).any(over))
 
 
-def solved_places(data: xr.Dataset, values: xr.DataArray, *, over: str) -> xr.DataArray | None:
-    """Return which places of a variable were solved: where its ``solve`` is named; None where all were.
+def solved_places(data: xr.Dataset, values: xr.DataArray, *, over: str) -> xr.DataArray:
+    """Return which places of a variable were solved: where its ``solve`` is named; all if it has none.
 
     The solves of a variable are in the one whose name begins with ``solve`` and whose dimensions it has all.
     """
     for name in (name for name in data.data_vars if str(name).startswith("solve")):
         named = data[name]
         if over in named.dims and set(named.dims) <= set(values.dims):
-            there = named != ""
-            return None if bool(there.all()) else there
-    return None
+            return named != ""
+    return xr.ones_like(values, bool)
 
 
 def change(data: xr.Dataset, name: str, *, along: str, first: int = 0, last: int = -1) -> xr.Dataset:
@@ -485,7 +478,7 @@ def power_law(data: xr.Dataset, name: str, *, of: str, x: str, along: Sequence[s
 
     values = _of(data, of, f"power law {name!r}")
     exponent, half, factor = xr.apply_ufunc(
-        lambda y, at: fit(y.ravel(), np.broadcast_to(at, y.shape).ravel()),
+        fit,
         values,
         _of(data, x, f"power law {name!r}").broadcast_like(values),
         input_core_dims=[list(along), list(along)],

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 import xarray as xr
 
+from validation.arrays import Pair
 from validation.errors import UsageError
 from validation.files import atomic_path
 from validation.report.estimates import each, optional, shown_sources, total_error
@@ -120,7 +121,7 @@ class Figure:
     height: float = 3.7
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Drawn:
     """One thing that was drawn: artist, axes, mark, and the slice it shows."""
 
@@ -129,8 +130,9 @@ class Drawn:
     mark: Any
     x: str
     data: xr.Dataset
+    _: KW_ONLY
     label: str
-    factors: tuple[float, float]
+    factors: Pair
     look: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -290,8 +292,7 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
             look = {"capsize": 2 + 2 * before, "elinewidth": 1.5 / (1 + before), **look}
         x, factors = mark.x or panel.x, (scale_x[0], scale_y[0])
         artist = _put(mark, axes, here, x, factors, {**look, "label": mathtext(label)})
-        options: dict[str, Any] = {"label": label, "factors": factors, "look": look}
-        drawn.append(Drawn(artist=artist, axes=axes, mark=mark, x=x, data=here, **options))
+        drawn.append(Drawn(artist, axes, mark, x, here, label=label, factors=factors, look=look))
     for axis in panel.log:
         getattr(axes, f"set_{axis}scale")("log", base=panel.base if axis == "x" else 10)
     if isinstance(panel.marks[0], Image):
@@ -324,9 +325,7 @@ def _places(mark: _Mark, data: xr.Dataset) -> Iterable[xr.Dataset]:
     return (here for here in each(data, *_by(mark)) if bool(here[mark.y].notnull().any()))
 
 
-def _put(
-    mark: _Mark, axes: Axes, here: xr.Dataset, x: str, factors: tuple[float, float], look: dict[str, Any]
-) -> Any:
+def _put(mark: _Mark, axes: Axes, here: xr.Dataset, x: str, factors: Pair, look: dict[str, Any]) -> Any:
     values, error = here[mark.y], total_error(here, mark.y)
     along: Any = here[x].values if x in here.variables else None
     if along is not None and along.dtype.kind not in "OU":
@@ -443,8 +442,8 @@ def _legend(canvas: Any, axes: Sequence[Axes]) -> None:
     widest = 0.051 * max(map(len, options)) + 0.45
     columns = min(len(options), max(1, int(canvas.get_figwidth() / widest)))
     canvas.set_figheight(canvas.get_figheight() + 0.17 * -(-len(options) // columns) + 0.1)
-    where: dict[str, Any] = {"loc": "outside lower center", "ncols": columns}
-    canvas.legend(options.values(), options, fontsize=7, frameon=False, **where)
+    place = "outside lower center"
+    canvas.legend(options.values(), options, loc=place, ncols=columns, fontsize=7, frameon=False)
 
 
 def _caption(text: str, drawn: Sequence[Drawn]) -> str:

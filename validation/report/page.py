@@ -105,10 +105,7 @@ def page_of(data: xr.Dataset, views: Views, /, *, figures: bool, **rest: Any) ->
     Of the `rest`, fields of `Page`, notes and the summary are added to those of the findings.
     """
     made = [(table, rows) for table in views.tables if (rows := table.of(data)).rows]
-    drawn: tuple[Drawing, ...] = ()
-    if figures:
-        every = (draw(figure, data) for figure in views.figures)
-        drawn = tuple(drawing for drawing in every if drawing.drawn)
+    every = (draw(figure, data) for figure in (views.figures if figures else ()))
     numbers = {
         name: {k: v for k, v in value.as_json().items() if k in ("value", "error", "sources")}
         for name, value in sorted(values_of(data).items())
@@ -119,7 +116,7 @@ def page_of(data: xr.Dataset, views: Views, /, *, figures: bool, **rest: Any) ->
         "findings": tuple(finding.text for finding in views.findings),
         "tables": tuple(shown(rows, title=table.title, note=table.note) for table, rows in made),
         "budget": budget_table(data, views.budget) if views.budget else None,
-        "figures": drawn,
+        "figures": tuple(drawing for drawing in every if drawing.drawn),
         "records": {table.file: rows for table, rows in made},
         "data": data,
         "facts": tuple(str(data.attrs.get("solves_made", "")).splitlines()),
@@ -302,12 +299,11 @@ def render(page: Page, figures: Sequence[Mapping[str, Any]] = ()) -> str:
     if page.budget is not None:
         note = _BUDGET + _TREATED * (TREATMENT in page.budget.columns)
         budget = shown(page.budget, title="What is uncertain", note=note)
-    template = environment.get_template("report.html.j2")
     # The one script that may run: the policy of the page names it by its hash.
     assert environment.loader is not None
     script = environment.loader.get_source(environment, "zoom.js")[0]
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-    return template.render(
+    return environment.get_template("report.html.j2").render(
         page=page,
         figures=figures,
         layout=layout(page.findings, page.tables, budget, figures),

@@ -60,8 +60,7 @@ class Quantity:
 @cache
 def registry() -> Mapping[str, Mapping[str, Any]]:
     """Return the tables of the registry: ``quantities`` and ``qualifiers``."""
-    text = resources.files(__package__).joinpath("quantities.toml").read_text(encoding="utf-8")
-    return tomllib.loads(text)
+    return tomllib.loads(resources.files(__package__).joinpath("quantities.toml").read_text(encoding="utf-8"))
 
 
 @cache
@@ -151,8 +150,8 @@ def shown_unit(variable: xr.DataArray, unit: str, largest: float) -> tuple[float
 
 def in_shown_unit(number: xr.DataArray) -> str:
     """Return one number of a dataset with four digits, in the unit in which it is shown."""
-    value, plain = float(number), quantity(str(number.name)).unit
-    factor, unit = shown_unit(number, plain, abs(value))
+    value = float(number)
+    factor, unit = shown_unit(number, quantity(str(number.name)).unit, abs(value))
     return four_digits(value * factor) + ("" if unit == "1" else f" {unit}")
 
 

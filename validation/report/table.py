@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import csv
-import html
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import xarray as xr
@@ -39,6 +38,10 @@ TREATMENT = "treatment [%]"
 _ENTERS_NOT = "does not enter"
 #: What stands there for a source that enters, and was left out.
 _UNMEASURED = "not measured"
+
+
+#: Cells by the titles of their columns.
+Row: TypeAlias = dict[str, float | str]
 
 
 @dataclass(frozen=True)
@@ -82,11 +85,9 @@ class Table:
         listed = {name for name, _, _ in made} | {f"{name}_error" for name, _, _ in made}
         subset = data[[str(name) for name in data.data_vars if name in listed]]
         for here in each(subset, *self.rows):
-            row: dict[str, float | str] = {}
+            row: Row = {}
             for name, title, at in made:
-                value = value_of(here.isel(at, missing_dims="ignore"), name)
-                row[title] = value.value
-                row |= interval_cells(title, value)
+                row |= value_cells(title, value_of(here.isel(at, missing_dims="ignore"), name))
             values = {k: v for k, v in row.items() if k not in places and not k.endswith(SOURCES_OF)}
             there = any(isinstance(v, str) or not math.isnan(v) for v in values.values())
             titles = [t for n, t, _ in made if n in data.data_vars and set(data[n].dims) >= set(self.rows)]
@@ -118,7 +119,7 @@ class Listing:
 
     def of(self, data: xr.Dataset) -> ResultTable:
         """Return the numbers that are there, in units that suit their size."""
-        rows: list[dict[str, float | str]] = []
+        rows: list[Row] = []
         for name in self.names:
             if name not in data.variables or data[name].ndim:
                 continue
@@ -129,9 +130,9 @@ class Listing:
             factor, unit = shown_unit(data[name], what.unit, size)
             scaled = value.value if isinstance(value.value, str) else factor * value.value
             error = math.nan if value.error is None else factor * value.error
-            cells = interval_cells("value", replace(value, error=error))
-            row = {"quantity": what.meaning, "symbol": what.symbol, "value": scaled, **cells}
-            rows.append({**row, "unit": "" if unit == "1" else unit})
+            cells = value_cells("value", replace(value, value=scaled, error=error))
+            named: Row = {"quantity": what.meaning, "symbol": what.symbol}
+            rows.append({**named, **cells, "unit": "" if unit == "1" else unit})
         return ResultTable.of_rows(rows)
 
     def as_json(self, data: xr.Dataset) -> dict[str, Any]:
@@ -139,11 +140,10 @@ class Listing:
         return {"names": list(self.names)}
 
 
-def interval_cells(title: str, value: Value) -> dict[str, float | str]:
-    """Return the half width of an interval, and what it holds where that is not all, by their columns."""
-    if value.error is None:
-        return {}
-    return {f"{title} {INTERVAL}": value.error, f"{title} {SOURCES_OF}": value.sources}
+def value_cells(title: str, value: Value) -> Row:
+    """Return a value, half of its interval, and what that holds where it is not all, by their columns."""
+    interval: Row = {} if value.error is None else {INTERVAL: value.error, SOURCES_OF: value.sources}
+    return {title: value.value, **{f"{title} {what}": cell for what, cell in interval.items()}}
 
 
 def _place(column: str | Column, data: xr.Dataset) -> tuple[str, str, Mapping[str, int]]:
@@ -164,21 +164,23 @@ def budget_table(data: xr.Dataset, names: Sequence[str]) -> ResultTable:
     measured map move its area stands beside the sources, with the root of the sum of squares of all that was
     measured.
     """
-    rows: list[dict[str, float | str]] = []
+    rows: list[Row] = []
     for name in names:
         errors = data[f"{name}_error"]
         dims = [str(d) for d in errors.dims if d != "source"]
         for here in each(data, *dims):
             value, error = float(here[name]), here[f"{name}_error"]
             places = [place for dim in dims for place in _all_words(here, dim, data)]
-            row: dict[str, float | str] = {"number": ", ".join([quantity(name).title, *filter(None, places)])}
-            row["value"] = value
             # Of zero only no error is a part.
             parts = 100 * abs(error / value) if value else error.where(error == 0)
             shares = dict(zip(SOURCES, map(float, parts), strict=True))
             entering = [share for s, share in shares.items() if s not in SPECTRAL]
-            row["for this spectrum and period [%]"] = combined(*entering)
-            row["for any [%]"] = combined(*shares.values())
+            row: Row = {
+                "number": ", ".join([quantity(name).title, *filter(None, places)]),
+                "value": value,
+                "for this spectrum and period [%]": combined(*entering),
+                "for any [%]": combined(*shares.values()),
+            }
             for source, share in shares.items():
                 words = _ENTERS_NOT if source in error.attrs else _UNMEASURED
                 row[f"{source} [%]"] = words if source in error.attrs or math.isnan(share) else share
@@ -214,7 +216,7 @@ class ResultTable:
         return cls(columns=tuple(columns), rows=tuple(tuple(row) for row in rows))
 
     @classmethod
-    def of_rows(cls, rows: Iterable[Mapping[str, float | str]]) -> ResultTable:
+    def of_rows(cls, rows: Iterable[Row]) -> ResultTable:
         """Build a table from rows by title: the first has every column, what others leave out is NaN.
 
         >>> ResultTable.of_rows([{"grid": "64 x 64", "A/A0": 0.1}, {"grid": "limit"}]).rows
@@ -226,12 +228,10 @@ class ResultTable:
         return cls.of(titles, [[row.get(title, math.nan) for title in titles] for row in rows])
 
     def _repr_html_(self) -> str:
-        def line(cells: Iterable[float | str], tag: str) -> str:
-            said = (c if isinstance(c, str) else "" if math.isnan(c) else f"{c:.4g}" for c in cells)
-            return "<tr>" + "".join(f"<{tag}>{html.escape(text)}</{tag}>" for text in said) + "</tr>"
+        import pandas
 
-        rows = (line(row, "td") for row in self.rows)
-        return f"<table>{line(self.columns, 'th')}{''.join(rows)}</table>"
+        frame = pandas.DataFrame(self.rows, columns=self.columns)
+        return str(frame.to_html(index=False, na_rep="", float_format="{:.4g}".format))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -290,7 +290,7 @@ def shown(table: ResultTable, *, title: str = "", note: str = "") -> WordTable:
     )
 
 
-def _what_intervals_hold(names: Sequence[str], cells: Sequence[Mapping[str, float | str]]) -> str:
+def _what_intervals_hold(names: Sequence[str], cells: Sequence[Row]) -> str:
     """Say of which sources the intervals of a table are, where these are not all that enter."""
     of: dict[str, list[str]] = {}
     for name in names:

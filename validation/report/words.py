@@ -90,11 +90,9 @@ def significant(value: float, digits: int = 4) -> str:
         return ""
     if value == 0:
         return "0"
-    rounded = float(f"{value:.{digits - 1}e}")
-    order = int(np.floor(np.log10(abs(rounded))))
-    if -4 <= order < 5:
-        return f"{value:.{max(0, digits - 1 - order)}f}"
-    return f"{value:.{digits - 1}e}"
+    scientific = f"{value:.{digits - 1}e}"
+    order = int(scientific.partition("e")[2])
+    return f"{value:.{max(0, digits - 1 - order)}f}" if -4 <= order < 5 else scientific
 
 
 def percent(value: float) -> str:

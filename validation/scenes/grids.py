@@ -11,7 +11,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 from scipy.fft import next_fast_len
 
-from validation.arrays import Grid
+from validation.arrays import Grid, Pair
 from validation.errors import UsageError
 from validation.scenes.tables import FileSurface, Surface
 from validation.solvers import Solver, methods
@@ -25,13 +25,13 @@ _BYTES, _PAIRS = 2 * 2**30, 6e5
 _ANY: list[Any] = [32, 64]
 
 
-def usual_grids(lengths: tuple[float, float], shortest: float) -> tuple[Grid, ...]:
+def usual_grids(lengths: Pair, shortest: float) -> tuple[Grid, ...]:
     """Return grids with at least 4, 8 and 16 points on the shortest wave, of sizes that transform quickly."""
     nx, ny = (2 * int(next_fast_len(math.ceil(_POINTS * n / shortest / 2 - 1e-9))) for n in lengths)
     return (nx, ny), (2 * nx, 2 * ny), (4 * nx, 4 * ny)
 
 
-def affordable(solver: Solver, grid: Grid, *, lengths: tuple[float, float], options: Any) -> bool:
+def affordable(solver: Solver, grid: Grid, *, lengths: Pair, options: Any) -> bool:
     """Whether a solve on a grid is predicted to take at most 2 GiB, and about ten minutes."""
     cost = solver.cost(Size(grid=grid, lengths=lengths, settings=dict(solver.settings(options))))
     return cost.peak_bytes <= _BYTES and cost.pairs <= _PAIRS

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, RandomWaves, resolves
-from validation.arrays import Grid
+from validation.arrays import Grid, Pair
 from validation.errors import UsageError
 from validation.report.quantities import as_length
 from validation.scenes import surfaces
@@ -85,7 +85,7 @@ class ContactProblem:
         surfaces.check_memory(self.surface)
         return self.heights(self.surface.resolving_grid)
 
-    def heights(self, grid: Grid, shift: tuple[float, float] = (0.0, 0.0)) -> HeightField:
+    def heights(self, grid: Grid, shift: Pair = (0.0, 0.0)) -> HeightField:
         """Return the surface on a grid, moved by parts of a cell."""
         if isinstance(self.surface, FileSurface):
             field = self.field.resampled(grid)
@@ -128,9 +128,13 @@ class ContactProblem:
 
     def under(self, load: Load) -> ContactProblem:
         """Return the same surface and solid under another load; what is made of the surface is shared."""
-        made = replace(self, load=load)
-        made.__dict__.update({name: self.__dict__[name] for name in _OF_THE_SURFACE if name in self.__dict__})
-        return made
+        return self.shared(replace(self, load=load))
+
+    def shared(self, other: ContactProblem) -> ContactProblem:
+        """Hand what is made of the surface to another value of the same surface, and return that."""
+        made = {name: self.__dict__[name] for name in _OF_THE_SURFACE if name in self.__dict__}
+        other.__dict__.update(made)
+        return other
 
     @cached_property
     def contact_modulus(self) -> float:
@@ -172,7 +176,7 @@ class ContactProblem:
         return self.pressure / self.pressure_scale
 
     @property
-    def lengths(self) -> tuple[float, float]:
+    def lengths(self) -> Pair:
         """Periods (Lx, Ly) [m]."""
         return self.surface.length
 
@@ -203,7 +207,7 @@ class ContactProblem:
             return max(surface.length)
         return surface.lambda_long * (getattr(surface, "stretch", None) or 1.0)
 
-    def spacing(self, grid: Grid) -> tuple[float, float]:
+    def spacing(self, grid: Grid) -> Pair:
         """Return dx and dy of a grid [m]."""
         return self.lengths[0] / grid[0], self.lengths[1] / grid[1]
 
@@ -227,8 +231,13 @@ class ContactProblem:
                 surface["clipped"] = "single points too"
             second = self.measured.raw.second_digest or None
             surface |= {"second_path": second, "more_paths": self.realisation}  # which of the maps it is
-            usual = {"treatment": surface["treatment"], "spikes": "keep"}
-            usual |= {"lambda_short": None, "second_path": None, "more_paths": 0}
+            usual = {
+                "treatment": surface["treatment"],
+                "spikes": "keep",
+                "lambda_short": None,
+                "second_path": None,
+                "more_paths": 0,
+            }
             surface = {k: v for k, v in surface.items() if k not in usual or v != usual[k]}
         else:
             assert not isinstance(self.surface, FileSurface)
@@ -266,6 +275,4 @@ def realise(scene: _Scene, *, like: ContactProblem | None = None, surveyed: bool
         drawn = drawn and math.prod(scene.surface.resolving_grid) <= surfaces.SURVEYED_POINTS
     made = ContactProblem(surface=scene.surface, solid=scene.solid, load=scene.load, drawn=drawn)
     same = like is not None and replace(like, solid=made.solid, load=made.load) == made
-    if like is not None and same:
-        made.__dict__.update({name: like.__dict__[name] for name in _OF_THE_SURFACE if name in like.__dict__})
-    return made
+    return like.shared(made) if like is not None and same else made

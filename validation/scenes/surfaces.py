@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, overload
 import numpy as np
 
 from fem_contact.surface import HeightField, RandomWaves, random_waves
+from validation.arrays import Grid, Pair
 from validation.errors import UsageError
 from validation.report.quantities import as_length
 from validation.scenes.tables import (
@@ -82,9 +83,7 @@ def spectrum_of(surface: RandomSurface) -> AnySpectrum:
     )
 
 
-def read_spectrum(
-    path: Path, *, units: tuple[float, float] | None = None, power: str = "C"
-) -> tuple[Tabulated, str]:
+def read_spectrum(path: Path, *, units: Pair | None = None, power: str = "C") -> tuple[Tabulated, str]:
     """Return C(q) of a file where it is above 0, and the SHA-256 of its bytes.
 
     A UsageError for a file that holds no C(q).
@@ -158,8 +157,8 @@ def waves_drawn(surface: RandomSurface, realisation: int) -> dict[str, Any]:
 def sampled(
     waves: RandomWaves,
     surface: RandomSurface,
-    grid: tuple[int, int],
-    shift: tuple[float, float],
+    grid: Grid,
+    shift: Pair = (0.0, 0.0),
 ) -> HeightField:
     """Sample a surface on a grid, moved by parts of a cell.
 
@@ -177,24 +176,17 @@ def sampled(
     return HeightField(heights=moved.heights[:: factors[0], :: factors[1]], lengths=field.lengths)
 
 
-def height_field(
-    surface: Surface,
-    grid: tuple[int, int] | None = None,
-    *,
-    realisation: int = 0,
-    shift: tuple[float, float] = (0.0, 0.0),
-) -> HeightField:
-    """Heights of one realisation, moved by parts of a cell; `ContactProblem` makes them for many grids.
+def height_field(surface: Surface, grid: Grid | None = None, *, realisation: int = 0) -> HeightField:
+    """Heights of one realisation; `ContactProblem` makes them for many grids.
 
     Without a grid on the smallest that resolves it, so that its moments are the surface's own.
     """
     if isinstance(surface, FileSurface):
         field = Measured.read(surface).field
-        field = field if grid is None else field.resampled(grid)
-        return field if shift == (0.0, 0.0) else field.shifted(shift)
+        return field if grid is None else field.resampled(grid)
     if grid is None:
         check_memory(surface)
-    return sampled(waves_of(surface, realisation), surface, grid or surface.resolving_grid, shift)
+    return sampled(waves_of(surface, realisation), surface, grid or surface.resolving_grid)
 
 
 #: Memory that making a random surface takes for each of its points at its peak [bytes], measured.
@@ -214,7 +206,7 @@ def check_memory(surface: RandomSurface) -> None:
     )
 
 
-def check_fits(grid: tuple[int, int], what: str, *, remedy: str) -> None:
+def check_fits(grid: Grid, what: str, *, remedy: str) -> None:
     """Refuse a grid whose heights alone do not fit into memory."""
     needed, free = _BYTES_PER_POINT * math.prod(grid), _free_bytes()
     if needed > free:
@@ -243,7 +235,7 @@ class Expected:
     rms_gradient: float
     nayak: float
     first_moment: float
-    shape: tuple[int, int]
+    shape: Grid
 
 
 def expected(surface: RandomSurface) -> Expected:

@@ -21,6 +21,7 @@ from pydantic import (
 )
 
 from fem_contact.solid import Solid, composite_modulus
+from validation.arrays import Grid
 from validation.errors import UsageError, harmless
 from validation.report.quantities import as_length
 from validation.units import (
@@ -101,7 +102,7 @@ class RandomSurface(Table):
         return self
 
     @property
-    def resolving_grid(self) -> tuple[int, int]:
+    def resolving_grid(self) -> Grid:
         """Fewest points that resolve it on each axis: lambda_short > 2 dx."""
         nx, ny = (math.floor(2 * length / self.lambda_short * (1 + 1e-12)) + 1 for length in self.length)
         return nx, ny

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from fem_contact.contact import Cost
+from validation.arrays import Grid
 from validation.cases import NotJudged
 from validation.cases.scorecard import Scorecard, ladder, rows, score
 from validation.cases.scorecard.subject import Subject
@@ -170,7 +171,7 @@ def _answer(folder: Path) -> Path | None:
     )
 
 
-def _claim(folder: Path, shape: tuple[int, int]) -> Claim:
+def _claim(folder: Path, shape: Grid) -> Claim:
     """Read pressures, and the processor time and iterations that an answer tells; NaN and 0 without one."""
     file = _answer(folder)
     if file is None:

@@ -56,7 +56,7 @@ def diagnose(subject: Subject) -> str:
 
 def _diagnosed(subject: Subject) -> str:
     pressed = solves(subject)
-    if not all(np.isfinite(pressed_once.claim.pressure).all() for _, _, pressed_once in pressed):
+    if not all(np.isfinite(pressed_once.pressure).all() for _, _, pressed_once in pressed):
         return "pressures are no finite numbers"
     if not all(check.passed for check in repeatable.run(subject)):
         return "the same question has different answers"
@@ -79,7 +79,7 @@ def _fitted(pressure: Array, pattern: Array) -> tuple[float, float]:
 
 def _of_full_contact(transfer: Transfer) -> str | None:
     """Return what was done to the full contact: None if nothing was, an empty text if nothing fits."""
-    pressure, exact = transfer.pressed.claim.pressure, transfer.exact
+    pressure, exact = transfer.pressed.pressure, transfer.exact
     load, mean = float(exact.mean()), float(pressure.mean())
     off = max(float(transfer.allowed.max()), _LEFT)
     if np.ptp(pressure) < 1e-6 * np.ptp(exact):
@@ -131,14 +131,14 @@ def _of_response(subject: Subject, transfer: Transfer) -> str:
 def _of_rough(subject: Subject) -> str:
     """Return what the pressures of a rough surface show; the full contact is right."""
     _, load, pressed = solves(subject)[0]
-    pressure = pressed.claim.pressure
+    pressure = pressed.pressure
     lowest, highest = float(pressure.min()), float(pressure.max())
     lifted = float(np.mean(pressure < lowest + 1e-6 * highest))
     if lowest > 1e-3 * load and lifted > 0.2:
         return "a constant is added to the pressures"
     if lowest < -10 * subject.tolerance:
         return "pressures below zero are allowed"
-    shares = np.array([one.claim.pressure.mean() / asked for _, asked, one in solves(subject)])
+    shares = np.array([one.pressure.mean() / asked for _, asked, one in solves(subject)])
     if np.abs(shares - 1).max() > 10 * subject.tolerance:
         alike = np.ptp(shares) < 0.1 * np.abs(shares - 1).min()
         return f"the load is {Value(value=float(shares.mean()))} times the one asked for" if alike else ""

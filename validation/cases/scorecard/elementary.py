@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from fem_contact.surface import HeightField
 from persson import elastic
-from validation.arrays import Array
-from validation.cases import Check, NotJudged, below, case, near, relative
+from validation.arrays import Array, Pair
+from validation.cases import Check, Checks, NotJudged, below, case, near, relative
+from validation.cases._closed_forms import periodic
 from validation.cases.scorecard.subject import SOFT, Pressed, Subject, rough
 from validation.effects.base import ContactModel
 
@@ -36,7 +37,7 @@ class Transfer:
     pressed: Pressed
 
     @property
-    def shift(self) -> tuple[float, float] | None:
+    def shift(self) -> Pair | None:
         """Cells by which the pressure lies beside the heights, along x and y; None where waves disagree."""
         angles = np.angle(self.ratio) / (2 * np.pi / len(self.exact))
         shift = (-float(angles[0]), -float(angles[1]))
@@ -67,9 +68,9 @@ def full_contact_transfer(
         soft = float(response.compliance(*(np.array([2.0 * np.pi * k]) for k in (kx, ky)))[0])
         heights, linear = heights + wave, linear + wave / soft
         sizes.append(2 * np.pi * float(np.hypot(kx, ky)))
-    surface, load = HeightField(heights=heights, lengths=(1.0, 1.0)), -_FLATTENING * float(linear.min())
+    surface, load = periodic(heights), -_FLATTENING * float(linear.min())
     pressed = subject.press(surface, load, model=model)
-    over = np.fft.fft2(pressed.claim.pressure), np.fft.fft2(linear)
+    over = np.fft.fft2(pressed.pressure), np.fft.fft2(linear)
     ratio = np.array([over[0][kx, ky] / over[1][kx, ky] for kx, ky, *_ in waves])
     allowed = (np.array(sizes) / n) ** 2 / 4
     return Transfer(ratio=ratio, allowed=allowed, exact=load + linear, pressed=pressed)
@@ -82,39 +83,39 @@ def solves(subject: Subject) -> list[tuple[HeightField, float, Pressed]]:
 
 
 @case("tension", source="definition", tolerance="solver")
-def tension(subject: Subject) -> Iterator[Check]:
+def tension(subject: Subject) -> Checks:
     """No pressure is below zero."""
-    lowest = min(float(pressed.claim.pressure.min()) for _, _, pressed in solves(subject))
+    lowest = min(float(pressed.pressure.min()) for _, _, pressed in solves(subject))
     yield below("lowest pressure over E* h'_rms", min(lowest, 0.0), 10 * subject.tolerance)
 
 
 @case("repeatable", source="definition", tolerance="solver")
-def repeatable(subject: Subject) -> Iterator[Check]:
+def repeatable(subject: Subject) -> Checks:
     """The same question has the same answer."""
     surface = rough(2 * subject.points)
-    first = subject.press(surface, LOADS[0]).claim.pressure
+    first = subject.press(surface, LOADS[0]).pressure
     subject.press(surface, LOADS[-1])
-    again = subject.press(surface, LOADS[0], again=True).claim.pressure
-    apart = float(np.linalg.norm(again - first) / (np.linalg.norm(first) or 1.0))
+    again = subject.press(surface, LOADS[0], again=True).pressure
+    apart = np.linalg.norm(again - first) / (np.linalg.norm(first) or 1.0)
     yield below("change of the pressure when it is asked again", apart, subject.tolerance)
 
 
 @case("full-contact", source="exact", tolerance="grid")
-def full_contact(subject: Subject) -> Iterator[Check]:
+def full_contact(subject: Subject) -> Checks:
     """Each wave is pressed flat by E* q h / 2."""
     transfer = full_contact_transfer(subject)
     result = transfer.pressed.result
     surface = HeightField(heights=result.heights, lengths=result.lengths)
-    variance = float(elastic.stress_variance(surface.moments[1], contact_modulus=SOFT.contact_modulus))
+    variance = elastic.stress_variance(surface.moments[1], contact_modulus=SOFT.contact_modulus)
     exact = subject.built_in and subject.solver.score_element == "bem"
     yield from wave_errors(transfer, exact=exact)
-    yield relative("A/A0", np.mean(transfer.pressed.claim.pressure > 0), 1.0, 0.0)
+    yield relative("A/A0", np.mean(transfer.pressed.pressure > 0), 1.0, 0.0)
     allowed = 1e-9 if exact else 2 * float(transfer.allowed.max())
-    computed = float(np.var(transfer.pressed.claim.pressure)) / variance
+    computed = np.var(transfer.pressed.pressure) / variance
     yield relative("<(p - p0)^2> over E*^2 m2 / 4", computed, 1.0, allowed)
 
 
-def wave_errors(transfer: Transfer, *, exact: bool = False) -> Iterator[Check]:
+def wave_errors(transfer: Transfer, *, exact: bool = False) -> Checks:
     """Check the pressure of every wave: to the error of second order, or exactly."""
     for (kx, ky, *_), ratio, allowed in zip(WAVES, transfer.ratio, transfer.allowed, strict=True):
         name = f"error of the pressure of the wave ({kx}, {ky})"
@@ -122,15 +123,15 @@ def wave_errors(transfer: Transfer, *, exact: bool = False) -> Iterator[Check]:
 
 
 @case("load", source="definition", tolerance="solver")
-def load(subject: Subject) -> Iterator[Check]:
+def load(subject: Subject) -> Checks:
     """The mean pressure is the one asked for."""
     for _, p, pressed in solves(subject):
-        share = pressed.claim.pressure.mean() / p
+        share = pressed.pressure.mean() / p
         yield relative(f"mean pressure over p0 at p* = {p:g}", share, 1.0, 10 * subject.tolerance)
 
 
 @case("contact-set", source="definition", tolerance="solver")
-def contact_set(subject: Subject) -> Sequence[Check]:
+def contact_set(subject: Subject) -> Checks:
     """What is called contact carries load on a closed gap.
 
     Compare what is called contact with what carries load; who names none is read by p > 0.
@@ -139,7 +140,7 @@ def contact_set(subject: Subject) -> Sequence[Check]:
     for _, p, pressed in solves(subject):
         named = pressed.claim.in_contact
         words = "points with p > 0" if named is None else "points called contact"
-        counted = np.count_nonzero(pressed.claim.pressure > 0 if named is None else named)
+        counted = np.count_nonzero(pressed.pressure > 0 if named is None else named)
         touching = np.count_nonzero(pressed.result.in_contact)
         if touching == 0:
             raise NotJudged("no point carries load on a closed gap: it is not solved")
@@ -150,7 +151,7 @@ def contact_set(subject: Subject) -> Sequence[Check]:
 
 
 @case("honesty", source="definition", tolerance="solver")
-def honesty(subject: Subject) -> Sequence[Check]:
+def honesty(subject: Subject) -> Checks:
     """Recomputed residuals are within the tolerance asked for."""
     checks: list[Check] = []
     for _, p, pressed in solves(subject):
@@ -170,7 +171,7 @@ def residuals_fall(subject: Subject) -> bool:
     return sharper.result.residuals.complementarity < 0.5 * plain.result.residuals.complementarity
 
 
-def judge_residuals(subject: Subject, checks: Sequence[Check]) -> Sequence[Check]:
+def judge_residuals(subject: Subject, checks: Sequence[Check]) -> Checks:
     """Return checks of residuals, unless they are missed for being those of another discretisation.
 
     Its own equations may be met to any tolerance; those of the half-space at the grid points are not, by

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +13,8 @@ from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation.arrays import Array
-from validation.cases import Check, NotJudged, below, case, near, order, relative, within
-from validation.cases._closed_forms import HertzInPeriod, Westergaard
+from validation.cases import Checks, NotJudged, below, case, near, order, relative, within
+from validation.cases._closed_forms import HertzInPeriod, Westergaard, places
 from validation.cases.scorecard.elementary import full_contact_transfer, wave_errors
 from validation.cases.scorecard.subject import SOFT, Pressed, Subject, rough
 from validation.effects.base import ContactModel
@@ -37,7 +37,7 @@ _THICKNESS = 0.25
 
 def _observed(
     subject: Subject, quantity: str, errors: Sequence[float], *, expected: float, tolerance: float
-) -> Iterator[Check]:
+) -> Checks:
     """Check an order, where the grids are far enough apart to observe one."""
     if subject.doubles:
         sizes = subject.ladder[: len(errors)]
@@ -59,7 +59,7 @@ def _hertz(subject: Subject) -> HertzInPeriod:
 
 
 @case("hertz", source=_HERTZ, tolerance="grid")
-def hertz(subject: Subject) -> Iterator[Check]:
+def hertz(subject: Subject) -> Checks:
     """A paraboloid carries Hertz's pressure."""
     errors, worst, exact = [], 0.0, _hertz(subject)
     for n in subject.ladder:
@@ -67,14 +67,14 @@ def hertz(subject: Subject) -> Iterator[Check]:
         r = exact.distance(n, (0.0, 0.0))
         # The same points on every grid: what lies nearer to the edge than a coarse cell is another question.
         inside = r < exact.radius - 1.5 / subject.points
-        off = np.abs(pressed.claim.pressure - exact.pressure(r)) / exact.peak
+        off = np.abs(pressed.pressure - exact.pressure(r)) / exact.peak
         errors.append(float(off[inside].mean()))
         worst = float(off[r < exact.radius - 1.5 / n].max())
     # Of a discretisation of second order, (dx/a)^2 / 2.
     allowed = 0.5 / (exact.radius * subject.ladder[-1]) ** 2
     # A clamped body is pressed together, besides.
     approach = -(pressed.result.offset + float(pressed.result.displacement.mean()))
-    peak = pressed.claim.pressure.max() / exact.peak
+    peak = pressed.pressure.max() / exact.peak
     yield relative("peak pressure over Hertz's, finest grid", peak, 1.0, allowed)
     yield below("mean error of p(r) over the peak, finest grid", errors[-1], allowed)
     yield below("largest error of p(r) over the peak, finest grid", worst, 0.01)
@@ -83,7 +83,7 @@ def hertz(subject: Subject) -> Iterator[Check]:
 
 
 @case("hertz-radius", source=_HERTZ, tolerance="grid")
-def hertz_radius(subject: Subject) -> Iterator[Check]:
+def hertz_radius(subject: Subject) -> Checks:
     """The counted radius converges to Hertz's in first order."""
     excess, exact = [], _hertz(subject)
     for n in subject.ladder:
@@ -106,7 +106,7 @@ def _shifted(subject: Subject, n: int) -> list[Pressed]:
 
 
 @case("stress-near-zero", source=_HERTZ, tolerance="grid")
-def stress_near_zero(subject: Subject) -> Iterator[Check]:
+def stress_near_zero(subject: Subject) -> Checks:
     r"""P(sigma) starts from zero, but for the grid.
 
     What a grid puts there vanishes as dx^(1/2). With a share F of the area below a pressure eps ~ dx^(1/2),
@@ -117,7 +117,7 @@ def stress_near_zero(subject: Subject) -> Iterator[Check]:
     exact, starts, slope = _hertz(subject), [], 0.0
     for n in subject.ladder:
         eps = exact.peak * float(np.sqrt(0.5 / (exact.radius * n)))
-        parts = [((p := pressed.claim.pressure) > 0) & (p < eps) for pressed in _shifted(subject, n)]
+        parts = [((p := pressed.pressure) > 0) & (p < eps) for pressed in _shifted(subject, n)]
         share = float(np.average([part.mean() for part in parts], weights=_WEIGHTS))
         starts.append(share / eps * exact.contact_modulus)
         slope = 2 * share / eps**2 / (np.pi**3 / 2)
@@ -129,12 +129,11 @@ def strip(
     subject: Subject, n: int, *, across: tuple[int, float] | None = None, axis: int = 0
 ) -> tuple[Array, Array, Pressed]:
     """Press a wave with its crest in the middle, uniform along the other axis: p(x), its error, and all."""
-    surface, x = _WAVE.surface(n, across), (np.arange(n) + 0.5) / n - 0.5
+    surface, x = _WAVE.surface(n, across), places(n)
     if axis == 1:
-        turned = np.ascontiguousarray(surface.heights.T)
-        surface = HeightField(heights=turned, lengths=surface.lengths[::-1])
+        surface = HeightField(heights=np.ascontiguousarray(surface.heights.T), lengths=surface.lengths[::-1])
     pressed, exact = subject.press(surface, _WAVE.load), _WAVE.pressure(x)
-    pressure = (pressed.claim.pressure if axis == 0 else pressed.claim.pressure.T)[:, 1]
+    pressure = (pressed.pressure if axis == 0 else pressed.pressure.T)[:, 1]
     return pressure / exact.max(), np.abs(pressure - exact) / exact.max(), pressed
 
 
@@ -145,7 +144,7 @@ def mean_inside(off: Array) -> float:
 
 def _within(n: int, share: float) -> NDArray[np.bool_]:
     """Points of a wave in the middle of what touches, or stays elastic."""
-    return np.asarray(np.abs((np.arange(n) + 0.5) / n - 0.5) < share * _WAVE.half_width)
+    return np.asarray(np.abs(places(n)) < share * _WAVE.half_width)
 
 
 def _second_order(n: int) -> float:
@@ -154,7 +153,7 @@ def _second_order(n: int) -> float:
 
 
 @case("westergaard", source=_WESTERGAARD, tolerance="grid")
-def westergaard(subject: Subject) -> Iterator[Check]:
+def westergaard(subject: Subject) -> Checks:
     """A wave carries Westergaard's pressure."""
     strips = [strip(subject, n) for n in subject.ladder]
     errors = [mean_inside(off) for _, off, _ in strips]
@@ -168,7 +167,7 @@ def westergaard(subject: Subject) -> Iterator[Check]:
 
 
 @case("layer", source=_LAYER, tolerance="grid")
-def layer(subject: Subject) -> Iterable[Check]:
+def layer(subject: Subject) -> Checks:
     """On a bonded layer each wave is pressed flat by h / C(q)."""
     subject.needs(effect=Thickness)
     model = ContactModel.filled(SOFT, [Thickness(thickness=_THICKNESS)])
@@ -176,18 +175,18 @@ def layer(subject: Subject) -> Iterable[Check]:
 
 
 @case("yielding-wave", source=f"{_WESTERGAARD}, mirrored", tolerance="grid")
-def yielding(subject: Subject) -> Iterator[Check]:
+def yielding(subject: Subject) -> Checks:
     """Crests yield over the width that Westergaard's solution says."""
     subject.needs(effect=Hardness)
     n = 2 * subject.ladder[-1]
     wave = _WAVE.surface(n)
     surface = HeightField(heights=-wave.heights, lengths=wave.lengths)
-    short, missing = _WAVE.load, _WAVE.pressure((np.arange(n) + 0.5) / n - 0.5)
+    missing = _WAVE.pressure(places(n))
     # Twice what the troughs lack: they stay pressed.
     peak, hardness = float(missing.max()), 2 * float(missing.max())
     model = ContactModel.filled(SOFT, [Hardness(hardness=hardness)])
-    pressed = subject.press(surface, hardness - short, model=model)
-    pressure = pressed.claim.pressure
+    pressed = subject.press(surface, hardness - _WAVE.load, model=model)
+    pressure = pressed.pressure
     off = (np.abs(hardness - pressure[:, 1] - missing) / peak)[_within(n, 0.9)]
     above = max(float(pressure.max()) / hardness - 1, 0.0)
     yield relative("lowest pressure over H", pressure.min() / hardness, 0.5, _second_order(n))
@@ -199,12 +198,12 @@ def yielding(subject: Subject) -> Iterator[Check]:
 
 
 @case("symmetry", source="symmetry", tolerance="solver")
-def symmetry(subject: Subject) -> Iterator[Check]:
+def symmetry(subject: Subject) -> Checks:
     """A mirrored surface has the mirrored pressure."""
     surface = rough(2 * subject.points)
     # Our own are solved far enough that nothing but rounding is left between the two.
     more, allowed = ({"tolerance": 1e-11}, 1e-8) if subject.built_in else (None, _solver_error(subject))
-    plain = subject.press(surface, 0.05, more=more).claim.pressure
+    plain = subject.press(surface, 0.05, more=more).pressure
     for words, turn, back in (
         ("mirrored in x", np.flipud, np.flipud),
         ("transposed", np.transpose, np.transpose),
@@ -216,12 +215,12 @@ def symmetry(subject: Subject) -> Iterator[Check]:
         ),
     ):
         other = HeightField(heights=np.ascontiguousarray(turn(surface.heights)), lengths=surface.lengths)
-        turned = back(subject.press(other, 0.05, more=more).claim.pressure)
+        turned = back(subject.press(other, 0.05, more=more).pressure)
         yield below(f"change of the pressure, {words}", relative_distance(turned, plain), allowed)
 
 
 @case("units", source="symmetry", tolerance="solver")
-def units(subject: Subject) -> Iterator[Check]:
+def units(subject: Subject) -> Checks:
     """Units of length and pressure change nothing."""
     surface = rough(2 * subject.points)
     plain = subject.press(surface, 0.05)
@@ -231,7 +230,7 @@ def units(subject: Subject) -> Iterator[Check]:
         pressed = subject.press(scaled, 0.05 * stress, model=model)
         words = f"change of the pressure, L = {length:g} m, E* = {stress:g} Pa"
         exact = subject.built_in and length == 2.0**20
-        apart = relative_distance(pressed.claim.pressure / stress, plain.claim.pressure)
+        apart = relative_distance(pressed.pressure / stress, plain.pressure)
         yield below(words, apart, 0.0 if exact else _solver_error(subject))
         if exact:
             gap = np.count_nonzero(pressed.result.gap / length != plain.result.gap)
@@ -241,11 +240,11 @@ def units(subject: Subject) -> Iterator[Check]:
 
 
 @case("nested-grids", source="self-consistency", tolerance="grid")
-def nested(subject: Subject) -> Iterator[Check]:
+def nested(subject: Subject) -> Checks:
     """Finer and finer grids approach one answer."""
     _needs_order(subject)
     coarse, middle, fine = (subject.press(rough(n, bandwidth=2), 0.05) for n in subject.ladder)
-    p = [pressed.claim.pressure for pressed in (coarse, middle, fine)]
+    p = [pressed.pressure for pressed in (coarse, middle, fine)]
     steps = relative_distance(p[0], p[1][::2, ::2]), relative_distance(p[1], p[2][::2, ::2])
     gaps = fine.result.gap.mean() / middle.result.gap.mean() - 1
     # At an edge p grows like the square root of the distance: the cells there leave an error of order 1.
@@ -256,7 +255,7 @@ def nested(subject: Subject) -> Iterator[Check]:
 
 
 @case("against-bem", source="code verification: no shared contact algorithm", tolerance="grid")
-def against_bem(subject: Subject) -> Iterator[Check]:
+def against_bem(subject: Subject) -> Checks:
     """Pressures approach those of boundary elements as the grid is refined."""
     if type(subject.solver) is Bem:
         raise NotJudged("they are boundary elements")
@@ -265,7 +264,7 @@ def against_bem(subject: Subject) -> Iterator[Check]:
         surface = rough(n, bandwidth=2)
         pressed = subject.press(surface, 0.05)
         other = bem.solve(surface, HalfSpace(solid=SOFT), mean_pressure=0.05).checked()
-        differences.append(relative_distance(pressed.claim.pressure, other.pressure))
+        differences.append(relative_distance(pressed.pressure, other.pressure))
         areas.append(float(pressed.result.in_contact.mean() / other.in_contact.mean() - 1))
     # Both err in first order at the edges of contact, with constants that partly cancel on coarse grids.
     edge = 4 / subject.ladder[-1]

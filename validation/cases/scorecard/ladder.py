@@ -6,7 +6,6 @@ Areas converge in first order of the spacing: what a subject is allowed is its o
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 
@@ -15,7 +14,7 @@ import numpy as np
 from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.extrapolation import located_limit
 from fem_contact.surface import HeightField
-from validation.cases import Check, NotJudged, near, relative, within
+from validation.cases import Checks, NotJudged, near, relative, within
 from validation.cases.scorecard.subject import Subject, rough
 from validation.solvers.bem import Bem
 
@@ -65,8 +64,8 @@ def bandwidths(subject: Subject) -> tuple[int, ...]:
 def _areas(subject: Subject, field: HeightField) -> ContactAreas:
     """Return the areas of a surface, with what is known of the edges of its solver."""
     result = subject.press(field, _PRESSURE).result
-    constant, located = subject.solver.edge_constant(result), subject.solver.locates_edges
-    return contact_areas(result, edge_constant=constant, subcell=located)
+    solver = subject.solver
+    return contact_areas(result, edge_constant=solver.edge_constant(result), subcell=solver.locates_edges)
 
 
 def _low(subject: Subject, field: HeightField) -> float:
@@ -108,7 +107,7 @@ def _reference(width: int) -> tuple[dict[str, float], dict[str, float]]:
     return values, errors | {name: 2 * abs(fine[name] - coarse[name]) for name in fine}
 
 
-def rough_surface(subject: Subject, *, width: int) -> Iterator[Check]:
+def rough_surface(subject: Subject, *, width: int) -> Checks:
     """Areas, gap, stiffness, energy and low pressures are those of the limit, within what the grids allow."""
     # The finer grid first: what it is not tried on, the coarser one need not be solved for.
     surfaces = [_surface(width, points) for points in reversed(_POINTS)]

@@ -16,7 +16,9 @@ from fem_contact.contact import ContactResult
 from fem_contact.errors import NotConverged
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
+from validation.arrays import Array, Grid
 from validation.cases import NotJudged
+from validation.cases._closed_forms import periodic
 from validation.effects.base import ContactModel, Effect
 from validation.solvers import Solver
 from validation.solvers.base import Claim, Job, Size
@@ -41,6 +43,11 @@ class Pressed:
 
     claim: Claim
     result: ContactResult
+
+    @property
+    def pressure(self) -> Array:
+        """The pressures that it claims [Pa]."""
+        return self.claim.pressure
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -165,7 +172,7 @@ class Subject:
         self._costs.append((self.solver.cost(size).pairs, float(np.nan_to_num(claim.cost.cpu_seconds))))
         return Pressed(claim=claim, result=result)
 
-    def _options(self, shape: tuple[int, int], more: Mapping[str, float] | None = None) -> dict[str, Any]:
+    def _options(self, shape: Grid, more: Mapping[str, float] | None = None) -> dict[str, Any]:
         """Return what it is told on a grid beyond surface, solid and load; a process of its own, its time."""
         refined = self.solver.score_settings(max(shape))
         options = {**refined, **self.settings, "tolerance": self.tolerance, **(more or {})}
@@ -204,5 +211,4 @@ def rough(points: int, *, bandwidth: int = 4, waves: int = 2) -> HeightField:
         shape=(4 * waves * bandwidth,) * 2,
         seed=271,
     )
-    unit = HeightField(heights=surface.heights / surface.rms_gradient, lengths=(1.0, 1.0))
-    return unit.resampled((points, points))
+    return periodic(surface.heights / surface.rms_gradient).resampled((points, points))

@@ -14,7 +14,7 @@ import numpy as np
 
 from fem_contact.surface import HeightField, Patch
 from validation.errors import UsageError
-from validation.scenes.topography.patch import MOST_HOLES, REMOVABLE, Topography
+from validation.scenes.topography.patch import MOST_HOLES, REMOVABLE, Faults, Topography
 from validation.scenes.topography.reading import impossible, read_topography
 
 if TYPE_CHECKING:
@@ -79,12 +79,12 @@ class Measured:
             if faults:
                 raise UsageError(f"cannot be pressed as it is{self.remedy(faults)}")
 
-    def remedy(self, faults: Mapping[str, tuple[str, str]]) -> str:
+    def remedy(self, faults: Faults) -> str:
         """Say what is wrong, and what of a scene mends it."""
         return "\n".join(("", *fault_lines(faults, {"path": str(self.surface.path)})))
 
     @cached_property
-    def faults(self) -> dict[str, tuple[str, str]]:
+    def faults(self) -> Faults:
         """What keeps it from being pressed, and the remedies, by key."""
         return self.raw.faults(**self.surface.model_dump())
 
@@ -162,7 +162,7 @@ class Measured:
         return {name: case for name, case in cases.items() if not case.faults}
 
 
-def fault_lines(faults: Mapping[str, tuple[str, str]], table: Mapping[str, Any]) -> tuple[str, ...]:
+def fault_lines(faults: Faults, table: Mapping[str, Any]) -> tuple[str, ...]:
     """Return a line for each fault, and the table of the scene that mends them all, to be pasted."""
     remedies = {key: json.dumps(remedy) for key, (_, remedy) in faults.items()}
     block = [f"{key} = {json.dumps(table[key])}" for key in ("path", "length", "unit") if table.get(key)]

@@ -9,13 +9,15 @@ import numpy as np
 
 from fem_contact.surface import HeightField
 from fem_contact.surface.spectra import window_weights
-from validation.arrays import Array
+from validation.arrays import Array, Pair
 from validation.errors import UsageError
 from validation.report.quantities import as_length
 
 Tilt = Literal["keep", "plane", "quadratic"]
 Missing = Literal["refuse", "nearest", "harmonic"]
 Edges = Literal["periodic", "tukey", "hann", "free"]
+#: What keeps a map from being pressed, and a remedy, by the key of the scene that mends it.
+Faults = dict[str, tuple[str, str]]
 
 #: A step between opposite edges of more than this many typical steps between neighbours is no period.
 _JUMP = 4.0
@@ -38,7 +40,7 @@ class Topography:
     """
 
     heights: Array
-    lengths: tuple[float, float]
+    lengths: Pair
     history: tuple[str, ...] = ()
     unit: float = 1.0
     digest: str = ""
@@ -63,7 +65,7 @@ class Topography:
         return int(np.count_nonzero(~np.isfinite(self.heights)))
 
     @property
-    def slope(self) -> tuple[float, float]:
+    def slope(self) -> Pair:
         """Slope of the least-squares plane along x and y [-]."""
         coefficients = _fitted(self.heights, "plane")
         nx, ny = self.heights.shape
@@ -91,18 +93,15 @@ class Topography:
         for coefficient, term in zip(_fitted(heights, tilt), _terms(heights.shape, tilt), strict=True):
             heights -= coefficient * term
         sx, sy = self.slope
-        words = f"{tilt} taken out (slope {sx:.3g} along x, {sy:.3g} along y)"
-        return self._with(words, heights=heights)
+        return self._with(f"{tilt} taken out (slope {sx:.3g} along x, {sy:.3g} along y)", heights=heights)
 
-    def faults(
-        self, *, tilt: Tilt | None, missing: Missing, edges: Edges | None, **others: object
-    ) -> dict[str, tuple[str, str]]:
+    def faults(self, *, tilt: Tilt | None, missing: Missing, edges: Edges | None, **others: object) -> Faults:
         """Return what keeps it from being pressed: why, and a remedy, by the key of the scene that mends it.
 
         A plane is looked for first: it makes edges differ that match without it. Where the table names a tilt
         or edges, the choice was made.
         """
-        faults: dict[str, tuple[str, str]] = {}
+        faults: Faults = {}
         count, level = self.missing, self
         if count == self.heights.size:
             raise UsageError("the topography has no known point")

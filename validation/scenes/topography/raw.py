@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from validation.arrays import Array
+from validation.arrays import Array, Pair
 from validation.errors import UsageError
 
 #: Heights that are read: 8192 x 8192, half a gigabyte as numbers.
@@ -30,7 +30,7 @@ class Raw:
     """
 
     heights: Array
-    lengths: tuple[float, float] | None = None
+    lengths: Pair | None = None
     length_units: tuple[str, str] | None = None
     unit: str | None = None
     notes: tuple[str, ...] = ()
@@ -45,7 +45,7 @@ class FileSays:
     """
 
     heights: Array
-    lengths: tuple[float, float] | None
+    lengths: Pair | None
     ratio: float | None
     unit: float | None
     digest: str

@@ -11,15 +11,13 @@ from pathlib import Path
 import numpy as np
 
 from validation import sandbox
-from validation.arrays import Array
+from validation.arrays import Array, Pair
 from validation.errors import UsageError
 from validation.report.quantities import as_length
 from validation.scenes.topography.formats import one_line, read_plain
 from validation.scenes.topography.patch import Topography, rms
 from validation.scenes.topography.raw import MOST_POINTS, RATIO, FileSays
 from validation.units import LARGEST
-
-Lengths = tuple[float, float]
 
 #: Time to read a file, and bytes of it that are read in a further second [s, 1/s].
 _SECONDS, _BYTES_PER_SECOND = 60.0, 2e6
@@ -64,7 +62,7 @@ def _read(name: str, size: int = 0, content: tuple[int, ...] = ()) -> FileSays:
     return says
 
 
-def read_topography(path: Path, *, lengths: Lengths | None = None, unit: float | None = None) -> Topography:
+def read_topography(path: Path, *, lengths: Pair | None = None, unit: float | None = None) -> Topography:
     """Read a topography: .npy, text, .nc, and whatever SurfaceTopography reads where it is installed.
 
     Text is a matrix, rows along x, or three columns x, y, z of an even grid; a width and a height in its
@@ -104,11 +102,11 @@ def read_topography(path: Path, *, lengths: Lengths | None = None, unit: float |
     )
 
 
-def _sides(sides: Lengths) -> str:
+def _sides(sides: Pair) -> str:
     return " x ".join(as_length(side, 4) for side in sides)
 
 
-def impossible(heights: Array, size: Lengths) -> Iterator[str]:
+def impossible(heights: Array, size: Pair) -> Iterator[str]:
     """Yield what no instrument measures: more likely a unit that is missing, or another."""
     cells = [side / n for side, n in zip(size, heights.shape, strict=True)]
     if max(size) > _LARGEST_PATCH or min(cells) < _SMALLEST_CELL:

@@ -46,14 +46,10 @@ def height_statistics(heights: Array, spacing: tuple[float, float]) -> HeightSta
     square = np.sort([slope_x[:, j] ** 2 + slope_y[i] ** 2 for i in ends for j in ends], axis=None)
     steepest = square[-max(1, round(_STEEPEST * square.size)) :]
     middle = level[1:-1, 1:-1]
-    around = [
-        level[1 + i : level.shape[0] - 1 + i, 1 + j : level.shape[1] - 1 + j]
-        for i in (-1, 0, 1)
-        for j in (-1, 0, 1)
-        if (i, j) != (0, 0)
-    ]
+    nx, ny = middle.shape
+    around = [level[i : i + nx, j : j + ny] for i in range(3) for j in range(3) if (i, j) != (1, 1)]
     summit = np.all([middle > neighbour for neighbour in around], axis=0)
-    left, below, above, right = around[1], around[3], around[4], around[6]
+    _, left, _, below, above, _, right, _ = around
     curvature = ((2 * middle - left - right) / dx**2 + (2 * middle - below - above) / dy**2)[summit] / 2
     with np.errstate(invalid="ignore", divide="ignore"):
         return HeightStatistics(
