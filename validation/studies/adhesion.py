@@ -20,6 +20,7 @@ from pydantic import Field, model_validator
 from fem_contact.adhesion import CELLS_NEEDED
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import full_contact_energy
+from validation.effects.hardness import Hardness
 from validation.execution.bench import Bench
 from validation.measurements.adhesive import Sticking
 from validation.measurements.common import base_case
@@ -112,7 +113,9 @@ def design(options: Options) -> dict[tuple[Case, int], Sticking]:
         pressed[case, k] = Sticking(
             problem=base_case(surface, pressure=case.reduced_pressure * unit, solid=_SOLID),
             adhesion=Adhesion(work=work, reach=reach),
-            hardness=None if math.isnan(case.hardness_ratio) else case.hardness_ratio * unit,
+            hardness=()
+            if math.isnan(case.hardness_ratio)
+            else (Hardness(hardness=case.hardness_ratio * unit),),
             grids=options.grids,
         )
     return pressed
