@@ -110,54 +110,6 @@ _AVERAGED = (
 )
 
 
-def _block_limit(blocks: Mapping[float, xr.Dataset], grids: Sequence[Grid]) -> xr.Dataset:
-    """Reduce the blocks of one surface, by points per wave: areas over (fem_grid), and their limit with its interval."""
-    finest, limit = blocks[max(blocks)], method_limit([*blocks.values()], grids, "area_fem")
-    for name in ("pixel", "perimeter"):
-        limit[f"area_fem_{name}_each"] = "fem_grid", [float(data[name]) for data in blocks.values()]
-    # On the finest grid, where one node is least.
-    limit["depth_share_each"] = abs(float(finest.pixel_layer / finest.pixel_bem) - 1)
-    return limit.assign_coords(points_per_wave_fem=("fem_grid", list(blocks)))
-
-
-def with_blocks(
-    data: xr.Dataset,
-    blocks: Measured,
-    strict: Mapping[str, xr.Dataset],
-    grids: Sequence[Grid],
-) -> xr.Dataset:
-    """Add finite elements beside the areas of boundary elements: kappa, distances from the limit, all errors.
-
-    `blocks` by element, number of the surface, and rising points per wave, on `grids`; `strict` the first of each
-    element with a smaller residual. Less than one node of the coarsest grid cannot be seen, and counts as one.
-    """
-    elements, surfaces, points = (list(dict.fromkeys(names)) for names in zip(*blocks, strict=True))
-    parts = {
-        (e, k): _block_limit({n: blocks[e, k, n] for n in points}, grids) for e in elements for k in surfaces
-    }
-    elements_data = gather(parts, element=elements, surface=surfaces).rename(solve="solve_fem")
-    data = data.merge(elements_data, combine_attrs="override")
-    kappas, ways = ("fem", "fem_pixel"), ("fem", "fem_pixel", "fem_perimeter")
-    data = derive(
-        data,
-        **{f"kappa_{way}_each": f"area_{way}_each / reduced_pressure" for way in kappas},
-        **{f"distance_{way}_each": f"area_{way}_each / area_each - 1" for way in ways},
-    )
-    names = [*(f"kappa_{way}" for way in kappas), *(f"distance_{way}" for way in ways)]
-    data = mean(data, *names, "area_fem")
-    depth = data.depth_share_each.mean(["element", "surface"])
-    data = claim(data.assign(depth_share=depth), "distance_fem", depth=depth)
-    data = derive(data, **{f"distance_{way}_size": f"abs(distance_{way})" for way in ways[1:]})
-    usual = {e: float(blocks[e, surfaces[0], points[0]].pixel) for e in elements}
-    exact = {e: float(strict[e].pixel) for e in elements}
-    solver = [max(abs(usual[e] - exact[e]), 1 / math.prod(grids[0])) / exact[e] for e in elements]
-    # How far two discretisations of the same surfaces are apart in the limit is a part of their grids' error.
-    grid_error = data.kappa_fem_error.sel(source="grid", drop=True)
-    grid = (grid_error**2 + (data.distance_fem * data.kappa_fem) ** 2) ** 0.5
-    data = claim_shares(data, "kappa_fem", depth=depth, solver=data.kappa_fem.copy(data=solver))
-    return claim(data, "kappa_fem", grid=grid)
-
-
 @dataclass(frozen=True, kw_only=True)
 class _Other:
     """A method on one of its grids, as coordinates."""
@@ -201,9 +153,41 @@ def with_methods(
     limit = gather(limits, other=[*grids], surface=surfaces)
     data = xr.merge([data, other, limit], compat="no_conflicts", combine_attrs="override")
     ways = ("other", "other_pixel", "other_perimeter", "other_located")
-    data = derive(data, **{f"distance_{way}_each": f"area_{way}_each / area_each - 1" for way in ways})
-    others = [f"{name}_other" for name in ("residual", "converged", "seconds")]
-    return mean(data, *(f"distance_{way}" for way in ways), *others)
+    data = derive(
+        data,
+        kappa_other_each="area_other_each / reduced_pressure",
+        **{f"distance_{way}_each": f"area_{way}_each / area_each - 1" for way in ways},
+    )
+    others = [f"{name}_other" for name in ("area", "kappa", "residual", "converged", "seconds")]
+    data = mean(data, *(f"distance_{way}" for way in ways), *others)
+    return derive(data, **{f"distance_{way}_size": f"abs(distance_{way})" for way in ways[1:3]})
+
+
+def with_block_errors(
+    data: xr.Dataset, blocks: Measured, strict: Mapping[str, xr.Dataset], grids: Sequence[Grid]
+) -> xr.Dataset:
+    """Claim what the finite depth and the stopping of blocks leave, and how far their limits are from the other one.
+
+    `blocks` as `with_methods` has them, on `grids`; `strict` the first of each element with a smaller residual. Less
+    than one node of the coarsest grid cannot be seen, and counts as one.
+    """
+    # On the finest grid, where one node is least.
+    finest = [blocks[e, k, len(grids) - 1] for e in strict for k in range(data.sizes["surface"])]
+    share = np.mean([abs(float(block.pixel_layer / block.pixel_bem) - 1) for block in finest])
+    exact = {e: float(block.pixel) for e, block in strict.items()}
+    missed = {e: abs(float(blocks[e, 0, 0].pixel) - pixel) for e, pixel in exact.items()}
+    solver = {e: max(missed[e], 1 / math.prod(grids[0])) / pixel for e, pixel in exact.items()}
+    names = data.other.values.tolist()
+    depth, solver_share = (
+        xr.DataArray([of.get(name, np.nan) for name in names], dims="other")
+        for of in (dict.fromkeys(strict, share), solver)
+    )
+    data = claim(data.assign(depth_share=share), "distance_other", depth=depth)
+    # How far two discretisations of the same surfaces are apart in the limit is a part of their grids' error.
+    grid_error = data.kappa_other_error.sel(source="grid", drop=True)
+    grid = (grid_error**2 + (data.distance_other * data.kappa_other) ** 2) ** 0.5
+    data = claim_shares(data, "kappa_other", depth=depth, solver=solver_share)
+    return claim(data, "kappa_other", grid=grid)
 
 
 def method_limit(answers: Sequence[xr.Dataset], grids: Sequence[Grid], name: str) -> xr.Dataset:
