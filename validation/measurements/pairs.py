@@ -10,8 +10,7 @@ import xarray as xr
 
 from validation.arrays import Grid
 from validation.execution.measurement import measurement
-from validation.execution.press import Press
-from validation.execution.solve import Prediction
+from validation.execution.solve import PAIR_SECONDS, Prediction
 from validation.measurements.measurement import press_on_grids
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import EffectSpec
@@ -21,20 +20,11 @@ def _predicted(
     problem: ContactProblem,
     grids: tuple[Grid, ...],
     count: int,
-    tolerance: float,
     effects: tuple[EffectSpec, ...],
     pair_seconds: float,
 ) -> Prediction:
-    settings = (("tolerance", tolerance),)
-    presses = [
-        Press(method="bem", grid=grid, problem=problem, settings=settings, effects=effects) for grid in grids
-    ]
-    costs = [press.predict(pair_seconds=pair_seconds) for press in presses]
-    return Prediction(
-        seconds=2 * count * sum(cost.seconds for cost in costs),
-        peak_bytes=max(cost.peak_bytes for cost in costs),
-        unknowns=max(cost.unknowns for cost in costs),
-    )
+    surface = press_on_grids(problem=problem, grids=grids, effects=effects, shifts=1).predict()
+    return replace(surface, seconds=2 * count * surface.seconds * pair_seconds / PAIR_SECONDS)
 
 
 @measurement(
