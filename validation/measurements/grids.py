@@ -143,14 +143,14 @@ def with_methods(
     names |= {"pixel": "area_other_pixel_each", "perimeter": "area_other_perimeter_each"}
     names |= {"subcell": "area_other_located_each"}
     parts = {(cases[m, g], k): answer[[*names]].rename(names) for (m, k, g), answer in answers.items()}
-    other = gather(parts, other_case=[*cases.values()], surface=surfaces).rename(solve="solve_other")
+    other = gather(parts, "other_case", "surface").rename(solve="solve_other")
     limits = {
         (m, k): method_limit([answers[m, k, g] for g in range(len(on))], on, "area_other").drop_attrs(
             deep=False
         )
         for (m, on), k in itertools.product(grids.items(), surfaces)
     }
-    limit = gather(limits, other=[*grids], surface=surfaces)
+    limit = gather(limits, "other", "surface")
     data = xr.merge([data, other, limit], compat="no_conflicts", combine_attrs="override")
     ways = ("other", "other_pixel", "other_perimeter", "other_located")
     data = derive(
@@ -208,9 +208,8 @@ def method_limit(answers: Sequence[xr.Dataset], grids: Sequence[Grid], name: str
 
 def protocol(rough: Measured, points: Sequence[int]) -> xr.Dataset:
     """Reduce the grid-scale protocol, by surface and grid: kappa by the way the slope is measured, and its spread."""
-    surfaces = range(1 + max(k for k, _ in rough))
     kappas = {case: one[["kappa"]].rename(kappa="kappa_protocol_each") for case, one in rough.items()}
-    data = gather(kappas, surface=surfaces, protocol_grid=points).rename(solve="solve_protocol")
+    data = gather(kappas, "surface", "protocol_grid").rename(solve="solve_protocol")
     data = mean(data.drop_vars("protocol_grid"), "kappa_protocol")
     last = data[["kappa_protocol"]].isel(protocol_grid=-1)
     spread = derive(last, kappa_protocol_spread="kappa_protocol.max() / kappa_protocol.min() - 1")
@@ -233,13 +232,12 @@ def protocol_of_solvers(
     points: int,
 ) -> xr.Dataset:
     """Reduce the protocol by solver, H and surface, beside the converged kappa of the same surfaces, by H and surface."""
-    hursts, surfaces = (list(dict.fromkeys(places)) for places in zip(*fine, strict=True))
-    there = {"hurst_protocol": hursts, "surface": surfaces}
     counted = {case: one[["kappa"]].rename(kappa=f"{_PROTOCOL}_each") for case, one in rough.items()}
-    made = gather(counted, solver=PROTOCOL_METHODS, **there).rename(solve="solve_scale")
+    there = ("hurst_protocol", "surface")
+    made = gather(counted, "solver", *there).rename(solve="solve_scale")
     names = ["area_each", "area_each_error", "area_each_drift"]
     limits = {case: limits_of(one).isel(load=0, drop=True)[names] for case, one in fine.items()}
-    converged = gather(limits, **there).rename(
+    converged = gather(limits, *there).rename(
         {n: n.replace("area", "area_protocol") for n in names} | {"solve": "solve_converged"}
     )
     hyun = published("kappa").isel(end=0, paper_kappa=1, drop=True)

@@ -140,7 +140,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     }
     reference, uncertainty = limits["fine"][0], limits["fine"][1] / limits["fine"][0]
     ways = {way_data.attrs["way"]: way_data for way_data in _ways(options, measured)}
-    data = gather(ways, way=list(ways)).set_coords(["kind", "process"])
+    data = gather(ways, "way").set_coords(["kind", "process"])
     data = data.assign_coords(surface=list(surfaces))
     data = data.assign(area_deviation_each=data.area_each / reference - 1).drop_vars("area_each")
     data = data.assign(
@@ -167,7 +167,7 @@ def _ways(options: Options, measured: Measured) -> Iterator[xr.Dataset]:
     surfaces = range(options.surfaces)
     yield from ways_of_bem({k: measured["coarse", "", k] for k in surfaces})
     for part, label, solver, _ in _singles(options):
-        solved_by = gather({k: measured[part, label, k] for k in surfaces}, surface=surfaces)
+        solved_by = gather({k: measured[part, label, k] for k in surfaces}, "surface")
         for area in AREAS:
             if solved_by[area].notnull().all():
                 yield way(

@@ -133,7 +133,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         [s for sticking in cases.values() for sticky in (True, False) for s in sticking.solves(sticky=sticky)]
     )
     parts = {place: sticking.measured(solved) for place, sticking in cases.items()}
-    data = gather(parts, case=list(dict.fromkeys(case for case, _ in cases)), surface=range(options.surfaces))
+    data = gather(parts, "case", "surface")
     data = derive(
         straight_limit(data, "area", "area_plain", "area_plastic", most=1.0),
         area_gain_each="area_each / area_plain_each",

@@ -101,7 +101,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     last = [measured[(_FULL, k, options.magnifications[-1]), 1] for k in range(options.surfaces)]
     parts = zip(last, along, wholes, strict=True)
     shares = {k: shares_by_shell(d, a, problem=w, edges=edges) for k, (d, a, (w, _)) in enumerate(parts)}
-    data = data.merge(gather(shares, surface=range(options.surfaces)).rename(solve="solve_whole"))
+    data = data.merge(gather(shares, "surface").rename(solve="solve_whole"))
     data = data.assign_coords(points_per_wave=("grid", list(options.points_per_wave)))
     data = straight_limit(data, "area", "area_plain", "area_parted", x="points_per_wave")
     data = _compared(straight_limit(data, *_COMPARED[1:], of="grid", x="points_per_wave"))

@@ -118,8 +118,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     smoothed = {
         k: _smoothed(several[0], options, solved) for (c, k), several in solves.items() if not c.varied
     }
-    data = gather(areas, case=cases[:-1], surface=surfaces)
-    data = data.merge(gather(smoothed, surface=surfaces).rename(solve="solve_smoothed"))
+    data = gather(areas, "case", "surface")
+    data = data.merge(gather(smoothed, "surface").rename(solve="solve_smoothed"))
     data = derive(
         straight_limit(data, "area_plastic", "area_elastic"),
         area_plastic_excess_each="area_plastic_each / area_plastic_persson_each - 1",

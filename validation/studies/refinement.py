@@ -196,7 +196,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 def _of_boundary_elements(options: Options, measured: Measured) -> xr.Dataset:
     surfaces, load = range(options.surfaces), options.reduced_pressure
-    data = gather({k: on_grids(measured["grids", k]) for k in surfaces}, surface=surfaces)
+    data = gather({k: on_grids(measured["grids", k]) for k in surfaces}, "surface")
     # Persson's theory knows some of the effects of a scene.
     known = all(type(effect).has_theory() for effect in options.effects)
     theory = predict(options.first, options.effects) if known else None
