@@ -110,7 +110,7 @@ _AVERAGED = (
 )
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class _Other:
     """A method on one of its grids, as coordinates."""
 
@@ -120,22 +120,14 @@ class _Other:
 
 
 def with_methods(
-    data: xr.Dataset,
-    answers: Measured,
-    grids: Mapping[str, Sequence[Grid]],
-    first: ContactProblem,
+    data: xr.Dataset, answers: Measured, grids: Mapping[str, Sequence[Grid]], first: ContactProblem
 ) -> xr.Dataset:
     """Add other methods beside boundary elements: areas on every grid, and limits where grids allow one.
 
     `answers` by name of the method, number of the surface, and number of the grid.
     """
-    surfaces = range(data.sizes["surface"])
     cases = {
-        (m, g): _Other(
-            method_other=m,
-            grid_other="{} x {}".format(*grid),
-            points_per_wave_other=first.points_per_wave(grid),
-        )
+        (m, g): _Other(m, "{} x {}".format(*grid), first.points_per_wave(grid))
         for m, on in grids.items()
         for g, grid in enumerate(on)
     }
@@ -144,14 +136,12 @@ def with_methods(
     names |= {"subcell": "area_other_located_each"}
     parts = {(cases[m, g], k): answer[[*names]].rename(names) for (m, k, g), answer in answers.items()}
     other = gather(parts, "other_case", "surface").rename(solve="solve_other")
-    limits = {
-        (m, k): method_limit([answers[m, k, g] for g in range(len(on))], on, "area_other").drop_attrs(
-            deep=False
-        )
-        for (m, on), k in itertools.product(grids.items(), surfaces)
-    }
-    limit = gather(limits, "other", "surface")
-    data = xr.merge([data, other, limit], compat="no_conflicts", combine_attrs="override")
+    limits = {}
+    for (m, on), k in itertools.product(grids.items(), range(data.sizes["surface"])):
+        limit = method_limit([answers[m, k, g] for g in range(len(on))], on, "area_other")
+        limits[m, k] = limit.drop_attrs(deep=False)
+    added = [other, gather(limits, "other", "surface")]
+    data = xr.merge([data, *added], compat="no_conflicts", combine_attrs="override")
     ways = ("other", "other_pixel", "other_perimeter", "other_located")
     data = derive(
         data,
