@@ -19,7 +19,8 @@ from validation.execution.bench import Bench, Execution
 from validation.execution.press import solves_of
 from validation.measurements.common import base_surface
 from validation.measurements.ensemble import mean_area
-from validation.measurements.pairs import Areas, area_pairs
+from validation.measurements.measurement import area_limits
+from validation.measurements.pairs import area_pairs
 from validation.measurements.statistics import pair_means
 from validation.report.estimates import mean_of
 from validation.report.words import percent
@@ -110,7 +111,7 @@ def test_the_controlled_mean_is_that_of_plain_surfaces_whatever_amplitudes_and_l
     )
     found = mean_area(base, half_width=0.01, bench=bench, tolerance=1e-5)
     plain = area_pairs(problem=base, grids=found.grids[1:], first=77_000_000, count=400, tolerance=1e-5)
-    areas = [limit.value for limit in Areas.joined(plain, [plain.do()]).limits(1)]
+    areas, _ = area_limits(plain.do())
     middle, half = mean_of(xr.DataArray(areas, dims="surface"), pairs=True)
     assert abs(found.estimate.value - float(middle)) < 1.5 * math.hypot(found.half_width, float(half))
     if load == "pressure":

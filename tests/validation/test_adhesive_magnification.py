@@ -7,6 +7,7 @@ from numpy.testing import assert_allclose
 
 from fem_contact import HalfSpace, bem
 from persson import Interface, Scale, pressure_distribution, solve_adhesion
+from validation.effects.adhesion import Adhesion
 from validation.effects.base import full_contact_energy
 from validation.measurements.adhesive import STRESS_EDGES, readings, sticky_contact
 from validation.measurements.distributions import largest_difference
@@ -82,7 +83,7 @@ def test_the_whole_surface_is_told_the_same_work_both_ways(data):
         data.area_improved_each.values[0, :, 1], rel=1e-4
     )
     problem, work = study._full_surface(OPTIONS, 1)
-    along = readings(problem, work=work, area="projected")["improved"]
+    along = readings(problem, Adhesion(work=work), area="projected")["improved"]
     assert data.force_inside_improved_each.values[0, 1, 1] == pytest.approx(
         along.contact_force[-1] / problem.pressure, rel=1e-9
     )

@@ -10,6 +10,7 @@ import xarray as xr
 from made_results import made_areas
 
 from fem_contact import BondedLayer, FrictionlessLayer, HalfSpace, HeightField, Solid, bem, located_limit
+from fem_contact.area import TRAITS
 from persson import SelfAffine, elastic
 from validation.comparison.accuracy_search import Ladder, Search
 from validation.comparison.reductions import Reading
@@ -26,7 +27,7 @@ from validation.execution.fields import decode_result, fields_dataset
 from validation.execution.netcdf import dataset_bytes
 from validation.execution.press import Press
 from validation.measurements import ensemble
-from validation.measurements.pairs import Areas
+from validation.measurements.measurement import area_limits
 from validation.report.estimates import claim, derive
 from validation.report.findings import finding
 from validation.report.table import budget_table, shown
@@ -160,37 +161,53 @@ def test_an_accuracy_claims_twice_the_standard_error_of_the_grids_and_the_tolera
 
 
 def test_the_mean_over_surfaces_claims_their_interval_the_grids_whole_error_and_the_tolerance():
-    read = np.empty((10, 64, 2))
-    read[:] = np.array([0.2, 0.2, 0.2, 0.02, 1.0, 8.0, 0.0, 0.0, 0.0, 0.0])[:, None, None]
-    read[2, :, 0] = 0.2 + 0.01 * np.sin(np.arange(64.0))
-    read[2, :, 1] = read[2, :, 0] + 1e-3
-    ending = [Areas(grids=((32, 32), (64, 64))[:n], lengths=(1.0, 1.0), read=read[..., :n]) for n in (1, 2)]
+    coarse = 0.2 + 0.01 * np.sin(np.arange(64.0))
+    numbers = {"pixel": 0.2, "perimeter": 0.2, "edge_fraction": 0.02, "peak_bytes": 8.0}
+    numbers |= dict.fromkeys(TRAITS, 0.0) | {"subcell": np.array([coarse, coarse + 1e-3])[:, None]}
+    dims = ("grid", "shift", "load")
+    fine = xr.Dataset(
+        {name: (dims, np.broadcast_to(value, (2, 1, 64))) for name, value in numbers.items()}
+        | {"seconds": ("load", np.ones(64))},
+        coords={
+            "points": ("grid", [32, 64]),
+            "cells": ("grid", [32**2, 64**2]),
+            "points_per_wave": ("grid", [4.0, 8.0]),
+        },
+    )
+    ending = [fine.isel(grid=[0]), fine]
     told = np.cos(np.arange(64.0))[:, None]
-    times = [areas.seconds[:, None] for areas in ending]
+    times = [pressed.seconds.values[:, None] for pressed in ending]
     samples = ensemble.Chained(unsolved=told[:32], further=told, unsolved_seconds=1.0, seconds=times)
-    found = ensemble._estimated(ending, samples, tolerance=1e-3)
-    limits = ending[1].limits(1)
+    grids = ((32, 32), (64, 64))
+    found = ensemble._estimated(ending, samples, grids=grids, tolerance=1e-3)
+    limits, errors = area_limits(fine)
     # The difference between the grids is the same everywhere: only the coarse mean and its step are left.
-    assert found.estimate.value == pytest.approx(np.mean([one.value for one in limits]), rel=0.01)
-    grid = 1.96 * math.sqrt(np.mean([one.uncertainty**2 for one in limits]))
+    assert found.estimate.value == pytest.approx(np.mean(limits), rel=0.01)
+    grid = 1.96 * math.sqrt(np.mean(errors**2))
     assert found.grid == pytest.approx(grid + 7e-3 * found.estimate.value, rel=1e-12)
     assert found.half_width == pytest.approx(math.hypot(found.grid, found.estimate.half_width), rel=1e-12)
     assert (found.surfaces, found.peak_bytes) == (128, 8)
-    assert found.scatter == pytest.approx(np.std(read[2, :, 0], ddof=1) / np.mean(read[2, :, 0]), rel=1e-12)
+    assert found.scatter == pytest.approx(np.std(coarse, ddof=1) / np.mean(coarse), rel=1e-12)
 
 
 def test_surfaces_that_are_only_looked_at_are_seen_on_the_grid_that_all_share():
     grids = ((24, 12), (36, 18), (48, 24))
     drawn = ensemble._Drawn(base=realise(scene()), grids=grids, tolerance=1e-6)
     drawn.grow((0, 0, 0, 100))
-    calls = [(last, call) for (last, _), call in drawn.cases().items()]
-    looks = [call for last, call in calls if last == len(grids)]
+    calls = [(what, last, call) for (what, last, _), call in drawn.cases().items()]
+    looks = [call for what, _, call in calls if what == "looked"]
     assert len(looks) > 1
     assert {call.key for call in looks} == {call.but(grid=grids[0]).key for call in looks}
-    ending = [call for last, call in calls if last < len(grids)]
-    assert {call.key for call in ending} == {
-        call.but(grids=grids[: last + 1]).key for last, call in calls if last < len(grids)
+    ending = [(last, call) for what, last, call in calls if what == "pressed"]
+    assert {call.key for _, call in ending} == {
+        call.but(grids=grids[: last + 1]).key for last, call in ending
     }
+    # Those that end with the coarsest grid are looked at, too.
+    firsts = {
+        what: {call["first"] for kind, last, call in calls if (kind, last) == (what, 0)}
+        for what in ("looked", "pressed")
+    }
+    assert firsts["looked"] == firsts["pressed"]
 
 
 def test_a_recipe_tells_tolerances_shifts_and_grids_apart():

@@ -1,5 +1,6 @@
 """Areas of pairs of surfaces in blocks: those of single solves, under every load, located or corrected."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -9,9 +10,9 @@ from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from validation.effects.hardness import Hardness
 from validation.execution.press import Press
 from validation.measurements.common import base_surface
-from validation.measurements.control_variates import unsolved_pairs
-from validation.measurements.measurement import limit_over
-from validation.measurements.pairs import Areas, area_pairs
+from validation.measurements.control_variates import statistics_of_pair, unsolved_pairs
+from validation.measurements.measurement import area_limits, limit_over
+from validation.measurements.pairs import area_pairs
 from validation.scenes.problem import ContactProblem
 from validation.scenes.tables import Load, SolidSpec
 
@@ -28,8 +29,8 @@ def base(load):
 @pytest.mark.parametrize("effects", [(), (Hardness(hardness=1.5e8),)])
 def test_a_block_reads_the_areas_of_each_surface_and_its_mirror_image(load, effects):
     case = area_pairs(problem=base(load), grids=GRIDS, first=7, count=2, tolerance=1e-7, effects=effects)
-    areas = Areas.joined(case, [case.do()])
-    limits = areas.limits(1)
+    areas = case.do()
+    limits, _ = area_limits(areas)
     for k, inverted in ((0, False), (1, True), (2, False), (3, True)):
         surface = replace(base(load).further(7 + k // 2), inverted=inverted)
         own = []
@@ -38,23 +39,25 @@ def test_a_block_reads_the_areas_of_each_surface_and_its_mirror_image(load, effe
             press = Press(method="bem", grid=grid, problem=surface, settings=settings, effects=effects)
             told = {"edge_constant": EDGE_CONSTANTS["bem"], "subcell": not effects}
             own.append(contact_areas(press.do(threads=1).contact, **told))
-            expected = own[-1].perimeter if effects else own[-1].subcell
-            assert areas.on_grid(i)[k] == pytest.approx(expected, rel=1e-9)
-        assert limits[k].value == pytest.approx(limit_over(own).value, rel=1e-9)
-        assert limits[k].definition == ("perimeter" if effects else "subcell")
+            read = areas.isel(grid=i, shift=0, load=k)
+            assert read.perimeter.item() == pytest.approx(own[-1].perimeter, rel=1e-9)
+            located = math.nan if effects else own[-1].subcell
+            assert read.subcell.item() == pytest.approx(located, rel=1e-9, nan_ok=True)
+        assert limits[k] == pytest.approx(limit_over(own).value, rel=1e-9)
     # Neighbours in the list are no copies of each other.
-    assert len(set(np.round(areas.on_grid(1), 9))) == 4
+    assert len(set(np.round(limits, 9))) == 4
 
 
-def test_the_statistics_of_a_block_are_those_of_the_same_surfaces_that_are_not_solved():
-    told = {"problem": base(Load(reduced_pressure=0.2)), "first": 3, "count": 3}
-    solved = area_pairs(grids=GRIDS[:1], **told).do().value.values
-    looked = unsolved_pairs(grid=GRIDS[0], **told).do()
-    np.testing.assert_allclose(solved, looked.value.values, rtol=1e-12)
+def test_the_statistics_of_a_block_are_those_of_its_surfaces():
+    problem = base(Load(reduced_pressure=0.2))
+    looked = unsolved_pairs(problem=problem, grid=GRIDS[0], first=3, count=3).do()
+    each = [statistics_of_pair(problem.further(k).heights(GRIDS[0])) for k in (3, 4, 5)]
+    np.testing.assert_allclose(looked.value, [list(one.values()) for one in each], rtol=1e-12)
     names = looked.attrs["statistics"].split("; ")
-    assert (len(names), names[-1]) == (solved.shape[1], "h'_rms")
+    assert names == list(each[0])
+    assert names[-1] == "h'_rms"
     # Random amplitudes scatter it.
-    assert np.ptp(solved[:, -1]) > 0.005
+    assert np.ptp(looked.value.values[:, -1]) > 0.005
 
 
 def test_the_name_of_a_block_tells_loads_effects_and_surfaces_apart():

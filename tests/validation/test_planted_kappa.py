@@ -220,7 +220,7 @@ def _refined(solve):
         true, edges, constant = 1.01 * own, 0.4 / solve["grid"][0], EDGE_CONSTANTS["Hex1"]
         left = located(true, edges, area_error.perimeter_law(constant))
         layer = {"pixel_bem": 0.1, "pixel_layer": 0.1 * 0.995}
-        edge = {"edge_fraction": edges, "edge_constant": constant}
+        edge = {"edge_fraction": edges, "edge_constant": constant, "subcell": math.nan}
         return block(pixel=left + constant * edges, perimeter=left, **edge, **layer)
     return measurement(solve, lambda p: own)
 
@@ -272,24 +272,24 @@ def test_refinement_finds_where_the_excess_of_the_coarse_grid_lies(refined):
 
 
 def test_finite_elements_reach_the_planted_limit_one_per_cent_above_the_other(refined):
-    assert_allclose(refined.distance_fem_each, 0.01, rtol=1e-7)
+    assert_allclose(refined.distance_other_each, 0.01, rtol=1e-7)
     assert_allclose(refined.depth_share, 0.005, rtol=1e-9)
     # The planted blocks lie on their law. Depth and the grids of the other limit make the distance uncertain.
     assert_allclose(refined.area_each_drift, 0.0, atol=1e-9)
     grids, meshes = (
         1.01 * np.linalg.norm(refined[f"{name}_error"].sel(source="grid") / refined[name]) / 3
-        for name in ("area_each", "area_fem_each")
+        for name in ("area_each", "area_other_each")
     )
-    half = float(total_error(refined, "distance_fem")[0])
+    half = float(total_error(refined, "distance_other")[0])
     assert half == pytest.approx(math.hypot(grids, meshes, 0.005), rel=1e-3)
-    found = decided(refinement, refined, "distance_fem")
+    found = decided(refinement, refined, "distance_other")
     assert found.outcomes == ("differ",)
-    close = refined.assign(distance_fem=0.9 * total_error(refined, "distance_fem"))
-    found = decided(refinement, close, "distance_fem")
+    close = refined.assign(distance_other=0.9 * total_error(refined, "distance_other"))
+    found = decided(refinement, close, "distance_other")
     assert found.outcomes == ("agree",)
     # In the budget the distance of the two limits is a part of the grids' share.
     grid = column(find_study("refinement").budget(refined), "grid [%]")
-    own = refined.area_fem_error.sel(source="grid").item() / refined.area_fem.item()
+    own = refined.area_other_error.sel(source="grid").item() / refined.area_other.item()
     assert grid[1] == pytest.approx(100 * math.hypot(0.01, own), rel=1e-3)
 
 

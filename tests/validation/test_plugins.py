@@ -333,7 +333,7 @@ hard = {case.name: case for case in stability.Options(methods=("descent",)).chos
 print(json.dumps({
     "cross": {"legs": cross.leg.values.tolist(), "apart": cross.pressure_difference_each.values[0].tolist(),
               "used": cross.attrs["methods"]},
-    "refined": {"others": refined.other.values.tolist(), "fem": "area_fem_pixel" in refined},
+    "refined": {"others": refined.other.values.tolist(), "fem": "depth_share" in refined},
     "cost": cost.way.values.tolist(),
     "near": near.density_at_zero.values.tolist(),
     "hard": [sorted(hard), hard["load-descent"].measure(0.5).error],

@@ -400,13 +400,13 @@ def test_surfaces_that_are_added_are_new_ones_and_none_is_taken_back():
     first = drawn.cases()
     drawn.grow((30, 5, 3, 100))
     second = drawn.cases()
-    assert drawn.counts == [32, 6, 4]  # whole blocks
+    assert drawn.counts == [32, 6, 4, 128]  # whole blocks
     assert all(second[name] == case for name, case in first.items())
     pairs = {
-        last: [k for name, case in second.items() if name[0] == last for k in _realisations(case)]
+        last: [k for name, case in second.items() if name[1] == last for k in _realisations(case)]
         for last in range(4)
     }
-    assert [len(numbers) for numbers in pairs.values()] == [32, 6, 4, 128]
+    assert [len(numbers) for numbers in pairs.values()] == [2 * 32, 6, 4, 128]  # the first are looked at, too
     assert len(set().union(*pairs.values())) == 170
 
 

@@ -16,23 +16,22 @@ from fem_contact.adhesion import GapLaw
 from fem_contact.contact import ContactResult
 from fem_contact.response import HalfSpace
 from fem_contact.surface import HeightField
-from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
-from persson.elastic import contact_area, stress_variance
+from persson.adhesion import AdhesiveContact, Interface
 from persson.errors import PerssonError
 from persson.interface import detachment_stress
 from persson.scale import Scale
 from validation.arrays import Array, Grid
 from validation.effects.adhesion import Adhesion
-from validation.effects.base import full_contact_energy
+from validation.effects.base import Effect, TheoryInputs, full_contact_energy
 from validation.effects.hardness import Hardness
 from validation.execution.bench import Solves
 from validation.execution.measurement import Call, measurement
 from validation.execution.press import Press
 from validation.measurements.measurement import even_points
 from validation.measurements.theory import wave_powers
-from validation.measurements.yielding import yielded_by_theory
 from validation.report.estimates import claim, derive
 from validation.scenes.problem import ContactProblem
+from validation.solvers.theory import TheoryOptions, adhesive_contact, predict
 
 Reading = Literal["improved", "old"]
 #: Readings of the elastic energy (Persson 2006, Eqs. 44-49 and 43).
@@ -49,33 +48,20 @@ Solutions = Mapping[Reading, AdhesiveContact | None]
 
 
 def readings(
-    problem: ContactProblem,
-    *,
-    work: float,
-    area: Literal["star", "projected"] = "star",
-    hardness: float | None = None,
+    problem: ContactProblem, *effects: Effect, area: Literal["star", "projected"] = "star"
 ) -> Solutions:
     """Solve the theory with adhesion for the gradient of one surface by both readings; None where it has no answer."""
+    inputs = TheoryInputs.by(problem.elastic, effects)
     scale = Scale(problem.own_spectrum, contact_modulus=problem.contact_modulus)
 
     def solved(energy: Reading) -> AdhesiveContact | None:
-        interface = Interface(work_of_adhesion=work, energy=energy, area=area)
         try:
-            return solve_adhesion(
-                scale, pressure=problem.pressure, interface=interface, yield_stress=hardness
-            ).checked()
+            options = TheoryOptions(energy=energy, area=area)
+            return adhesive_contact(inputs, problem.pressure, options, scale=scale)
         except PerssonError:
             return None
 
     return {reading: solved(reading) for reading in READINGS}
-
-
-def without_adhesion(problem: ContactProblem, hardness: float | None = None) -> float:
-    """A/A0 of the theory without adhesion, yielded area with it."""
-    if hardness is not None:
-        return sum(yielded_by_theory(problem, hardness))
-    variance = stress_variance(problem.field.moments[1], contact_modulus=problem.contact_modulus)
-    return float(contact_area(problem.pressure, stress_variance=variance))
 
 
 def interface_energy(contact: ContactResult, law: GapLaw) -> float:
@@ -86,17 +72,16 @@ def interface_energy(contact: ContactResult, law: GapLaw) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Sticking:
-    """Surface and load on some grids, with an attraction, and a hardness [Pa] where there is one; fields are kept."""
+    """Surface and load on some grids, with an attraction, and a hardness where there is one; fields are kept."""
 
     problem: ContactProblem
     adhesion: Adhesion
-    hardness: float | None
+    hardness: tuple[Hardness, ...]
     grids: tuple[int, ...]
 
     def solves(self, *, sticky: bool = True) -> tuple[Press, ...]:
         """Return the solves with adhesion or without, coarse grid first."""
-        effects: tuple[Adhesion | Hardness, ...] = (self.adhesion,) if sticky else ()
-        effects += () if self.hardness is None else (Hardness(hardness=self.hardness),)
+        effects = (*((self.adhesion,) if sticky else ()), *self.hardness)
         press = partial(Press, method="bem", settings=(("tolerance", 1e-8),), effects=effects)
         return tuple(press(grid=(n, n), problem=self.problem) for n in self.grids)
 
@@ -109,14 +94,14 @@ class Sticking:
             "area_plain": [contact.in_contact.mean() for contact in plain],
             "area_plastic": [contact.at_bound.mean() for contact in sticky],
         }
-        solutions = readings(problem, work=work, hardness=self.hardness)
+        solutions = readings(problem, self.adhesion, *self.hardness)
         improved, plastic = solutions["improved"], math.nan
-        if self.hardness is None:
+        if not self.hardness:
             counted["area_plastic"] = [math.nan] * len(self.grids)
         elif improved is not None:
             plastic = float(improved.area_plastic[-1])
         numbers: dict[str, float] = {
-            "area_plain_persson": without_adhesion(problem, self.hardness),
+            "area_plain_persson": predict(problem, self.hardness).area,
             "area_plastic_improved": plastic,
             "interface_energy": interface_energy(sticky[-1], self.adhesion.gap_law()) / work,
             "attraction_range": self.adhesion.gap_law().reach / problem.field.rms_height,
@@ -219,7 +204,7 @@ class Cut:
             for name, of in counted.items()
         }
         energies = [float(measured.stored.sum() / measured.full.sum()) for measured in grids]
-        data["area_plain_persson_each"] = without_adhesion(self.problem)
+        data["area_plain_persson_each"] = predict(self.problem, ()).area
         for reading in READINGS:
             contact = self.theory.get(reading)
             seen = _NOTHING if contact is None else _seen(contact, self.problem)

@@ -306,12 +306,7 @@ class Ladders:
         (rung, source), over = LADDERS[kind], f"surface_{kind}"
         common = kind == "by_bandwidth"
         parts = {case[1:]: limits_of(data) for case, data in measured.items() if case[0] == kind}
-        dims: dict[str, Sequence[Any]] = {
-            "ladder": range(len(self.hursts)),
-            rung: self.bandwidths if common else self.sizes,
-            over: range(1 + max(k for _, _, k in parts)),
-        }
-        data = gather(parts, **dims).isel(load=0, drop=True).drop_vars("ladder")
+        data = gather(parts, "ladder", rung, over).isel(load=0, drop=True).drop_vars("ladder")
         data = data[["area_each", "area_each_error", "area_each_drift", "nayak_each", "solve"]]
         names = {name: str(name).replace("_each", f"_{kind}_each") for name in data.data_vars}
         data = data.rename(names | {"solve": f"solve_{kind}"})

@@ -7,8 +7,7 @@ Names are those of the registry; every function takes the dataset of a chain or 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -55,9 +54,7 @@ _OF_PROBES = (
 )
 
 
-def budgets_of(
-    bench: Bench, cases: Mapping[tuple[float, float, int, float], Call], **dims: Sequence[Any]
-) -> xr.Dataset:
+def budgets_of(bench: Bench, cases: Mapping[tuple[float, float, int, float], Call], *dims: str) -> xr.Dataset:
     """Solve chains, or probes, and put them together along (hurst, load, surface, grid).
 
     Limits over the grids stand in the place of the areas on each: ``area_each``, and ``area_negative_each`` with the
@@ -72,7 +69,7 @@ def budgets_of(
         read[place] = stored_variables(measured).assign_coords(
             points=points, cells=points**2, points_per_wave=float(points * shortest / problem.lengths[0])
         )
-    data = gather(read, **dims)
+    data = gather(read, *dims)
     others = [str(dim) for dim in data.pixel.dims if dim != "grid"]
     flat = {n: data[n].transpose("grid", *others).values for n in AREAS}
     areas = xr.Dataset(

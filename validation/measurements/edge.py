@@ -91,9 +91,8 @@ def window_slope(below: float, *, excess: float, window: float) -> float:
 def slopes_of(
     bench: Bench,
     surfaces: Mapping[tuple[Any, ...], ContactProblem],
-    *,
+    *dims: str,
     points_per_wave: Sequence[float],
-    **dims: Sequence[Any],
 ) -> xr.Dataset:
     """P'(0) of surfaces, by their places along dimensions, at dx -> 0, and how far it moves on other grids (`edge_limits`).
 
@@ -112,7 +111,7 @@ def slopes_of(
         spacing = 1 / cases[place]["problem"].points_per_wave(cases[place]["grid"])
         start = start_of_pressure(measured, spacing=spacing, window=_WINDOW, slope_window=_WINDOW)
         starts[place] = start.assign_coords(spacing=spacing)
-    data = edge_limits(gather(starts, **dims, grid=points_per_wave))
+    data = edge_limits(gather(starts, *dims, "grid"))
     names = {f"initial_slope_window_each{what}": f"pressure_slope_each{what}" for what in ("", "_drift")}
     return data[[*names]].rename(names)
 

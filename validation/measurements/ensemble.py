@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import scipy.special
@@ -18,8 +19,8 @@ from validation.execution.measurement import Call
 from validation.measurements.control_variates import unsolved_pairs
 from validation.measurements.controlled import Controlled, Known, allocation, chained_mean
 from validation.measurements.limits import solved
-from validation.measurements.measurement import TOLERANCES_LEFT, grids_for
-from validation.measurements.pairs import Areas, area_pairs
+from validation.measurements.measurement import TOLERANCES_LEFT, area_limits, grids_for
+from validation.measurements.pairs import area_pairs
 from validation.measurements.statistics import pair_means
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import EffectSpec
@@ -36,8 +37,8 @@ _STUDENT = 2.1
 #: Share of an interval that the grids may take; with more, surfaces that make up for it are too many.
 _GRID_SHARE = 0.9
 
-#: Last grid, or how many there are for pairs that are only looked at; and the first pair of a block.
-_Name = tuple[int, int]
+#: What is done with a block of pairs; their last grid, or how many there are for those that are not solved; the first.
+_Name = tuple[str, int, int]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,7 +156,7 @@ def mean_area(
     known: dict[_Name, xr.Dataset] = solved(bench, drawn.cases())
     for rounds in itertools.count(1):
         ending, chained = drawn.samples(known)
-        result = _estimated(ending, chained, tolerance=tolerance)
+        result = _estimated(ending, chained, grids=grids, tolerance=tolerance)
         target = half_width * result.estimate.value
         left = float(np.sqrt(max(target**2 - result.grid**2, 0.0)))
         enough = result.estimate.half_width <= left or result.grid >= _GRID_SHARE * target
@@ -174,31 +175,32 @@ def mean_area(
     return result
 
 
-def _estimated(ending: Sequence[Areas], chained: Chained, *, tolerance: float) -> MeanArea:
+def _estimated(
+    ending: Sequence[xr.Dataset], chained: Chained, *, grids: tuple[Grid, ...], tolerance: float
+) -> MeanArea:
     levels = len(ending)
-    limits = [areas.limits(grid) for grid, areas in enumerate(ending)]
-    # Coarser ones are controls: their areas are read as they are.
-    for limit in itertools.chain(*limits[min(2, levels - 1) :]):
-        if limit.doubt:
-            raise NoLimit(f"a surface of the ensemble has no limit: {limit.doubt}; all solves are stored")
+    # Those that end with coarser grids are controls: their areas are read as they are.
+    if any(np.isnan(area_limits(pressed)).any() for pressed in ending[min(2, levels - 1) :]):
+        raise NoLimit("a surface of the ensemble has no limit on these grids; all solves are stored")
 
     def values(last: int, grid: int) -> Array:
         if grid >= 2 or grid == levels - 1:
-            return np.array([[limit.value for limit in ending[last].limits(grid)]])
-        return ending[last].on_grid(grid)[None]
+            return area_limits(ending[last].isel(grid=slice(grid + 1)))[0][None]
+        on_grid = ending[last].isel(grid=grid)
+        return np.asarray(on_grid.subcell.fillna(on_grid.perimeter))
 
     (chain,) = chained.chains(values)
-    coarse, errors = values(0, 0), [limit.uncertainty for limit in limits[-1]]
+    coarse, errors = values(0, 0), area_limits(ending[-1])[1]
     # Alike on all surfaces, it does not average.
     grid_error = 1.96 * float(np.sqrt(np.mean(np.square(errors))))
     return MeanArea(
         chain=chain,
         grid=grid_error + TOLERANCES_LEFT * tolerance * chain[-1].value,
-        grids=ending[-1].grids,
-        pairs=tuple(areas.read.shape[1] // 2 for areas in ending),
+        grids=grids,
+        pairs=tuple(pressed.sizes["load"] // 2 for pressed in ending),
         unsolved=len(chained.further),
         scatter=float(coarse.std(ddof=1) / coarse.mean()),
-        peak_bytes=max(areas.peak_bytes for areas in ending),
+        peak_bytes=int(max(pressed.peak_bytes.max() for pressed in ending)),
     )
 
 
@@ -210,55 +212,47 @@ class _Drawn:
     grids: tuple[Grid, ...]
     tolerance: float
     effects: tuple[EffectSpec, ...] = ()
+    #: Pairs that end with each grid, coarsest first, and that are not solved.
     counts: list[int] = field(init=False)
-    further: int = _FIRST_UNSOLVED
 
     def __post_init__(self) -> None:
-        self.counts = [self._block(last) for last in range(len(self.grids))]
+        self.counts = [*self._blocks]
+
+    @property
+    def _blocks(self) -> tuple[int, ...]:
+        return _FIRST[0], *_FIRST[1 - len(self.grids) :], _FIRST_UNSOLVED
 
     def cases(self) -> dict[_Name, Call]:
-        """Return the blocks of pairs that end with each grid, and of those that are only looked at."""
+        """Return the blocks of pairs that end with each grid, and of those that are looked at."""
         calls: dict[_Name, Call] = {}
-        for last, count in enumerate(self.counts):
-            size = self._block(last)
+        for last, (count, size) in enumerate(zip(self.counts, self._blocks, strict=True)):
             for k in range(0, count, size):
-                calls[last, k] = area_pairs(
-                    problem=self.base,
-                    grids=self.grids[: last + 1],
-                    first=k + last * _APART,
-                    count=size,
-                    tolerance=self.tolerance,
-                    effects=self.effects,
-                )
-        for k in range(0, self.further, _FIRST_UNSOLVED):
-            first = k + len(self.grids) * _APART
-            calls[len(self.grids), k] = unsolved_pairs(
-                problem=self.base, grid=self.grids[0], first=first, count=_FIRST_UNSOLVED
-            )
+                block: dict[str, Any] = {"problem": self.base, "first": k + last * _APART, "count": size}
+                if last in (0, len(self.grids)):
+                    calls["looked", last, k] = unsolved_pairs(grid=self.grids[0], **block)
+                if last < len(self.grids):
+                    calls["pressed", last, k] = area_pairs(
+                        grids=self.grids[: last + 1], tolerance=self.tolerance, effects=self.effects, **block
+                    )
         return calls
 
-    def _block(self, last: int) -> int:
-        return _FIRST[0] if last == 0 else _FIRST[len(_FIRST) - len(self.grids) + last]
-
-    def samples(self, known: Mapping[_Name, xr.Dataset]) -> tuple[list[Areas], Chained]:
+    def samples(self, known: Mapping[_Name, xr.Dataset]) -> tuple[list[xr.Dataset], Chained]:
         """Return what was read off the surfaces that end with each grid, and their statistics and times."""
-        cases = self.cases()
-        *parts, looked = ([n for n in cases if n[0] == last] for last in range(len(self.grids) + 1))
-        ending = [Areas.joined(cases[names[0]], [known[name] for name in names]) for names in parts]
+
+        def of(what: str, last: int) -> list[xr.Dataset]:
+            return [known[name] for name in self.cases() if name[:2] == (what, last)]
+
+        levels = len(self.grids)
+        ending = [xr.concat(of("pressed", last), "load") for last in range(levels)]
+        unsolved, further = of("looked", 0), of("looked", levels)
         return ending, Chained(
-            unsolved=np.concatenate([known[name].value.values for name in parts[0]]),
-            further=np.concatenate([known[name].value.values for name in looked]),
-            # Of the pairs that are solved, too: as long for each as for those that are not.
-            unsolved_seconds=sum(float(known[name].attrs["seconds"]) for name in looked)
-            * (1 + self.counts[0] / self.further),
-            seconds=[areas.seconds[:, None] for areas in ending],
+            unsolved=np.concatenate([block.value.values for block in unsolved]),
+            further=np.concatenate([block.value.values for block in further]),
+            unsolved_seconds=sum(float(block.attrs["seconds"]) for block in (*unsolved, *further)),
+            seconds=[pressed.seconds.values[:, None] for pressed in ending],
         )
 
     def grow(self, numbers: Sequence[int]) -> None:
-        """Take at least so many pairs that end with each grid, and so many that are only looked at, in whole blocks."""
-        *solves, unsolved = numbers
-        self.counts = [
-            max(old, self._block(last) * math.ceil(new / self._block(last)))
-            for last, (old, new) in enumerate(zip(self.counts, solves, strict=True))
-        ]
-        self.further = max(self.further, _FIRST_UNSOLVED * math.ceil(unsolved / _FIRST_UNSOLVED))
+        """Take at least so many pairs that end with each grid, and that are only looked at, in whole blocks."""
+        sizes = zip(self.counts, numbers, self._blocks, strict=True)
+        self.counts = [max(old, size * math.ceil(new / size)) for old, new, size in sizes]

@@ -11,13 +11,14 @@ import xarray as xr
 from fem_contact.area import contact_areas
 from fem_contact.surface import HeightField, random_surface
 from validation.arrays import Array, Grid
+from validation.effects.base import ContactModel
 from validation.execution.measurement import measurement
 from validation.execution.solve import Prediction
 from validation.measurements.common import reduced_load
-from validation.measurements.measurement import press_elastic
 from validation.scenes.problem import ContactProblem
 from validation.scenes.surfaces import spectrum_of
 from validation.scenes.tables import SelfAffineSurface
+from validation.solvers import find_solver
 
 
 def _recipe(made: dict[str, Any], method: str) -> dict[str, Any]:
@@ -56,12 +57,7 @@ def grid_roughness(
     )
     slopes = rms_slopes(field)
     pressure = reduced_load(problem) * modulus * slopes["spectral"]
-    if method == "fem":
-        from fem_contact import block
-
-        result = block.solve(field, problem.elastic, mean_pressure=pressure, method="full").contact.checked()
-    else:
-        result = press_elastic(field, problem.elastic, pressure)
+    result = find_solver(method).pressed(field, ContactModel(solid=problem.elastic), pressure).checked()
     pixel = contact_areas(result).pixel
     kappa = [pixel * modulus * slope / pressure for slope in slopes.values()]
     return xr.Dataset(

@@ -110,55 +110,7 @@ _AVERAGED = (
 )
 
 
-def _block_limit(blocks: Mapping[float, xr.Dataset], grids: Sequence[Grid]) -> xr.Dataset:
-    """Reduce the blocks of one surface, by points per wave: areas over (fem_grid), and their limit with its interval."""
-    finest, limit = blocks[max(blocks)], method_limit([*blocks.values()], grids, "area_fem")
-    for name in ("pixel", "perimeter"):
-        limit[f"area_fem_{name}_each"] = "fem_grid", [float(data[name]) for data in blocks.values()]
-    # On the finest grid, where one node is least.
-    limit["depth_share_each"] = abs(float(finest.pixel_layer / finest.pixel_bem) - 1)
-    return limit.assign_coords(points_per_wave_fem=("fem_grid", list(blocks)))
-
-
-def with_blocks(
-    data: xr.Dataset,
-    blocks: Measured,
-    strict: Mapping[str, xr.Dataset],
-    grids: Sequence[Grid],
-) -> xr.Dataset:
-    """Add finite elements beside the areas of boundary elements: kappa, distances from the limit, all errors.
-
-    `blocks` by element, number of the surface, and rising points per wave, on `grids`; `strict` the first of each
-    element with a smaller residual. Less than one node of the coarsest grid cannot be seen, and counts as one.
-    """
-    elements, surfaces, points = (list(dict.fromkeys(names)) for names in zip(*blocks, strict=True))
-    parts = {
-        (e, k): _block_limit({n: blocks[e, k, n] for n in points}, grids) for e in elements for k in surfaces
-    }
-    elements_data = gather(parts, element=elements, surface=surfaces).rename(solve="solve_fem")
-    data = data.merge(elements_data, combine_attrs="override")
-    kappas, ways = ("fem", "fem_pixel"), ("fem", "fem_pixel", "fem_perimeter")
-    data = derive(
-        data,
-        **{f"kappa_{way}_each": f"area_{way}_each / reduced_pressure" for way in kappas},
-        **{f"distance_{way}_each": f"area_{way}_each / area_each - 1" for way in ways},
-    )
-    names = [*(f"kappa_{way}" for way in kappas), *(f"distance_{way}" for way in ways)]
-    data = mean(data, *names, "area_fem")
-    depth = data.depth_share_each.mean(["element", "surface"])
-    data = claim(data.assign(depth_share=depth), "distance_fem", depth=depth)
-    data = derive(data, **{f"distance_{way}_size": f"abs(distance_{way})" for way in ways[1:]})
-    usual = {e: float(blocks[e, surfaces[0], points[0]].pixel) for e in elements}
-    exact = {e: float(strict[e].pixel) for e in elements}
-    solver = [max(abs(usual[e] - exact[e]), 1 / math.prod(grids[0])) / exact[e] for e in elements]
-    # How far two discretisations of the same surfaces are apart in the limit is a part of their grids' error.
-    grid_error = data.kappa_fem_error.sel(source="grid", drop=True)
-    grid = (grid_error**2 + (data.distance_fem * data.kappa_fem) ** 2) ** 0.5
-    data = claim_shares(data, "kappa_fem", depth=depth, solver=data.kappa_fem.copy(data=solver))
-    return claim(data, "kappa_fem", grid=grid)
-
-
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class _Other:
     """A method on one of its grids, as coordinates."""
 
@@ -168,22 +120,14 @@ class _Other:
 
 
 def with_methods(
-    data: xr.Dataset,
-    answers: Measured,
-    grids: Mapping[str, Sequence[Grid]],
-    first: ContactProblem,
+    data: xr.Dataset, answers: Measured, grids: Mapping[str, Sequence[Grid]], first: ContactProblem
 ) -> xr.Dataset:
     """Add other methods beside boundary elements: areas on every grid, and limits where grids allow one.
 
     `answers` by name of the method, number of the surface, and number of the grid.
     """
-    surfaces = range(data.sizes["surface"])
     cases = {
-        (m, g): _Other(
-            method_other=m,
-            grid_other="{} x {}".format(*grid),
-            points_per_wave_other=first.points_per_wave(grid),
-        )
+        (m, g): _Other(m, "{} x {}".format(*grid), first.points_per_wave(grid))
         for m, on in grids.items()
         for g, grid in enumerate(on)
     }
@@ -191,19 +135,49 @@ def with_methods(
     names |= {"pixel": "area_other_pixel_each", "perimeter": "area_other_perimeter_each"}
     names |= {"subcell": "area_other_located_each"}
     parts = {(cases[m, g], k): answer[[*names]].rename(names) for (m, k, g), answer in answers.items()}
-    other = gather(parts, other_case=[*cases.values()], surface=surfaces).rename(solve="solve_other")
-    limits = {
-        (m, k): method_limit([answers[m, k, g] for g in range(len(on))], on, "area_other").drop_attrs(
-            deep=False
-        )
-        for (m, on), k in itertools.product(grids.items(), surfaces)
-    }
-    limit = gather(limits, other=[*grids], surface=surfaces)
-    data = xr.merge([data, other, limit], compat="no_conflicts", combine_attrs="override")
+    other = gather(parts, "other_case", "surface").rename(solve="solve_other")
+    limits = {}
+    for (m, on), k in itertools.product(grids.items(), range(data.sizes["surface"])):
+        limit = method_limit([answers[m, k, g] for g in range(len(on))], on, "area_other")
+        limits[m, k] = limit.drop_attrs(deep=False)
+    added = [other, gather(limits, "other", "surface")]
+    data = xr.merge([data, *added], compat="no_conflicts", combine_attrs="override")
     ways = ("other", "other_pixel", "other_perimeter", "other_located")
-    data = derive(data, **{f"distance_{way}_each": f"area_{way}_each / area_each - 1" for way in ways})
-    others = [f"{name}_other" for name in ("residual", "converged", "seconds")]
-    return mean(data, *(f"distance_{way}" for way in ways), *others)
+    data = derive(
+        data,
+        kappa_other_each="area_other_each / reduced_pressure",
+        **{f"distance_{way}_each": f"area_{way}_each / area_each - 1" for way in ways},
+    )
+    others = [f"{name}_other" for name in ("area", "kappa", "residual", "converged", "seconds")]
+    data = mean(data, *(f"distance_{way}" for way in ways), *others)
+    return derive(data, **{f"distance_{way}_size": f"abs(distance_{way})" for way in ways[1:3]})
+
+
+def with_block_errors(
+    data: xr.Dataset, blocks: Measured, strict: Mapping[str, xr.Dataset], grids: Sequence[Grid]
+) -> xr.Dataset:
+    """Claim what the finite depth and the stopping of blocks leave, and how far their limits are from the other one.
+
+    `blocks` as `with_methods` has them, on `grids`; `strict` the first of each element with a smaller residual. Less
+    than one node of the coarsest grid cannot be seen, and counts as one.
+    """
+    # On the finest grid, where one node is least.
+    finest = [blocks[e, k, len(grids) - 1] for e in strict for k in range(data.sizes["surface"])]
+    share = np.mean([abs(float(block.pixel_layer / block.pixel_bem) - 1) for block in finest])
+    exact = {e: float(block.pixel) for e, block in strict.items()}
+    missed = {e: abs(float(blocks[e, 0, 0].pixel) - pixel) for e, pixel in exact.items()}
+    solver = {e: max(missed[e], 1 / math.prod(grids[0])) / pixel for e, pixel in exact.items()}
+    names = data.other.values.tolist()
+    depth, solver_share = (
+        xr.DataArray([of.get(name, np.nan) for name in names], dims="other")
+        for of in (dict.fromkeys(strict, share), solver)
+    )
+    data = claim(data.assign(depth_share=share), "distance_other", depth=depth)
+    # How far two discretisations of the same surfaces are apart in the limit is a part of their grids' error.
+    grid_error = data.kappa_other_error.sel(source="grid", drop=True)
+    grid = (grid_error**2 + (data.distance_other * data.kappa_other) ** 2) ** 0.5
+    data = claim_shares(data, "kappa_other", depth=depth, solver=solver_share)
+    return claim(data, "kappa_other", grid=grid)
 
 
 def method_limit(answers: Sequence[xr.Dataset], grids: Sequence[Grid], name: str) -> xr.Dataset:
@@ -224,9 +198,8 @@ def method_limit(answers: Sequence[xr.Dataset], grids: Sequence[Grid], name: str
 
 def protocol(rough: Measured, points: Sequence[int]) -> xr.Dataset:
     """Reduce the grid-scale protocol, by surface and grid: kappa by the way the slope is measured, and its spread."""
-    surfaces = range(1 + max(k for k, _ in rough))
     kappas = {case: one[["kappa"]].rename(kappa="kappa_protocol_each") for case, one in rough.items()}
-    data = gather(kappas, surface=surfaces, protocol_grid=points).rename(solve="solve_protocol")
+    data = gather(kappas, "surface", "protocol_grid").rename(solve="solve_protocol")
     data = mean(data.drop_vars("protocol_grid"), "kappa_protocol")
     last = data[["kappa_protocol"]].isel(protocol_grid=-1)
     spread = derive(last, kappa_protocol_spread="kappa_protocol.max() / kappa_protocol.min() - 1")
@@ -249,13 +222,12 @@ def protocol_of_solvers(
     points: int,
 ) -> xr.Dataset:
     """Reduce the protocol by solver, H and surface, beside the converged kappa of the same surfaces, by H and surface."""
-    hursts, surfaces = (list(dict.fromkeys(places)) for places in zip(*fine, strict=True))
-    there = {"hurst_protocol": hursts, "surface": surfaces}
     counted = {case: one[["kappa"]].rename(kappa=f"{_PROTOCOL}_each") for case, one in rough.items()}
-    made = gather(counted, solver=PROTOCOL_METHODS, **there).rename(solve="solve_scale")
+    there = ("hurst_protocol", "surface")
+    made = gather(counted, "solver", *there).rename(solve="solve_scale")
     names = ["area_each", "area_each_error", "area_each_drift"]
     limits = {case: limits_of(one).isel(load=0, drop=True)[names] for case, one in fine.items()}
-    converged = gather(limits, **there).rename(
+    converged = gather(limits, *there).rename(
         {n: n.replace("area", "area_protocol") for n in names} | {"solve": "solve_converged"}
     )
     hyun = published("kappa").isel(end=0, paper_kappa=1, drop=True)

@@ -388,10 +388,9 @@ def stored_areas(
     numbers: Mapping[str, Any] | xr.Dataset,
     *,
     grid: Grid,
-    lengths: tuple[float, float] = (1.0, 1.0),
     edge_constant: float = EDGE_CONSTANTS["bem"],
 ) -> ContactAreas:
-    """Return the areas of one solve from stored numbers, as limits take them; periods [m], or in any unit.
+    """Return the areas of one solve from stored numbers, as limits take them, on periods of 1.
 
     ``pixel``, ``perimeter``, ``edge_fraction``; ``subcell`` and `fem_contact.area.TRAITS` where they were
     measured.
@@ -402,7 +401,7 @@ def stored_areas(
         **known,
         edge_length=math.nan,
         edge_constant=edge_constant,
-        spacing=(lengths[0] / grid[0], lengths[1] / grid[1]),
+        spacing=(1 / grid[0], 1 / grid[1]),
         subcell=None if math.isnan(subcell) else subcell,
         cells=grid[0] * grid[1],
     )

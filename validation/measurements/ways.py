@@ -22,7 +22,7 @@ _TARGETS = (0.1, 0.03, 0.01, 0.003, 0.001)
 
 def ways_of_bem(measured: Mapping[int, xr.Dataset]) -> Iterator[xr.Dataset]:
     """Yield single grids, shifts averaged, limits over two grids, and over three with shifts."""
-    whole = gather({k: result.isel(load=0) for k, result in measured.items()}, surface=[*measured])
+    whole = gather({k: result.isel(load=0) for k, result in measured.items()}, "surface")
     per_wave = measured[0].points_per_wave.values
     for i, name in itertools.product(range(per_wave.size), AREAS):
         on = whole.isel(grid=i)

@@ -1,4 +1,4 @@
-"""What hardness does to a surface: yielded and elastic area by the theory, and what smoothing leaves of the waves."""
+"""What hardness does to a surface: what smoothing leaves of its waves."""
 
 from __future__ import annotations
 
@@ -7,20 +7,12 @@ import numpy as np
 from fem_contact.contact import ContactResult
 from fem_contact.hardness import yielded
 from fem_contact.surface import HeightField, radial_spectrum
-from persson.elastic import stress_variance
-from persson.hardness import constant_hardness
-from persson.scale import Scale
-from persson.tabulated import smoothed
 from validation.arrays import Array
+from validation.effects.base import TheoryInputs
+from validation.effects.smoothing import Smoothing
 from validation.measurements.grid_roughness import squared_gradient
 from validation.scenes.problem import ContactProblem
-
-
-def yielded_by_theory(problem: ContactProblem, hardness: float) -> tuple[float, float]:
-    """A_pl/A0 and A_el/A0 for a constant hardness [Pa], with the gradient of this very surface."""
-    variance = stress_variance(problem.field.moments[1], contact_modulus=problem.contact_modulus)
-    parts = constant_hardness(problem.pressure, stress_variance=variance, yield_stress=hardness)
-    return float(parts.plastic), float(parts.elastic)
+from validation.solvers.theory import smoothed_spectrum
 
 
 def remaining_waves(contact: ContactResult, problem: ContactProblem) -> tuple[Array, Array, float]:
@@ -41,9 +33,6 @@ def remaining_waves(contact: ContactResult, problem: ContactProblem) -> tuple[Ar
 def remaining_by_theory(problem: ContactProblem, hardness: float, wavevectors: Array) -> Array:
     """Share of C(q) that Persson's formula leaves, 1 - A_pl(q)/A_pl (2006, Sec. 10.2)."""
     spectrum = problem.own_spectrum
-    fine = np.geomspace(spectrum.q_long, spectrum.q_short, 400)
-    variance = Scale(spectrum, contact_modulus=problem.contact_modulus).variance(fine)
-    parts = constant_hardness(problem.pressure, stress_variance=variance, yield_stress=hardness)
-    share = np.minimum(parts.plastic * hardness / problem.pressure, 1.0)
-    after = smoothed(spectrum, wavevectors=fine, yielded=share)
+    squeezed = Smoothing(pressure=problem.pressure, hardness=hardness)
+    after = smoothed_spectrum(spectrum, TheoryInputs.by(problem.elastic, (squeezed,)))
     return after(wavevectors) / spectrum(wavevectors)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from contact_checks import Checks
 from validation.errors import RunFailed, UsageError
-from validation.reference.interpolation import ReferenceValue, interpolated
+from validation.reference.interpolation import QUANTITIES, ReferenceValue, interpolated
 from validation.reference.theory import persson_theory
 from validation.report.quantities import quantity
 
@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["ReferenceValue", "lookup", "persson_theory", "table", "wide"]
-
-_QUANTITIES = ("area", "gap", "compliance", "energy_ratio", "density_slope", "patch_density")
 
 
 def table() -> xr.Dataset:
@@ -105,7 +103,7 @@ def lookup(
         data = wide()
         data = data.sel(bandwidth=data.area.notnull().all("reduced_pressure").any(("amplitudes", "hurst")))
     data = _columns(data, amplitudes, gradient)
-    names = [name for name in _QUANTITIES if f"{name}_error" in data.data_vars]
+    names = [name for name in QUANTITIES if f"{name}_error" in data.data_vars]
     try:
         values = {name: interpolated(data, name, point) for name in names}
     except UsageError as error:

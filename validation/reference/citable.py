@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from validation.reference.interpolation import QUANTITIES
 from validation.report.estimates import total_error
 from validation.report.papers import cited
 
@@ -35,9 +36,6 @@ ATTRIBUTES = {
     "many pairs, 3.18 for four); the whole is the root of their sum of squares; NaN: not measured",
 }
 
-#: What the CSV file has.
-_COLUMNS = ("area", "gap", "compliance", "energy_ratio", "density_slope", "patch_density")
-
 
 def citable(table: xr.Dataset) -> xr.Dataset:
     """Return a table that says what it is, and which error belongs to which variable."""
@@ -55,8 +53,8 @@ def as_csv(table: xr.Dataset) -> str:
         text.write(f"# {name}: {ATTRIBUTES[name]}\n")
     axes = ("amplitudes", "hurst", "bandwidth", "reduced_pressure")
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*axes, *(title for name in _COLUMNS for title in (name, f"{name}_error"))])
-    numbers = [(table[name].transpose(*axes).values, total_error(table, name)) for name in _COLUMNS]
+    writer.writerow([*axes, *(title for name in QUANTITIES for title in (name, f"{name}_error"))])
+    numbers = [(table[name].transpose(*axes).values, total_error(table, name)) for name in QUANTITIES]
     halves = [error.transpose(*axes).values for _, error in numbers if error is not None]
     for place in np.argwhere(np.isfinite(numbers[0][0])):
         at = tuple(place)

@@ -19,6 +19,8 @@ from validation.report.quantities import quantity
 if TYPE_CHECKING:
     import xarray as xr
 
+#: What the table has.
+QUANTITIES = ("area", "gap", "compliance", "energy_ratio", "density_slope", "patch_density")
 #: Of interpolations over their difference, so that 95 % of nodes that are left out lie within.
 _SAFETY = 1.5
 _AXES = {"hurst": "H", "bandwidth": "lambda_long/lambda_short", "reduced_pressure": "p*"}

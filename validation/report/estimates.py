@@ -46,13 +46,14 @@ _FUNCTIONS["erf"] = scipy.special.erf
 # ---- cases -> one dataset ------------------------------------------------------------------------
 
 
-def gather(cases: Mapping[Any, xr.Dataset], **dims: Sequence[Any]) -> xr.Dataset:
+def gather(cases: Mapping[Any, xr.Dataset], *along: str, **dims: Sequence[Any]) -> xr.Dataset:
     """Stack datasets along new dimensions in front; a place that is in no case is NaN.
 
-    A place is a tuple with one value for each of `dims`, or the value itself where there is one; where these
-    are instances of a dataclass its fields are coordinates. A coordinate x that differs between the cases
-    gets the new dimensions along which it does. Where one of them counts surfaces it becomes the variable
-    ``x_each``: means are taken over it, as over all values of single surfaces.
+    A place is a tuple with one value for each of `dims`, or the value itself where there is one. Dimensions
+    `along` which no values are given have those of the cases, in their order. Where values are instances of
+    a dataclass its fields are coordinates. A coordinate x that differs between the cases gets the new
+    dimensions along which it does. Where one of them counts surfaces it becomes the variable ``x_each``:
+    means are taken over it, as over all values of single surfaces.
 
     A UsageError where the cases are not alike: other variables, sizes or values along a dimension.
 
@@ -62,6 +63,9 @@ def gather(cases: Mapping[Any, xr.Dataset], **dims: Sequence[Any]) -> xr.Dataset
     >>> data.area.values.tolist(), data.pressure.dims
     ([[0.1, 0.2], [0.1, 0.2], [nan, nan]], ('poisson', 'load'))
     """
+    if along:
+        several = [place if len(along) > 1 else (place,) for place in cases]
+        dims = {dim: list(dict.fromkeys(place[k] for place in several)) for k, dim in enumerate(along)}
     first = next(iter(cases.values()))
     alike = set(first.sizes.items()) | set(first.variables)
     for place, case in cases.items():
@@ -80,15 +84,15 @@ def gather(cases: Mapping[Any, xr.Dataset], **dims: Sequence[Any]) -> xr.Dataset
     stacked = {str(name): _stacked(of_all(str(name)), sizes) for name in names}
     coordinates: dict[Any, Any] = {}
     for name in map(str, first.coords):
-        values, along = of_all(name), sizes
+        values, left = of_all(name), sizes
         for dim in dims:
-            fewer = {other: n for other, n in along.items() if other != dim}
-            kept = _without(values, list(along).index(dim))
-            values, along = (values, along) if kept is None else (kept, fewer)
-        single = any(dim.endswith("surface") for dim in along)
-        if along and name in first.dims:
-            raise UsageError(f"{name!r} differs between the cases along {', '.join(along)}: gather it alike")
-        (stacked if single else coordinates)[f"{name}_each" if single else name] = _stacked(values, along)
+            fewer = {other: n for other, n in left.items() if other != dim}
+            kept = _without(values, list(left).index(dim))
+            values, left = (values, left) if kept is None else (kept, fewer)
+        single = any(dim.endswith("surface") for dim in left)
+        if left and name in first.dims:
+            raise UsageError(f"{name!r} differs between the cases along {', '.join(left)}: gather it alike")
+        (stacked if single else coordinates)[f"{name}_each" if single else name] = _stacked(values, left)
     for dim, values_of_it in dims.items():
         if len(values_of_it) and is_dataclass(values_of_it[0]):
             parts = (part.name for part in fields(values_of_it[0]))

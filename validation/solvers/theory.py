@@ -183,14 +183,14 @@ def with_effects(
     if inputs.work is not None:
         another = options.model_copy(update={"energy": "improved" if options.energy == "old" else "old"})
         try:
-            other = _adhesive(inputs, pressure, another, scale=scale).real_area
+            other = adhesive_contact(inputs, pressure, another, scale=scale).real_area
         except PerssonError:
             other = math.nan
     yielded = None if inputs.hardness is None else float(answer.area_plastic[-1])
     return replace(bare, area=float(answer.area[-1]), plastic=yielded, other=other)
 
 
-def _adhesive(
+def adhesive_contact(
     inputs: TheoryInputs, pressure: float, options: TheoryOptions, *, scale: Scale
 ) -> AdhesiveContact:
     """Contact with adhesion, by the readings that were chosen."""
@@ -231,7 +231,7 @@ def stress_distribution(
             diffusion = solve_diffusion([variance], pressure=pressure, yield_stress=inputs.hardness)
             return diffusion.checked().distribution(0, stress)
         scale = _scale(problem.own_spectrum, inputs)
-        contact = _adhesive(inputs, pressure, options or TheoryOptions(), scale=scale)
+        contact = adhesive_contact(inputs, pressure, options or TheoryOptions(), scale=scale)
         onset = contact.variance[np.flatnonzero(contact.tensile_limit > 0)[:1]]
 
         def wall(variance: Array) -> Array:
@@ -271,7 +271,7 @@ def against_magnification(
     inputs = TheoryInputs.by(problem.elastic, effects)
     spectrum: Spectrum = problem.own_spectrum
     if inputs.smoothing is not None:
-        spectrum = _smoothed(spectrum, inputs)
+        spectrum = smoothed_spectrum(spectrum, inputs)
     scale, answers = _scale(spectrum, inputs), []
     for pressure in problem.pressures:
         try:
@@ -284,7 +284,7 @@ def against_magnification(
     return tuple(answers)
 
 
-def _smoothed(spectrum: Spectrum, inputs: TheoryInputs) -> Spectrum:
+def smoothed_spectrum(spectrum: Spectrum, inputs: TheoryInputs) -> Spectrum:
     """C(q) after an earlier squeezing (Persson 2006, Sec. 10.2)."""
     from persson.hardness import constant_hardness
     from persson.tabulated import smoothed
@@ -301,7 +301,7 @@ def _smoothed(spectrum: Spectrum, inputs: TheoryInputs) -> Spectrum:
 def _answer(inputs: TheoryInputs, pressure: float, options: TheoryOptions, *, scale: Scale) -> Answer:
     """Evaluate one load up to each wave."""
     if inputs.work is not None:
-        adhesive = _adhesive(inputs, pressure, options, scale=scale)
+        adhesive = adhesive_contact(inputs, pressure, options, scale=scale)
         names = ("wavevectors", "area", "area_plastic", "work", "macroscopic_work", "error_estimate")
         return Answer(pressure=pressure, **{name: getattr(adhesive, name) for name in names})
     # The first wave that counts: below it contact is complete.

@@ -45,7 +45,7 @@ def views(data: xr.Dataset) -> Views:
                 file="first-surface",
             ),
         ),
-        budget=("kappa", *(("kappa_fem",) if "element" in data.dims else ())),
+        budget=("kappa", *(("kappa_other",) if "other" in data.dims else ())),
         figures=[*_on_grids(data, first)],
         findings=[*_of_areas(data, first), *_of_others(data)],
     )
@@ -55,9 +55,13 @@ def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
     waves = "points_per_wave"
     sizes = [f"distance_{name}_size" for name in ("pixel", "perimeter", "located")]
     panels = [against(waves, *sizes, log="xy", base=2)]
-    if "element" in data.dims:
-        both = ("distance_fem_pixel_size", "distance_fem_perimeter_size")
-        panels.append(against("points_per_wave_fem", *both, by="element", log="xy", base=2))
+    if "other" in data.dims:
+        lines = [
+            Line(f"distance_other_{name}_size", where={"method_other": method}, label=f"{method}, {how}")
+            for method in data.other.values
+            for name, how in (("pixel", "counted"), ("perimeter", "corrected"))
+        ]
+        panels.append(against("points_per_wave_other", *lines, log="xy", base=2))
     caption = "Distance of each definition of the area from the limit of its own surface, mean over surfaces."
     yield Figure("error-against-resolution", caption, panels, width=5.0 * len(panels))
     yield Figure(
@@ -136,11 +140,10 @@ def _of_others(data: xr.Dataset) -> Iterator[Finding]:
         yield finding("agreement", form, last, item=item, **values)
     if "solver" in data.dims:
         yield from _of_protocol(data.sel(solver="fem"))
-    form = "Beside the limit of the boundary elements, those of other methods lie {each}."
-    for dim, by in (("element", "distance_fem"), ("other", "distance_other")):
-        if dim in data.dims:
-            item = f"{{{by}:+%}} ({{{dim}}}): {{verdict}}"
-            yield finding("agreement", form, data, item=item, by=by, words=_APART)
+    if "other" in data.dims:
+        form = "Beside the limit of the boundary elements, those of other methods lie {each}."
+        item = "{distance_other:+%} ({other}): {verdict}"
+        yield finding("agreement", form, data, item=item, by="distance_other", words=_APART)
 
 
 def _of_protocol(data: xr.Dataset) -> Iterator[Finding]:

@@ -132,9 +132,7 @@ def gathered(
         place: reduced(result, cases[place]).assign_attrs(solve=cases[place].key)
         for place, result in solved(bench, cases).items()
     }
-    places = [place if len(dims) > 1 else (place,) for place in cases]
-    values = {dim: list(dict.fromkeys(place[k] for place in places)) for k, dim in enumerate(dims)}
-    return gather(parts, **values)
+    return gather(parts, *dims)
 
 
 def _misnamed(module: ModuleType) -> Iterator[str]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
+from validation.arrays import Grid
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
 from validation.measurements.by_solver import beside_bem
@@ -24,12 +25,12 @@ from validation.measurements.external_codes import (
     known_peers,
 )
 from validation.measurements.limits import Measured, solved
-from validation.measurements.measurement import area_limits, grid_for, grids_for, press_on_grids
+from validation.measurements.measurement import area_limits, grids_for, press_on_grids
 from validation.measurements.ways import AREAS, chosen_ways, covered, way, ways_of_bem
 from validation.report.estimates import NORMAL, error_of, gather
 from validation.report.views import Figure, Finding, Level, Line, Panel, Table, Views, against, finding, note
 from validation.studies._options import Methods, ReducedPressure, Seed, Surfaces
-from validation.studies._scene import PressedOptions
+from validation.studies._scene import PressedOptions, SolverRequest
 
 _ELEMENTS = ("Hex1", "Hex2")
 
@@ -76,43 +77,28 @@ class Options(PressedOptions):
 _Case = tuple[str, str, int]
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Single:
-    """A solver on one grid, which gives an area by every definition."""
-
-    part: str
-    name: str
-    per_wave: float
-    process: bool = False  # Whether its memory is that of a process
-    solve: Callable[..., Call]  # Of a surface
-
-    @property
-    def label(self) -> str:
-        return f"{self.name} {{}}, {self.per_wave:g} per wave"
-
-
-def _singles(options: Options) -> Iterator[_Single]:
+def _solvers(options: Options) -> Iterator[tuple[str, SolverRequest]]:
+    """Yield, with its part, each solver that gives an area by every definition on a single grid."""
     first = options.first
-    fem_points = options.fem_points_per_wave if "fem" in options.methods else ()
-    for element, n in itertools.product(_ELEMENTS, fem_points):
+    for element in _ELEMENTS if "fem" in options.methods else ():
         mesh = (("method", "reduced"), ("element", element))
-        solve = partial(beside_bem, grid=grid_for(first, n), method="fem", settings=mesh)
-        yield _Single(part="FEM", name=f"FEM {element}", per_wave=n, solve=solve)
-    for code, n in itertools.product(options.peers, options.peer_points_per_wave):
+        grids = grids_for(first, options.fem_points_per_wave)
+        yield "FEM", SolverRequest(name=f"FEM {element}", method="fem", settings=mesh, grids=grids)
+    for code in options.peers:
         method, settings = asked_of(code)
-        ask = partial(beside_bem, method=method, settings=settings, grid_share=_SOLVER_SHARE)
-        grid = grid_for(first, n)
-        yield _Single(part="peers", name=code, per_wave=n, process=True, solve=partial(ask, grid=grid))
+        grids = grids_for(first, options.peer_points_per_wave)
+        yield "peers", SolverRequest(name=code, method=method, settings=settings, grids=grids)
     for solver in options.others(options.method_points_per_wave):
         settings = tuple({"tolerance": _TOLERANCE, **dict(solver.settings)}.items())
+        yield "others", replace(solver, settings=settings)
+
+
+def _singles(options: Options) -> Iterator[tuple[str, str, SolverRequest, Grid]]:
+    """Yield part, label for a definition of the area, solver and grid."""
+    for part, solver in _solvers(options):
         for grid in solver.grids:
-            yield _Single(
-                part="others",
-                name=solver.name,
-                per_wave=first.points_per_wave(grid),
-                process=solver.method not in ("bem", "fem"),
-                solve=partial(beside_bem, grid=grid, method=solver.method, settings=settings),
-            )
+            per_wave = options.first.points_per_wave(grid)
+            yield part, f"{solver.name} {{}}, {per_wave:g} per wave", solver, grid
 
 
 def design(options: Options) -> dict[_Case, Call]:
@@ -123,8 +109,12 @@ def design(options: Options) -> dict[_Case, Call]:
     for k, problem in enumerate(options.pressed):
         cases["coarse", "", k] = press_on_grids(problem=problem, grids=coarse, tolerance=tolerance)
         cases["fine", "", k] = press_on_grids(problem=problem, grids=held_out, tolerance=_FINE_TOLERANCE)
-    for single, (k, problem) in itertools.product(_singles(options), enumerate(options.pressed)):
-        cases[single.part, single.label, k] = single.solve(problem=problem)
+    for (part, label, solver, grid), (k, problem) in itertools.product(
+        _singles(options), enumerate(options.pressed)
+    ):
+        share = _SOLVER_SHARE if part == "peers" else None
+        ask = partial(beside_bem, method=solver.method, settings=solver.settings, grid_share=share)
+        cases[part, label, k] = ask(problem=problem, grid=grid)
     return cases
 
 
@@ -150,7 +140,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     }
     reference, uncertainty = limits["fine"][0], limits["fine"][1] / limits["fine"][0]
     ways = {way_data.attrs["way"]: way_data for way_data in _ways(options, measured)}
-    data = gather(ways, way=list(ways)).set_coords(["kind", "process"])
+    data = gather(ways, "way").set_coords(["kind", "process"])
     data = data.assign_coords(surface=list(surfaces))
     data = data.assign(area_deviation_each=data.area_each / reference - 1).drop_vars("area_each")
     data = data.assign(
@@ -176,16 +166,16 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 def _ways(options: Options, measured: Measured) -> Iterator[xr.Dataset]:
     surfaces = range(options.surfaces)
     yield from ways_of_bem({k: measured["coarse", "", k] for k in surfaces})
-    for single in _singles(options):
-        solved_by = gather({k: measured[single.part, single.label, k] for k in surfaces}, surface=surfaces)
+    for part, label, solver, _ in _singles(options):
+        solved_by = gather({k: measured[part, label, k] for k in surfaces}, "surface")
         for area in AREAS:
             if solved_by[area].notnull().all():
                 yield way(
                     solved_by[area],
-                    label=single.label.format(area),
+                    label=label.format(area),
                     seconds=solved_by.seconds,
                     peak_bytes=solved_by.peak_bytes,
-                    process=single.process,
+                    process=solver.method not in ("bem", "fem"),
                 )
 
 

@@ -20,6 +20,7 @@ from pydantic import Field, model_validator
 from fem_contact.adhesion import CELLS_NEEDED
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import full_contact_energy
+from validation.effects.hardness import Hardness
 from validation.execution.bench import Bench
 from validation.measurements.adhesive import Sticking
 from validation.measurements.common import base_case
@@ -112,7 +113,9 @@ def design(options: Options) -> dict[tuple[Case, int], Sticking]:
         pressed[case, k] = Sticking(
             problem=base_case(surface, pressure=case.reduced_pressure * unit, solid=_SOLID),
             adhesion=Adhesion(work=work, reach=reach),
-            hardness=None if math.isnan(case.hardness_ratio) else case.hardness_ratio * unit,
+            hardness=()
+            if math.isnan(case.hardness_ratio)
+            else (Hardness(hardness=case.hardness_ratio * unit),),
             grids=options.grids,
         )
     return pressed
@@ -130,7 +133,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         [s for sticking in cases.values() for sticky in (True, False) for s in sticking.solves(sticky=sticky)]
     )
     parts = {place: sticking.measured(solved) for place, sticking in cases.items()}
-    data = gather(parts, case=list(dict.fromkeys(case for case, _ in cases)), surface=range(options.surfaces))
+    data = gather(parts, "case", "surface")
     data = derive(
         straight_limit(data, "area", "area_plain", "area_plastic", most=1.0),
         area_gain_each="area_each / area_plain_each",

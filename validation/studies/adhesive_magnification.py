@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from validation.effects.adhesion import Adhesion
 from validation.effects.base import full_contact_energy
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
@@ -73,7 +74,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     (surface, shell) of the whole surface; what half the range changes.
     """
     wholes = [_full_surface(options, k) for k in range(options.surfaces)]
-    along = [readings(whole, work=work, area="projected") for whole, work in wholes]
+    along = [readings(whole, Adhesion(work=work), area="projected") for whole, work in wholes]
     cuts: dict[tuple[str, int, float], Cut] = {}
     for k, zeta in itertools.product(range(options.surfaces), options.magnifications):
         for work, solutions in ((_FULL, None), (_EFFECTIVE, along[k])):
@@ -100,7 +101,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     last = [measured[(_FULL, k, options.magnifications[-1]), 1] for k in range(options.surfaces)]
     parts = zip(last, along, wholes, strict=True)
     shares = {k: shares_by_shell(d, a, problem=w, edges=edges) for k, (d, a, (w, _)) in enumerate(parts)}
-    data = data.merge(gather(shares, surface=range(options.surfaces)).rename(solve="solve_whole"))
+    data = data.merge(gather(shares, "surface").rename(solve="solve_whole"))
     data = data.assign_coords(points_per_wave=("grid", list(options.points_per_wave)))
     data = straight_limit(data, "area", "area_plain", "area_parted", x="points_per_wave")
     data = _compared(straight_limit(data, *_COMPARED[1:], of="grid", x="points_per_wave"))
@@ -119,7 +120,7 @@ def _cut(options: Options, k: int, zeta: float, *, along: Solutions | None = Non
     surface = options.self_affine(number=k, until=zeta, bandwidth=options.magnifications[-1], length=_LENGTH)
     problem = base_case(surface, pressure=whole.pressure, solid=_SOLID)
     if along is None:
-        solutions: Solutions = readings(problem, work=work, area="projected")
+        solutions: Solutions = readings(problem, Adhesion(work=work), area="projected")
     else:
         # gamma_eff is that of one reading: so is what it is compared with.
         solutions, left = {"improved": along["improved"]}, along["improved"]

@@ -57,7 +57,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         )
         for case, solves in cases.items()
     }
-    data = gather(limits, surface=range(options.surfaces), reduced_pressure=options.reduced_pressures)
+    data = gather(limits, "surface", "reduced_pressure")
     data = derive(
         data,
         kappa_each="area_each / reduced_pressure",

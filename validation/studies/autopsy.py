@@ -91,7 +91,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     (``_probe``), and what `validation.measurements.diffusion` makes of them.
     """
     probes = {zeta: _probes(options, bench, zeta) for zeta in options.probes}
-    data = _chains(options, bench).merge(gather(probes, probe=options.probes))
+    data = _chains(options, bench).merge(gather(probes, "probe"))
     data = data.assign_coords(
         reduced_pressure=("load", list(options.reduced_pressures)),
         magnification=("level", list(options.ends)),
@@ -120,7 +120,7 @@ def _chains(options: Options, bench: Bench) -> xr.Dataset:
         )
         for *place, n in itertools.product(*dims.values())
     }
-    return budgets_of(bench, cases, **dims)
+    return budgets_of(bench, cases, *dims)
 
 
 def _probes(options: Options, bench: Bench, zeta: float) -> xr.Dataset:
@@ -139,9 +139,9 @@ def _probes(options: Options, bench: Bench, zeta: float) -> xr.Dataset:
         for n in grids
     }
     there = {place: options.problem(*place, bandwidth=zeta) for place in places}
-    along = {"hurst": hursts, "load": loads, "probe_surface": surfaces}
-    slope = slopes_of(bench, there, points_per_wave=options.slope_points_per_wave, **along)
-    data = budgets_of(bench, cases, hurst=hursts, load=loads, surface=surfaces, grid=grids)
+    along, per_wave = ("hurst", "load", "probe_surface"), options.slope_points_per_wave
+    slope = slopes_of(bench, there, *along, points_per_wave=per_wave)
+    data = budgets_of(bench, cases, "hurst", "load", "surface", "grid")
     return of_probe(data).merge(slope.drop_vars(["load", "probe_surface"]))
 
 

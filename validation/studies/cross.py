@@ -9,19 +9,17 @@ import numpy as np
 import xarray as xr
 from pydantic import Field, model_validator
 
-from validation.arrays import Grid
 from validation.execution.bench import Bench
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import Rising, RisingOrNone
 from validation.measurements.limits import read_off
-from validation.measurements.measurement import grid_for
+from validation.measurements.measurement import grids_for
 from validation.report.estimates import derive, each, mean, power_law, reduce
 from validation.report.views import Figure, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
-from validation.solvers.base import Settings
 from validation.studies._options import Bandwidth, Element, Methods, Periods, ReducedPressure
-from validation.studies._scene import PressedOptions
+from validation.studies._scene import PressedOptions, SolverRequest
 from validation.studies._study import gathered
 from validation.units import wrong
 
@@ -60,19 +58,13 @@ class Options(PressedOptions):
         return {**super().taken(scene, first), "poisson": scene.solid.poisson}
 
 
-def _legs(options: Options) -> Iterator[tuple[str, float, Grid, str, Settings]]:
-    """Yield what each leg is called, its points per wave and grid, method and settings."""
-    first = options.first
-    discretisations: list[tuple[str, Element, float]] = [
-        *(("full", "Hex1", n) for n in options.full_points_per_wave),
-        *(("reduced", e, n) for e in options.elements for n in options.reduced_points_per_wave),
-    ]
-    for method, element, n in discretisations if "fem" in options.methods else ():
-        settings = (("method", method), ("element", element))
-        yield f"{method} {element}", n, grid_for(first, n), "fem", settings
-    for solver in options.others(options.method_points_per_wave):
-        for grid in solver.grids:
-            yield solver.name, first.points_per_wave(grid), grid, solver.method, solver.settings
+def _legs(options: Options) -> Iterator[SolverRequest]:
+    blocks: list[tuple[str, Element, tuple[float, ...]]] = [("full", "Hex1", options.full_points_per_wave)]
+    blocks += [("reduced", element, options.reduced_points_per_wave) for element in options.elements]
+    for method, element, per_wave in blocks if "fem" in options.methods else ():
+        settings, grids = (("method", method), ("element", element)), grids_for(options.first, per_wave)
+        yield SolverRequest(name=f"{method} {element}", method="fem", settings=settings, grids=grids)
+    yield from options.others(options.method_points_per_wave)
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -81,10 +73,11 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Differences (leg, points_per_wave, surface), their means, and the order in dx of that of the pressure.
     """
     cases = {
-        (leg, per_wave, k): beside_bem(
-            problem=problem, grid=grid, method=method, settings=settings, effects=options.effects
+        (leg.name, options.first.points_per_wave(grid), k): beside_bem(
+            problem=problem, grid=grid, method=leg.method, settings=leg.settings, effects=options.effects
         )
-        for leg, per_wave, grid, method, settings in _legs(options)
+        for leg in _legs(options)
+        for grid in leg.grids
         for k, problem in enumerate(options.pressed)
     }
     data = gathered(bench, cases, lambda d, _: read_off(d, **_READ), "leg", "points_per_wave", "surface")

@@ -19,7 +19,7 @@ from validation.execution.bench import Bench, Solves
 from validation.execution.press import Press
 from validation.measurements.common import BASE_SOLID, Counts, base_case
 from validation.measurements.limits import ABSENT, straight_limit
-from validation.measurements.yielding import remaining_by_theory, remaining_waves, yielded_by_theory
+from validation.measurements.yielding import remaining_by_theory, remaining_waves
 from validation.report.estimates import claim, derive, gather, mean, spread
 from validation.report.views import (
     Column,
@@ -32,6 +32,7 @@ from validation.report.views import (
     finding,
     of_one_surface,
 )
+from validation.solvers.theory import predict
 from validation.studies._options import Bandwidth, Hurst, Periods, Positives, Seed, StudyOptions, above_one
 from validation.units import Positive, wrong
 
@@ -117,8 +118,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     smoothed = {
         k: _smoothed(several[0], options, solved) for (c, k), several in solves.items() if not c.varied
     }
-    data = gather(areas, case=cases[:-1], surface=surfaces)
-    data = data.merge(gather(smoothed, surface=surfaces).rename(solve="solve_smoothed"))
+    data = gather(areas, "case", "surface")
+    data = data.merge(gather(smoothed, "surface").rename(solve="solve_smoothed"))
     data = derive(
         straight_limit(data, "area_plastic", "area_elastic"),
         area_plastic_excess_each="area_plastic_each / area_plastic_persson_each - 1",
@@ -136,13 +137,14 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 def _areas(solves: tuple[Press, ...], options: Options, solved: Solves) -> xr.Dataset:
     yields = [yielded(solved[solve].checked()) for solve in solves]
-    plastic, elastic = yielded_by_theory(solves[0].problem, options.limit)
+    theory = predict(solves[0].problem, solves[0].effects)
+    assert theory.plastic is not None
     return xr.Dataset(
         {
             "area_plastic_pixel_each": ("grid", [result.plastic_area for result in yields]),
             "area_elastic_pixel_each": ("grid", [result.elastic_area for result in yields]),
-            "area_plastic_persson_each": plastic,
-            "area_elastic_persson_each": elastic,
+            "area_plastic_persson_each": theory.plastic,
+            "area_elastic_persson_each": theory.area - theory.plastic,
             "solve": ("grid", [solve.key for solve in solves]),
         },
         coords={"points": ("grid", list(options.ladder))},

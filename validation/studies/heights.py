@@ -66,11 +66,11 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Density of heights and what deviates from the Gaussian over (sample, surface); area over (spectrum, surface,
     load) of the two spectra at the same p0, and Persson's told each gradient.
     """
-    surfaces, middles = range(options.surfaces), (HEIGHT_EDGES[1:] + HEIGHT_EDGES[:-1]) / 2
+    middles = (HEIGHT_EDGES[1:] + HEIGHT_EDGES[:-1]) / 2
     measured = {place: stored_variables(result) for place, result in solved(bench, _cases(options)).items()}
     samples, spectra = (
-        gather({at[1:]: d for at, d in measured.items() if at[0] == dim}, **{dim: along, "surface": surfaces})
-        for dim, along in {"sample": options.periods, "spectrum": _SPECTRA}.items()
+        gather({at[1:]: d for at, d in measured.items() if at[0] == dim}, dim, "surface")
+        for dim in ("sample", "spectrum")
     )
     pressed = ["area_each", "rms_height_each", "rms_gradient_each"]
     spectra = spectra[[*pressed, "solve"]].rename(solve="solve_spectra")

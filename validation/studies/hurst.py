@@ -187,11 +187,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 def _of_spectra(options: Options, cases: Mapping[_Case, Call], measured: Measured) -> xr.Dataset:
     parts, surfaces = {}, range(2 * options.pairs)
     for (family, hurst), bandwidth in options.spectra.items():
-        part = gather({k: limits_of(measured[family, hurst, k]) for k in surfaces}, surface=surfaces)
+        part = gather({k: limits_of(measured[family, hurst, k]) for k in surfaces}, "surface")
         spectrum = cases[family, hurst, 0]["problem"].spectrum
         parts[family, hurst] = with_ensemble(part.assign(bandwidth=bandwidth), spectrum)
-    families, hursts = (list(dict.fromkeys(names)) for names in zip(*parts, strict=True))
-    data = with_variants(gather(parts, family=families, hurst=hursts))
+    data = with_variants(gather(parts, "family", "hurst"))
     of_surfaces = ("", "_pixel", "_perimeter", "_ensemble")
     data = derive(
         data,
@@ -221,8 +220,7 @@ def _of_solvers(options: Options, cases: Mapping[_Case, Call], measured: Measure
             answers, grids = [measured[case] for case in of], [cases[case]["grid"] for case in of]
             limit = method_limit(answers, grids, "area_by_solver")
         parts[place] = limit.drop_attrs().assign_attrs(limit.attrs)
-    solvers, hursts, surfaces = (list(dict.fromkeys(along)) for along in zip(*parts, strict=True))
-    data = gather(parts, solver=solvers, hurst=hursts, surface_by_solver=surfaces)
+    data = gather(parts, "solver", "hurst", "surface_by_solver")
     data = data.rename(solve="solve_by_solver").drop_vars("surface_by_solver")
     bem = data.sel(solver="bem", drop=True)
     data = data.assign(

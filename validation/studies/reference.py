@@ -160,7 +160,7 @@ def _means(options: Options, amplitudes: str, bench: Bench) -> xr.Dataset:
     cells = {
         at: spectrum.reduced({c: measured[at, c] for c in spectrum.cases}) for at, spectrum in sampled.items()
     }
-    data = gather(cells, hurst=options.hursts, bandwidth=options.bandwidths)
+    data = gather(cells, "hurst", "bandwidth")
     attributes = options.model_dump(include={"periods", "unsolved", "seed"})
     return data.expand_dims(amplitudes=[amplitudes]).assign_attrs(
         study="reference", methods="bem", tolerance=_TOLERANCE, **attributes

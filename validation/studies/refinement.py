@@ -22,12 +22,12 @@ from validation.measurements.grids import (
     on_grids,
     protocol,
     protocol_of_solvers,
-    with_blocks,
+    with_block_errors,
     with_distances,
     with_methods,
 )
 from validation.measurements.limits import Measured, solved, solver_error
-from validation.measurements.measurement import TOLERANCE, grid_for, grids_for, press_on_grids
+from validation.measurements.measurement import TOLERANCE, grids_for, press_on_grids
 from validation.measurements.references import beside_published, papers_of
 from validation.measurements.theory import ensemble_area
 from validation.report.estimates import claim_shares, gather
@@ -105,8 +105,11 @@ class Options(PressedOptions):
 
     @property
     def beside(self) -> tuple[SolverRequest, ...]:
-        """Methods beside boundary elements; on a scene the finite elements as its table has them."""
-        return self.others(self.method_points_per_wave)
+        """Blocks and methods beside boundary elements; on a scene the finite elements as its table has them."""
+        grids = grids_for(self.first, self.fem_points_per_wave) if self.blocks else ()
+        meshes = {element: (("method", "reduced"), ("element", element)) for element in self.blocks}
+        blocks = (SolverRequest(name=e, method="fem", settings=s, grids=grids) for e, s in meshes.items())
+        return (*blocks, *self.others(self.method_points_per_wave))
 
     @property
     def climbed(self) -> Ladders:
@@ -133,7 +136,6 @@ def design(options: Options) -> dict[_Case, Call]:
     cases["strict",] = usual.but(grids=grids[:few], tolerance=usual["tolerance"] / 100)
     for (k, problem), points in itertools.product(enumerate(pressed), options.grid_scale_grids):
         cases["protocol", k, points] = grid_roughness(problem=problem, grid=(points, points))
-    blocks = {n: grid_for(pressed[0], n) for n in options.fem_points_per_wave}
     for hurst, k in itertools.product(options.protocol_hursts, range(options.surfaces)):
         surface = options.first.surface.model_copy(update={"hurst": hurst})
         problem = replace(options.first, surface=surface).further(k)
@@ -143,17 +145,14 @@ def design(options: Options) -> dict[_Case, Call]:
             cases["scale", method, hurst, k] = rough
         fine = grids_for(wide, _CONVERGED)
         cases["converged", hurst, k] = press_on_grids(problem=wide, grids=fine, shifts=options.shifts)
-    for element in options.blocks:
-        mesh = (("method", "reduced"), ("element", element))
-        for (k, problem), (n, grid) in itertools.product(enumerate(pressed), blocks.items()):
-            solve = beside_bem(problem=problem, grid=grid, method="fem", settings=mesh, layer=True)
-            cases["fem", element, k, n] = solve
-        strict = (*mesh, ("tolerance", _STRICT))
-        cases["strict", element] = cases["fem", element, 0, min(blocks)].but(settings=strict)
     for solver, (k, problem) in itertools.product(options.beside, enumerate(pressed)):
-        ask = partial(beside_bem, problem=problem, effects=options.effects)
+        layer = True if solver.name in options.blocks else None
+        ask = partial(beside_bem, problem=problem, effects=options.effects, layer=layer)
         for g, grid in enumerate(solver.grids):
             cases["other", solver.name, k, g] = ask(grid=grid, method=solver.method, settings=solver.settings)
+    for element in options.blocks:
+        block = cases["other", element, 0, 0]
+        cases["strict", element] = block.but(settings=(*block["settings"], ("tolerance", _STRICT)))
     return cases | (dict(options.climbed.cases) if options.ladders else {})
 
 
@@ -161,8 +160,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Measure the area on every grid, by boundary and by finite elements, and with roughness down to the grid scale.
 
     Areas of each surface (surface, grid), means over the shifts, their limit and distances from it; moments of
-    P(sigma) and sizes of patches; areas of finite elements (element, surface, fem_grid) and of other methods; kappa
-    of the grid-scale protocol (surface, protocol_grid, slope).
+    P(sigma) and sizes of patches; areas of finite elements and other methods (other_case, surface); kappa of the
+    grid-scale protocol (surface, protocol_grid, slope).
     """
     measured = solved(bench, design(options))
     data = _of_boundary_elements(options, measured)
@@ -182,23 +181,22 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     if options.protocol_hursts:
         rough = protocol_of_solvers(part("scale"), part("converged"), data, points=options.protocol_points)
         data = data.merge(rough, combine_attrs="override")
-    if options.blocks:
-        strict = {str(element): measured["strict", element] for element in options.blocks}
-        meshes = grids_for(options.first, options.fem_points_per_wave)
-        data = with_blocks(data, part("fem"), strict, meshes)
-        data = claim_shares(data, "kappa_fem", **shares)
     if options.beside:
         grids = {solver.name: solver.grids for solver in options.beside}
         data = with_methods(data, part("other"), grids, options.first)
-    used = ["fem"] if options.blocks else []
-    used += [*(solver.method for solver in options.beside), *(effect.kind for effect in options.effects)]
-    methods = " ".join(["theory", "bem", *used, papers_of("kappa")])
+        data = claim_shares(data, "kappa_other", **shares)
+    if options.blocks:
+        strict = {str(element): measured["strict", element] for element in options.blocks}
+        data = with_block_errors(data, part("other"), strict, options.beside[0].grids)
+    used = dict.fromkeys(solver.method for solver in options.beside)
+    kinds = (effect.kind for effect in options.effects)
+    methods = " ".join(["theory", "bem", *used, *kinds, papers_of("kappa")])
     return data.assign_attrs(shifts=options.shifts, methods=methods, **options.spectrum_words)
 
 
 def _of_boundary_elements(options: Options, measured: Measured) -> xr.Dataset:
     surfaces, load = range(options.surfaces), options.reduced_pressure
-    data = gather({k: on_grids(measured["grids", k]) for k in surfaces}, surface=surfaces)
+    data = gather({k: on_grids(measured["grids", k]) for k in surfaces}, "surface")
     # Persson's theory knows some of the effects of a scene.
     known = all(type(effect).has_theory() for effect in options.effects)
     theory = predict(options.first, options.effects) if known else None

@@ -83,7 +83,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
             (case, turn, value) for case in options.chosen for turn, value in enumerate(case.values, start=1)
         )
     }
-    data = gather(rows, row=range(len(rows))).set_coords(["case", "turn"])
+    data = gather(rows, "row").set_coords(["case", "turn"])
     data["deviation_ratio"] = np.maximum(data.deviation / data.bound, _LEAST).where(data.deviation.notnull())
     data["bound_ratio"] = 1.0
     used = [chosen_solver(name)[0].name for name in options.methods] or ["bem", "fem", "theory"]

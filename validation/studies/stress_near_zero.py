@@ -75,7 +75,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         for case, data in measured.items()
     }
     names = list(spacing)
-    data = gather(starts, method=names, surface=range(options.surfaces), grid=range(len(spacing[names[0]])))
+    data = gather(starts, "method", "surface", "grid")
     data = data.drop_vars("grid").assign_coords(
         spacing=(("method", "grid"), [spacing[name] for name in names]),
         stress=("bin", next(iter(measured.values())).stress.values),

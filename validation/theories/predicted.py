@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -84,18 +84,17 @@ def _along(theory: Theory, rough: Rough, loads: Array, *, units: Rough) -> dict[
     height, full = units.moments.rms_height, units.waves.full_energy * units.contact_modulus
     nothing = np.full(loads.shape, np.nan)
     gap, energy = theory.mean_gap(pressure, rough), theory.elastic_energy(pressure, rough)
-    up, down = pressure * np.exp(_STEP), pressure * np.exp(-_STEP)
+
+    def rise(of: Callable[[Array, Rough], Any]) -> Array:
+        """Differentiate by ln p0."""
+        up, down = (of(pressure * np.exp(step), rough) for step in (_STEP, -_STEP))
+        return np.asarray(up - down) / (2 * _STEP)
+
     compliance = nothing
     if energy is not None:  # -d gap = dU / p
-        more, less = theory.elastic_energy(up, rough), theory.elastic_energy(down, rough)
-        assert more is not None
-        assert less is not None
-        compliance = (more - less) / (2 * _STEP) / (pressure * height)
+        compliance = rise(theory.elastic_energy) / (pressure * height)
     elif gap is not None:
-        wide, narrow = theory.mean_gap(down, rough), theory.mean_gap(up, rough)
-        assert wide is not None
-        assert narrow is not None
-        compliance = (wide - narrow) / (2 * _STEP * height)
+        compliance = -rise(theory.mean_gap) / height
     return {
         "area": theory.area(pressure, rough),
         "gap": nothing if gap is None else gap / height,
