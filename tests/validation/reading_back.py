@@ -59,8 +59,11 @@ def _mark(one, data):
             edges = edges[:, 0] if k else edges[0]
             if places.dtype.kind == "f":
                 middles = (places[1:] + places[:-1]) / 2
-                ends = [*(2 * places[:1] - middles[:1]), *middles, *(2 * places[-1:] - middles[-1:])]
-                if not _same(edges, np.array(ends) * np.nan_to_num(_factor(name, label))):
+                ends = np.array(
+                    [*(2 * places[:1] - middles[:1]), *middles, *(2 * places[-1:] - middles[-1:])]
+                )
+                away = abs(edges - ends * np.nan_to_num(_factor(name, label)))  # an end may be rounding of 0
+                if away.max() > 1e-9 * np.ptp(edges):
                     yield f"the map lies elsewhere along {name}"
         return
     factor_x, factor_y = _factor(one.x, one.axes.get_xlabel()), _factor(one.mark.y, one.axes.get_ylabel())

@@ -76,6 +76,11 @@ def test_a_surface_knows_its_size_in_numbers_and_pictures():
     assert peaks["summit_density"].value == pytest.approx(64 / 30**2 * 1e12)
     assert repr(peaks["summit_density"]) == "summits/A0 = 71110 1/mm^2"
     assert repr(peaks["summit_curvature"]) == "curvature of summits = 2 1/mm"
+    heights = SURFACE.heights().values
+    kurtosis = np.mean(heights**4) / np.mean(heights**2) ** 2
+    assert SURFACE.statistics["kurtosis"].value == pytest.approx(kurtosis, rel=1e-3)
+    with pytest.raises(UsageError, match="cannot be pressed as it is"):
+        _ = measured(TILTED, length="32 um", unit="nm").statistics
     assert peaks["kurtosis"].value == pytest.approx(1 / (1 / 16 * 15 / 16) - 3)  # of shares 1/16 and 15/16
     assert list(misdrawn(drawn, drawn.data)) == []
     assert float(drawn.data.heights.std()) == pytest.approx(exact, rel=0.01)

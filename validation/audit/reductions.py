@@ -83,7 +83,8 @@ def _paired(samples: tuple[Array, Array], variable: xr.Variable) -> tuple[Array,
     values, there = samples
     if not int(variable.attrs.get("pairs", 0)):
         return samples
-    return (values[..., 0::2] + values[..., 1::2]) / 2, there[..., 0::2]
+    pairs = (*values.shape[:-1], -1, 2)
+    return values.reshape(pairs).mean(axis=-1), np.all(there.reshape(pairs), axis=-1)
 
 
 def _mean_there(values: Array, there: Array) -> Array:

@@ -346,6 +346,10 @@ class Search:
             self.bench.account.reserved += seconds / self.bench.execution.workers
 
     def _watch(self, ensemble: MeanArea, solves: Sequence[Call]) -> None:
+        """Say what the next solves of a mean take; a RunFailed where time or surfaces would run out.
+
+        `ensemble` is the mean so far; a block of pairs has two surfaces for each.
+        """
         seconds = sum(map(self.bench.seconds, solves))
         pairs = sum(call["count"] for call in solves if call.measurement is area_pairs)
         surfaces = ensemble.surfaces + 2 * pairs

@@ -46,7 +46,7 @@ class _Cluster:
         self.client, self.progress = client, bench.progress
         self.address, self.patience = bench.execution.scheduler, bench.execution.patience
         self.store = replace(bench.store, folder=bench.store.folder.resolve())
-        self.limits = self.awaited_workers()
+        self.limits = self.awaited_workers()  # memory of each worker
 
     def room(self, solve: Solve, under_way: Sequence[Solve]) -> bool:
         return len(under_way) < _AHEAD * len(self.limits)

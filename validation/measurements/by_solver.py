@@ -89,7 +89,7 @@ def beside_bem(
     if grid_share is None:
         contact = solved(solver, given)
     else:
-        contact = _no_further(
+        contact = _as_good_as_its_grid(
             lambda tolerance: solved(solver, {**given, "tolerance": tolerance}), ours, grid_share
         )
     constant = solver.edge_constant(contact)
@@ -122,10 +122,14 @@ def beside_bem(
     return xr.Dataset({name: float(value) for name, value in data.items()})
 
 
-def _no_further(
+def _as_good_as_its_grid(
     solved: Callable[[float], ContactResult], ours: ContactResult, grid_share: float
 ) -> ContactResult:
-    """Return the answer to the loosest tolerance whose area is as good as its grid, with the memory of all tries."""
+    """Return the answer to the loosest tolerance at which the area is off by `grid_share` of what its grid is.
+
+    Else that to the strictest. What a grid is off is told by counting on it as boundary elements do, `ours`.
+    The memory is that of all tries.
+    """
     areas, most = contact_areas(ours), 0
     sandbox.end()  # its memory shall be its own
     solved(_TOLERANCES[0])  # not charged with what it imports

@@ -88,6 +88,7 @@ def magnified(
 
 
 def _read_off(state: ContactResult, last: ContactResult, *, unit: float) -> dict[str, float]:
+    """Numbers of a contact, and its shares of the contact at the largest magnification, `last`; `unit` is an area [m^2]."""
     patches = find_patches(state.in_contact, state.spacing)
     nominal = state.lengths[0] * state.lengths[1]
     inside = last.in_contact & state.in_contact

@@ -431,6 +431,7 @@ def _axis_label(what: Quantity, unit: str) -> str:
 
 
 def _legend(canvas: Any, axes: Sequence[Axes]) -> None:
+    """Put one legend of all axes below them; none where a title or an axis says it all."""
     options: dict[str, Any] = {}
     for on in axes:
         options |= {name: handle for handle, name in zip(*on.get_legend_handles_labels(), strict=True)}
@@ -438,7 +439,7 @@ def _legend(canvas: Any, axes: Sequence[Axes]) -> None:
         return
     if len(options) == 1 and next(iter(options)) in " ".join(axes[0].get_ylabel().split()):
         return
-    # Of letters of 7 points, behind a sample of the line.
+    # Of letters of 7 points, behind a sample of the line [inch].
     widest = 0.051 * max(map(len, options)) + 0.45
     columns = min(len(options), max(1, int(canvas.get_figwidth() / widest)))
     canvas.set_figheight(canvas.get_figheight() + 0.17 * -(-len(options) // columns) + 0.1)

@@ -100,6 +100,7 @@ def _on_grids(data: xr.Dataset, first: int) -> Iterator[Figure]:
 
 
 def _of_areas(data: xr.Dataset, first: int) -> Iterator[Finding]:
+    """Say what counting is off on the grids from the `first` resolved one on, and which pressures make it."""
     resolved = data.isel(grid=slice(first, None))
     limit = "In the limit kappa is {kappa} at p* = {reduced_pressure}, lambda_long/lambda_short = {bandwidth}"
     if np.isfinite(data.area_persson):

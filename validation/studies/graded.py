@@ -56,7 +56,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     over the exact one for an exponential profile and for a coating, and the largest E'/(E q) of the profile.
     """
     if bench.plan_only:
-        bench.solve([])
+        bench.solve([])  # says that there is nothing to solve
     q = np.geomspace(1 / options.shortest, options.shortest, options.waves)
     dims, ratios = ("modulus_ratio", "reduced_wave"), list(options.ratios)
     data = xr.Dataset(

@@ -24,6 +24,7 @@ _INSIDE = 0.999
 def prepared(problem: Problem) -> Block:
     """Return the block with its grids, which all solves of one session share."""
     mesh, poisson, modulus = problem.mesh, problem.poisson, problem.modulus
+    # Moduli over E: of all cells, (nx, ny, nz), or of the layers alone, (nz,).
     cells = np.broadcast_to(1.0 if modulus is None else modulus, (*mesh.cells, mesh.nz))
     varying = None if modulus is None else cells if problem.lateral else cells[0, 0]
     if mesh.element.order == 1:

@@ -40,7 +40,7 @@ def _mark(one):
     mark, told = one.mark, {}
     for key in ("by", "at", "where", "look", "joined", "steps", "high", "rows", "symmetric"):
         if value := getattr(mark, key, None):
-            told[key] = value
+            told[key] = {n: str(v) for n, v in value.items()} if key == "where" else value
     scales = one.axes.get_xscale(), one.axes.get_yscale()
     return f"{type(mark).__name__} {mark.y} over {one.x} {told}, {', '.join(scales)}"
 
