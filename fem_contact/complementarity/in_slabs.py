@@ -219,7 +219,7 @@ class SlabGrids(Grids):
         return refined_along(block, 1, np.arange(new[1]) * (old[1] / new[1]))
 
     def nearest(self, field: Any, new: Shape) -> Any:
-        """Take a field of the finest grid at the points of a coarser one nearest below, which may have no slabs."""
+        """Take a field of the finest grid at the points of a coarser one, which may have no slabs."""
         old, target = self.shape, self.slabs_of(new)
 
         def wanted(rank: int) -> Numbers:
