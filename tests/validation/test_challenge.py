@@ -49,6 +49,7 @@ def test_a_solver_in_plain_c_passes_every_row(answered):
     assert card["passed"]
     assert set(card["left_out"]) == BEYOND
     assert {"hertz", "westergaard", "honesty", "rough-4"} <= {row["case"] for row in card["rows"]}
+    assert {row["peak_bytes"] for row in card["cost"]} == {0}  # which was not measured
 
 
 def test_answers_that_are_wrong_by_a_factor_are_named(answered, tmp_path):

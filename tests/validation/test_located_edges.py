@@ -25,7 +25,7 @@ def test_every_solve_that_keeps_a_located_area_says_how_edges_are_located():
     locating = {
         kind
         for kind in kinds
-        if re.search(r"(located_area|areas_of_solve)\(|subcell=(True|not|located)", text[kind])
+        if re.search(r"(located_area|areas_of_solve|press_on_grids)\(|subcell=(True|not|located)", text[kind])
     }
     recipes = {kind: inspect.getsource(one.recipe) if one.recipe else "" for kind, one in kinds.items()}
     told = {kind for kind, one in kinds.items() if one.located or "LOCATED_EDGES" in recipes[kind]}

@@ -32,7 +32,6 @@ from solving import (
 
 from validation.errors import RunFailed, UsageError
 from validation.execution.attempt import Outcome
-from validation.execution.bench import Bench, Execution
 from validation.execution.store import Store
 from validation.files import prepare_folder
 from validation.sandbox import Child
@@ -138,9 +137,8 @@ def test_a_look_longer_than_the_patience_is_told_and_followed_by_another(tmp_pat
     clock = types.SimpleNamespace(monotonic=lambda: next(minutes), sleep=lambda _: None)
     monkeypatch.setattr(module, "time", clock)
     monkeypatch.setattr(module, "_memory_limits", lambda *_: looks.append(1) or {})
-    far = Execution(scheduler="tcp://a", patience=4.0)
     with pytest.raises(RunFailed, match="no workers for 120 s; what is finished is stored"):
-        module._Cluster(None, Bench.at(tmp_path, execution=far, progress=progress))
+        module._Cluster(None, "tcp://a", Store(folder=tmp_path), progress, 4.0)
     assert len(looks) == 2
     assert ["waiting for up to 4 s" in note for note in progress.notes] == [True]
 

@@ -125,11 +125,6 @@ class Bench:
         """Return a bench whose store is in a folder, made by the first solve that is to be kept."""
         return cls(store=Store(folder=Path(folder)), **how)
 
-    @property
-    def memory(self) -> int:
-        """Bytes that the solves under way may take."""
-        return available_memory() if self.execution.memory is None else self.execution.memory
-
     def solve(self, solves: Iterable[Solve], *, despite_failures: bool = False) -> Solves:
         """Solve what is not stored yet and return all results, a mapping whose keys are the solves.
 
@@ -147,8 +142,9 @@ class Bench:
             raise PlannedOnly(*results)
         progress, folder = self.progress, self.store.folder
         missing = tuple(solve for solve in results if results.read(solve, on_damage=progress.note) is None)
+        memory = available_memory() if self.execution.memory is None else self.execution.memory
         if missing:
-            largest, memory = max(missing, key=lambda solve: solve.predict().peak_bytes), self.memory
+            largest = max(missing, key=lambda solve: solve.predict().peak_bytes)
             if self.execution.scheduler is None and largest.predict().peak_bytes > memory:
                 raise UsageError(too_large(largest, memory))
             prepare_folder(folder, option="--store")  # one that holds everything may be read-only
@@ -156,7 +152,7 @@ class Bench:
         failed: dict[str, str] = {}
         synced = time.monotonic()
         try:
-            for solve, outcome in self._outcomes(missing):
+            for solve, outcome in self._outcomes(missing, memory):
                 if outcome.fatal:
                     raise RunFailed(outcome.error)
                 if outcome.error is not None:
@@ -181,23 +177,26 @@ class Bench:
         results.solved = len(missing) - len(failed)
         return results
 
-    def _outcomes(self, solves: tuple[Solve, ...]) -> Iterator[tuple[Solve, Outcome]]:
+    def _outcomes(self, solves: tuple[Solve, ...], memory: int) -> Iterator[tuple[Solve, Outcome]]:
         """Do solves; yield each with how it ended."""
-        if solves and self.execution.scheduler is not None:
+        execution, progress, store = self.execution, self.progress, self.store
+        if solves and execution.scheduler is not None:
             from validation.execution.cluster import solve_on_cluster
 
-            yield from solve_on_cluster(solves, self)
-        elif solves and self.execution.workers > 1:
+            address, patience = execution.scheduler, execution.patience
+            yield from solve_on_cluster(solves, store, address=address, patience=patience, progress=progress)
+        elif solves and execution.workers > 1:
             from validation.execution.pool import solve_in_processes
 
-            yield from solve_in_processes(solves, self)
+            workers = execution.workers
+            yield from solve_in_processes(solves, store, workers=workers, memory=memory, progress=progress)
         else:
             warm_up(solves)
             previous: Solve | None = None
             for solve in solves:
-                self.progress.begin(solve)
+                progress.begin(solve)
                 previous = solve.after(previous)
-                yield solve, attempt(previous, self.store)
+                yield solve, attempt(previous, store)
 
     def made(self) -> tuple[Made, ...]:
         """Return how each result was made that has been read from this bench, for `made_words`."""

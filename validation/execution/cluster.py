@@ -20,12 +20,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from validation.errors import RunFailed, UsageError
-from validation.execution.attempt import Outcome, attempt_in_worker, warm_up
+from validation.execution.attempt import Outcome, Progress, attempt_in_worker, warm_up
 from validation.execution.cost import too_large
 from validation.execution.pool import Again, Died, scheduled
 
 if TYPE_CHECKING:
-    from validation.execution.bench import Bench
     from validation.execution.solve import Solve
     from validation.execution.store import Store
 
@@ -42,10 +41,9 @@ _ANSWER_WITHIN = 5.0
 class _Cluster:
     """The workers of a scheduler, which itself repeats the solve of one that dies."""
 
-    def __init__(self, client: Any, bench: Bench) -> None:
-        self.client, self.progress = client, bench.progress
-        self.address, self.patience = bench.execution.scheduler, bench.execution.patience
-        self.store = replace(bench.store, folder=bench.store.folder.resolve())
+    def __init__(self, client: Any, address: str, store: Store, progress: Progress, patience: float) -> None:
+        self.client, self.address, self.store = client, address, store
+        self.progress, self.patience = progress, patience
         self.limits = self.awaited_workers()  # memory of each worker
 
     def room(self, solve: Solve, under_way: Sequence[Solve]) -> bool:
@@ -97,7 +95,7 @@ class _Cluster:
             patience, lacking = self.patience, "no workers"
             remedy = "start workers (dask worker ... --nthreads 1)"
             try:
-                limits = _memory_limits(self.client, str(self.address))
+                limits = _memory_limits(self.client, self.address)
                 if limits:
                     return limits
             except UsageError:
@@ -118,23 +116,25 @@ class _Cluster:
             time.sleep(min(_LOOK_EVERY, self.patience / 10))
 
 
-def solve_on_cluster(solves: Sequence[Solve], bench: Bench) -> Iterator[tuple[Solve, Outcome]]:
+def solve_on_cluster(
+    solves: Sequence[Solve], store: Store, *, address: str, patience: float, progress: Progress
+) -> Iterator[tuple[Solve, Outcome]]:
     """Do solves on a Dask cluster; yield each with its outcome when it is known.
 
     Workers write their results into the store themselves: its folder must be on a file system that they and
     this machine share. The scheduler repeats the solve of a worker that dies. While there is none, one is
-    waited for, as long as the patience lasts.
+    waited for, as long as the `patience` lasts [s].
 
     A UsageError when dask is not installed, no scheduler answers, a worker has more than one thread, or a
     solve does not fit on each worker. A RunFailed when the scheduler is lost, or there is no worker for
     longer than that.
     """
-    with _connected(str(bench.execution.scheduler)) as client:
-        cluster = _Cluster(client, bench)
+    with _connected(address) as client:
+        cluster = _Cluster(client, address, replace(store, folder=store.folder.resolve()), progress, patience)
         largest, least = max(solves, key=lambda s: s.predict().peak_bytes), min(cluster.limits.values())
         if largest.predict().peak_bytes > least:
             raise UsageError(too_large(largest, int(least), where="on the smallest worker"))
-        yield from scheduled(solves, cluster, progress=bench.progress)
+        yield from scheduled(solves, cluster, progress=progress)
 
 
 @contextlib.contextmanager

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import tempfile
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -14,7 +13,6 @@ from validation.files import remove_drafts
 from validation.sandbox import Child, OutOfBounds
 
 if TYPE_CHECKING:
-    from validation.execution.bench import Bench
     from validation.execution.solve import Solve
     from validation.execution.store import Store
 
@@ -101,7 +99,7 @@ def scheduled(
                     yield solve, Outcome(error=f"{solve.describe()}: {why}{death}: {cause}")
 
 
-class Worker(Child):
+class _Worker(Child):
     """A child process whose last line is kept, for the message if it dies."""
 
     def __init__(self) -> None:
@@ -109,7 +107,6 @@ class Worker(Child):
         super().__init__(stderr=self.stderr)
 
     def close(self) -> None:
-        """End the process, and forget what it wrote."""
         super().close()
         self.stderr.close()
 
@@ -128,7 +125,7 @@ class _Processes:
 
     def __init__(self, store: Store, count: int, *, memory: int) -> None:
         self.store, self.memory = store, memory - count * _IDLE_BYTES
-        self.workers = [Worker() for _ in range(count)]
+        self.workers = [_Worker() for _ in range(count)]
         self.idle = list(self.workers)
         self.threads, self.ending = ThreadPoolExecutor(count), False
 
@@ -192,12 +189,16 @@ class _Processes:
             self.idle.append(worker)
 
 
-def solve_in_processes(solves: Sequence[Solve], bench: Bench) -> Iterator[tuple[Solve, Outcome]]:
+def solve_in_processes(
+    solves: Sequence[Solve], store: Store, *, workers: int, memory: int, progress: Progress
+) -> Iterator[tuple[Solve, Outcome]]:
     """Do solves on local processes of one thread each, the longest first; yield each with its outcome.
 
-    Workers and the solves under way share the memory of the bench: one that does not fit beside them waits.
+    Workers and the solves under way take `memory` bytes together: one that does not fit beside them waits.
     """
-    longest_first = sorted(solves, key=lambda solve: solve.predict().seconds, reverse=True)
-    count = min(bench.execution.workers, len(solves))
-    with contextlib.closing(_Processes(bench.store, count, memory=bench.memory)) as processes:
-        yield from scheduled(longest_first, processes, progress=bench.progress)
+    processes = _Processes(store, min(workers, len(solves)), memory=memory)
+    try:
+        longest_first = sorted(solves, key=lambda solve: solve.predict().seconds, reverse=True)
+        yield from scheduled(longest_first, processes, progress=progress)
+    finally:
+        processes.close()
