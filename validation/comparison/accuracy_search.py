@@ -8,7 +8,7 @@ import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import scipy.fft
@@ -19,7 +19,7 @@ from validation.arrays import Grid
 from validation.errors import NoLimit, RunFailed, UsageError
 from validation.execution.attempt import warm_up
 from validation.execution.bench import Bench, Solves
-from validation.execution.cost import available_memory, memory_words, transform_seconds
+from validation.execution.cost import memory_words, transform_seconds
 from validation.execution.measurement import Call
 from validation.execution.press import Press, solves_of
 from validation.execution.solve import Prediction, Solve
@@ -36,6 +36,8 @@ from validation.report.words import percent, significant
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Methods, Scene
 from validation.solvers.bem import BemOptions
+
+Grids: TypeAlias = tuple[Grid, ...]
 
 #: Grids that are considered, as points per shortest wave.
 _LEVELS = (3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
@@ -101,11 +103,6 @@ class Metered(Bench):
     pair: float = field(default_factory=transform_seconds)
     clock: float = field(default_factory=time.perf_counter)
     account: Account = field(default_factory=Account)
-
-    @property
-    def memory(self) -> int:
-        """Bytes that a solve may take."""
-        return available_memory() if self.execution.memory is None else self.execution.memory
 
     @property
     def spent(self) -> float:
@@ -174,7 +171,7 @@ def grid_words(grids: Sequence[Grid]) -> str:
 class Ladder:
     """Grids that are solved together, coarse to fine, with what is claimed from them."""
 
-    grids: tuple[Grid, ...]
+    grids: Grids
     shifts: int
     error: float
     seconds: float
@@ -188,7 +185,7 @@ class Single:
     The error is half of the 95 % interval, relative to the limit of A/A0.
     """
 
-    grids: tuple[Grid, ...]
+    grids: Grids
     shifts: int
     area: float
     error: float
@@ -210,7 +207,7 @@ class Beside:
 
     method: str
     label: str
-    grids: tuple[Grid, ...]
+    grids: Grids
     area: float
     error: float
     located: bool
@@ -247,7 +244,7 @@ class Search:
         return {name: self._solves(**{name: self.scene.methods.options(name)}) for name in names}
 
     @cached_property
-    def shared(self) -> tuple[Grid, ...]:
+    def shared(self) -> Grids:
         """Grids of other methods, on which boundary elements are solved, too, to compare point by point."""
         grids = {solve.grid for solves in self.others.values() for solve in solves}
         fine = (grid for grid in sorted(grids) if self.problem.points_per_wave(grid) >= _LEAST_LEVEL)
@@ -257,7 +254,7 @@ class Search:
         """Solve the scene's own surface to the accuracy."""
         first = self.shared or (self._grid(4),)
         known = min(self._solved(self._jobs(first, 1)), key=lambda area: area.spacing)
-        tried: set[tuple[Grid, ...]] = set()
+        tried: set[Grids] = set()
         while True:
             ladder = self._cheapest(self._ladders(known), tried, share=_SPARE)
             tried.add(ladder.grids)
@@ -272,12 +269,13 @@ class Search:
             # Where grids disagree by more than the law allows, they will again.
             self.doubt = max(self.doubt, _SPARE * error / ladder.error) if np.isfinite(error) else self.doubt
             if error <= self.target:
-                grids, shifts = ladder.grids, ladder.shifts
-                return Single(grids=grids, shifts=shifts, area=limit.value, error=error, finest=known)
+                return Single(
+                    grids=ladder.grids, shifts=ladder.shifts, area=limit.value, error=error, finest=known
+                )
 
     def ensemble(self, single: Single) -> MeanArea:
         """Solve the pairs of surfaces whose controlled mean meets the accuracy at least cost."""
-        tried: set[tuple[Grid, ...]] = set()
+        tried: set[Grids] = set()
         while True:
             chains = list(self._chains(single.finest))
             usual = [c for c in chains if self.problem.points_per_wave(c.grids[-1]) >= _USUAL_LEVEL]
@@ -377,11 +375,9 @@ class Search:
         wave, (long, wide) = self.problem.shortest, self.scene.surface.length
         least = [int(np.ceil(per_wave * length / wave / 2 - 1e-9)) for length in (long, wide)]
         nx, ny = (2 * scipy.fft.next_fast_len(n, real=True) for n in least)
-        if abs(nx * wide / (ny * long) - 1) <= _OBLONG:
-            return nx, ny
         # Some number of points along x leaves cells that are nearly square.
         along = (2 * n for n in itertools.count(least[0]))
-        pairs = ((n, 2 * round(n * wide / long / 2)) for n in along)
+        pairs = itertools.chain([(nx, ny)], ((n, 2 * round(n * wide / long / 2)) for n in along))
         return next((nx, ny) for nx, ny in pairs if ny >= 2 and abs(nx * wide / (ny * long) - 1) <= _OBLONG)
 
     def _ladders(self, known: ContactAreas) -> Iterator[Ladder]:
@@ -398,11 +394,10 @@ class Search:
         for last in range(2, len(_LEVELS)):
             between = np.sqrt(_LEVELS[0] * _LEVELS[last])
             middle = min(_LEVELS[1:last], key=lambda level: abs(level - between))
-            per_wave = (_LEVELS[0], middle, _LEVELS[last])
-            grids = tuple(dict.fromkeys(self._grid(level) for level in per_wave))
+            grids = tuple(dict.fromkeys(self._grid(level) for level in (_LEVELS[0], middle, _LEVELS[last])))
             yield self._planned(grids, 1, known)
 
-    def _planned(self, grids: tuple[Grid, ...], shifts: int, known: ContactAreas) -> Ladder:
+    def _planned(self, grids: Grids, shifts: int, known: ContactAreas) -> Ladder:
         lengths = self.scene.surface.length
         each = [((lengths[0] / nx, lengths[1] / ny), nx * ny) for nx, ny in grids]
         plan = [PlannedGrid(spacing=spacing, cells=cells, solves=shifts**2) for spacing, cells in each]
@@ -421,7 +416,7 @@ class Search:
             peak_bytes=max(self.costs[grid].peak_bytes for grid in grids),
         )
 
-    def _cheapest(self, ladders: Iterable[Ladder], tried: set[tuple[Grid, ...]], *, share: float) -> Ladder:
+    def _cheapest(self, ladders: Iterable[Ladder], tried: set[Grids], *, share: float) -> Ladder:
         left = [ladder for ladder in ladders if ladder.grids not in tried]
         affordable = [ladder for ladder in left if self.bench.affordable(ladder.seconds, ladder.peak_bytes)]
         good = [ladder for ladder in left if ladder.error <= share * self.target]

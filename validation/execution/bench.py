@@ -125,6 +125,11 @@ class Bench:
         """Return a bench whose store is in a folder, made by the first solve that is to be kept."""
         return cls(store=Store(folder=Path(folder)), **how)
 
+    @property
+    def memory(self) -> int:
+        """Bytes that the solves under way may take."""
+        return available_memory() if self.execution.memory is None else self.execution.memory
+
     def solve(self, solves: Iterable[Solve], *, despite_failures: bool = False) -> Solves:
         """Solve what is not stored yet and return all results, a mapping whose keys are the solves.
 
@@ -142,9 +147,8 @@ class Bench:
             raise PlannedOnly(*results)
         progress, folder = self.progress, self.store.folder
         missing = tuple(solve for solve in results if results.read(solve, on_damage=progress.note) is None)
-        memory = available_memory() if self.execution.memory is None else self.execution.memory
         if missing:
-            largest = max(missing, key=lambda solve: solve.predict().peak_bytes)
+            largest, memory = max(missing, key=lambda solve: solve.predict().peak_bytes), self.memory
             if self.execution.scheduler is None and largest.predict().peak_bytes > memory:
                 raise UsageError(too_large(largest, memory))
             prepare_folder(folder, option="--store")  # one that holds everything may be read-only
@@ -152,7 +156,7 @@ class Bench:
         failed: dict[str, str] = {}
         synced = time.monotonic()
         try:
-            for solve, outcome in self._outcomes(missing, memory):
+            for solve, outcome in self._outcomes(missing):
                 if outcome.fatal:
                     raise RunFailed(outcome.error)
                 if outcome.error is not None:
@@ -177,7 +181,7 @@ class Bench:
         results.solved = len(missing) - len(failed)
         return results
 
-    def _outcomes(self, solves: tuple[Solve, ...], memory: int) -> Iterator[tuple[Solve, Outcome]]:
+    def _outcomes(self, solves: tuple[Solve, ...]) -> Iterator[tuple[Solve, Outcome]]:
         """Do solves; yield each with how it ended."""
         execution, progress, store = self.execution, self.progress, self.store
         if solves and execution.scheduler is not None:
@@ -188,8 +192,8 @@ class Bench:
         elif solves and execution.workers > 1:
             from validation.execution.pool import solve_in_processes
 
-            workers = execution.workers
-            yield from solve_in_processes(solves, store, workers=workers, memory=memory, progress=progress)
+            count, memory = execution.workers, self.memory
+            yield from solve_in_processes(solves, store, workers=count, memory=memory, progress=progress)
         else:
             warm_up(solves)
             previous: Solve | None = None

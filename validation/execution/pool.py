@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import tempfile
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -99,7 +100,7 @@ def scheduled(
                     yield solve, Outcome(error=f"{solve.describe()}: {why}{death}: {cause}")
 
 
-class _Worker(Child):
+class Worker(Child):
     """A child process whose last line is kept, for the message if it dies."""
 
     def __init__(self) -> None:
@@ -107,6 +108,7 @@ class _Worker(Child):
         super().__init__(stderr=self.stderr)
 
     def close(self) -> None:
+        """End the process, and forget what it wrote."""
         super().close()
         self.stderr.close()
 
@@ -125,7 +127,7 @@ class _Processes:
 
     def __init__(self, store: Store, count: int, *, memory: int) -> None:
         self.store, self.memory = store, memory - count * _IDLE_BYTES
-        self.workers = [_Worker() for _ in range(count)]
+        self.workers = [Worker() for _ in range(count)]
         self.idle = list(self.workers)
         self.threads, self.ending = ThreadPoolExecutor(count), False
 
@@ -196,9 +198,6 @@ def solve_in_processes(
 
     Workers and the solves under way take `memory` bytes together: one that does not fit beside them waits.
     """
-    processes = _Processes(store, min(workers, len(solves)), memory=memory)
-    try:
-        longest_first = sorted(solves, key=lambda solve: solve.predict().seconds, reverse=True)
+    longest_first = sorted(solves, key=lambda solve: solve.predict().seconds, reverse=True)
+    with contextlib.closing(_Processes(store, min(workers, len(solves)), memory=memory)) as processes:
         yield from scheduled(longest_first, processes, progress=progress)
-    finally:
-        processes.close()
