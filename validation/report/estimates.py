@@ -49,11 +49,10 @@ _FUNCTIONS["erf"] = scipy.special.erf
 def gather(cases: Mapping[Any, xr.Dataset], *along: str, **dims: Sequence[Any]) -> xr.Dataset:
     """Stack datasets along new dimensions in front; a place that is in no case is NaN.
 
-    A place is a tuple with one value for each of `dims`, or the value itself where there is one. Dimensions
-    `along` which no values are given have those of the cases, in their order. Where values are instances of
-    a dataclass its fields are coordinates. A coordinate x that differs between the cases gets the new
-    dimensions along which it does. Where one of them counts surfaces it becomes the variable ``x_each``:
-    means are taken over it, as over all values of single surfaces.
+    A place is a tuple with one value for each of `dims`, or the value itself where there is one; dimensions
+    that are only named, `along`, have the values of the cases. Where these are instances of a dataclass its
+    fields are coordinates. A coordinate x that differs between the cases gets the new dimensions along which
+    it does; where one counts surfaces it becomes ``x_each``, over which means are taken.
 
     A UsageError where the cases are not alike: other variables, sizes or values along a dimension.
 
