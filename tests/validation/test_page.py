@@ -276,12 +276,27 @@ def test_a_log_says_how_many_of_how_many_as_it_goes(read_scene, tmp_path, capsys
     assert lines[-1].startswith("fem-contact: 12 of 12: ")
 
 
+def _jobs(count):
+    cost = SimpleNamespace(seconds=0.1)
+    return tuple(
+        SimpleNamespace(key=str(k), describe=lambda: "a solve", predict=lambda: cost) for k in range(count)
+    )
+
+
+def test_between_the_first_and_the_last_a_log_says_a_line_in_ten_seconds(monkeypatch, capsys):
+    jobs = _jobs(5)
+    with Bar(quiet=False) as bar:
+        bar.start(jobs, 0)
+        for job, second in zip(jobs, (0.0, 9.0, 11.0, 20.0, 21.0), strict=True):
+            monkeypatch.setattr("time.monotonic", lambda second=second: second)
+            bar.done(job)
+    told = [line.split()[1] for line in capsys.readouterr().err.splitlines() if " of 5: " in line]
+    assert told == ["1", "3", "5"]
+
+
 def test_a_bar_ends_full_and_counts(monkeypatch):
     monkeypatch.setattr("rich.console.Console.is_terminal", True)
-    cost = SimpleNamespace(seconds=0.1)
-    jobs = tuple(
-        SimpleNamespace(key=str(k), describe=lambda: "a solve", predict=lambda: cost) for k in range(3)
-    )
+    jobs = _jobs(3)
     with Bar(quiet=False) as bar:
         bar.start(jobs, 2)
         for job in jobs:

@@ -22,7 +22,7 @@ _FUNCTIONS: dict[str, Callable[..., Any]] = {
     **{name: getattr(np, name) for name in ("abs", "exp", "log", "maximum", "minimum", "sqrt")},
     "erf": erf,
 }
-_REDUCED = ("isel", "max", "mean", "sum")
+_REDUCED = ("isel", "max", "mean", "min", "sum")
 
 
 def names_of(expression: str) -> list[str]:

@@ -90,6 +90,11 @@ def limit(result: Result, name: str, variable: xr.Variable, *, error: bool = Fal
     return over_solves(result, variable, read, Stored)
 
 
+def of_field(result: Result, name: str, variable: xr.Variable) -> Array | None:
+    """Compute from the fields of each solve what the attribute ``of`` names of them."""
+    return over_solves(result, variable, lambda solve: getattr(solve, variable.attrs["of"]), Stored)
+
+
 def drift(result: Result, name: str, variable: xr.Variable) -> Array | None:
     """Change of each limit without its coarsest grid."""
 
@@ -149,6 +154,8 @@ def _asked(result: Result, solve: xr.Dataset, name: str) -> Any:
     found = [recipe[f"{name}s"]] if f"{name}s" in recipe else list(_numbers(recipe, name))
     if name == "points" and "grid" in recipe:
         found = recipe["grid"][:1]
+    if name == "depth":  # of a block, over the period
+        found = [depth / max(recipe["surface"]["length"]) for depth in found]
     if name == "reduced_pressure" and not found:
         solid = recipe.get("solid", {})
         for pressure in _numbers(recipe, "pressure") if len(solid) == 2 else ():

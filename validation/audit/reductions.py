@@ -241,6 +241,7 @@ REDUCTIONS: Mapping[str, Callable[[Result, str, xr.Variable], Array | xr.Variabl
     "change": _change,
     "drift": from_solves.drift,
     "expression": lambda result, _, one: _evaluated(str(one.attrs["expression"]), result.data),
+    "field": from_solves.of_field,
     "limit": from_solves.limit,
     "line limit": _line,
     "line slope": _line,

@@ -5,32 +5,32 @@ from __future__ import annotations
 import copy
 import itertools
 import math
-from collections.abc import Collection, Iterator, Mapping
-from functools import cached_property
-from pathlib import Path
+from collections.abc import Callable, Collection, Iterator, Mapping
+from functools import cached_property, partial
 from typing import Any, TypeAlias
 
 import numpy as np
-from scipy.special import stdtrit
 
 from validation.audit.dataset import Result, Variables
 from validation.audit.ledger import Ledger
 from validation.audit.limits import LEAST_POINTS, limit_over
 from validation.audit.reductions import NORMAL
-from validation.audit.stored import Grid, Pair, Stored, sealed_bytes
+from validation.audit.stored import Grid, Pair, Stored
+from validation.audit.values import judge_dataset
 
 #: What a solve leaves of the located area, in tolerances (docs/bem.md).
 _LEFT = 7.0
 #: Rounding differs between two ways to add up, and to fit; a residual of 1e-17 is rounding itself.
 _LOOSE = {
     "residual": {"rtol": 1e-6, "atol": 1e-14},
-    "rms_height": {"atol": 0.0},
+    **{name: {"atol": 0.0} for name in ("rms_height", "mean_gap", "approach", "nominal_area", "wave_short")},
+    **{name: {"rtol": 1e-6, "atol": 0.0} for name in ("mean_gap_error", "approach_error")},
     "rms_height_spectrum": {"rtol": 1e-6, "atol": 0.0},
     "area_own_error": {"rtol": 1e-5, "atol": 1e-9},
     "accuracy_reached": {"rtol": 1e-4},
     **{name: {"rtol": 1e-6} for name in ("rms_gradient_spectrum", "area_ensemble")},
-    **{name: {"rtol": 1e-7} for name in ("area_own", "area_each", "area_ratio_each", "area")},
-    **{name: {"rtol": 1e-5} for name in ("area_error", "scatter")},
+    **{name: {"rtol": 1e-7} for name in ("area_own", "area_each")},
+    "scatter": {"rtol": 1e-5},
     **{f"{name}_difference": {"atol": 1e-12} for name in ("pressure", "area_pixel", "area_perimeter")},
 }
 #: Terms of a series whose n-th is exp(-(n pi)^2 v / 2), v not below `_LEAST`.
@@ -42,18 +42,14 @@ def audit_run(result: Result) -> tuple[Ledger, list[Run]]:
     record, ledger, runs, judged = result.record, Ledger(), [], set()
     for scene, at, words in _cases(record["asked"]):
         here = {name: variable.isel(at, missing_dims="ignore") for name, variable in result.data.items()}
-        run = Run(scene, result.store or result.folder, here)
+        run = Run(scene, partial(result.solve, read=Stored), here)
         if not run.methods:
             raise LookupError("a scene of the theory alone stores no field")
         if run.measured and "wave_short" in here:  # two points of a file that is not read here
             run.shortest = float(here["wave_short"].values)
         judged |= _judge(run, here, words, ledger, record["asked"].get("accuracy"))
         runs.append(run)
-    ledger.unread += [
-        f"data.nc: {name}"
-        for name, variable in sorted(result.data.items())
-        if name not in judged and variable.values.dtype.kind == "f" and name not in variable.dims
-    ]
+    judge_dataset(result, ledger, judged)
     return ledger, runs
 
 
@@ -96,11 +92,11 @@ def _set(scene: dict[str, Any], path: list[str], value: Any) -> None:
 class Run:
     """What the stored solves of one run say.
 
-    Its scene is what was asked for, as result.json has it; the variables of its dataset name its solves, in a
-    store that others may share.
+    Its scene is what was asked for, as result.json has it; the variables of its dataset name its solves,
+    which are read from a store that others may share.
     """
 
-    def __init__(self, scene: dict[str, Any], store: Path, data: Variables) -> None:
+    def __init__(self, scene: dict[str, Any], solve: Callable[[str], Stored | None], data: Variables) -> None:
         self.scene = scene
         self.surface: dict[str, Any] = self.scene["surface"]
         self.measured = self.surface["kind"] == "file"
@@ -125,7 +121,8 @@ class Run:
         keys = (v.values.flat for name, v in data.items() if name == "solve" or name.startswith("solve_"))
         named = " ".join(map(str, itertools.chain.from_iterable(keys)))
         for key in sorted(set(named.split())):
-            stored = Stored(memoryview(sealed_bytes(store / f"{key}.nc")))
+            if (stored := solve(key)) is None:
+                raise LookupError(f"no solve {key} in the store")
             if (k := self._realisation(stored.recipe)) is not None:
                 self.solves.setdefault((stored.method, stored.grid, stored.shift, k), stored)
 
@@ -303,6 +300,12 @@ class Run:
         return m0, m0 * per_height
 
 
+#: Read off the fields of one solve.
+_READ: Mapping[str, Callable[[Stored], float]] = {
+    "mean_gap": lambda solve: float(np.mean(solve.gap)),
+    "approach": lambda solve: -float(solve.attrs["offset"]),
+    "largest_pressure": lambda solve: float(np.max(solve.p)),
+}
 #: Name, value, and place along dimensions: positions, or names of solver, grid and source.
 Expected: TypeAlias = Iterator[tuple[str, float | None, Mapping[str, int | str]]]
 
@@ -314,7 +317,8 @@ def _judge(
     names = {dim: [str(name) for name in data[dim].values] for dim in ("solver", "grid", "source")}
     judged = set()
     for name, expected, place in itertools.chain(
-        _of_surface(run), _of_solves(run), _of_area(run, accurate), _of_theory(run), _of_ensemble(run)
+        *(_of_surface(run), _of_solves(run), _of_area(run, accurate)),
+        *(_of_finest(run), _of_theory(run), _of_ensemble(run)),
     ):
         if name not in data:
             continue
@@ -334,10 +338,11 @@ def _of_surface(run: Run) -> Expected:
     if run.measured:
         return
     numbers: dict[str, float | None] = {
+        "nominal_area": math.prod(run.surface["length"]),
+        "wave_short": run.shortest,
         "contact_modulus": run.surface_modulus,
         "contact_modulus_below": run.modulus,
         "pressure": run.pressure(),
-        "reduced_pressure": run.reduced_pressure,
     }
     if (moments := run.moments()) is not None:
         m0, m2, m4 = moments
@@ -357,7 +362,7 @@ def _of_solves(run: Run) -> Expected:
         solves, at = run.shown(method, grid), {"solver": method, "grid": f"{grid[0]} x {grid[1]}"}
         if not solves:
             raise LookupError(f"no stored solve of {method} on {grid[0]} x {grid[1]}")
-        means = {"area_pixel": "pixel", "area_perimeter": "perimeter", "density_at_zero": "density_at_zero"}
+        means = {"density_at_zero": "density_at_zero"}
         if "hardness" in {effect["kind"] for effect in run.effects}:
             means["area_plastic_pixel"] = "plastic"
         row = {name: math.fsum(getattr(s, of) for s in solves) / len(solves) for name, of in means.items()}
@@ -373,7 +378,7 @@ def _of_solves(run: Run) -> Expected:
             if run.holds_distance:
                 carried = math.fsum(solve.mean_pressure for solve in solves) / len(solves)
                 load *= carried / (run.pressure() or math.nan)
-            row["kappa_perimeter"] = row["area_perimeter"] / load
+            row["kappa_perimeter"] = math.fsum(s.perimeter for s in solves) / len(solves) / load
             row["points_per_wave"] = (run.shortest or math.nan) / max(solves[0].spacing)
             row |= {} if math.isnan(residual) else {"residual": residual}
         first, key = run.methods[0], (grid, (0.0, 0.0), 0)
@@ -387,6 +392,8 @@ def _of_solves(run: Run) -> Expected:
 
 def _of_area(run: Run, accurate: Mapping[str, Any] | None) -> Expected:
     limits = [run.limit(name) for name in run.methods]
+    for method, (area, error) in zip(run.methods, limits, strict=True):
+        yield "area_limit", math.nan if math.isnan(error) else area, {"solver": method}
     area, error = next((pair for pair in limits if not math.isnan(pair[1])), limits[0])
     yield "area_own", area, {}
     share, solver = NORMAL * error / area, 0.0
@@ -396,6 +403,19 @@ def _of_area(run: Run, accurate: Mapping[str, Any] | None) -> Expected:
         if accurate["mean"] is None:
             yield "accuracy_reached", share, {}
     yield "area_own_error", math.sqrt(share**2 - solver**2) * area, {"source": "grid"}
+
+
+def _of_finest(run: Run) -> Expected:
+    """Yield what stands on the finest grid of the first method, and how far it is from the one before."""
+    first = run.methods[0]
+    keys = [(first, (int(nx), int(ny)), (0.0, 0.0), 0) for nx, ny in run.options[first]["grids"]]
+    there = [run.solves[key] for key in keys if key in run.solves]
+    there = [solve for solve in there if run.resolved(solve)] or there
+    *before, finest = sorted(there, key=lambda solve: -max(solve.spacing))
+    for name, read in _READ.items():
+        yield name, read(finest), {}
+        change = abs(read(finest) - read(before[-1])) if before else math.nan
+        yield f"{name}_error", change, {"source": "grid"}
 
 
 def _of_theory(run: Run) -> Expected:
@@ -415,16 +435,17 @@ def _of_ensemble(run: Run) -> Expected:
     grids = set(map(tuple, ensemble["grids"]))
     areas = [run.limit("bem", k, grids)[0] for k in range(count)]
     for k, area in enumerate(areas):
-        theory = run.own_theory(k)[0]
         yield "area_each", area, {"surface": k}
-        if not (run.measured and math.isnan(theory)):  # whose gradient is not made here
-            yield "area_ratio_each", area if math.isnan(theory) else area / theory, {"surface": k}
+        numbers, moments = dict[str, float](), run.moments(k)
+        if moments is not None and not run.holds_distance:
+            numbers["rms_gradient_each"] = gradient = math.sqrt(moments[1])
+            numbers["reduced_pressure_each"] = (run.pressure(k) or math.nan) / (
+                run.surface_modulus * gradient
+            )
+            numbers["area_persson_each"] = run.own_theory(k)[0]
+        yield from ((name, value, {"surface": k}) for name, value in numbers.items() if not math.isnan(value))
     mean = math.fsum(areas) / count
-    deviation = math.sqrt(math.fsum((a - mean) ** 2 for a in areas) / (count - 1))
-    half = float(stdtrit(count - 1, 0.975)) * deviation / math.sqrt(count)
-    yield "area", mean, {}
-    yield "area_error", half, {"source": "surfaces"}
-    yield "scatter", deviation / mean, {}
+    yield "scatter", math.sqrt(math.fsum((a - mean) ** 2 for a in areas) / (count - 1)) / mean, {}
 
 
 def yielded_areas(pressure: float, *, variance: float, hardness: float) -> Pair:

@@ -25,7 +25,7 @@ from validation.execution.press import Contacts, Press
 from validation.measurements.common import LEAST_POINTS_PER_WAVE
 from validation.measurements.measurement import TOLERANCES_LEFT, limit_over, no_limit
 from validation.measurements.statistics import order_of_convergence, relative_distance
-from validation.report.estimates import NORMAL, derive, error_of, gather, mean, mean_of
+from validation.report.estimates import NORMAL, bare, derive, error_of, gather, mean, mean_of
 from validation.report.quantities import as_length, labelled
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
@@ -77,12 +77,13 @@ def scene_data(
     data = finest_of(cost_and_orders(data))
     data = in_numbers(data, case)
     if radius := next(filter(None, (getattr(effect, "radius", None) for effect in scene.effects)), None):
-        force = data.pressure * data.nominal_area
-        contact = (3 * force * radius / (4 * data.contact_modulus)) ** (1 / 3)
-        peak = 1.5 * force / (math.pi * contact**2)
-        data = data.assign(ball_radius=radius, hertz_radius=contact, hertz_approach=contact**2 / radius)
-        data = data.assign(hertz_pressure=peak)
-        data = derive(data, hertz_share=f"contact_area / ({math.pi} * hertz_radius ** 2)")
+        data = derive(
+            data.assign(ball_radius=radius),
+            hertz_radius="(3 * pressure * nominal_area * ball_radius / (4 * contact_modulus)) ** (1 / 3)",
+            hertz_approach="hertz_radius ** 2 / ball_radius",
+            hertz_pressure=f"1.5 * pressure * nominal_area / ({math.pi} * hertz_radius ** 2)",
+            hertz_share=f"contact_area / ({math.pi} * hertz_radius ** 2)",
+        )
     data = passing(data, case)
     data = below(data, scene, results)
     if failures:
@@ -106,14 +107,11 @@ def _on_grids(case: Case) -> xr.Dataset:
     waves = np.array([problem.points_per_wave(grid) for grid in grids])
     data = each[["solve", "area_pixel_shift", "area_perimeter_shift", "area_located_shift"]].assign(
         points_per_wave=("grid", waves),
-        spacing=("grid", 1 / waves),
         resolved=("grid", [float(problem.resolved_by(grid)) for grid in grids]),
     )
-    field, scale = problem.field, case.modulus * problem.field.rms_gradient
+    field = problem.field
     data = data.assign(
         pressure=problem.pressure,
-        reduced_pressure=problem.pressure / scale,
-        pressure_scale=scale,
         contact_modulus=case.modulus,
         contact_modulus_below=problem.contact_modulus,
         rms_gradient=field.rms_gradient,
@@ -123,12 +121,16 @@ def _on_grids(case: Case) -> xr.Dataset:
         wave_long=problem.longest,
         nominal_area=math.prod(problem.lengths),
     )
+    scale = "contact_modulus * rms_gradient"
+    data = derive(
+        data, spacing="1 / points_per_wave", pressure_scale=scale, reduced_pressure=f"pressure / ({scale})"
+    )
     if problem.spectrum is not None:
         moments = problem.spectrum.moments()
         data = data.assign(rms_height_spectrum=moments.rms_height, rms_gradient_spectrum=moments.rms_gradient)
     for name in ("area_pixel", "area_perimeter", "area_located"):
         values = data[f"{name}_shift"]
-        data[name] = values.mean("shift")
+        data = derive(data, **{name: f"{name}_shift.mean('shift')"})
         if name != "area_perimeter":
             # Of a mean over the shifts there are; none of one.
             half = mean_of(values, over="shift", there=values.notnull())[1]
@@ -147,7 +149,7 @@ def _on_grids(case: Case) -> xr.Dataset:
     if any(effect.slot == "pressure bound" for effect in scene.effects):
         data["area_plastic_pixel"] = each["plastic"].mean("shift")
     load = each["mean_pressure"].mean("shift") if scene.load.held else problem.pressure
-    return data.assign(kappa_perimeter=data.area_perimeter / (load / float(data.pressure_scale)))
+    return data.assign(kappa_perimeter=bare(data.area_perimeter) / (load / float(data.pressure_scale)))
 
 
 def limit_of(areas: Sequence[ContactAreas]) -> Limit:
@@ -207,17 +209,17 @@ def _beside_theory(data: xr.Dataset, case: Case) -> xr.Dataset:
     options = case.scene.methods.options("theory")
     if options is None:
         return data
-    prediction, gradient = predict(case.problem, case.scene.effects, options), float(data.rms_gradient)
+    prediction = predict(case.problem, case.scene.effects, options)
     predicted = {
         "area_persson_own": prediction.area,
         "area_ensemble": prediction.ensemble_area,
         "area_plastic_persson": prediction.plastic,
         "area_other_energy": prediction.other,
         "stress_variance": prediction.stress_variance / case.modulus**2,
-        "felt_modulus": 2 * math.sqrt(prediction.stress_variance) / gradient if gradient > 0 else math.nan,
         "theory_note": prediction.note,
     }
-    return data.assign({name: value for name, value in predicted.items() if value is not None})
+    data = data.assign({name: value for name, value in predicted.items() if value is not None})
+    return derive(data, felt_modulus="2 * contact_modulus * sqrt(stress_variance) / rms_gradient")
 
 
 def _over_surfaces(data: xr.Dataset, case: Case, accurate: Mapping[str, Any] | None) -> xr.Dataset:
@@ -232,15 +234,17 @@ def _over_surfaces(data: xr.Dataset, case: Case, accurate: Mapping[str, Any] | N
             several = derive(several, area_ratio_each="area_each / area_persson_each")
             names += ["area_persson", "area_ratio"]
         several = mean(several, *names)
-        values = several.area_each
+        values = bare(several.area_each)
         deviation = values.std("surface", ddof=1, skipna=False)
         several["scatter"] = deviation / values.mean("surface", skipna=False)
         several["surfaces"] = float(values.size)
-        several["area_lowest"], several["area_highest"] = values.min("surface"), values.max("surface")
+        for name, how in {"area_lowest": "min", "area_highest": "max"}.items():
+            made = {"reduction": "expression", "expression": f"area_each.{how}('surface')"}
+            several[name] = bare(getattr(values, how)("surface"), **made)
         data = data.merge(several, join="exact")
     else:
         if "area" not in data:
-            data = data.assign(area=data.area_own, area_error=data.area_own_error, surfaces=1.0)
+            data = derive(data.assign(surfaces=1.0), area="area_own")
         data = derive(data, kappa="area / reduced_pressure")
     if not has_theory:
         return data
@@ -249,7 +253,7 @@ def _over_surfaces(data: xr.Dataset, case: Case, accurate: Mapping[str, Any] | N
         # Whether the theory says the same of all surfaces of the spectrum.
         exact = getattr(scene.surface, "amplitudes", "") == "exact"
         alike = exact or (scene.load.reduced_pressure is not None and not scene.effects)
-        data = data.assign(area_persson=data.area_persson_own, area_ratio=math.nan)
+        data = derive(data.assign(area_ratio=math.nan), area_persson="area_persson_own")
         if alike or float(data.surfaces) == 1:
             data = derive(data, area_ratio="area / area_persson")
     return derive(data, area_excess="area_ratio - 1", kappa_persson="area_persson / reduced_pressure")
@@ -351,12 +355,12 @@ def cost_and_orders(data: xr.Dataset) -> xr.Dataset:
     if data.no_limit.item() == "" and 0 < data.area_own < 1 - 1e-12:
         limit = float(data.area_own)
     for name in ("pixel", "perimeter"):
-        data[f"area_{name}_off"] = data[f"area_{name}"] / limit - 1
+        data[f"area_{name}_off"] = bare(data[f"area_{name}"]) / limit - 1
         data[f"deviation_{name}"] = np.maximum(abs(data[f"area_{name}_off"]), 1e-6)
     if "area_persson_own" in data:
         data["deviation_persson"] = np.maximum(abs(data.area_persson_own / limit - 1), 1e-6)
-    data["seconds_total"] = data.seconds.sum()
-    data["unknowns_largest"] = data.unknowns.max()
+    every = "(['solver', 'grid'])"
+    data = derive(data, seconds_total=f"seconds.sum{every}", unknowns_largest=f"unknowns.max{every}")
     ways = {"perimeter": "corrected at its edge", "pixel": "points counted"}
     near = xr.concat([abs(data[f"area_{way}_off"]) <= _CLOSE for way in ways], "way").transpose(..., "way")
     seconds = data.seconds.where(near & (data.resolved > 0))
@@ -385,7 +389,7 @@ def finest_of(data: xr.Dataset) -> xr.Dataset:
         # A method that failed on every grid has NaN on the last one, too.
         chosen.append(int(candidates[-1]) if candidates.size else -1)
     at = xr.DataArray(chosen, dims="solver")
-    values = {f"{name}_finest": data[name].isel(grid=at).drop_vars("grid") for name in sorted(names)}
+    values = {f"{name}_finest": bare(data[name]).isel(grid=at) for name in sorted(names)}
     return data.assign({**values, "grid_finest": ("solver", data.grid.values[chosen])})
 
 

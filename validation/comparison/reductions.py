@@ -57,8 +57,8 @@ class Reading:
         numbers = xr.Dataset(
             {
                 "solve": solve.key,
-                "area_pixel_shift": areas.pixel,
-                "area_perimeter_shift": areas.perimeter,
+                "area_pixel_shift": ((), areas.pixel, {"reduction": "field", "of": "pixel"}),
+                "area_perimeter_shift": ((), areas.perimeter, {"reduction": "field", "of": "perimeter"}),
                 "area_located_shift": areas.subcell or math.nan,
                 "mean_pressure": result.mean_pressure,
                 "density_at_zero": _density(result, adhesive=is_adhesive(solve.effects)),

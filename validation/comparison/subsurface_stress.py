@@ -12,7 +12,7 @@ import xarray as xr
 from validation.arrays import padded
 from validation.comparison.reductions import grid_name, own_solves
 from validation.execution.press import Contacts, Press
-from validation.report.estimates import gather
+from validation.report.estimates import derive, gather
 from validation.scenes.scene import Scene
 
 
@@ -31,11 +31,11 @@ def below(data: xr.Dataset, scene: Scene, results: Contacts) -> xr.Dataset:
         values = (point.von_mises, point.depth, *point.place)
         parts[solve.method, grid_name(solve.grid)] = xr.Dataset(dict(zip(names, values, strict=True)))
     data = data.assign(gather(parts, solver=data.solver.values, grid=data.grid.values).data_vars)
-    return data.assign(
-        von_mises_reduced=data.von_mises / data.pressure_scale,
-        von_mises_depth_reduced=data.von_mises_depth / data.wave_short,
-        von_mises_change=data.von_mises.diff("grid", label="upper") / data.von_mises.shift(grid=1)
-        + 0 * data.von_mises,
+    before = data.von_mises.shift(grid=1)
+    return derive(
+        data.assign(von_mises_change=(data.von_mises - before) / before),
+        von_mises_reduced="von_mises / pressure_scale",
+        von_mises_depth_reduced="von_mises_depth / wave_short",
     )
 
 

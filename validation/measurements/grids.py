@@ -201,8 +201,8 @@ def protocol(rough: Measured, points: Sequence[int]) -> xr.Dataset:
     kappas = {case: one[["kappa"]].rename(kappa="kappa_protocol_each") for case, one in rough.items()}
     data = gather(kappas, "surface", "protocol_grid").rename(solve="solve_protocol")
     data = mean(data.drop_vars("protocol_grid"), "kappa_protocol")
-    last = data[["kappa_protocol"]].isel(protocol_grid=-1)
-    spread = derive(last, kappa_protocol_spread="kappa_protocol.max() / kappa_protocol.min() - 1")
+    last = "kappa_protocol.isel(protocol_grid=-1)"
+    spread = derive(data[["kappa_protocol"]], kappa_protocol_spread=f"{last}.max() / {last}.min() - 1")
     data = data.assign(kappa_protocol_spread=spread.kappa_protocol_spread)
     # By one word alone, `spectral` would be what is predicted from C(q).
     slopes = [f"{name} slope" for name in data.slope.values]

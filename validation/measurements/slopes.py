@@ -134,7 +134,7 @@ def with_differences(data: xr.Dataset, *, differences: Sequence[float], straight
 def first_crossing(slopes: Array, change: Array, difference: float) -> float:
     """Return where a change first exceeds a difference, between slopes and from 0 on straight; NaN if nowhere.
 
-    >>> round(first_crossing(np.array([0.1, 0.2]), np.array([0.01, 0.03]), 0.02), 12)
+    >>> round(first_crossing(np.array([0.1, 0.12, 0.2]), np.array([0.01, np.nan, 0.03]), 0.02), 12)
     0.15
     """
     x, y = np.append(0.0, slopes), np.append(0.0, change)

@@ -4,6 +4,7 @@ from reading_back import misdrawn
 
 from gold.asked import ACCURATE, COMPARED, SCENES
 from gold.make import of_dataset, of_page
+from validation.audit import audit
 from validation.comparison.accuracy import run_accurate
 from validation.comparison.compare import compare_folders
 from validation.comparison.pages import result_page
@@ -25,7 +26,8 @@ def of_scene(name, bench, folder):
     else:
         data = _ran(name, solves, folder / "run")
         page = result_page(read_results(folder / "run"), figures=True)
-    odd = [problem for drawing in page.figures for problem in misdrawn(drawing, data)]
+    odd = [] if "solve" not in data or name in COMPARED else list(map(str, audit(folder / "run").wrong))
+    odd += [problem for drawing in page.figures for problem in misdrawn(drawing, data)]
     return {**of_dataset(name, data), **of_page(name, page, odd)}, data
 
 
