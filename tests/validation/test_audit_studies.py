@@ -30,11 +30,16 @@ def test_a_study_agrees_and_without_its_store_its_solves_are_listed(folder):
     assert "data.nc: area_each" in ledger.unread
 
 
+#: What solves of a study say that they were asked, which the study has as a position.
+_ASKED = {"depth": {"depth", "growth", "poisson"}, "area": {"reduced_pressure"}, "scaling": {"points"}}
+
+
 @pytest.mark.parametrize("name", STUDIES)
 def test_the_numbers_of_each_study_agree_with_its_solves(name, tmp_path, left):
     ledger = Ledger()
     judge_dataset(Result(left(name, tmp_path, report=False)), ledger)
     assert [str(entry) for entry in ledger.wrong] == []
+    assert _ASKED.get(name, set()) <= {entry.name.partition(" ")[0] for entry in ledger.entries}
     if name == "area on a scene":
         assert "data.nc: area_each" not in ledger.unread
 
