@@ -66,9 +66,9 @@ def test_every_number_of_the_small_run_follows_from_its_fields(small_run):
 #: What is not computed again of a run of the half-space, and listed.
 _LISTED = {
     *("area_cheapest_off", "area_limit_error", "area_located_error", "area_located_shift"),
-    *("area_perimeter_difference_order", "area_perimeter_finest", "area_perimeter_off"),
+    *("area_perimeter_difference_order", "area_perimeter_finest"),
     *("area_pixel_difference_order", "area_pixel_error", "area_pixel_finest"),
-    *("area_pixel_off", "density_at_zero_order", "density_near", "density_near_persson", "density_wide"),
+    *("density_at_zero_order", "density_near", "density_near_persson", "density_wide"),
     *("density_wide_persson", "deviation_perimeter", "deviation_persson", "deviation_pixel", "heights"),
     *(
         "patches",

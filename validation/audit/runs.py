@@ -30,6 +30,7 @@ _LOOSE = {
     "accuracy_reached": {"rtol": 1e-4},
     **{name: {"rtol": 1e-6} for name in ("rms_gradient_spectrum", "area_ensemble")},
     **{name: {"rtol": 1e-7} for name in ("area_own", "area_each")},
+    **{f"area_{name}_off": {"atol": 1e-7} for name in ("pixel", "perimeter")},
     "scatter": {"rtol": 1e-5},
     **{f"{name}_difference": {"atol": 1e-12} for name in ("pressure", "area_pixel", "area_perimeter")},
 }
@@ -396,6 +397,12 @@ def _of_area(run: Run, accurate: Mapping[str, Any] | None) -> Expected:
         yield "area_limit", math.nan if math.isnan(error) else area, {"solver": method}
     area, error = next((pair for pair in limits if not math.isnan(pair[1])), limits[0])
     yield "area_own", area, {}
+    known = not math.isnan(error) and 0 < area < 1 - 1e-12
+    for method in run.methods if known else ():
+        for grid in map(tuple, run.options[method]["grids"]):
+            for name in ("pixel", "perimeter"):
+                off = np.mean([getattr(solve, name) for solve in run.shown(method, grid)]) / area - 1
+                yield f"area_{name}_off", float(off), {"solver": method, "grid": f"{grid[0]} x {grid[1]}"}
     share, solver = NORMAL * error / area, 0.0
     if accurate is not None:
         solver = _LEFT * accurate["tolerance"]
