@@ -19,7 +19,7 @@ from validation.execution.results import Result
 from validation.report.estimates import derive, gather, power_law
 from validation.report.figure import COLOURS, SYMBOLS
 from validation.report.findings import Finding, finding, note
-from validation.report.marks import Figure, Line, Panel
+from validation.report.marks import Figure, Line, against
 from validation.report.page import Page, page_of
 from validation.report.papers import cited
 from validation.report.quantities import labelled
@@ -151,9 +151,8 @@ def claims_views(data: xr.Dataset) -> Views:
     solvers = range(data.sizes["solver"])
     has_diagnosis = "diagnosis" in data
     verdicts = Table(
-        title="Verdicts",
-        rows=("claim",),
-        columns=(
+        ("claim",),
+        (
             "claim",
             *(Column("verdict", {"solver": k}) for k in solvers),
             *(Column("tolerance_used", {"solver": k}) for k in solvers if k == 0 or not has_diagnosis),
@@ -161,31 +160,25 @@ def claims_views(data: xr.Dataset) -> Views:
             "tolerance_from",
             "statement",
         ),
+        title="Verdicts",
         note="Tolerance used: distance from the reference over the tolerance, of the check that uses most. "
         + "; ".join(f"{name}: {words}" for name, words in TOLERANCES.items())
         + ".",
     )
     columns = ("claim", "solver", "quantity", "value", "reference", "tolerance", "used", "verdict")
-    numbers = Table(
-        title="Every number",
-        rows=("check",),
-        columns=tuple(f"check_{name}" for name in columns),
-        file="numbers",
-    )
+    checked = tuple(f"check_{name}" for name in columns)
+    numbers = Table(("check",), checked, title="Every number", file="numbers")
     costs = Table(
+        ("solver", "area_accuracy"),
+        ("solver", "area_accuracy", "seconds_needed", "bytes_needed"),
         title="What a digit costs",
-        rows=("solver", "area_accuracy"),
-        columns=("solver", "area_accuracy", "seconds_needed", "bytes_needed"),
         note="Of the cheapest grid whose area is that near to the limit, of one rough surface; of solvers "
         "that hold every claim. Memory: empty where it was not measured.",
         file="methods",
         sparse=True,
     )
     orders = Table(
-        title="Observed orders",
-        rows=("ladder",),
-        columns=("ladder", "ladder_order", "ladder_expected"),
-        file="areas",
+        ("ladder",), ("ladder", "ladder_order", "ladder_expected"), title="Observed orders", file="areas"
     )
     return Views(
         table=verdicts,
@@ -203,19 +196,19 @@ def _ladder_figures(data: xr.Dataset) -> list[Figure]:
         solver: {"color": COLOURS[k % len(COLOURS)], "marker": SYMBOLS[k % len(SYMBOLS)]}
         for k, solver in enumerate(data.solver.values.tolist())
     }
-    line, panels = Line(y="ladder_miss", by="ladder", label="{ladder_solver}"), []
+    line, panels = Line("ladder_miss", by="ladder", label="{ladder_solver}"), []
     for claim in claims:
         marks = [
             replace(line, where={"ladder_claim": claim, "ladder_solver": solver}, look=look)
             for solver, look in looks.items()
         ]
         title = claim.replace(": observed order of", "\n")
-        panels.append(Panel(marks=marks, x="ladder_points", log="xy", title=title))
+        panels.append(against("ladder_points", *marks, log="xy", title=title))
     return [
         Figure(
-            name=f"error-against-resolution-{k // 3 + 1}",
-            caption="Error against points along a side; its slope is the observed order of convergence.",
-            panels=panels[k : k + 3],
+            f"error-against-resolution-{k // 3 + 1}",
+            "Error against points along a side; its slope is the observed order of convergence.",
+            panels[k : k + 3],
             width=3.4 * len(panels[k : k + 3]),
         )
         for k in range(0, len(panels), 3)

@@ -18,7 +18,7 @@ from validation.execution.results import RECORD, Result, read_results, record_of
 from validation.files import locked, prepare_folder
 from validation.report.estimates import derive, each
 from validation.report.findings import Finding, finding, note
-from validation.report.marks import Figure, Line, Panel
+from validation.report.marks import Figure, Line, against
 from validation.report.page import page_of, write_page
 from validation.report.quantities import labelled, place_words, quantity_of
 from validation.report.table import ResultTable, Row, WordTable, shown, value_cells
@@ -359,11 +359,11 @@ def _figures(data: xr.Dataset) -> Iterator[Figure]:
             continue
         rest = {dim: data.sizes[dim] // 2 for dim in dims if dim != axes[0]} if axes else {}
         place = ", ".join(_place(data.isel({dim: k}), dim, data) for dim, k in rest.items())
-        marks = [Line(y=name, by="result" if axes else (), at=rest, joined=bool(axes))]
+        marks = [Line(name, by="result" if axes else (), at=rest, joined=bool(axes))]
         x = axes[0] if axes else "result"
         made += 1
         yield Figure(
-            name=name.replace("_", "-"),
-            caption=f"Of every result: {quantity_of(data, name).meaning}{place and f' ({place})'}.",
-            panels=[Panel(marks=marks, x=x)],
+            name.replace("_", "-"),
+            f"Of every result: {quantity_of(data, name).meaning}{place and f' ({place})'}.",
+            [against(x, *marks)],
         )

@@ -12,7 +12,7 @@ import xarray as xr
 from validation.comparison.treatment import STATISTICS, treatment_findings, treatment_table
 from validation.report.estimates import derive, each, sources_of
 from validation.report.findings import Finding, finding, note
-from validation.report.marks import Figure, Image, Level, Line, Panel
+from validation.report.marks import Figure, Image, Level, Line, against
 from validation.report.table import Listing, Table
 from validation.report.values import Value, value_of
 from validation.report.views import Card, Views
@@ -49,8 +49,8 @@ def run_views(data: xr.Dataset) -> Views:
     """Return what is shown of the dataset of a run."""
     return Views(
         table=Table(
-            rows=_GRID_ROWS,
-            columns=(
+            _GRID_ROWS,
+            (
                 *_GRID_ROWS,
                 # The best first: the last leave where there is no room for all.
                 *("area_located", "area_perimeter", "area_pixel", "kappa_perimeter", "area_plastic_pixel"),
@@ -87,8 +87,8 @@ def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
             agreement += "differences include that of the discretisations."
         differences = (f"{name}_difference" for name in ("pressure", "area_pixel", "area_perimeter"))
         yield Table(
-            rows=_GRID_ROWS,
-            columns=(*_GRID_ROWS, *differences),
+            _GRID_ROWS,
+            (*_GRID_ROWS, *differences),
             title=f"Beside {_label(data, 0)} on the same grid",
             note="Same surface, same points, same load; of the pressure the relative L2 norm of the "
             f"difference. {agreement}",
@@ -98,8 +98,8 @@ def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
     if "von_mises" in data:
         stress = ("von_mises_reduced", "von_mises", "von_mises_depth_reduced", "von_mises_depth")
         yield Table(
-            rows=_GRID_ROWS,
-            columns=(*_GRID_ROWS, *stress),
+            _GRID_ROWS,
+            (*_GRID_ROWS, *stress),
             title="Below the surface",
             note="The surface itself is left out, where the edges of the contact ring. The solid is "
             "elastic whatever its hardness.",
@@ -109,8 +109,8 @@ def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
     if "area_each" in data:
         names = ("area", "area_persson", "area_ratio", "rms_gradient", "failure")
         yield Table(
-            rows=("surface",),
-            columns=("surface", *(f"{name}_each" for name in names)),
+            ("surface",),
+            ("surface", *(f"{name}_each" for name in names)),
             title="Every surface",
             file="surfaces",
         )
@@ -288,14 +288,13 @@ def _warnings(data: xr.Dataset) -> Iterator[Finding]:
 def _figures(data: xr.Dataset) -> Iterator[Figure]:
     yield area_figure()
     if "heights" in data:
-        drawn = Line(y="power_spectrum", joined=False, label="this surface")
-        spectra = [drawn, Line(y="power_spectrum_told")]
+        spectra = (Line("power_spectrum", joined=False, label="this surface"), "power_spectrum_told")
         yield Figure(
-            name="surface",
-            caption="The rough surface, and its power spectrum, ring by ring.",
-            panels=[
-                Panel(marks=[Image(y="heights", rows="y", cmap="gray")], x="x"),
-                Panel(marks=spectra, x="wavevector", y="power_spectrum", log="xy"),
+            "surface",
+            "The rough surface, and its power spectrum, ring by ring.",
+            [
+                against("x", Image("heights", rows="y", cmap="gray")),
+                against("wavevector", *spectra, log="xy"),
             ],
             width=8.4,
             height=3.4,
@@ -303,34 +302,30 @@ def _figures(data: xr.Dataset) -> Iterator[Figure]:
         yield maps_figure(data)
     if "density_near" in data:
         yield pressure_figure(data)
-    deviations = [Line(y=f"deviation_{name}", by="solver") for name in ("pixel", "perimeter")]
-    marks = [*deviations, Level(y="deviation_persson")]
+    ways = ("deviation_pixel", "deviation_perimeter", Level("deviation_persson"))
     yield Figure(
-        name="cost",
-        caption="Distance of the area from its limit over the time of the solves.",
-        panels=[Panel(marks=marks, x="seconds", y="deviation", log="xy")],
+        "cost",
+        "Distance of the area from its limit over the time of the solves.",
+        [against("seconds", *ways, by="solver", y="deviation", log="xy")],
     )
     if "plane_depth" in data:
         names = ("plane_stress_largest", "plane_stress_rms")
-        lines = [Line(y=name, by="solver", look={"marker": ""}) for name in names]
+        lines = [Line(name, by="solver", look={"marker": ""}) for name in names]
         yield Figure(
-            name="below",
-            caption="Von Mises stress over depth on the finest grid: the largest on each plane, and the rms.",
-            panels=[Panel(marks=lines, x="plane_depth", y="plane_stress_largest", log="xy")],
+            "below",
+            "Von Mises stress over depth on the finest grid: the largest on each plane, and the rms.",
+            [against("plane_depth", *lines, log="xy")],
         )
 
 
 def area_figure() -> Figure:
     """Declare area against grid spacing: counted, corrected, located, their limit and the theory."""
-    marks = [
-        *(Line(y=name, by="solver") for name in ("area_pixel", "area_perimeter")),
-        Level(y="area_own", look={"color": "black"}, label="this surface"),
-        *(Level(y=name) for name in ("area_persson_own", "area_ensemble")),
-    ]
+    own = Level("area_own", look={"color": "black"}, label="this surface")
+    marks = ("area_pixel", "area_perimeter", own, Level("area_persson_own"), Level("area_ensemble"))
     return Figure(
-        name="area",
-        caption="Contact area against grid spacing; coarse grids are on the right.",
-        panels=[Panel(marks=marks, x="spacing", y="area", log="x", base=2)],
+        "area",
+        "Contact area against grid spacing; coarse grids are on the right.",
+        [against("spacing", *marks, by="solver", y="area", log="x", base=2)],
     )
 
 
@@ -345,23 +340,23 @@ def pressure_figure(data: xr.Dataset) -> Figure:
             for grid in sorted({there[0], there[-1]} if there else ()):
                 look = {"ls": "-" if grid == there[-1] else "--"}
                 at: Any = {"solver": [k], "grid": [grid]}
-                marks.append(Line(y=f"density_{name}", by=("solver", "grid"), at=at, steps=True, look=look))
+                marks.append(Line(f"density_{name}", by=("solver", "grid"), at=at, steps=True, look=look))
         theory = f"density_{name}_persson"
-        marks.append(Line(y=theory, x=f"stress_{name}_exact", look={"lw": 2, "ls": "-"}))
+        marks.append(Line(theory, x=f"stress_{name}_exact", look={"lw": 2, "ls": "-"}))
         if name == "near":
-            panels.append(Panel(marks=marks, x=f"stress_{name}", y=f"density_{name}"))
+            panels.append(against(f"stress_{name}", *marks))
             continue
         # The tail of the theory may end hundreds of decades below what a simulation counts.
         counted, ends = data.density_wide.where(data.density_wide > 0), dict[str, Any]()
         if counted.notnull().any():
             most = max(float(data[y].max()) for y in ("density_wide", theory) if y in data)
             ends = {"bottom": float(counted.min()) / 10, "top": 3 * most}
-        panels.append(Panel(marks=marks, x=f"stress_{name}", y=f"density_{name}", log="y", **ends))
+        panels.append(against(f"stress_{name}", *marks, log="y", **ends))
     return Figure(
-        name="pressure-distribution",
-        caption="Distribution of contact pressure: left near zero on the coarsest and the finest grid, where "
+        "pressure-distribution",
+        "Distribution of contact pressure: left near zero on the coarsest and the finest grid, where "
         "what remains at zero is the grid's; right to the largest pressure, on the finest.",
-        panels=panels,
+        panels,
         width=8.4,
         height=3.4,
     )
@@ -370,16 +365,16 @@ def pressure_figure(data: xr.Dataset) -> Figure:
 def maps_figure(data: xr.Dataset) -> Figure:
     """Declare the pressure of every method on one grid, and their difference."""
     there = [k for k in range(data.sizes["solver"]) if bool(data.pressure_map[k].notnull().any())]
-    pressure = Image(y="pressure_map", rows="y", cmap="viridis_r")
-    panels = [Panel(marks=[pressure], x="x", at={"solver": k}, title=_label(data, k)) for k in there]
+    pressure = Image("pressure_map", rows="y", cmap="viridis_r")
+    panels = [against("x", pressure, at={"solver": k}, title=_label(data, k)) for k in there]
     if "pressure_map_difference" in data:
-        difference = Image(y="pressure_map_difference", rows="y", cmap="RdBu_r")
+        difference = Image("pressure_map_difference", rows="y", cmap="RdBu_r")
         title = f"{_label(data, there[1])} - {_label(data, there[0])}"
-        panels.append(Panel(marks=[difference], x="x", title=title))
+        panels.append(against("x", difference, title=title))
     return Figure(
-        name="pressure-maps",
-        caption=f"Contact pressure on {data.attrs['map_grid']} points; white: no contact.",
-        panels=panels,
+        "pressure-maps",
+        f"Contact pressure on {data.attrs['map_grid']} points; white: no contact.",
+        panels,
         width=3.9 * len(panels),
         height=3.1,
     )

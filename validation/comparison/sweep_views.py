@@ -14,7 +14,7 @@ from validation.comparison.run_views import HOW_FAR, HOW_LARGE
 from validation.comparison.treatment import treatment_findings, treatment_table
 from validation.report.estimates import derive, each, mean, power_law, sources_of, total_error
 from validation.report.findings import Finding, finding, note
-from validation.report.marks import Band, Figure, Line, Panel
+from validation.report.marks import Band, Figure, Line, against
 from validation.report.quantities import in_shown_range, place_words, quantity_of
 from validation.report.table import Column, Table
 from validation.report.views import Card, Views
@@ -37,8 +37,8 @@ def sweep_views(data: xr.Dataset) -> Views:
     ]
     return Views(
         table=Table(
-            rows=_over(data),
-            columns=(
+            _over(data),
+            (
                 *keys,
                 answer,
                 *(("area_own",) if _several(data) else ()),
@@ -258,7 +258,7 @@ def _figure(data: xr.Dataset, key: str, variables: Sequence[str], *, name: str, 
     shown = np.unique(np.linspace(0, count - 1, min(count, _MOST_LINES)).round().astype(int))
     joined = not _numeric(data, key) or bool(np.all(np.diff(data[key].values) > 0))
     if name == "area" and "area_lowest" in data and not along:
-        marks.append(Band(y="area_lowest", high="area_highest", label="single surfaces", at=at))
+        marks.append(Band("area_lowest", high="area_highest", label="single surfaces", at=at))
     for n, k in enumerate(shown):
         place = {**at, **({along: int(k)} if along else {}), "solver": 0}
         where = place_words(data.isel({along: int(k)}), along, data) if along else ""
@@ -269,16 +269,16 @@ def _figure(data: xr.Dataset, key: str, variables: Sequence[str], *, name: str, 
                 whose = f"{find_method(str(data.solver.values[0])).label}, {surfaces}"
             look = {"color": f"C{n}"} if along else {}
             label = ", ".join(filter(None, (whose.removesuffix(", finest"), where)))
-            marks.append(Line(y=variable, at=place, look=look, label=label, joined=joined))
+            marks.append(Line(variable, at=place, look=look, label=label, joined=joined))
     fixed = f", {', '.join(place_words(data.isel({o: k}), o, data) for o, k in at.items())}" if at else ""
     one = "" if _several(data) or "area" not in data else " One surface."
     scaled = _numeric(data, key) and not quantity_of(data, key).linear
     log = "x" * (scaled and _spans(data[key].values, _WIDE_X))
     log += "y" * _spans(np.concatenate([data[v].values.ravel() for v in variables]), _WIDE_Y)
     return Figure(
-        name=f"{name}-against-{key.replace('_', '-')}",
-        caption=f"{words} against {quantity_of(data, key).words}{fixed}.{one}",
-        panels=[Panel(marks=marks, x=key, y=variables[0], log=log)],
+        f"{name}-against-{key.replace('_', '-')}",
+        f"{words} against {quantity_of(data, key).words}{fixed}.{one}",
+        [against(key, *marks, y=variables[0], log=log)],
     )
 
 

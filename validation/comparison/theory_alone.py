@@ -14,7 +14,7 @@ from validation.comparison.treatment import about, doubts
 from validation.effects.base import TheoryInputs
 from validation.report.estimates import claim
 from validation.report.findings import Finding, finding, note
-from validation.report.marks import Figure, Level, Line, Panel
+from validation.report.marks import Figure, Level, Line, against
 from validation.report.quantities import in_shown_range, labelled
 from validation.report.table import Listing, Table
 from validation.report.views import Card, Views
@@ -79,27 +79,27 @@ def _at_load(answer: Answer, inputs: TheoryInputs, problem: ContactProblem) -> x
 def theory_views(data: xr.Dataset) -> Views:
     """Return what is shown of the theory alone."""
     line: Any = {"by": "load", "look": {"marker": ""}}
-    yielded = Line(y="magnified_area_plastic", by="load", look={"marker": "", "ls": ":"})
-    area = [Line(y="magnified_area", **line), yielded]
-    flat = Level(y="work", label="flat surfaces", look={"color": "#666666"})
+    yielded = Line("magnified_area_plastic", by="load", look={"marker": "", "ls": ":"})
+    area = [Line("magnified_area", **line), yielded]
+    flat = Level("work", label="flat surfaces", look={"color": "#666666"})
     figures = [
         Figure(
-            name="area-against-magnification",
-            caption="Share of the nominal area that is in contact when roughness up to q = zeta q_L is seen, "
+            "area-against-magnification",
+            "Share of the nominal area that is in contact when roughness up to q = zeta q_L is seen, "
             "q_L = 2 pi / L.",
-            panels=[Panel(marks=area, x="magnification", log="x", bottom=0.0, top=1.05)],
+            [against("magnification", *area, log="x", bottom=0.0, top=1.05)],
         ),
         Figure(
-            name="energy-against-magnification",
-            caption="Work of adhesion that is left of an interface seen at magnification zeta, after the "
+            "energy-against-magnification",
+            "Work of adhesion that is left of an interface seen at magnification zeta, after the "
             "elastic energy of all shorter waves is paid; below zero the surfaces do not stick.",
-            panels=[Panel(marks=[Line(y="magnified_work", **line), flat], x="magnification", log="x")],
+            [against("magnification", Line("magnified_work", **line), flat, log="x")],
         ),
     ]
     return Views(
         table=Table(
-            rows=("load",),
-            columns=("pressure", "reduced_pressure", "area_ensemble", "area_plastic_ensemble", "work_left"),
+            ("load",),
+            ("pressure", "reduced_pressure", "area_ensemble", "area_plastic_ensemble", "work_left"),
             title="Every load, by the theory alone",
             note="With all roughness; no solver ran.",
         ),

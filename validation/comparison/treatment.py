@@ -60,8 +60,8 @@ def treatment_table(data: xr.Dataset, *cases: str) -> Iterator[Table]:
     """Yield the budget of the treatment, where it was asked for, along the cases of a sweep."""
     if "treated_area_change" in data:
         yield Table(
-            rows=(*cases, "variation"),
-            columns=(*cases, "variation", *_CHANGES),
+            (*cases, "variation"),
+            (*cases, "variation", *_CHANGES),
             title="Budget of the treatment of the map",
             note="Each row treats the map otherwise and presses it with the same p0 "
             f"({data.treatment_grid.values.flat[0]}). Changes are relative to the treatment of the scene "

@@ -15,7 +15,7 @@ from scipy.fft import next_fast_len
 from validation.arrays import Grid, Pair
 from validation.comparison.fields import MAPS, with_cells
 from validation.errors import SceneError, UsageError
-from validation.report.marks import Figure, Image, Panel
+from validation.report.marks import Figure, Image, against
 from validation.report.quantities import in_prefixed_unit, labelled
 from validation.scenes.mistakes import problems
 from validation.units import Table
@@ -106,5 +106,5 @@ def on_places(data: xr.Dataset, spacing: Pair, **maps: Any) -> xr.Dataset:
 
 def map_of(name: str, caption: str, *, cmap: str = "viridis") -> Figure:
     """Declare the figure of one map."""
-    panel = Panel(marks=[Image(y=name, rows="y", cmap=cmap)], x="x")
-    return Figure(name=name.replace("_", "-"), caption=caption, panels=[panel], width=4.6, height=3.6)
+    panel = against("x", Image(name, rows="y", cmap=cmap))
+    return Figure(name.replace("_", "-"), caption, [panel], width=4.6, height=3.6)

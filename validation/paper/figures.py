@@ -19,7 +19,7 @@ from validation.arrays import Array, padded
 from validation.paper import systems as s
 from validation.paper.pmma import rough_pmma
 from validation.paper.pyrex import smoothed_pyrex
-from validation.report.marks import Figure, Line, Panel
+from validation.report.marks import Figure, Line, against
 
 #: Curves by label, each with the values of its quantities.
 Curves = Mapping[str, Mapping[str, Any]]
@@ -50,11 +50,11 @@ class PaperFigure:
         curve = f"curve_{self.name}"
         line: dict[str, Any] = {"by": curve, "label": f"{{{curve}}}", "look": {"marker": "", "lw": 1.6}}
         panels = [
-            Panel(marks=[Line(y=f"{y}_{self.name}", **line)], x=f"{x}_{self.name}", log=log)
+            against(f"{x}_{self.name}", Line(f"{y}_{self.name}", **line), log=log)
             for x, y, log in self.panels
         ]
         name, sizes = self.name.replace("_", "-"), {"width": 5.2 * len(panels), "height": 4.0}
-        return Figure(name=name, caption=f"{self.title}.", panels=panels, **sizes)
+        return Figure(name, f"{self.title}.", panels, **sizes)
 
 
 #: All calculated figures, in the order of the paper.

@@ -56,12 +56,12 @@ def _views(data: xr.Dataset) -> Views:
     }
     return Views(
         table=Table(
-            title="Every claim with a number",
-            rows=("claim",),
-            columns=(
+            ("claim",),
+            (
                 *("claim", "stated", "computed", "paper_verdict", "literal", *_STATED[1:]),
                 *("paper_section", "paper_convention", "paper_reason", "paper_note"),
             ),
+            title="Every claim with a number",
             note="The range allowed was written down before anything was computed. All claims of a system "
             "are judged under one set of conventions: that with which most of them agree (computed), or "
             "the literal one.",
