@@ -1,5 +1,7 @@
 """Studies read back through the command: what cannot be computed again is listed."""
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -35,11 +37,13 @@ _ASKED = {"depth": {"depth", "growth", "poisson"}, "area": {"reduced_pressure"},
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_the_numbers_of_each_study_agree_with_its_solves(name, tmp_path, left):
-    ledger = Ledger()
-    judge_dataset(Result(left(name, tmp_path, report=False)), ledger)
+def test_the_numbers_of_each_study_agree_with_its_solves(name, tmp_path, left, numbers):
+    result, ledger = Result(left(name, tmp_path, report=False)), Ledger()
+    judge_dataset(result, ledger)
     assert [str(entry) for entry in ledger.wrong] == []
     assert _ASKED.get(name, set()) <= {entry.name.partition(" ")[0] for entry in ledger.entries}
+    solved = [json.loads(solve.attrs["recipe"]) for solve in result._read.values()]
+    assert {recipe.get("method", "bem") for recipe in solved} <= {*numbers(name).attrs["methods"].split()}
     if name == "area on a scene":
         assert "data.nc: area_each" not in ledger.unread
 

@@ -1,4 +1,7 @@
-"""The cases with a known answer: quick ones pass, a wrong one fails loudly, more are found by being there."""
+"""The cases with a known answer: quick ones pass, a wrong one fails loudly, more are found by being there.
+
+``python tests/validation/test_cases.py`` writes gold/tolerances.json again, where a change is meant.
+"""
 
 import json
 from pathlib import Path
@@ -14,6 +17,8 @@ from validation.errors import UsageError
 #: Finite-element cases take longer than the fast suite allows; `fem-contact validate` runs them.
 SECONDS = [case for case in all_cases() if case.quick and "fem" not in case.name and "block" not in case.name]
 
+#: Tolerances of the quick cases; those by an estimate differ a little from machine to machine.
+TOLERANCES = Path(__file__).parent / "gold" / "tolerances.json"
 CHECKS = json.loads((Path(__file__).parents[1] / "mutants" / "checks.json").read_text(encoding="utf-8"))
 
 
@@ -25,6 +30,8 @@ def test_a_quick_case_passes(case):
     assert verdict.source
     # Each check that a fault of the catalogue breaks is asked, and no other.
     assert {check.quantity for check in verdict.checks} == CHECKS[case.name].keys()
+    known = json.loads(TOLERANCES.read_text(encoding="utf-8"))[case.name]
+    assert {check.quantity: check.tolerance for check in verdict.checks} == pytest.approx(known, rel=0.2)
 
 
 @pytest.mark.slow
@@ -114,3 +121,11 @@ def test_hertz_and_westergaard_carry_their_load():
     assert np.mean(wave.pressure(x)) == pytest.approx(wave.load, rel=1e-6)
     flat = Westergaard(amplitude=0.02, half_width=0.5, contact_modulus=3.0)
     assert flat.load == pytest.approx(0.06 * np.pi)
+
+
+if __name__ == "__main__":
+    found = {
+        verdict.case: {check.quantity: check.tolerance for check in verdict.checks}
+        for verdict in run_cases(SECONDS)
+    }
+    TOLERANCES.write_text(json.dumps(found, indent=0) + "\n", encoding="utf-8")

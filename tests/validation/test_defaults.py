@@ -18,6 +18,7 @@ import persson
 import validation
 from validation import notebook
 from validation.cli import app
+from validation.measurements.hard_cases import CASES
 
 STORED = Path(__file__).parent / "gold/defaults.json"
 #: Of a schema what describes a key, and what another version of pydantic may word in another way.
@@ -72,6 +73,8 @@ def found():
     """All defaults by the place where a user would say something else."""
     command = typer.main.get_command(app)
     pairs = [*_of_tables(), *_of_commands(command)]
+    # Where solvers are tried on their hard cases, and what is asked of them there.
+    pairs += [(f"stability {case.name}", {"values": case.values, "bound": case.bound}) for case in CASES]
     for owner in (fc, persson, notebook):
         pairs += _of_functions(owner, owner.__name__)
     return json.loads(json.dumps(dict(pairs), default=repr))
