@@ -374,6 +374,8 @@ def test_surfaces_are_generated_inspected_and_converted(done, mistake, tmp_path)
     scene = json.loads(done("surface inspect quickstart --json"))
     assert facts["h'_rms (spectral)"] == pytest.approx(scene["h'_rms (spectral)"], rel=1e-9)
     assert facts["missing points"] == 0
+    # Nayak's parameter is one of a periodic map, whose waves are its own.
+    assert "Nayak parameter" in facts
     shown = done("surface inspect rough.nc")
     assert "C(q)" in shown
     assert re.search(r"^summits per area: \S+ 1/[mun]?m\^2$", shown, re.M)
@@ -400,6 +402,10 @@ def test_a_file_that_does_not_say_size_or_unit_is_asked_for_them(tool, done, tmp
     facts = json.loads(done("surface inspect scan.npy --length '1 um' --unit '1 nm' --json"))
     assert facts["h_rms [m]"] == pytest.approx(1e-9 * np.std(np.sin(np.arange(16))), rel=1e-9)
     assert 0.5 < facts["edge jump over typical step"] < 4
+    np.save(tmp_path / "cut.npy", np.outer(np.linspace(-1.0, 1.0, 64) ** 9, np.ones(64)))
+    cut = json.loads(done("surface inspect cut.npy --length '1 um' --unit '1 nm' --json"))
+    assert {"h'_rms (differences)"} == {key for key in cut if "h'_rms" in key}
+    assert "Nayak parameter" not in cut
     assert "scan.npy: 16 x 16 points" in facts["treatment"]
 
 
