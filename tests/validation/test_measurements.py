@@ -62,17 +62,17 @@ def test_a_call_travels_by_the_name_of_its_measurement():
     assert again.measurement is STICKY.measurement
 
 
-#: Names in the store by the classes that measurements were until November 2026.
+#: First solves of studies: their names since November 2026, and what is foretold of them, [s] and bytes.
 OF_BEFORE = {
-    "archard": "archard-1-512-cbb78c6e2e3f8a62",
-    "conductance": "measure-64x64-9ef75f4469b2695c",
-    "depth": "beside-fem-64-a4c4d91a35dd1a4b",
-    "heights": "heights-32-697ed3d7c71b7e45",
-    "large-slope": "slopes-24-4c915c771e07fb17",
-    "pressure": "measure-512x512-4eaca9629ef04b88",
-    "scaling": "cost-128-a37cb8447a96c158",
-    "sliding": "slide-256x256-ac9282e10184ec6e",
-    "stress-near-zero": "edge-256-14b3183b9b75b9cc",
+    "archard": ("archard-1-512-cbb78c6e2e3f8a62", 1.27, 31457280),
+    "conductance": ("measure-64x64-9ef75f4469b2695c", 0.291, 491520),
+    "depth": ("beside-fem-64-a4c4d91a35dd1a4b", 0.0156, 2064384),
+    "heights": ("heights-32-697ed3d7c71b7e45", 0.01, 204800),
+    "large-slope": ("slopes-24-4c915c771e07fb17", 7.09, 296550000),
+    "pressure": ("measure-512x512-4eaca9629ef04b88", 12.4, 31457280),
+    "scaling": ("cost-128-a37cb8447a96c158", 0.0217, 1966080),
+    "sliding": ("slide-256x256-ac9282e10184ec6e", 8.98, 39321600),
+    "stress-near-zero": ("edge-256-14b3183b9b75b9cc", 0.0836, 10485760),
 }
 
 
@@ -82,4 +82,7 @@ def test_solves_of_before_are_found_again(name, tmp_path):
     with pytest.raises(PlannedOnly) as planned:
         find_study(name).compute(find_study(name).options(), bench=bench)
     # Where this fails, what is measured has changed: raise `RESULTS_VERSION`, or a version, and then these.
-    assert planned.value.args[0].key == OF_BEFORE[name]
+    (solve, *_), (key, seconds, peak_bytes) = planned.value.args, OF_BEFORE[name]
+    foretold = solve.predict()
+    assert (solve.key, foretold.peak_bytes) == (key, peak_bytes)
+    assert foretold.seconds == pytest.approx(seconds, rel=0.01)
