@@ -244,7 +244,8 @@ def _over_surfaces(data: xr.Dataset, case: Case, accurate: Mapping[str, Any] | N
         data = data.merge(several, join="exact")
     else:
         if "area" not in data:
-            data = derive(data.assign(surfaces=1.0), area="area_own")
+            area = bare(data.area_own, reduction="expression", expression="area_own")
+            data = data.assign(area=area, area_error=data.area_own_error, surfaces=1.0)
         data = derive(data, kappa="area / reduced_pressure")
     if not has_theory:
         return data

@@ -188,9 +188,12 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     if options.blocks:
         strict = {str(element): measured["strict", element] for element in options.blocks}
         data = with_block_errors(data, part("other"), strict, options.beside[0].grids)
-    used = dict.fromkeys(solver.method for solver in options.beside)
+    used = [
+        *(solver.method for solver in options.beside),
+        *(PROTOCOL_METHODS * bool(options.protocol_hursts)),
+    ]
     kinds = (effect.kind for effect in options.effects)
-    methods = " ".join(["theory", "bem", *used, *kinds, papers_of("kappa")])
+    methods = " ".join(dict.fromkeys(["theory", "bem", *used, *kinds, papers_of("kappa")]))
     return data.assign_attrs(shifts=options.shifts, methods=methods, **options.spectrum_words)
 
 
