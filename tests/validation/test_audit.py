@@ -362,8 +362,9 @@ def test_limits_are_those_of_the_error_law_whatever_the_grids(located):
                     )
                 )
         ours = (located_limit if located else perimeter_limit)(areas)
-        read = [SimpleNamespace(edges=area.edge_fraction, **asdict(area)) for area in areas]
-        found = limit_over(read, located=located)
+        own = {"located": located}
+        read = [SimpleNamespace(edges=area.edge_fraction, **own, **asdict(area)) for area in areas]
+        found = limit_over(read)
         assert found == pytest.approx((ours.value, ours.uncertainty), rel=1e-8, abs=1e-12, nan_ok=True), areas
         seen.add((len({area.spacing for area in areas}), ours.determinable))
     assert {(1, True), (2, True), (3, True), (1, False), (2, False)} <= seen

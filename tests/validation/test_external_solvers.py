@@ -10,11 +10,13 @@ import numpy as np
 import psutil
 import pytest
 from refusing import refused
-from small_scene import small_scene
+from small_scene import scene_in, small_scene
 from solving import still_running
 
 from fem_contact import HeightField, NotConverged, Solid, Status, contact_areas
 from validation import sandbox
+from validation.audit import audit
+from validation.comparison.run import run_scene
 from validation.effects import effect_kinds
 from validation.effects.base import ContactModel
 from validation.effects.hardness import Hardness
@@ -315,6 +317,16 @@ def test_a_peer_agrees_with_boundary_elements(name, tolerance, apart, load):
         pressures.append(peer.claim(replace(asked, load={"offset": ours.offset})).pressure)
     for pressure in pressures:
         assert np.linalg.norm(pressure - ours.pressure) < apart * np.linalg.norm(ours.pressure)
+
+
+@pytest.mark.parametrize("name", ["tamaas", "contact_mechanics"])
+def test_the_audit_locates_the_edges_of_a_peer_that_comes_first(name, tmp_path):
+    if find_solver(name).available() is not None:
+        pytest.skip(str(find_solver(name).available()))
+    scene = scene_in(tmp_path, small_scene("[methods.theory]").replace("methods.bem", f"methods.{name}"))
+    outputs = run_scene(scene, tmp_path / "run", report=False)
+    assert "located" in outputs.result.data.area_basis.item()
+    assert not audit(outputs.folder).wrong
 
 
 @pytest.mark.parametrize(

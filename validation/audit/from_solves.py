@@ -73,8 +73,9 @@ def limits(solve: xr.Dataset, *, without: int = 0) -> list[Pair]:
         for i, j in itertools.product(grids, range(shifts)):
             spacing = 1 / float(points[i]), float(points[i]) / float(cells[i])
             numbers = {name: float(values[i, j, load]) for name, values in arrays.items()}
-            areas.append(SimpleNamespace(spacing=spacing, cells=int(cells[i]), **numbers))
-        found.append(limit_over(areas, located=not any(math.isnan(area.subcell) for area in areas)))
+            there = not math.isnan(numbers["subcell"])
+            areas.append(SimpleNamespace(spacing=spacing, cells=int(cells[i]), located=there, **numbers))
+        found.append(limit_over(areas))
     return found
 
 
@@ -83,11 +84,7 @@ def limit(result: Result, name: str, variable: xr.Variable, *, error: bool = Fal
     if variable.attrs["of"] == "subcell":
         return over_solves(result, variable, lambda solve: [pair[int(error)] for pair in limits(solve)])
 
-    def read(*solves: Stored) -> float:
-        plain = not any(solve.recipe.get("effects") for solve in solves)
-        return limit_over(solves, located=plain)[int(error)]
-
-    return over_solves(result, variable, read, Stored)
+    return over_solves(result, variable, lambda *solves: limit_over(solves)[int(error)], Stored)
 
 
 def of_field(result: Result, name: str, variable: xr.Variable) -> Array | None:

@@ -14,8 +14,8 @@ from validation.audit.stored import Pair
 TRAITS = ("alignment", "anisotropy", "unresolved", "wavenumber")
 
 
-#: Of one surface on one grid and shift: `pixel` counted, `perimeter` corrected, `subcell` located, `spacing`,
-#: `cells`, `edges` over cells, and traits.
+#: Of one surface on one grid and shift: `pixel` counted, `perimeter` corrected, `subcell` where its edge is
+#: `located`, `spacing`, `cells`, `edges` over cells, and traits.
 Areas: TypeAlias = Any
 
 #: Powers of the width in the error law, means and deviations of their coefficients; noise; least contact.
@@ -45,14 +45,17 @@ _ANISOTROPIC, _CHANCE, _COARSE, _COARSE_SHARE, _LEAST, _NARROW = 6.5, 0.12, 1.5,
 _SMOOTH, _KINKED, _STEPS, _HIDDEN, _UNSEEN = 0.05, 0.2, 0.7, 0.02, 0.15
 
 
-def limit_over(solves: Sequence[Areas], *, located: bool) -> Pair:
-    """A/A0 for vanishing spacing and its standard error; NaN where these grids do not give it."""
+def limit_over(solves: Sequence[Areas]) -> Pair:
+    """A/A0 for vanishing spacing and its standard error; NaN where these grids do not give it.
+
+    It is of the area whose edge is located where it is in all solves, else of the corrected one.
+    """
     groups: dict[Pair, list[Areas]] = {}
     for one in solves:
         groups.setdefault(one.spacing, []).append(one)
     grids = [groups[key] for key in sorted(groups, key=math.prod)]
     few = not grids or np.mean([one.pixel * one.cells for one in grids[0]]) < LEAST_POINTS * (1 - 1e-9)
-    value, error = (math.nan, math.nan) if few else _best(grids, located=located)
+    value, error = (math.nan, math.nan) if few else _best(grids, located=all(one.located for one in solves))
     return (value, error) if 0 < value <= 1 + 1e-12 else (math.nan, math.nan)
 
 

@@ -251,15 +251,13 @@ class Run:
             and (grids or self.resolved(solve))
             and (shift == (0.0, 0.0) or (not grids and solve in self.shown(name, grid)))
         ]
-        square = all(abs(solve.spacing[0] / solve.spacing[1] - 1) <= 0.05 for solve in solves)
-        located = method == "bem" and self.bare and square
-        limit = limit_over(solves, located=located)
+        limit = limit_over(solves)
         if len({solve.spacing for solve in solves}) > 1 and not math.isnan(limit[0]):
             return limit
         finest = [solve for solve in solves if solve.spacing == min(one.spacing for one in solves)]
         if not finest or finest[0].pixel * finest[0].p.size < LEAST_POINTS:
             return math.nan, math.nan
-        return math.fsum(s.subcell if located else s.perimeter for s in finest) / len(finest), math.nan
+        return math.fsum(s.subcell if s.located else s.perimeter for s in finest) / len(finest), math.nan
 
     def theory(self, m2: float | None, pressure: float | None) -> Pair:
         """A/A0 and A_pl/A0 with V = E*^2 m2 / 4, elastic or with one hardness; NaN with other effects."""

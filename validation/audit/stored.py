@@ -24,6 +24,8 @@ EDGE_CONSTANTS = {
     **{"bem": 0.103, "bem free": 0.090},
     **{"Hex1": 0.198, "Hex1/P0": 0.260, "Hex2": 0.137, "Hex2/P1disc": 0.205},
 }
+#: Methods of point values, by which an edge is located.
+_LOCATING = {"bem", "tamaas", "contact_mechanics", "aspher"}
 #: The edge map of boundary elements: powers of v in rows, of the squared cosine in columns.
 EDGE_MAP = np.array(
     [
@@ -146,6 +148,12 @@ class Stored:
     def perimeter(self) -> float:
         """Counted area less the edge constant for each edge."""
         return self.pixel - self.edge_constant * self.edges
+
+    @property
+    def located(self) -> bool:
+        """Whether its area is the one whose edge is located inside square cells of an elastic half-space."""
+        square = abs(self.spacing[0] / self.spacing[1] - 1) <= 0.05
+        return square and self.method in _LOCATING and not self.recipe.get("effects")
 
     @cached_property
     def plastic(self) -> float:

@@ -140,7 +140,7 @@ def _on_grids(case: Case) -> xr.Dataset:
     if failed := {(s.method, s.grid): why for s, why in case.failures.items() if s.realisation == 0}:
         words = [[failed.get((method, grid), "") for grid in grids] for method in case.methods]
         data["failure"] = (("solver", "grid"), words)
-    count = data.area_pixel_shift.count("shift")
+    count = bare(data.area_pixel_shift).count("shift")
     data["shifts"] = count.where(count > 0)
     data["density_at_zero"] = each["density_at_zero"].mean("shift")
     data["residual"] = each["residual"].max("shift")

@@ -230,33 +230,16 @@ class Placed:
         return _AROUND + len(self.table.columns if self.turned else self.table.rows)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Layout:
-    """Tables `beside` the first figure, `across` the page and in `columns` with the `narrow` figures."""
-
-    beside: tuple[Placed, ...]
-    across: tuple[Placed, ...]
-    columns: tuple[Placed, ...]
-    narrow: tuple[Mapping[str, Any], ...]
-    wide: tuple[Mapping[str, Any], ...]
-
-    @property
-    def even(self) -> bool:
-        """Whether neither column is longer by a third of a figure."""
-        heights = [*(one.lines for one in self.columns), *(_FIGURE for _ in self.narrow)]
-        splits = (sum(heights[:k]) - sum(heights[k:]) for k in range(len(heights) + 1))
-        return min(map(abs, splits)) < _FIGURE / 3
-
-
 def layout(
     findings: Iterable[str],
     tables: Sequence[WordTable],
     budget: WordTable | None,
     figures: Sequence[Mapping[str, Any]],
-) -> Layout:
+) -> dict[str, Any]:
     """Place what a page shows so that no half of it stays empty.
 
-    The budget and the first table stand below the findings, where half a page holds them and there is room
+    Tables stand `beside` the first figure, `across` the page or in `columns` with the `narrow` figures. The
+    budget and the first table stand below the findings, where half a page holds them and there is room
     beside the first figure.
     """
     placed = [Placed(table, len(table.columns) > 12 and len(table.rows) < 9) for table in tables]
@@ -271,13 +254,13 @@ def layout(
             beside.append(one)
             lines += one.lines
     rest = [one for one in placed if one not in beside]
-    return Layout(
-        beside=tuple(beside),
-        across=tuple(one for one in rest if not one.narrow),
-        columns=tuple(one for one in rest if one.narrow),
-        narrow=tuple(figure for figure in figures[1:] if not figure["wide"]),
-        wide=tuple(figure for figure in figures[1:] if figure["wide"]),
-    )
+    return {
+        "beside": beside,
+        "across": [one for one in rest if not one.narrow],
+        "columns": [one for one in rest if one.narrow],
+        "narrow": [figure for figure in figures[1:] if not figure["wide"]],
+        "wide": [figure for figure in figures[1:] if figure["wide"]],
+    }
 
 
 def render(page: Page, figures: Sequence[Mapping[str, Any]] = ()) -> str:
