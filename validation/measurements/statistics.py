@@ -48,5 +48,5 @@ def order_of_convergence(spacing: ArrayLike, error: ArrayLike) -> float:
     >>> round(order_of_convergence([0.4, 0.2, 0.1], [0.16, 0.04, 0.01]), 12)
     2.0
     """
-    slope, _ = np.polyfit(np.log(np.asarray(spacing)), np.log(np.abs(np.asarray(error))), 1)
+    slope, _ = np.polyfit(np.log(spacing), np.log(np.abs(error)), 1)
     return float(slope)

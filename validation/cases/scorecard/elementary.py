@@ -78,7 +78,7 @@ def full_contact_transfer(
 
 def solves(subject: Subject) -> list[tuple[HeightField, float, Pressed]]:
     """Return one rough surface at three loads."""
-    surface = rough(2 * subject.points)
+    surface = subject.rough
     return [(surface, load, subject.press(surface, load)) for load in LOADS]
 
 
@@ -92,7 +92,7 @@ def tension(subject: Subject) -> Checks:
 @case("repeatable", source="definition", tolerance="solver")
 def repeatable(subject: Subject) -> Checks:
     """The same question has the same answer."""
-    surface = rough(2 * subject.points)
+    surface = subject.rough
     first = subject.press(surface, LOADS[0]).pressure
     subject.press(surface, LOADS[-1])
     again = subject.press(surface, LOADS[0], again=True).pressure
@@ -165,7 +165,7 @@ def honesty(subject: Subject) -> Checks:
 
 def residuals_fall(subject: Subject) -> bool:
     """Whether the residual falls where a hundredth of the tolerance is asked for."""
-    surface = rough(2 * subject.points)
+    surface = subject.rough
     sharper = subject.press(surface, LOADS[0], more={"tolerance": subject.tolerance / 100})
     plain = subject.press(surface, LOADS[0])
     return sharper.result.residuals.complementarity < 0.5 * plain.result.residuals.complementarity

@@ -80,7 +80,7 @@ def odd_axes(subject: Subject) -> Checks:
 
 def _asked_back(subject: Subject, *, load: float) -> Checks:
     subject.needs(control="offset")
-    surface = rough(2 * subject.points)
+    surface = subject.rough
     by_load = subject.press(surface, load).result
     by_offset = subject.press(surface, None, more={"offset": by_load.offset})
     missed = abs(by_offset.result.offset - by_load.offset) / surface.rms_height
@@ -117,7 +117,7 @@ def cut_short(subject: Subject) -> Checks:
     subject.needs(control="max_iterations")
     words = f"solves that end after {_FEW} iterations and do not say so, of 1"
     try:
-        pressed = subject.press(rough(2 * subject.points), _LIGHT, more={"max_iterations": _FEW})
+        pressed = subject.press(subject.rough, _LIGHT, more={"max_iterations": _FEW})
     except NotConverged:
         yield below(words, 0.0, 0.5)
         return

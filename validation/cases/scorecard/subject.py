@@ -73,6 +73,11 @@ class Subject:
         return self.solver.score_points
 
     @cached_property
+    def rough(self) -> HeightField:
+        """A rough surface on the middle grid of a full ladder."""
+        return rough(2 * self.points)
+
+    @cached_property
     def ladder(self) -> tuple[int, int, int]:
         """Three grids: each twice as fine as the one before, or less where that takes too long."""
         n = self.points
@@ -195,7 +200,7 @@ class Subject:
         if (passed := time.monotonic() - began) >= options.get("seconds", math.inf):
             self._costs.append((0.0, passed))
         with contextlib.suppress(Exception):  # what it fails at, a row says
-            self.press(rough(2 * self.points), 0.05)
+            self.press(self.rough, 0.05)
 
 
 def rough(points: int, *, bandwidth: int = 4, waves: int = 2) -> HeightField:
