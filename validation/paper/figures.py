@@ -13,6 +13,7 @@ import xarray as xr
 from persson import elastic
 from persson.adhesion import Interface
 from persson.asperities import nayak_asperities, ring_asperities
+from persson.limits import ScalableSpectrum
 from persson.spectrum import Moments, Spectrum
 from persson.spheres import DoubleHertz, hertz_pressure_distribution
 from validation.arrays import Array, padded
@@ -73,19 +74,16 @@ def _figure(
     return add
 
 
-def _spectrum(spectrum: Spectrum, q: Array) -> Mapping[str, Array]:
+def _spectrum(spectrum: Spectrum, q: Array | None = None) -> Mapping[str, Array]:
+    q = np.geomspace(spectrum.q_min, spectrum.q_short, 200) if q is None else q
     return {"wavevector": q, "power_spectrum": np.asarray(spectrum(q))}
-
-
-def _waves(spectrum: Spectrum) -> Array:
-    return np.geomspace(spectrum.q_min, spectrum.q_short, 200)
 
 
 @_figure("spectra", "Power spectra, Sec. 2.2", ("wavevector", "power_spectrum", "xy"))
 def _spectra() -> Curves:
     return {
-        "polished steel, h_rms = 0.1 um": _spectrum(s.steel(), _waves(s.steel())),
-        "PMMA, frozen capillary waves": _spectrum(s.pmma(), _waves(s.pmma())),
+        "polished steel, h_rms = 0.1 um": _spectrum(s.steel()),
+        "PMMA, frozen capillary waves": _spectrum(s.pmma()),
     }
 
 
@@ -157,9 +155,9 @@ def _elastoplastic() -> Curves:
 
 
 def _against_roughness(
-    make: Callable[[float], Spectrum], ratios: Array, modulus: float, interface: Interface
+    spectrum: ScalableSpectrum, ratios: Array, modulus: float, interface: Interface
 ) -> Mapping[str, Array]:
-    answers = [s.adhesive(make(float(r)), modulus, 0.0, interface) for r in ratios]
+    answers = [s.adhesive(spectrum.scaled(r * r), modulus, 0.0, interface) for r in ratios.tolist()]
     return {
         "roughness_ratio": ratios,
         "area": np.array([f.real_area for f in answers]),
@@ -177,8 +175,8 @@ def _rim_roughness() -> Curves:
     ratios = np.concatenate([np.linspace(0.05, 0.3, 4), np.linspace(0.34, 0.58, 9), [0.8, 1.0]])
     old, improved = (Interface(work_of_adhesion=s.RIM_WORK, energy=energy) for energy in ("old", "improved"))
     return {
-        "old energy, Eq. 43": _against_roughness(s.rim, ratios, s.RIM_MODULUS, old),
-        "improved energy, Eqs. 44-50": _against_roughness(s.rim, ratios, s.RIM_MODULUS, improved),
+        "old energy, Eq. 43": _against_roughness(s.rim(), ratios, s.RIM_MODULUS, old),
+        "improved energy, Eqs. 44-50": _against_roughness(s.rim(), ratios, s.RIM_MODULUS, improved),
     }
 
 
@@ -232,11 +230,15 @@ def _pmma_pressure() -> Curves:
     return curves
 
 
+#: Of two equal surfaces, added coherently.
+_PYREX = s.pyrex().scaled(4.0)
+
+
 @_figure("pyrex_spectra", "Pyrex, two surfaces, Sec. 10.2", ("wavevector", "power_spectrum", "xy"))
 def _pyrex_spectra() -> Curves:
-    before, after = s.pyrex(surfaces=2), smoothed_pyrex()
+    after = smoothed_pyrex()
     return {
-        "as cast": _spectrum(before, _waves(before)),
+        "as cast": _spectrum(_PYREX),
         "smoothed by yielding at 20 MPa": _spectrum(after, np.asarray(after.wavevectors)),
     }
 
@@ -249,11 +251,10 @@ def _pyrex_spectra() -> Curves:
 )
 def _pyrex_roughness() -> Curves:
     interface = Interface(work_of_adhesion=s.PYREX_WORK, energy="old")
-    after = smoothed_pyrex()
     ratios = np.concatenate([np.linspace(0.2, 0.8, 5), np.linspace(0.86, 1.0, 8), [1.2]])
-    made: dict[str, tuple[Callable[[float], Spectrum], Array]] = {
-        "original surface": (lambda r: s.pyrex(r, surfaces=2), ratios),
-        "smoothed surface": (lambda r: after.scaled(r * r), np.linspace(0.2, 1.6, 12)),
+    made: dict[str, tuple[ScalableSpectrum, Array]] = {
+        "original surface": (_PYREX, ratios),
+        "smoothed surface": (smoothed_pyrex(), np.linspace(0.2, 1.6, 12)),
     }
     return {name: _against_roughness(*how, s.PYREX_MODULUS, interface) for name, how in made.items()}
 
@@ -265,10 +266,9 @@ def _pyrex_roughness() -> Curves:
     ("magnification", "area_plastic", "x"),
 )
 def _pyrex_yielding() -> Curves:
-    spectrum = s.pyrex(surfaces=2)
-    q = np.geomspace(spectrum.q_min * 1.001, spectrum.q_short, 240)
-    areas = s.yielded(spectrum, s.PYREX_MODULUS, s.PYREX_PRESSURE, hardness=s.PYREX_HARDNESS, q=q)
-    elastic_area = s.area(spectrum, s.PYREX_MODULUS, s.PYREX_PRESSURE, q)
+    q = np.geomspace(_PYREX.q_min * 1.001, _PYREX.q_short, 240)
+    areas = s.yielded(_PYREX, s.PYREX_MODULUS, s.PYREX_PRESSURE, hardness=s.PYREX_HARDNESS, q=q)
+    elastic_area = s.area(_PYREX, s.PYREX_MODULUS, s.PYREX_PRESSURE, q)
     kept = np.where(areas.elastic > 1e-8, areas.elastic, np.nan)
     hard = {"magnification": q / 1e6, "area_elastic": kept, "area_plastic": areas.plastic}
     return {

@@ -31,17 +31,20 @@ def _kappa(asymptote: float) -> float:
     return float(elastic.kappa(area, reduced_pressure=1e-6)) / asymptote
 
 
+#: For Greenwood and Williamson.
+_BUMPS = ring_asperities(600.0, rms_height=1 / 600.0)
+
+
 def _patches(quantity: str, load: float = 3.4e-4) -> float:
     """D ln A / d ln sigma_0, or of the patch, for Greenwood and Williamson; A/A0 = .001 at that load."""
-    bumps = ring_asperities(600.0, rms_height=1 / 600.0)
     loads = np.array([0.99, 1.01]) * load
-    contacts = [bumps.contact_at(p, contact_modulus=1.0) for p in loads]
+    contacts = [_BUMPS.contact_at(p, contact_modulus=1.0) for p in loads]
     values = [math.log(float(getattr(f, quantity))) for f in contacts]
     return (values[1] - values[0]) / math.log(loads[1] / loads[0])
 
 
-#: For Greenwood and Williamson, at A/A0 = .001.
-_LIGHT = ring_asperities(600.0, rms_height=1 / 600.0).contact_at(3.4e-4, contact_modulus=1.0)
+#: At A/A0 = .001.
+_LIGHT = _BUMPS.contact_at(3.4e-4, contact_modulus=1.0)
 #: The exact summits of one wavelength, in units of it and of h_rms.
 _SUMMITS = nayak_asperities(Moments(m0=1.0, m2=1.0, m4=1.0))
 

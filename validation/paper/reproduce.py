@@ -43,6 +43,13 @@ def run(output: Path, *, figures: bool = True, progress: Callable[[str], None] |
         for application in APPLICATIONS
         for row in judge(application, tell=lambda text: tell(f"claim: {text}"))
     ]
-    data, settings = paper_dataset(rows, curves), {"figures": figures}
-    record = {"kind": "paper", "name": "reproduce"}
-    return leave(output, data, paper_page, report=figures, settings=settings, store=output, **record)
+    return leave(
+        output,
+        paper_dataset(rows, curves),
+        paper_page,
+        report=figures,
+        kind="paper",
+        name="reproduce",
+        settings={"figures": figures},
+        store=output,
+    )

@@ -46,9 +46,9 @@ def steel(*, smooth: bool = False) -> SelfAffine:
     return SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e10, **shape)
 
 
-def rim(ratio: float = 1.0) -> SelfAffine:
-    """Rim of a wheel: h_rms = 0.5 um times `ratio`, fractal dimension 2.2, q from 1e5 to 1e10 1/m."""
-    return SelfAffine.from_rms_height(0.5e-6, hurst=0.8, q_long=1e5, q_short=1e10).scaled(ratio * ratio)
+def rim() -> SelfAffine:
+    """Rim of a wheel: h_rms = 0.5 um, fractal dimension 2.2, q from 1e5 to 1e10 1/m."""
+    return SelfAffine.from_rms_height(0.5e-6, hurst=0.8, q_long=1e5, q_short=1e10)
 
 
 def pmma() -> CapillaryWaves:
@@ -58,19 +58,12 @@ def pmma() -> CapillaryWaves:
     )
 
 
-def pyrex(ratio: float = 1.0, *, surfaces: int = 1, q_min: float = 2 * math.pi / 1e-6) -> CapillaryWaves:
+def pyrex(*, q_min: float = 2 * math.pi / 1e-6) -> CapillaryWaves:
     """Frozen capillary waves of Pyrex: T_g = 1100 K, gamma = 1 J/m^2.
 
     Two equal surfaces added coherently give C x 4.
     """
-    return CapillaryWaves(
-        temperature=1100.0,
-        surface_tension=1.0,
-        q_bend=0.5e10,
-        q_min=q_min,
-        q_short=1e10,
-        multiple=float(surfaces * surfaces) * ratio * ratio,
-    )
+    return CapillaryWaves(temperature=1100.0, surface_tension=1.0, q_bend=0.5e10, q_min=q_min, q_short=1e10)
 
 
 def area(
