@@ -176,11 +176,22 @@ def test_finite_elements_are_put_beside_on_their_own_grids(read_scene, bench):
     (other,) = reached.beside
     grids = scene.methods.options("fem").grids
     assert (other.method, other.grids) == ("fem", tuple(grids))
+    assert 0 < reached.solving_seconds <= reached.seconds
     assert abs(other.area / reached.area - 1) < other.error + reached.error
     # Point by point, too: boundary elements are solved on these grids.
     assert set(grids) <= set(reached.grids)
     assert set(reached.chosen(scene).methods.solvers) == {"bem", "fem"}
     assert any(text.startswith("Beside it FEM") for text in reached.sentences())
+
+
+def test_a_single_grid_of_another_method_is_put_beside_without_a_limit(read_scene, bench):
+    scene = read_scene()
+    fem = scene.methods.fem.model_copy(update={"grids": scene.methods.fem.grids[:1]})
+    methods = scene.methods.model_copy(update={"fem": fem})
+    reached = reach(scene.model_copy(update={"methods": methods}), bench, target=0.05)
+    (other,) = reached.beside
+    assert other.doubt
+    assert f"Beside it FEM on 12 x 12: no limit: {other.doubt}." in list(reached.sentences())
 
 
 def test_what_is_chosen_is_foretold_with_its_time(ensemble, bench):

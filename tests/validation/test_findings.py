@@ -54,6 +54,7 @@ def test_an_ensemble_says_its_mean_and_a_plain_run_that_it_is_one_surface(small_
     assert found.values["surfaces"].value == 3
     (card, *_) = outputs.page.answers
     assert card.basis.startswith("mean over 3 surfaces; this one ")
+    assert outputs.page.answers[-1].basis.endswith("unknowns; without those of the mean")
 
 
 @pytest.mark.parametrize(("pressure", "complete"), [("0.1", False), ("8.0", True)])

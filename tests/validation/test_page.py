@@ -358,6 +358,15 @@ def test_an_axis_of_powers_of_two_has_two_labels_at_least(low, high):
     assert sum(low <= tick <= high for tick in axes.xaxis.get_majorticklocs()) > 1
 
 
+def test_an_axis_of_powers_of_two_over_many_decades_keeps_its_powers():
+    _, (axes,) = new_figure()
+    axes.set_xscale("log", base=2)
+    axes.set_xlim(1, 1e4)
+    labelled = axes.xaxis.get_major_formatter()
+    readable_ticks(axes.xaxis)
+    assert axes.xaxis.get_major_formatter() is labelled
+
+
 @pytest.mark.parametrize(("low", "high"), [(1e5, 1.5e6), (0.7e6, 1e7)])
 def test_labels_at_the_ends_of_an_axis_count(low, high):
     _, (axes,) = new_figure()

@@ -47,9 +47,19 @@ def test_no_quick_case_gives_a_silent_wrong_number(name):
     check(turned(cases=(name,)))
 
 
+@pytest.mark.parametrize("case", [c for c in stability.CASES if c.name not in QUICK], ids=lambda c: c.name)
+def test_no_other_case_is_wrong_where_it_is_easy(case):
+    assert case.measure(case.values[0]).error <= case.bound
+
+
 @pytest.mark.slow
 def test_no_case_gives_a_silent_wrong_number():
     check(turned())
+
+
+@pytest.mark.parametrize("method", ["bem", "fem"])
+def test_the_cases_of_a_method_are_its_own(method):
+    assert {case.method for case in stability.Options(methods=(method,)).chosen} == {method}
 
 
 def test_every_method_has_a_hard_case_and_each_says_what_is_right_beforehand():

@@ -367,6 +367,10 @@ def test_the_command_plans_explains_and_runs_a_sweep(small_scene, tmp_path, monk
     done = answer_of("run", small_scene, *settings, "--no-report")
     (key,) = done["sweep"]["keys"]
     assert (key["key"], key["values"]) == ("surface.seed", [3, 4])
+    # A seed is no parameter along which an area goes.
+    found = [text["text"] for text in json.loads(Path("results/small/summary.json").read_text())["findings"]]
+    assert any(text.startswith("Over 2 surfaces the mean is A/A0") for text in found)
+    assert not any("From seed" in text for text in found)
     made = answer_of("report results/small")
     assert any(path.endswith("report.html") for path in made)
     refused = invoke("run", small_scene, *settings, "--accuracy", "1%")

@@ -27,7 +27,11 @@ class Stated(NamedTuple):
 
 
 def percent(stated: float, share: float = 5.0) -> Stated:
-    """Return a number with the range within so many per cent of it."""
+    """Return a number with the range within so many per cent of it.
+
+    >>> percent(2.0, 10)
+    Stated(value=2.0, low=1.8, high=2.2, basis='10 %')
+    """
     return Stated(stated, stated * (1 - share / 100), stated * (1 + share / 100), f"{share:g} %")
 
 
