@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -131,14 +130,11 @@ def _of_others(data: xr.Dataset) -> Iterator[Finding]:
     if "slope" in data.dims:
         last = data.isel(protocol_grid=-1)
         slopes = ", ".join(f"{{s{k}}} ({name})" for k, name in enumerate(data.slope.values))
-        values: dict[str, Any] = {
-            f"s{k}": value_of(last.isel(slope=k), "kappa_protocol") for k in range(data.sizes["slope"])
-        }
+        values = {f"s{k}": value_of(last.isel(slope=k), "kappa_protocol") for k in range(data.sizes["slope"])}
         form = f"With roughness to the grid scale kappa is {slopes}, a spread of {{kappa_protocol_spread:%}}; beside the "
         form += "converged {kappa} there was published: {each}."
         item = "{kappa_published_range} ({paper_kappa}), which {verdict}"
-        values |= {"by": "kappa_difference", "words": _AGREES}
-        yield finding("agreement", form, last, item=item, **values)
+        yield finding("agreement", form, last, item=item, by="kappa_difference", words=_AGREES, **values)
     if "solver" in data.dims:
         yield from _of_protocol(data.sel(solver="fem"))
     if "other" in data.dims:
