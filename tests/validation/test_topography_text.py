@@ -31,7 +31,7 @@ def written(heights, delimiter=" ", *, comma=False, end="\n"):
         ("old-mac.txt", written(NUMBERS, end="\r").encode()),
         ("tabs.tsv", b"# heights in nm\n" + written(NUMBERS, "\t").encode()),
         ("no-suffix", written(NUMBERS).encode()),
-        ("empty-lines.txt", b"\n\n" + written(NUMBERS).encode()),
+        ("empty-line.txt", b"\n# heights in nm\n" + written(NUMBERS).encode()),
     ],
 )
 def test_text_is_read_however_its_numbers_are_parted(tmp_path, name, raw):
