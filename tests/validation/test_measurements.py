@@ -51,6 +51,8 @@ def test_what_is_left_to_the_solver_is_not_in_the_recipe():
 def test_names_and_costs_follow_from_the_kind_of_solve():
     assert STICKY.prefix == "sticky-24"
     assert STICKY.describe() == "adhesion 24x24, H = 0.8, nu = 0.3, surface 1"
+    foretold = STICKY.predict()
+    assert (foretold.seconds, foretold.peak_bytes) == (pytest.approx(0.0569, rel=0.01), 230400)
     few, many = (leaks(problem=PRESSED, grid=(24, 24), areas=areas) for areas in ((0.1,), (0.1, 0.2)))
     assert many.predict().seconds == pytest.approx(6 / 5 * few.predict().seconds)
     assert many.predict().unknowns == 24**2
@@ -64,9 +66,7 @@ def test_a_call_travels_by_the_name_of_its_measurement():
 
 #: Solves of studies: their names since November 2026, and what is foretold of them, [s] and bytes.
 OF_BEFORE = """
-accuracy-cost beside-fem-128-7347f165df775df1 0.025 3538944
 adhesion bem-256x256-e63573eda7427d35 0.217 9437184
-adhesive-magnification sticky-48-598053be775931a4 0.0776 921600
 archard archard-1-512-cbb78c6e2e3f8a62 1.27 31457280
 autopsy edge-64-61c9515f8cbdd380 0.00992 655360
 conductance measure-64x64-9ef75f4469b2695c 0.291 491520
