@@ -85,7 +85,7 @@ stress-near-zero edge-256-14b3183b9b75b9cc 0.0836 10485760
 """
 
 
-@pytest.mark.parametrize("row", OF_BEFORE.split("\n")[1:-1])
+@pytest.mark.parametrize("row", OF_BEFORE.strip().splitlines())
 def test_solves_of_before_are_found_again(row, tmp_path):
     study, key, seconds, peak_bytes = row.split()
     bench = replace(Bench.at(tmp_path), plan_only=True)

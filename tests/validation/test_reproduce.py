@@ -194,7 +194,6 @@ def test_the_page_lists_what_fails_and_what_has_no_verdict(tmp_path):
     assert all(any(one in line for line in page.notes["Without a verdict"]) for one in statements)
 
 
-#: Those of adhesion take seconds each; `test_everything_is_recomputed_written_and_shown` has them all.
 def test_pressures_on_too_coarse_a_grid_carry_the_load_of_the_exact_ones():
     (figure,) = (figure for figure in FIGURES if figure.name == "coarse_grid")
     for curve in figure.curves().values():
@@ -203,6 +202,7 @@ def test_pressures_on_too_coarse_a_grid_carry_the_load_of_the_exact_ones():
         assert 0.97 < np.trapezoid(stress * density, stress) < 1
 
 
+#: Those of adhesion take seconds each; `test_everything_is_recomputed_written_and_shown` has them all.
 QUICK = [figure for figure in FIGURES if not re.search("rim|pmma|pyrex_rough", figure.name)]
 
 
