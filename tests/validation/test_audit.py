@@ -15,12 +15,13 @@ from commanding import invoke, output_of
 
 from fem_contact import ContactAreas, located_limit, perimeter_limit
 from fem_contact.area import EDGE_CONSTANTS, EDGE_MAPS, TRAITS
+from persson.hardness import constant_hardness
 from validation.audit import audit, stored
 from validation.audit.dataset import Result
 from validation.audit.ledger import Ledger, printed
 from validation.audit.limits import limit_over
 from validation.audit.reading import judge_fields, judge_surfaces
-from validation.audit.runs import Run, audit_run
+from validation.audit.runs import Run, audit_run, yielded_areas
 from validation.comparison.accuracy import run_accurate
 from validation.comparison.run import run_sweep
 from validation.errors import RunFailed, UsageError
@@ -172,6 +173,33 @@ def test_with_adhesion_tension_and_balance_are_judged_and_the_theory_is_listed(a
     ledger = Ledger()
     judge_fields(0, one, run, ledger)
     assert {"residual, tension", "residual, complementarity"} <= {entry.name for entry in ledger.wrong}
+
+
+def test_where_it_yields_under_attraction_the_bound_is_what_pushes_back(audited):
+    ledger = audited(("[methods.theory]", _STICKY.removesuffix("[methods.theory]") + _HARD))
+    assert "residual, complementarity" in {entry.name for entry in ledger.entries}
+
+
+def test_residuals_under_a_law_that_is_not_read_are_listed(audited):
+    ledger = audited(
+        ("[methods.theory]", _STICKY.replace('reach = "0.2 um"', 'reach = "0.2 um"\nlaw = "dugdale"'))
+    )
+    assert "residuals under an attraction of another law than the exponential" in " ".join(ledger.unread)
+    assert "residual, tension" not in {entry.name for entry in ledger.entries}
+
+
+@pytest.mark.parametrize("hurst", [0.3, 1.0])
+def test_moments_of_the_spectrum_are_judged_at_any_exponent(audited, hurst):
+    ledger = audited(("hurst = 0.7", f"hurst = {hurst}"))
+    assert "rms_height_spectrum" in {entry.name for entry in ledger.entries}
+
+
+@pytest.mark.parametrize("variance", [1e-5, 9e-4, 1.1e-3, 0.1, 3.0])
+@pytest.mark.parametrize("pressure", [0.02, 0.3, 0.97])
+def test_areas_of_one_hardness_are_those_of_the_theory(pressure, variance):
+    known = constant_hardness(stress_variance=variance, pressure=pressure, yield_stress=1.0)
+    found = yielded_areas(2 * pressure, variance=4 * variance, hardness=2.0)
+    assert found == pytest.approx((float(known.plastic), float(known.elastic)), rel=1e-9, abs=1e-12)
 
 
 def test_the_displacement_of_a_bonded_layer_is_judged(audited, tmp_path):

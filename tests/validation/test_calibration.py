@@ -1,6 +1,7 @@
 """Costs of effects: measured on this machine where it was calibrated, on the reference machine otherwise."""
 
 import pytest
+from commanding import answer_of, output_of
 
 from validation.comparison.explain import explain
 from validation.execution import calibration
@@ -33,6 +34,20 @@ def test_a_calibration_is_kept_and_used_and_named(cache, read_scene):
     scene = read_scene(("[solid]", EFFECT))
     text = "\n".join(part for part in explain(scene).parts() if isinstance(part, str))
     assert f"hardness {found.factors['hardness']:.2g} times (measured on this machine" in text
+
+
+def test_an_effect_that_hardly_matters_is_told_with_what_it_costs(cache, read_scene):
+    cost = calibration.effect_costs().factors["hardness"]
+    for hardness, told in (("40 kPa", False), ("4 GPa", True)):
+        plan = explain(read_scene(("[solid]", EFFECT.replace("40 kPa", hardness))))
+        (judgement,) = plan.effects
+        assert (f"it costs {cost:.2g} times the plain solve" in judgement.verdict) == told
+
+
+def test_the_command_says_where_a_calibration_is_kept(cache, monkeypatch):
+    monkeypatch.setattr(calibration, "calibrate", lambda points, tell: calibration.reference())
+    assert output_of("calibrate").strip() == f"Kept in {cache}"
+    assert answer_of("calibrate")["factors"] == calibration.reference().factors
 
 
 def test_a_prediction_grows_with_the_factor_that_was_measured(cache, read_scene):

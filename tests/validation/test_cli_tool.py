@@ -194,6 +194,18 @@ def test_names_and_options_are_completed(line, completed):
             "study area --set seed=3",
             "--set seed=3: sets a key of a scene; name one after the study",
         ),
+        (
+            "run quickstart --set sweep.seed=[1] --set sweep.hurst=.5",
+            "surface.hurst = 0.5: must be a list of",
+        ),
+        (
+            f"run quickstart --set 'sweep.seed={[*range(65)]}' --set 'sweep.hurst={[0.5] * 65}'",
+            "makes 4225 scenes; must be at most",
+        ),
+        (
+            "study area quickstart --set 'sweep.seed=[1, 2]'",
+            "makes it many scenes; a study is asked about one",
+        ),
         ("validate hert", "no such case; did you mean 'hertz'?"),
         ("validate --method bem hertz", "by all rows; leave out hertz"),
         ("report nowhere", "holds no results (result.json)"),
@@ -283,6 +295,17 @@ def test_a_dry_run_lists_solves_and_does_none(done, tmp_path):
     plan = json.loads(done("study area --seed 5 --surfaces 2 --dry-run --json"))
     assert len(plan) == 8 * 2 * 3
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_planned_study_says_what_may_be_left_out(tool):
+    options = "--hursts .5 --bandwidths 2 --pairs 2 --ladder-hursts .5 --ladder-pairs 2 --dry-run"
+    _, _, all_of_it = tool(f"study hurst {options}")
+    assert re.findall("note: (--[a-z]+(?:-| )[a-z]+) leaves out", all_of_it) == [
+        "--no-ladders",
+        "--methods bem",
+    ]
+    code, _, less = tool(f"study hurst {options} --no-ladders --methods bem")
+    assert (code, "leaves out" in less) == (0, False)
 
 
 def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(write_scene, tool, done, tmp_path):

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -121,6 +122,13 @@ def test_what_cannot_be_compared_gets_one_line_and_the_rest_is_compared(results,
         compare_folders([results / "first", results / "area-3"], tmp_path / "none")
     with pytest.raises(UsageError, match="at least two results folders, each named once"):
         compare_folders([results / "first", results / "first"], tmp_path / "none")
+
+
+def test_results_that_share_no_place_are_refused(results):
+    swept = read_results(results / "swept")
+    parts = {f"load {k}": replace(swept, data=swept.data.isel(reduced_pressure=[k])) for k in (0, 1)}
+    with pytest.raises(UsageError, match="load 0, load 1: their datasets share no place"):
+        side_by_side(parts)
 
 
 def test_rows_that_nothing_names_are_not_paired_where_their_numbers_differ():

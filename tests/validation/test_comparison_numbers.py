@@ -12,6 +12,7 @@ from made_results import made_areas
 from fem_contact import BondedLayer, FrictionlessLayer, HalfSpace, HeightField, Solid, bem, located_limit
 from fem_contact.area import TRAITS
 from persson import SelfAffine, elastic
+from validation.comparison import accuracy_search
 from validation.comparison.accuracy_search import Ladder, Search
 from validation.comparison.reductions import Reading
 from validation.effects.adhesion import Adhesion
@@ -20,7 +21,7 @@ from validation.effects.coating import Coating
 from validation.effects.graded import Graded
 from validation.effects.hardness import Hardness
 from validation.effects.thickness import Thickness
-from validation.errors import UsageError
+from validation.errors import NoLimit, RunFailed, UsageError
 from validation.execution.attempt import Progress
 from validation.execution.bench import Execution
 from validation.execution.fields import decode_result, fields_dataset
@@ -158,6 +159,86 @@ def test_an_accuracy_claims_twice_the_standard_error_of_the_grids_and_the_tolera
     found = search.own_surface()
     assert found.area == pytest.approx(limit.value, rel=1e-12)
     assert found.error == pytest.approx(2 * limit.uncertainty / limit.value + 7 * search.tolerance, rel=1e-12)
+
+
+@pytest.mark.parametrize("resolved", [False, True])
+def test_grids_that_disagree_end_the_search_where_they_resolve_the_surface(monkeypatch, resolved):
+    planted, search = [made_areas(0.2, 128, 0.02), made_areas(0.2, 256, 0.02)], _search(monkeypatch)
+    doubts = iter(["the grids disagree", ""])
+    limit = located_limit(planted)
+    monkeypatch.setattr(accuracy_search, "_RESOLVED", 0 if resolved else math.inf)
+    monkeypatch.setattr(
+        accuracy_search, "limit_over", lambda areas: dataclasses.replace(limit, doubt=next(doubts))
+    )
+    monkeypatch.setattr(Search, "_solved", lambda self, *asked: planted)
+    monkeypatch.setattr(Search, "_foretell", lambda self, *told: None)
+    if resolved:
+        with pytest.raises(RunFailed, match="the grids disagree; all solves are stored"):
+            search.own_surface()
+    else:
+        assert search.own_surface().area == limit.value
+
+
+def test_the_mean_over_surfaces_is_asked_of_finer_grids_until_it_is_known(monkeypatch):
+    ladders = [
+        Ladder(grids=((n, n),), shifts=1, error=0.02, seconds=float(n), peak_bytes=0) for n in (128, 192, 256)
+    ]
+
+    def mean(half, grid):
+        value = SimpleNamespace(value=0.2)
+        return SimpleNamespace(
+            half_width=0.2 * half, grid=0.2 * grid, estimate=value, surfaces=8, peak_bytes=64
+        )
+
+    search, tried, answers = (
+        _search(monkeypatch, target=0.1),
+        [],
+        [NoLimit("too small"), mean(0.3, 0.25), mean(0.1, 0.05)],
+    )
+
+    def answered(problem, *, grids, **asked):
+        tried.append(grids)
+        if isinstance(answers[len(tried) - 1], NoLimit):
+            raise answers[0]
+        return answers[len(tried) - 1]
+
+    def cheapest(self, ladders, tried, *, share):
+        return min((one for one in ladders if one.grids not in tried), key=lambda one: one.seconds)
+
+    monkeypatch.setattr(accuracy_search, "mean_area", answered)
+    monkeypatch.setattr(Search, "_chains", lambda self, known: ladders)
+    monkeypatch.setattr(Search, "_cheapest", cheapest)
+    search.bench.affordable = lambda seconds, peak: True
+    single = SimpleNamespace(finest=None)
+    assert search.ensemble(single) is answers[2]
+    assert tried == [one.grids for one in ladders]
+    assert (search.doubt, search.peak_bytes) == (pytest.approx(0.25 / 0.02), 64)
+    # Where the grids are not what is missing, more surfaces are.
+    tried.clear()
+    answers[:] = [mean(0.3, 0.01)]
+    with pytest.raises(RunFailed, match="the mean over 8 surfaces is known to 30 %; all solves are stored"):
+        search.ensemble(single)
+
+
+def test_a_method_that_fails_beside_says_so_and_the_others_are_heard(monkeypatch):
+    search, planted = _search(monkeypatch), [made_areas(0.21, 32, 0.02), made_areas(0.2, 64, 0.02)]
+    search.bench.account = SimpleNamespace(reserved=1.0)
+    solves = {
+        name: tuple(Press(method=name, grid=grid, problem=search.problem) for grid in ((24, 16), (48, 32)))
+        for name in ("bem", "fem")
+    }
+    search.others = solves
+    search.areas = dict(zip(solves["fem"], planted, strict=True))
+
+    def solved(self, asked):
+        if asked == solves["bem"]:
+            raise RunFailed("it stopped")
+
+    monkeypatch.setattr(Search, "_solved", solved)
+    failed, heard = search.beside()
+    assert (failed.method, failed.doubt) == ("bem", "it stopped")
+    assert math.isnan(failed.area)
+    assert (heard.area, heard.doubt) == (located_limit(planted).value, "")
 
 
 def test_the_mean_over_surfaces_claims_their_interval_the_grids_whole_error_and_the_tolerance():

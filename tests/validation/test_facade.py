@@ -244,6 +244,16 @@ loaded = partial(pressed, pressure=1e6)
             lambda: press(SURFACE, HalfSpace(solid=Solid(young=1e9, poisson=0.3)), pressure=1e6),
             "solid: found HalfSpace; give its Solid, half_space.solid",
         ),
+        (
+            lambda: press(SURFACE, Solid(young=1e9, poisson=0.3), young=1e9, pressure=1e6),
+            "solid: given twice; leave young and poisson out",
+        ),
+        (lambda: press(SURFACE.field, **SOLID, pressure=1e6), r"found HeightField; write measured\(field\)"),
+        (lambda: measured(np.zeros((8, 8)), unit=1), 'length is missing; .* length="100 um"'),
+        (
+            lambda: measured(TILTED, length=1e-5, unit=1e-9, edges="free", lambda_short=4e-6),
+            "lambda_short: takes waves out of a period, and edges = 'free' has none",
+        ),
         (lambda: pressed(pressure="1 kg"), "load.pressure = '1 kg': is not a pressure"),
         (lambda: pressed(reduced_pressure=[0.1, 0.2]), r"one load; for several write table"),
         (lambda: loaded(hardnes=1e9), "did you mean 'hardness'"),

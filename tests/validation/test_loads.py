@@ -9,8 +9,9 @@ from small_scene import OBLONG, scene_in
 from fem_contact import HalfSpace, Solid, bem, block
 from persson import contact_area, stress_variance
 from validation.audit import audit
+from validation.comparison.explain import explain
 from validation.comparison.run import run_scene, run_sweep
-from validation.errors import SceneError, UsageError
+from validation.errors import RunFailed, SceneError, UsageError
 from validation.execution.press import solves_of
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import realise
@@ -95,6 +96,16 @@ def test_the_theory_is_told_the_load_that_a_held_gap_takes(scene, tmp_path):
         assert_allclose(here.kappa_perimeter, float(here.area_perimeter) / own, rtol=1e-9)
     assert "mean gap 40 nm held" in outputs.page.lead
     assert audit(tmp_path / "out").wrong == ()
+
+
+def test_bodies_too_far_apart_to_touch_are_told_to_come_closer(scene, tmp_path):
+    with pytest.raises(RunFailed, match=r"load.offset = 1 mm: nothing touches so far apart; come closer"):
+        run_scene(scene('offset = "1 mm"'), tmp_path / "out", report=False)
+
+
+def test_a_held_distance_is_explained_as_one(scene):
+    told = dict(explain(scene('mean_gap = "40 nm"')).facts)
+    assert told["load"] == "mean gap = 40 nm is held; the load that takes follows from the solve"
 
 
 def test_a_swept_gap_lays_out_the_load_that_each_takes(scene, tmp_path):

@@ -2,6 +2,7 @@
 
 import base64
 import csv
+import errno
 import hashlib
 import json
 import os
@@ -23,6 +24,7 @@ from solving import solve_all
 from fem_contact import NotConverged, find_patches
 from validation.comparison.run import report_scene, run_scene
 from validation.errors import RunFailed, UsageError
+from validation.execution.bench import Bench
 from validation.execution.press import Press, solves_of
 from validation.execution.provenance import Made
 from validation.execution.store import Store
@@ -135,6 +137,26 @@ def test_the_deformed_block_is_a_vtu_with_stress(small_run):
     block = meshio.read(path)
     assert any("stress" in name.lower() for name in block.cell_data)
     assert block.cells[0].type == "hexahedron"
+
+
+def test_a_block_is_copied_where_the_results_take_no_links(small_run, tmp_path, monkeypatch):
+    def fails(*paths):
+        raise OSError(errno.EXDEV, "Invalid cross-device link")
+
+    monkeypatch.setattr(os, "link", fails)
+    copied = run_scene(
+        scene_of(small_run), tmp_path / "out", bench=Bench.at(small_run.folder / "solves"), report=False
+    )
+    mine, its = (
+        {
+            path.name: path.read_bytes()
+            for path in sorted(folder.rglob("*.vtu"))
+            if path.parent.name != "solves"
+        }
+        for folder in (copied.folder, small_run.folder)
+    )
+    assert mine == its
+    assert mine
 
 
 def test_the_report_holds_five_figures_the_findings_and_one_script_that_its_policy_names(small_run):

@@ -94,6 +94,11 @@ WRONG = [
     ),
     ('kind = "self-affine"', "", "surface.kind: missing", "self-affine"),
     ('name = "small"', 'name = "../up"', "name = '../up'"),
+    (
+        "[methods.bem]\ngrids = [12, 24, 48]\nshifts = 2",
+        "[ensemble]\nrealisations = 2\ngrids = [12, 24]",
+        "ensemble: add the table of a method that is quick enough for it: bem",
+    ),
 ]
 
 

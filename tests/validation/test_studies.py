@@ -1,18 +1,21 @@
 """The studies: their measurements are right, their sentences are computed, their options are checked."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from validation.errors import UsageError
+from validation.execution.results import Result
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.measurement import grid_for, press_on_grids, truncated_heights
 from validation.scenes import surfaces
 from validation.scenes.scene import load_scene
 from validation.scenes.tables import SolidSpec
 from validation.studies import cross, find_study, studies
+from validation.studies._outputs import study_page
 
 SOLID = SolidSpec(young=3e8, poisson=0.25)
 SMALL = {"periods": 2.0, "bandwidth": 2.0}
@@ -140,6 +143,28 @@ REFUSED = [
         )
     ),
 ]
+
+
+def test_what_did_not_reach_its_residuals_is_counted_by_the_study_of_two_solvers(numbers):
+    data = numbers("cross")
+    missed = data.converged_each.where(data.converged_each.isnull(), 0.0)
+    known, found = (
+        [one.text for one in cross.views(told).findings if one.kind == "refusal"]
+        for told in (data, data.assign(converged_each=missed))
+    )
+    count = int(missed.notnull().sum())
+    assert known == []
+    assert found[0].startswith(f"{count} of {count} answers do not have the residuals asked for, the worst ")
+
+
+@pytest.mark.parametrize(("failures", "told"), [("BEM: a", "BEM: a"), ("BEM: a\nb\nc", "BEM: a, and 2 more")])
+def test_a_study_tells_on_its_page_what_failed(numbers, failures, told):
+    data = numbers("area").assign_attrs(failures=failures)
+    result = Result(kind="study", name="area", settings={}, data=data, store=Path())
+    found = study_page(result, figures=False).findings
+    assert f"Not all solves succeeded; their methods are left out: {told}." in found
+    with pytest.raises(UsageError, match="holds a sweep, not a study"):
+        study_page(replace(result, kind="sweep"), figures=False)
 
 
 @pytest.mark.parametrize(("asked", "words"), REFUSED)

@@ -96,6 +96,42 @@ def test_the_report_of_a_sweep_is_made_again_without_its_solves(swept, tmp_path)
     assert (copy / "report.html").read_text() == (folder / "report.html").read_text()
 
 
+def test_a_sweep_is_explained_by_its_first_and_last_case(small_scene):
+    loads = load_asked(small_scene, ["sweep.reduced_pressure=[0.1, 0.2, 0.3]", "sweep.shifts=[1, 2]"])
+    said = [part for part in explain_sweep(loads).parts() if isinstance(part, str)]
+    assert "6 cases, every combination of load.reduced_pressure (3 values), " in said[0]
+    assert [text for text in said if "Case" in text] == [
+        "\nCase reduced_pressure = 0.1, bem_shifts = 1:",
+        "\nCase reduced_pressure = 0.3, bem_shifts = 2:",
+    ]
+
+
+def test_cases_of_other_numbers_of_shifts_stand_side_by_side(small_scene, tmp_path):
+    sweep = load_asked(small_scene, ["sweep.methods.bem.shifts=[1, 2]"])
+    data = run_sweep(sweep, tmp_path, report=False).data
+    alone = run_scene(load_asked(small_scene, ["shifts=1"]), tmp_path / "one", report=False).data
+    assert float(data.area[0]) == float(alone.area)
+    assert (data.solve.isel(shift=0) != "").all()
+    assert (data.solve.isel(shift=1) != "").any(["solver", "grid"]).values.tolist() == [False, True]
+
+
+def test_where_all_cases_fail_the_reason_is_all_there_is(small_scene, tmp_path, monkeypatch):
+    def failing(solve, threads=None):
+        raise NotConverged("stopped at the iteration limit; allow more")
+
+    monkeypatch.setattr(Press, "do", failing)
+    sweep = load_asked(small_scene, ["sweep.reduced_pressure=[0.1, 0.2]"])
+    with pytest.raises(RunFailed, match="stopped at the iteration limit"):
+        run_sweep(sweep, tmp_path, report=False)
+
+
+def test_over_a_coating_kappa_is_no_number_of_a_homogeneous_solid(small_scene, tmp_path):
+    coat = ["effects.coating.young='5 MPa'", "effects.coating.poisson=0.3"]
+    sweep = load_asked(small_scene, [*coat, "sweep.effects.coating.thickness=['1 um', '2 um']"])
+    texts = [one.text for one in sweep_views(run_sweep(sweep, tmp_path, report=False).data).findings]
+    assert sum(text.startswith("p* and kappa stand on E* of the layer") for text in texts) == 1
+
+
 def test_findings_of_a_sweep_reverse_with_the_numbers(swept):
     _, outputs = swept
     data = outputs.data

@@ -166,6 +166,13 @@ def test_a_list_of_loads_is_answered_load_by_load(scene):
     np.testing.assert_array_equal(many[1].area, one.area)
 
 
+@pytest.mark.parametrize("loads", [4, 6])
+def test_of_more_than_four_loads_the_table_has_the_rest(scene, tmp_path, loads):
+    many = scene(RIM, ('pressure = "0.5 MPa"', f"pressure = {[1e5 * (k + 1) for k in range(loads)]}"))
+    found = run_scene(many, tmp_path / "out", report=False).page.findings
+    assert any(f"The table has {loads - 4} more loads." in text for text in found) == (loads > 4)
+
+
 def test_without_a_surface_reduced_pressure_counts_in_the_gradient_of_the_spectrum(scene):
     loaded = scene(RIM, ('pressure = "0.5 MPa"', "reduced_pressure = [0.01, 0.1]"))
     exact = SelfAffine.from_rms_height(5e-7, hurst=0.8, q_long=1e5, q_short=1e10)

@@ -225,11 +225,10 @@ def _case(scene: Scene, problem: ContactProblem, results: Solves) -> xr.Dataset:
 
 def _alike(parts: Sequence[xr.Dataset]) -> list[xr.Dataset]:
     """Give all cases the same dimensions and variables: what one of them lacks is NaN, or no words."""
-    # Positions of the surface have names where cases have different numbers of them.
-    if len({part.sizes["shift"] for part in parts if "shift" in part.dims}) > 1:
-        parts = [p.assign(shift=np.arange(p.sizes["shift"])) if "shift" in p.dims else p for p in parts]
+    # Cases may have different numbers of positions of the surface.
+    parts = [p.assign(shift=np.arange(p.sizes["shift"])) if "shift" in p.dims else p for p in parts]
     how: Any = {"data_vars": "all", "coords": "minimal", "compat": "override", "join": "outer"}
     data = xr.concat(parts, "case", combine_attrs="drop_conflicts", **how)
     texts = [name for name, values in data.data_vars.items() if values.dtype.kind in "OU"]
     data = data.assign({name: data[name].where(data[name].notnull(), "").astype(str) for name in texts})
-    return [data.isel(case=k) for k in range(len(parts))]
+    return [data.isel(case=k).drop_vars("shift", errors="ignore") for k in range(len(parts))]
