@@ -236,6 +236,31 @@ def test_a_sweep_is_read_case_by_case(write_scene, tmp_path):
     assert "area_own at pressure = 10000.0, hardness = 200000.0" in wrong
 
 
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        (["sweep.methods.bem.grids=[[12, 24], [16, 32]]"], "grids = 16x16, 32x32"),
+        (["sweep.shifts=[1, 2]"], "shifts = 2"),
+        (["ensemble.grids=[12, 24]", "sweep.ensemble.realisations=[2, 3]"], "realisations = 3"),
+        (["grids=[[24, 48]]", "sweep.length=['10 um', ['10 um', '20 um']]"], "length = 10 um, 20 um"),
+        (["sweep.rms_height=['20 nm', '10 nm']", "amplitudes='gaussian'"], "rms_height_spectrum = 1e-08"),
+        # Grids that are chosen differ, too.
+        (["sweep.lambda_short=['2.5 um', '2 um']"], "lambda_short = 2e-06"),
+    ],
+)
+def test_a_sweep_of_whatever_key_is_read_by_the_scenes_of_its_cases(write_scene, tmp_path, settings, words):
+    chosen = "grids = [12, 24, 48]\n" if "lambda" in settings[0] else ""
+    scene = write_scene((f"{chosen}shifts = 2", "" if chosen else "shifts = 1"), fem=False)
+    run_sweep(load_asked(str(scene), settings), tmp_path / "swept", report=False)
+    ledger = sound(tmp_path / "swept")
+    assert any(entry.name.endswith(words) for entry in ledger.entries)
+
+
+def test_a_sweep_whose_record_has_no_cases_is_refused_by_name():
+    with pytest.raises(LookupError, match="swept by an earlier version"):
+        audit_run(SimpleNamespace(record={"asked": {"scene": {}, "sweep": {}}}))
+
+
 def test_what_a_run_to_an_accuracy_claims_follows_from_its_fields(read_scene, tmp_path):
     scene = read_scene(
         ("[methods.theory]", "[ensemble]\nrealisations = 2\ngrids = [12, 24]\n\n[methods.theory]")

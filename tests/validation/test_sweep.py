@@ -24,6 +24,7 @@ from validation.execution.bench import Bench
 from validation.execution.press import Press
 from validation.execution.results import read_results
 from validation.report.words import with_error
+from validation.scenes.problem import realise
 from validation.scenes.scene import load_scene, scene_text
 from validation.scenes.sweep import Sweep, load_asked
 
@@ -113,6 +114,15 @@ def test_cases_of_other_numbers_of_shifts_stand_side_by_side(small_scene, tmp_pa
     assert float(data.area[0]) == float(alone.area)
     assert (data.solve.isel(shift=0) != "").all()
     assert (data.solve.isel(shift=1) != "").any(["solver", "grid"]).values.tolist() == [False, True]
+
+
+def test_a_gradient_of_the_spectrum_does_not_stand_for_the_realised_one(small_scene, tmp_path):
+    sweep = load_asked(small_scene, ["amplitudes='gaussian'", "shifts=1", "sweep.rms_gradient=[0.05, 0.1]"])
+    data = run_sweep(sweep, tmp_path, report=False).data
+    realised = [realise(scene).field.rms_gradient for scene in sweep.scenes]
+    assert data.rms_gradient.values == pytest.approx(realised, rel=1e-12)
+    assert data.rms_gradient_spectrum.values.tolist() == [0.05, 0.1]
+    assert not np.allclose(data.rms_gradient, data.rms_gradient_spectrum, rtol=1e-3)
 
 
 def test_where_all_cases_fail_the_reason_is_all_there_is(small_scene, tmp_path, monkeypatch):

@@ -28,6 +28,7 @@ from validation.comparison.run import run_scene, run_sweep
 from validation.comparison.run_views import run_views
 from validation.errors import UsageError
 from validation.execution.bench import Bench
+from validation.scenes.problem import realise
 from validation.scenes.scene import load_scene
 from validation.scenes.sweep import load_asked
 from validation.scenes.topography import reading
@@ -595,6 +596,19 @@ def test_the_page_says_the_budget_and_that_the_premise_is_judged(treated):
     assert f"{100 * float(outputs.data.treatment_spread):.2g}" in sure
     assert_allclose(outputs.data.pixel, 1.25e-7, rtol=1e-12)
     assert float(outputs.data.steep_share) > 0.02
+
+
+@pytest.mark.parametrize(
+    ("heights", "left"),
+    [
+        (np.eye(48)[:, [24]] @ np.eye(48)[[24]], ["without the last octave of waves"]),  # one spike
+        ((-1.0) ** np.add.outer(np.arange(48), np.arange(48)), []),  # waves of two points alone
+    ],
+)
+def test_what_a_treatment_would_leave_flat_is_not_treated_so(map_scene, heights, left):
+    problem = realise(map_scene(heights))
+    assert [case.variation for case in problem.variations] == left
+    assert all(case.field.rms_gradient > 0 for case in problem.variations)
 
 
 def test_without_its_last_octave_a_map_has_no_waves_of_it(treated):

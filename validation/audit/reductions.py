@@ -75,7 +75,10 @@ def _there(result: Result, each: xr.Variable, dims: tuple[Any, ...], over: str) 
     for name, named in result.data.items():
         if name.startswith("solve") and over in named.dims and set(named.dims) <= set(each.dims):
             return np.broadcast_to(ordered(named, dims).astype(str) != "", shape)
-    return np.ones(shape, dtype=bool)
+    count = result.data.get("surfaces")  # a case of a sweep may have fewer than others
+    if over != "surface" or count is None or not set(count.dims) <= set(each.dims):
+        return np.ones(shape, dtype=bool)
+    return np.broadcast_to(np.arange(shape[-1]) < ordered(count, dims), shape)
 
 
 def _paired(samples: tuple[Array, Array], variable: xr.Variable) -> tuple[Array, Array]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import itertools
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping
@@ -60,34 +59,18 @@ def _cases(asked: Mapping[str, Any]) -> Iterator[tuple[dict[str, Any], dict[str,
     if "sweep" not in asked:
         yield scene, {}, ""
         return
+    if "cases" not in asked:
+        raise LookupError("it was swept by an earlier version")
     keys, side_by_side = asked["sweep"]["keys"], asked["sweep"]["mode"] == "zip"
     values = [key["values"] for key in keys]
+    cases = zip(*values, strict=True) if side_by_side else itertools.product(*values)
     # Along numbers a product is sorted.
-    if not side_by_side:
-        values = [v if any(isinstance(x, str) for x in v) else sorted(v) for v in values]
-    cases = list(zip(*values, strict=True)) if side_by_side else list(itertools.product(*values))
-    for k, case in enumerate(cases):
-        here, named = copy.deepcopy(scene), {key["name"]: x for key, x in zip(keys, case, strict=True)}
-        for key, value in zip(keys, case, strict=True):
-            _set(here, key["key"].split("."), value)
-        at = {"case": k}
-        if not side_by_side:
-            at = {name: v.index(x) for (name, x), v in zip(named.items(), values, strict=True)}
-        yield here, at, ", ".join(f"{name} = {value}" for name, value in named.items())
-
-
-def _set(scene: dict[str, Any], path: list[str], value: Any) -> None:
-    """Put a value where a dotted key says; an effect is named by its kind."""
-    *parents, last = path
-    place: Any = scene
-    for name in parents:
-        if isinstance(place, list):
-            place = next(effect for effect in place if effect["kind"] == name)
-        else:
-            place = place.setdefault(name, {})
-    if path[0] == "load":
-        place.clear()
-    place[last] = value
+    places = [v if any(isinstance(x, str) for x in v) else sorted(v) for v in values]
+    for k, (case, tables) in enumerate(zip(cases, asked["cases"], strict=True)):
+        named = {key["name"]: x for key, x in zip(keys, case, strict=True)}
+        at = {name: v.index(x) for (name, x), v in zip(named.items(), places, strict=True)}
+        words = ", ".join(f"{name} = {value}" for name, value in named.items())
+        yield {**scene, **tables}, {"case": k} if side_by_side else at, words
 
 
 class Run:

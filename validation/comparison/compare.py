@@ -215,7 +215,7 @@ def _word(value: Any) -> str:
 
 
 def _flat_settings(result: Result) -> dict[str, str]:
-    settings = {key: value for key, value in result.settings.items() if key != "written"}
+    settings = {key: value for key, value in result.settings.items() if key not in ("written", "cases")}
     scene = {k: v for k, v in settings.pop("scene", {}).items() if k not in ("name", "title", "run")}
     options = dict(_flat({**scene, **settings}))
     for key in [k["key"] for k in settings.get("sweep", {}).get("keys", ())]:

@@ -42,7 +42,7 @@ def result_page(result: Result, *, figures: bool, pictures: bool = False) -> Pag
     picture = None
     if pictures and figures and result.kind == "run":
         picture, missing = _picture(result)
-    settings = {key: value for key, value in result.settings.items() if key != "written"}
+    settings = {key: value for key, value in result.settings.items() if key not in ("written", "cases")}
     cited = [paper for method in scene.methods.chosen.values() for paper in method.cited(scene.effects)]
     cited += [paper for effect in scene.effects for paper in effect.papers]
     beside = {"perimeter": bool(scene.methods.solvers), "measured": scene.surface.kind == "file"}

@@ -311,17 +311,18 @@ def _swept(scenes: Sequence[Scene], mode: Mode, lists: Mapping[str, list[Any]]) 
     keys, step = [], len(scenes)
     for key, word in zip(lists, last, strict=True):
         step = 1 if mode == "zip" else step // len(lists[key])
-        values = tuple(_said(scenes[k * step], key) for k in range(len(lists[key])))
+        unit, meaning = unit_of(known[key]), known[key].description
+        values = tuple(_said(scenes[k * step], key, unit) for k in range(len(lists[key])))
         if any(isinstance(value, str) for value in values):
-            values = tuple(map(str, values))
+            values, unit = tuple(value_words(value, unit) for value in values), "1"
         clear = last.count(word) == 1 and word not in _TAKEN
         name = word if clear else "_".join(key.split(".")[-2:])
-        unit, meaning = "1" if isinstance(values[0], str) else unit_of(known[key]), known[key].description
+        name += "_spectrum" * (key in ("surface.rms_gradient", "surface.rms_height"))  # without: realised
         keys.append(SweptKey(key=key, name=name, unit=unit, meaning=meaning or key, values=values))
     return tuple(keys)
 
 
-def _said(scene: Scene, key: str) -> Value:
+def _said(scene: Scene, key: str, unit: str) -> Value:
     """Value of a key in a checked scene, as a coordinate: a number or words."""
     value: Any = scene
     for part in key.split("."):
@@ -334,4 +335,6 @@ def _said(scene: Scene, key: str) -> Value:
     if not isinstance(value, tuple):
         return str(value)
     # Grids as 32x32, 64x64.
-    return ", ".join("x".join(map(str, item)) if isinstance(item, tuple) else str(item) for item in value)
+    return ", ".join(
+        "x".join(map(str, item)) if isinstance(item, tuple) else value_words(item, unit) for item in value
+    )

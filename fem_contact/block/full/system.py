@@ -72,9 +72,9 @@ def _first(block: Block, problem: Problem, start: Mask | Answer | None) -> First
 
 
 def _above(answer: Answer) -> Array:
-    """Displacement above the clamped plane."""
+    """Displacement above the clamped plane, in one piece: other layouts are compiled anew."""
     assert answer.field is not None
-    return answer.field[:, :, 1:]
+    return np.ascontiguousarray(answer.field[:, :, 1:])
 
 
 def _loosely(block: Block, problem: Problem) -> Answer:

@@ -101,18 +101,24 @@ class Measured:
             period = replace(period, heights=period.heights - np.mean(period.heights))
         return _frozen(period.smoothed(self.surface.lambda_short))
 
-    @cached_property
+    @property
     def field(self) -> HeightField:
         """Its heights as one period, or a patch with edges; they are rough, since p* divides by h'_rms."""
-        field = self.period.height_field()
-        if self.surface.edges == "free":
-            field = Patch(heights=field.heights, lengths=field.lengths)
-        # What rounding leaves of a plane is no roughness.
-        noise = 1e-13 * float(np.nanmax(np.abs(self.raw.heights)))
-        if not (field.rms_gradient > 0 and field.rms_height > noise):
+        if not self.is_rough:
             with _naming(self.surface):
                 raise UsageError("is flat (h'_rms = 0); a scene needs a rough surface")
-        return field
+        return self._field
+
+    @cached_property
+    def _field(self) -> HeightField:
+        field = self.period.height_field()
+        return Patch(heights=field.heights, lengths=field.lengths) if self.surface.edges == "free" else field
+
+    @property
+    def is_rough(self) -> bool:
+        """Whether its heights are more than what rounding leaves of a plane."""
+        noise = 1e-13 * float(np.nanmax(np.abs(self.raw.heights)))
+        return self._field.rms_gradient > 0 and self._field.rms_height > noise
 
     @cached_property
     def spectrum(self) -> Tabulated:
@@ -158,8 +164,8 @@ class Measured:
             changes["plane taken out"] = {"tilt": "plane"}
         others = {name: surface.model_copy(update=change) for name, change in changes.items()}
         cases = {name: replace(self, surface=other) for name, other in others.items()}
-        # Without a plane a period may be none.
-        return {name: case for name, case in cases.items() if not case.faults}
+        # Without a plane a period may be none, and without its spikes flat.
+        return {name: case for name, case in cases.items() if not case.faults and case.is_rough}
 
 
 def fault_lines(faults: Faults, table: Mapping[str, Any]) -> tuple[str, ...]:
