@@ -188,6 +188,12 @@ def test_residuals_under_a_law_that_is_not_read_are_listed(audited):
     assert "residual, tension" not in {entry.name for entry in ledger.entries}
 
 
+def test_where_no_grid_resolves_the_surface_all_count(audited):
+    coarse = ("grids = [12, 24, 48]\nshifts = 2", "grids = [6, 8]\nunder_resolved = true")
+    ledger = audited(coarse)
+    assert {"area_own", "resolved of 8 x 8"} <= {entry.name.removeprefix("bem ") for entry in ledger.entries}
+
+
 @pytest.mark.parametrize("hurst", [0.3, 1.0])
 def test_moments_of_the_spectrum_are_judged_at_any_exponent(audited, hurst):
     ledger = audited(("hurst = 0.7", f"hurst = {hurst}"))
