@@ -87,12 +87,12 @@ def printed(text: str, value: float | None, *, digits: int | None = None) -> boo
 
     >>> printed("27 %", 0.2651), printed("0.1", 0.1003, digits=4), printed("1.0e-08", 1.04e-8)
     (True, False, True)
-    >>> printed("0 %", 0.0), printed("0 %", 0.004), printed("1 %", 0.0104)
-    (True, False, True)
+    >>> printed("0 %", 0.0), printed("0 %", 0.004), printed("inf", math.inf), printed("inf", 1e99)
+    (True, False, True, False)
     """
     exact = as_number(value)
     if not math.isfinite(exact):
-        return text in ("", "nan", "not determinable", "unknown")
+        return text in ("", "not determinable", "unknown", f"{exact}")
     share = text.endswith("%")
     match = re.fullmatch(_NUMBER, text.removesuffix("%").strip().replace(",", ""))
     if match is None:

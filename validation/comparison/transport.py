@@ -71,21 +71,17 @@ def _conductance(resistivities: Pair, case: Case) -> _Read:
 
     half_space = HalfSpace(solid=case.problem.elastic)
     modulus = half_space.contact_modulus
-
-    def of(stiffness: float) -> float:
-        if np.isinf(stiffness):
-            return math.inf
-        return contact_conductance(stiffness, contact_modulus=modulus, resistivities=resistivities)
+    per_stiffness = contact_conductance(1.0, contact_modulus=modulus, resistivities=resistivities)
 
     def read(result: ContactResult) -> Pair:
         theory = math.nan
         if not case.scene.effects:
             scale = Scale(case.problem.own_spectrum, contact_modulus=modulus)
-            theory = of(float(contact_stiffness(result.mean_pressure, scale=scale)))
+            theory = per_stiffness * float(contact_stiffness(result.mean_pressure, scale=scale))
         if result.in_contact.all() or not result.in_contact.any():
             return math.inf if result.in_contact.any() else 0.0, theory
         conducting = replace(result, at_bound=np.zeros(result.shape, dtype=bool))
-        return of(frozen_contact(conducting, half_space).stiffness), theory
+        return per_stiffness * frozen_contact(conducting, half_space).stiffness, theory
 
     return read
 

@@ -31,7 +31,7 @@ _SYMBOLS: tuple[tuple[str, Any, str | None], ...] = (
     (rf"\bDelta gamma{_END}", "Δγ", r"$\\Delta\\gamma$"),
     (rf"\b(sigma|zeta)_(\w){_END}", lambda found: f"{_GREEK[found[1]]}<sub>{found[2]}</sub>", r"$\\\1_{\2}$"),
     (rf"\bdx{_END}", "Δx", r"$\\Delta x$"),
-    (r"(?<=[\w)}$])\^\(?(-?[\d./]*\d)\)?", r"<sup>\1</sup>", r"$^{\1}$"),
+    (r"(?<=[\w)}$])\^(\()?(-?[\d./]*\d)(?(1)\))", r"<sup>\2</sup>", r"$^{\2}$"),
     (rf"(?<![\w-])({_NAMES}){_END}", lambda found: _GREEK[found[0]], None),
     (rf"(?<![\w$\\{{(-])({_NAMES}|mu|nu){_END}", None, r"$\\\1$"),
     (r"\+- ?", "±\u00a0", None),
@@ -68,8 +68,8 @@ def mathematics(text: str) -> Markup:
 
     >>> mathematics("kappa = (A/A0)/p*, 2 +- 1")
     Markup('κ = (A/A<sub>0</sub>)/p*, 2 ±\xa01')
-    >>> mathematics("h'_rms < 1, dx^0.51, kappa-against-hurst")
-    Markup('h′<sub>rms</sub> &lt; 1, Δx<sup>0.51</sup>, kappa-against-hurst')
+    >>> mathematics("h'_rms < 1, dx^(2/3), kappa-against-hurst, 1/(ohm m^2)")
+    Markup('h′<sub>rms</sub> &lt; 1, Δx<sup>2/3</sup>, kappa-against-hurst, 1/(ohm m<sup>2</sup>)')
     """
     from markupsafe import Markup, escape
 
