@@ -97,8 +97,8 @@ def run_sweep(
     keys = [dataclasses.asdict(key) for key in sweep.keys]
     plain = [asked_of(scene)["scene"] for scene in sweep.scenes]
     # Of each case the tables in which it is another than the first.
-    cases = [{name: table for name, table in one.items() if table != plain[0].get(name)} for one in plain]
-    settings = asked_of(sweep.scenes[0], sweep={"mode": sweep.mode, "keys": keys}, cases=cases)
+    own = [{name: table for name, table in one.items() if table != plain[0].get(name)} for one in plain]
+    settings = asked_of(sweep.scenes[0], sweep={"mode": sweep.mode, "keys": keys}, cases=own)
 
     def measured(results: Solves) -> tuple[xr.Dataset, Sequence[Path]]:
         counts = {"solves": len(solves), "asked": sum(map(len, map(run_solves, sweep.scenes, problems)))}

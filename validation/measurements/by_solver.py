@@ -153,7 +153,6 @@ def difference(first: ContactResult, second: ContactResult, *, inside: bool = Fa
 def _away_from_edge(contact: np.ndarray) -> np.ndarray:
     margin = 3
     padded = np.pad(contact, margin, mode="wrap")
-    to_edge = np.where(
-        padded, scipy.ndimage.distance_transform_edt(padded), scipy.ndimage.distance_transform_edt(~padded)
-    )
+    distance = scipy.ndimage.distance_transform_edt
+    to_edge = distance(padded) + distance(~padded)
     return to_edge[margin:-margin, margin:-margin] > _EDGE_CELLS

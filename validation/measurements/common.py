@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 #: Grids coarser than this, as lambda_short/dx, are left out of every limit.
-LEAST_POINTS_PER_WAVE = 3.0
+LEAST_POINTS_PER_WAVE = 3.0 * (1 - 1e-9)
 
 #: What is pressed where nobody says otherwise; E scales out of everything the studies report.
 BASE_SOLID = SolidSpec(young=1e9, poisson=0.3)
@@ -93,7 +93,7 @@ def _given(values: tuple[Any, ...]) -> tuple[Any, ...]:
 
 def _of_a_limit(per_wave: tuple[float, ...], others: ValidationInfo) -> tuple[float, ...]:
     shifts = others.data.get("shifts", SHIFTS)
-    fine = sum(n >= LEAST_POINTS_PER_WAVE * (1 - 1e-9) for n in per_wave)
+    fine = sum(n >= LEAST_POINTS_PER_WAVE for n in per_wave)
     if fine < 2 or fine * shifts**2 < 3:
         raise wrong(
             f"with shifts = {shifts} a limit over grids needs three solves on two grids of at least "

@@ -94,7 +94,7 @@ def grid_drift(dataset: xr.Dataset) -> NDArray[np.float64]:
 
     It does not average out over surfaces; it is 0 where too few grids are resolved to leave one out.
     """
-    resolved = np.flatnonzero(dataset.points_per_wave.values >= LEAST_POINTS_PER_WAVE * (1 - 1e-9))
+    resolved = np.flatnonzero(dataset.points_per_wave.values >= LEAST_POINTS_PER_WAVE)
     if resolved.size < 3 or (resolved.size - 1) * dataset.sizes["shift"] < 3:
         return np.zeros(dataset.sizes["load"])
     limits, _ = area_limits(dataset.isel(grid=resolved))
@@ -132,8 +132,9 @@ def resolved_grids(first: ContactProblem, grids: Sequence[Grid], *, located: boo
     UsageError where they give no limit: two are needed where edges are `located` on square cells, else
     three.
     """
-    least = LEAST_POINTS_PER_WAVE * (1 - 1e-9)
-    fine = tuple(dict.fromkeys(grid for grid in grids if first.points_per_wave(grid) >= least))
+    fine = tuple(
+        dict.fromkeys(grid for grid in grids if first.points_per_wave(grid) >= LEAST_POINTS_PER_WAVE)
+    )
     located = located and all(has_square_cells(first, grid) for grid in grids)
     if len(fine) < (2 if located else 3):
         side = max(first.lengths) / first.shortest * LEAST_POINTS_PER_WAVE

@@ -372,7 +372,7 @@ def areas_of(dataset: xr.Dataset, load: int) -> list[ContactAreas]:
 
     Grids of fewer than `LEAST_POINTS_PER_WAVE` are left out.
     """
-    keep = np.flatnonzero(dataset.points_per_wave.values >= LEAST_POINTS_PER_WAVE * (1 - 1e-9))
+    keep = np.flatnonzero(dataset.points_per_wave.values >= LEAST_POINTS_PER_WAVE)
     points, cells = dataset.points.values, dataset.cells.values
     read = {name: dataset[name].values[:, :, load] for name in (*_AREAS, *TRAITS) if name in dataset}
     return [

@@ -144,9 +144,8 @@ class StudyOptions(Table):
 
         What may be given in place of options is that of `base_surface`.
         """
-        names = ("hurst", "periods", "bandwidth", "seed")
-        spectrum = {name: getattr(self, name) for name in names if name in type(self).model_fields}
-        spectrum = {**spectrum, **changes, "seed": spectrum["seed"] + number}
+        spectrum = self.model_dump(include={"hurst", "periods", "bandwidth", "seed"})
+        spectrum |= changes | {"seed": spectrum["seed"] + number}
         return (
             base_surface(**spectrum) if until is None else truncated_surface(until, gradient=0.1, **spectrum)
         )

@@ -173,15 +173,14 @@ def _with_theories(data: xr.Dataset) -> xr.Dataset:
     exact = data.sel(amplitudes="exact")
     exact = exact.assign(interval=total_error(exact, "area") / exact.area)
     cells = "(['hurst', 'bandwidth'])"
-    bare = derive(
-        exact[["interval", "area_excess", "saving"]],
-        interval_median=f"interval.median{cells}",
-        interval_worst=f"interval.max{cells}",
-        area_excess_low=f"area_excess.min{cells}",
-        area_excess_high=f"area_excess.max{cells}",
-        saving_median="saving.median(['hurst', 'reduced_pressure'])",
-    )
-    summaries = [name for name in bare.data_vars if str(name).endswith(("median", "worst", "low", "high"))]
+    summaries = {
+        "interval_median": f"interval.median{cells}",
+        "interval_worst": f"interval.max{cells}",
+        "area_excess_low": f"area_excess.min{cells}",
+        "area_excess_high": f"area_excess.max{cells}",
+        "saving_median": "saving.median(['hurst', 'reduced_pressure'])",
+    }
+    bare = derive(exact[["interval", "area_excess", "saving"]], **summaries)
     equal = at_equal_alpha(exact, _ALPHAS)
     several = equal.area.where(equal.area.notnull().sum("hurst") > 1)
     added = (
@@ -189,9 +188,7 @@ def _with_theories(data: xr.Dataset) -> xr.Dataset:
         .rename({"area": "area_equal", "bandwidth": "bandwidth_equal", "alpha": "nayak_equal"})
         .assign(area_equal_spread=(several.max("hurst") / several.min("hurst") - 1).max("alpha"))
     )
-    data = data.assign({name: bare[name] for name in summaries}).merge(
-        added.transpose(..., "reduced_pressure")
-    )
+    data = data.assign(bare[[*summaries]]).merge(added.transpose(..., "reduced_pressure"))
     data = claim(data, "area_equal", surfaces=equal.area_error.rename(alpha="nayak_equal"))
     return derive(data, kappa_equal="area_equal / reduced_pressure")
 
