@@ -98,7 +98,7 @@ class Contact:
         """
         if "stiffness" not in self.data:
             raise UsageError(
-                "stiffness: it follows from the contact set of boundary elements without adhesion alone"
+                "stiffness: it follows from partial contact of boundary elements without adhesion alone"
             )
         return value_of(self.data, "stiffness")
 
