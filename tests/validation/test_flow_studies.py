@@ -1,5 +1,7 @@
 """The studies of conductance and leak: their numbers are the surface's, their sentences the numbers'."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -7,6 +9,7 @@ from numpy.testing import assert_allclose
 from planted import STUDENT, THREE, PlantedBench, measurement
 
 from fem_contact import HalfSpace, bem, contact_areas, flow_conductance, frozen_contact, open_gap
+from validation.measurements import flow
 from validation.measurements.common import base_case, persson_area
 from validation.measurements.flow import GAP_EDGES
 from validation.measurements.measurement import grid_for
@@ -85,6 +88,16 @@ def test_areas_asked_for_are_met_and_closed_directions_are_those_beyond_their_th
     assert np.array_equal(beyond.transpose(*located.dims), data.closed_axis_each.values.astype(bool))
     assert np.array_equal(data.gap_conductance_axis_each.values == 0, beyond.transpose(*located.dims))
     assert np.all(data.balance_axis_each < 1e-10)
+
+
+def test_a_threshold_is_bracketed_in_area_and_only_if_asked_in_place(monkeypatch):
+    monkeypatch.setattr(flow, "located_area", lambda state: state.load / 8)
+    states = flow.States(lambda load, start: SimpleNamespace(pressure=start, load=load))
+    area, at = states.threshold(lambda state: state.load < 0.7, 0.05, 4.0, area=1e-4)
+    assert (area, at) == (pytest.approx(0.7 / 8, abs=1e-4), pytest.approx(0.7, abs=8e-4))
+    coarse = states.threshold(lambda state: state.load < 0.7, 0.05, 4.0, area=1e-4, ratio=3.0)[1]
+    assert 0.7 / 3 < coarse < 0.7 * 3
+    assert abs(coarse - 0.7) > 0.01
 
 
 def test_the_widest_path_has_a_narrowest_place_unless_the_gap_is_closed(leaking):
