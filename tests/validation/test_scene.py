@@ -37,6 +37,7 @@ WRONG = [
     ),
     ("[load]", "[quantities.subsurface]\ndepths = []\n[load]", "depths = []", "at least 2 values"),
     ("hurst = 0.7", "", "surface.hurst: missing", "[0, 1]"),
+    ("[load]", '[[effects]]\nkind = "thickness"\n[load]', "[[effects]] 1 thickness: missing", "of the layer"),
     ("[load]", "[sweeps]\n[load]", "unknown key 'sweeps'; did you mean 'sweep'?", "run, sweep"),
     ("hurst = 0.7", "hurts = 0.7", "unknown key 'hurts'", "did you mean 'hurst'?"),
     ("hurst = 0.7", "hurst = 0.7\nlay = 2", "unknown key 'lay'", "did you mean 'stretch'?"),
