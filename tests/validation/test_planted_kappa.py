@@ -148,6 +148,7 @@ def test_hurst_has_kappa_by_each_solver_on_its_own_grids_and_its_distance_from_b
     options = hurst.Options(**few, **leg, ladders=False, seed=61)
     exponents = hurst.run(options, bench=PlantedBench(_kappa_of))
     assert exponents.solver.values.tolist() == ["bem", "fem"]
+    assert "surface_by_solver" not in exponents.coords  # surfaces have no names of their own
     planted = [[2.03, 2.07], [1.01 * 2.03, 1.01 * 2.07]]
     assert_allclose(exponents.kappa_by_solver, planted, rtol=1e-9)
     assert_allclose(exponents.kappa_by_solver_difference[1], 0.01, rtol=1e-7)

@@ -248,6 +248,14 @@ def test_a_surface_that_cases_share_is_made_once(load_sweep):
     assert others[-1].pressure == 1e4
 
 
+def test_a_surface_of_many_points_is_told_by_its_spectrum_only_where_it_is_not_pressed(
+    load_sweep, monkeypatch
+):
+    monkeypatch.setattr("validation.scenes.surfaces.SURVEYED_POINTS", 1)
+    assert [problem.drawn for problem in problems_of(load_sweep)] == [True] * 4
+    assert [problem.drawn for problem in problems_of(load_sweep, surveyed=True)] == [False] * 4
+
+
 def test_a_sweep_of_the_theory_alone_has_its_areas(tmp_path):
     sweep = load_asked("polished-steel", ["load.pressure=1 MPa", "sweep.solid.young=['100 GPa', '200 GPa']"])
     data = run_sweep(sweep, tmp_path, report=False).data
