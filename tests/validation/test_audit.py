@@ -21,7 +21,7 @@ from validation.audit.dataset import Result
 from validation.audit.ledger import Ledger, printed
 from validation.audit.limits import limit_over
 from validation.audit.reading import judge_fields, judge_surfaces
-from validation.audit.runs import Run, audit_run, yielded_areas
+from validation.audit.runs import Run, _cases, audit_run, yielded_areas
 from validation.comparison.accuracy import run_accurate
 from validation.comparison.run import run_sweep
 from validation.errors import RunFailed, UsageError
@@ -265,6 +265,14 @@ def test_a_sweep_of_whatever_key_is_read_by_the_scenes_of_its_cases(write_scene,
 def test_a_sweep_whose_record_has_no_cases_is_refused_by_name():
     with pytest.raises(LookupError, match="swept by an earlier version"):
         audit_run(SimpleNamespace(record={"asked": {"scene": {}, "sweep": {}}}))
+
+
+def test_a_case_of_a_sweep_that_is_not_at_its_place_is_found():
+    effects = [{"effects": [{"kind": "hardness", "hardness": value}]} for value in (1.0, 3.0)]
+    keys = [{"key": "effects.hardness.hardness", "name": "hardness", "values": [1.0, 2.0]}]
+    ledger, asked = Ledger(), {"sweep": {"mode": "product", "keys": keys}, "cases": effects, "scene": {}}
+    assert [at for _, at, _ in _cases(asked, ledger)] == [{"hardness": 0}, {"hardness": 1}]
+    assert [entry.name for entry in ledger.wrong] == ["effects.hardness.hardness at hardness = 2.0"]
 
 
 def test_what_a_run_to_an_accuracy_claims_follows_from_its_fields(read_scene, tmp_path):

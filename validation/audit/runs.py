@@ -40,7 +40,7 @@ _TERMS, _LEAST = 400, 1e-3
 def audit_run(result: Result) -> tuple[Ledger, list[Run]]:
     """Compute the dataset of a run or sweep again, case by case; return the runs that its cases are, too."""
     record, ledger, runs, judged = result.record, Ledger(), [], set()
-    for scene, at, words in _cases(record["asked"]):
+    for scene, at, words in _cases(record["asked"], ledger):
         here = {name: variable.isel(at, missing_dims="ignore") for name, variable in result.data.items()}
         run = Run(scene, partial(result.solve, read=Stored), here)
         if not run.methods:
@@ -53,8 +53,11 @@ def audit_run(result: Result) -> tuple[Ledger, list[Run]]:
     return ledger, runs
 
 
-def _cases(asked: Mapping[str, Any]) -> Iterator[tuple[dict[str, Any], dict[str, int], str]]:
-    """Yield the scene of each case, its place along the swept dimensions, and words for it."""
+def _cases(asked: Mapping[str, Any], ledger: Ledger) -> Iterator[tuple[dict[str, Any], dict[str, int], str]]:
+    """Yield the scene of each case, its place along the swept dimensions, and words for it.
+
+    Its numbers are those that its place says.
+    """
     scene = asked["scene"]
     if "sweep" not in asked:
         yield scene, {}, ""
@@ -70,7 +73,18 @@ def _cases(asked: Mapping[str, Any]) -> Iterator[tuple[dict[str, Any], dict[str,
         named = {key["name"]: x for key, x in zip(keys, case, strict=True)}
         at = {name: v.index(x) for (name, x), v in zip(named.items(), places, strict=True)}
         words = ", ".join(f"{name} = {value}" for name, value in named.items())
-        yield {**scene, **tables}, {"case": k} if side_by_side else at, words
+        here = {**scene, **tables}
+        for key, x in zip(keys, case, strict=True):
+            if not isinstance(x, str):
+                ledger.number("result.json", f"{key['key']} at {words}", x, _said(here, key["key"]))
+        yield here, {"case": k} if side_by_side else at, words
+
+
+def _said(scene: Any, key: str) -> float:
+    """Return the number that a dotted key of a scene has; an effect is named by its kind."""
+    for name in key.split("."):
+        scene = next(e for e in scene if e["kind"] == name) if isinstance(scene, list) else scene[name]
+    return float(np.ravel(scene)[0])
 
 
 class Run:
@@ -195,8 +209,9 @@ class Run:
     def reduced_pressure(self) -> float | None:
         """p* = p0 / (E* h'_rms), E* of the surface."""
         pressure, moments = self.pressure(), self.moments()
-        flat = pressure is None or moments is None or not moments[1]
-        return None if flat else pressure / (self.surface_modulus * math.sqrt(moments[1]))  # type: ignore[operator,index]
+        if pressure is None or moments is None:
+            return None
+        return pressure / (self.surface_modulus * math.sqrt(moments[1]))
 
     def shown(self, method: str, grid: Grid) -> list[Stored]:
         """Solves of the scene's own surface on one grid, all shifts that were asked for."""
@@ -248,10 +263,10 @@ class Run:
         if not known or m2 is None or pressure is None:
             return math.nan, math.nan
         variance = 0.25 * self.modulus**2 * m2
-        if self.hardness is not None and m2 > 0:
+        if self.hardness is not None:
             parts = yielded_areas(pressure, variance=variance, hardness=self.hardness)
             return sum(parts), parts[0]
-        return math.erf(pressure / math.sqrt(2 * variance)) if m2 > 0 else 1.0, math.nan
+        return math.erf(pressure / math.sqrt(2 * variance)), math.nan
 
     def own_theory(self, k: int = 0) -> Pair:
         """A/A0 and A_pl/A0 of one realisation."""
@@ -334,7 +349,7 @@ def _of_surface(run: Run) -> Expected:
     if (moments := run.moments()) is not None:  # of a grid that resolves the surface
         m0, m2, m4 = moments
         numbers |= {"rms_height": math.sqrt(m0), "rms_gradient": math.sqrt(m2)}
-        numbers["nayak"] = 1.5 * m0 * m4 / m2**2 if m2 else None
+        numbers["nayak"] = 1.5 * m0 * m4 / m2**2
     if (spectral := run.spectral_moments) is not None:
         numbers |= {
             f"rms_{of}_spectrum": math.sqrt(m) for of, m in zip(("height", "gradient"), spectral, strict=True)

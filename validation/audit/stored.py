@@ -164,8 +164,6 @@ class Stored:
     def density_at_zero(self) -> float:
         """Share below eps = 0.2 E* h' sqrt(dx / l), l = 2 pi sqrt(m2 / m4), over eps; times E* h'."""
         _, m2, m4 = self.moments
-        if not m2 > 0:
-            return math.nan
         stress = self.modulus * math.sqrt(m2)
         step = math.sqrt(math.prod(self.spacing))
         eps = 0.2 * stress * math.sqrt(step / (2 * math.pi * math.sqrt(m2 / m4)))
@@ -189,11 +187,11 @@ class Stored:
         off, yielded = wall, self.gap < 0
         if "hardness" in effects:
             off = np.where(yielded, self.p - effects["hardness"]["hardness"], wall)
-        height = math.sqrt(self.moments[0]) or adhesion["reach"]
+        height = math.sqrt(self.moments[0])
         stress = max(strength, math.sqrt(float(np.mean(self.p**2))))
         return {
             "penetration": max(0.0, -float(np.min(np.where(yielded, 0.0, self.gap)))) / height,
-            "tension": max(0.0, -float(wall.min())) / (self.modulus * math.sqrt(self.moments[1]) or strength),
+            "tension": max(0.0, -float(wall.min())) / (self.modulus * math.sqrt(self.moments[1])),
             "complementarity": float(np.mean(np.abs(off * self.gap))) / (stress * height),
             "load": abs(self.mean_pressure - pressure) / stress,
         }
@@ -202,9 +200,6 @@ class Stored:
     def residuals(self) -> dict[str, float]:
         """The four residuals, dimensionless; the load is the one the recipe asks for."""
         height, stress = float(np.std(self.h)), self.modulus * math.sqrt(self.moments[1])
-        if height <= 1e-14 * float(np.max(np.abs(self.h), initial=0.0)) or height == 0:
-            height = self.mean_pressure * max(self.lengths) / self.modulus
-            stress = self.mean_pressure
         force, closed = self.weights * self.p, np.where(self.bound, 0.0, self.gap)
         return {
             "penetration": max(0.0, -float(closed.min())) / height,

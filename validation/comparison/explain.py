@@ -228,7 +228,7 @@ def explain_sweep(sweep: Sweep) -> SweepExplanation:
 def judgements(scene: Scene, problem: ContactProblem) -> tuple[tuple[Judgement, ...], tuple[Judgement, ...]]:
     """Return the effects that a scene lists and those it leaves out, each with the number that decides."""
     rough = roughness_of(problem)
-    listed = [effect.assess(rough) for effect in scene.effects]
+    listed = [effect.judge(rough) for effect in scene.effects]
     for k, judgement in enumerate(listed):
         if judgement.negligible and scene.methods.solvers:
             costs = effect_costs()
@@ -268,18 +268,17 @@ def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]
         sizes = f"L/lambda_long = {min(problem.lengths) / problem.longest:.3g}, "
         sizes += f"lambda_long/lambda_short = {problem.longest / problem.shortest:.3g}"
         facts += [("integrals over C(q)", words), ("bandwidth", sizes)]
-    if field.rms_gradient > 0:
-        source = "of C(q)" if isinstance(field, Expected) else "realised"
-        facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} ({source})"))
-        for key, v in problem.load.held.items():
-            words = f"{key.replace('_', ' ')} = {as_length(v, 4)} is held; "
-            facts.append(("load", words + "the load that takes follows from the solve"))
-        if not problem.load.held:
-            each = ", ".join(in_prefixed_unit(pressure, "Pa") for pressure in problem.pressures)
-            reduced = ", ".join(f"{pressure / problem.pressure_scale:.4g}" for pressure in problem.pressures)
-            force = problem.load.force
-            first = "" if force is None else f"force = {in_prefixed_unit(force, 'N')}; "
-            facts.append(("load", f"{first}p0 = {each}; p* = {reduced}"))
+    source = "of C(q)" if isinstance(field, Expected) else "realised"
+    facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} ({source})"))
+    for key, v in problem.load.held.items():
+        words = f"{key.replace('_', ' ')} = {as_length(v, 4)} is held; "
+        facts.append(("load", words + "the load that takes follows from the solve"))
+    if not problem.load.held:
+        each = ", ".join(in_prefixed_unit(pressure, "Pa") for pressure in problem.pressures)
+        reduced = ", ".join(f"{pressure / problem.pressure_scale:.4g}" for pressure in problem.pressures)
+        force = problem.load.force
+        first = "" if force is None else f"force = {in_prefixed_unit(force, 'N')}; "
+        facts.append(("load", f"{first}p0 = {each}; p* = {reduced}"))
     facts += _usual_grids(scene, problem)
     facts += oblong_grids(scene, problem)
     for name, method in scene.methods.chosen.items():

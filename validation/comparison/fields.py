@@ -38,7 +38,7 @@ def with_fields(data: xr.Dataset, scene: Scene, problem: ContactProblem, results
         problem = problem.under(Load(pressure=float(data.pressure)))
     shown = {solve: results[solve] for solve in own_solves(scene, results)}
     data = with_maps(data, {s: r for s, r in shown.items() if s.is_own})
-    if isinstance(problem.field, HeightField) and problem.field.rms_gradient > 0:
+    if isinstance(problem.field, HeightField):
         radial = radial_spectrum(problem.field)
         nonzero = radial.power > 1e-12 * radial.power.max()
         q = radial.q[nonzero]
@@ -83,8 +83,6 @@ def with_distribution(data: xr.Dataset, shown: Contacts, scene: Scene, problem: 
     adhesion it begins at the most negative pressure, since some points are pulled.
     """
     unit, options = float(data.pressure_scale), scene.methods.options("theory")
-    if not unit > 0:
-        return data
     groups: dict[tuple[str, str], list[ContactResult]] = {}
     for solve, result in shown.items():
         groups.setdefault((solve.method, grid_name(solve.grid)), []).append(result)

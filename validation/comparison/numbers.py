@@ -116,7 +116,7 @@ def _on_grids(case: Case) -> xr.Dataset:
         contact_modulus_below=problem.contact_modulus,
         rms_gradient=field.rms_gradient,
         rms_height=field.rms_height,
-        nayak=field.nayak if field.rms_gradient > 0 else math.nan,
+        nayak=field.nayak,
         wave_short=problem.shortest,
         wave_long=problem.longest,
         nominal_area=math.prod(problem.lengths),

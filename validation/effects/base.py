@@ -199,12 +199,6 @@ class Effect(Table):
         """Say by a number whether it matters on a rough surface."""
         raise NotImplementedError
 
-    def assess(self, rough: Roughness) -> Judgement:
-        """Say whether it matters; on a flat surface nothing tells."""
-        if rough.gradient > 0:
-            return self.judge(rough)
-        return Judgement(effect=self.kind, number="flat surface", verdict="unknown without roughness")
-
     @classmethod
     def unlisted(cls, rough: Roughness) -> Judgement | None:
         """Say what would decide whether it may be left out; None if nothing need be said."""
