@@ -90,6 +90,24 @@ def test_whether_results_differ_is_decided_by_the_intervals_of_both(error, outco
     assert [one.outcomes for one in found] == [(outcome,)]
 
 
+def test_a_difference_is_no_surer_than_what_it_is_of(results, tmp_path, solved):
+    """A mean over surfaces, whose interval is wide, beside one surface, whose scatter nobody measured."""
+    ensemble = "[ensemble]\nrealisations = 3\ngrids = [12, 24]\n\n[methods.theory]"
+    several = solved(("[methods.theory]", ensemble))
+    page = compare_folders([results / "first", several.folder], tmp_path / "out").page
+    data = read_results(tmp_path / "out").data.isel(result=1)
+    own, apart = (data[f"{name}_error"].sel(source="surfaces") for name in ("area", "area_apart"))
+    assert float(apart) == pytest.approx(float(own), rel=1e-12)
+    assert own > 0
+    assert np.isnan(read_results(tmp_path / "out").data.area_error.sel(source="surfaces")[0])
+    one, many = (
+        read_results(folder).data.area_error.sel(source="grid")
+        for folder in (results / "first", several.folder)
+    )
+    assert float(data.area_apart_error.sel(source="grid")) == pytest.approx(np.hypot(one, many), rel=1e-12)
+    assert any(text.startswith("Their surfaces differ") for text in page.findings)
+
+
 def test_studies_are_compared_at_the_places_that_they_share(results, tmp_path):
     compare_folders([results / "area-3", results / "area-4"], tmp_path, report=False)
     data = read_results(tmp_path).data

@@ -170,14 +170,15 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     data = data.assign_coords(result=list(results))
     values = [str(name) for name in names if not str(name).endswith("_error")]
     errors = [f"{name}_error" for name in values if f"{name}_error" in data]
-    first = data.isel(result=0, drop=True)
+    # A source that some of them measured is in all differences: none is surer than what it is of.
+    known = data.assign({n: data[n].fillna(0.0).where(data[n].notnull().any("result")) for n in errors})
+    first = known.isel(result=0, drop=True)
     beside = {f"{name}_first": first[name] for name in values}
     beside |= {f"{name.removesuffix('_error')}_first_error": first[name] for name in errors}
-    made = derive(data.assign(beside), **{f"{name}_apart": f"{name} - {name}_first" for name in values})
-    made = made.drop_vars(list(beside))
+    made = derive(known.assign(beside), **{f"{name}_apart": f"{name} - {name}_first" for name in values})
     # The first is no further from itself than nothing.
-    apart = [name for name in made.data_vars if name not in data]
-    return labelled(made.assign(made[apart].where(made.result != made.result[0], 0.0)))
+    apart = [name for name in made.data_vars if name not in data and name not in beside]
+    return labelled(data.assign(made[apart].where(made.result != made.result[0], 0.0)))
 
 
 def _placed(data: xr.Dataset) -> xr.Dataset:
@@ -301,8 +302,8 @@ def _findings(data: xr.Dataset, results: Mapping[str, Result]) -> Iterator[Findi
     if not names:
         yield note("No number that they share has an interval: how far they are apart cannot be judged.")
     draws = ("surface.seed", "seed", "surface.hurst", "surface.lambda", "ensemble.")
-    single = "surfaces" in data and bool((data.surfaces == 1).any())
-    if single and any(key.startswith(draws) for key in differences):
+    single = data.get("surfaces", xr.DataArray([])) == 1
+    if bool(single.any()) and (not bool(single.all()) or any(key.startswith(draws) for key in differences)):
         yield note(
             "Their surfaces differ, and an interval of one surface is that of the grids: another draw of the "
             "same spectrum would differ, too, by how much an [ensemble] in every scene tells."
