@@ -104,7 +104,9 @@ def test_a_difference_is_no_surer_than_what_it_is_of(results, tmp_path, solved):
         read_results(folder).data.area_error.sel(source="grid")
         for folder in (results / "first", several.folder)
     )
-    assert float(data.area_apart_error.sel(source="grid")) == pytest.approx(np.hypot(one, many), rel=1e-12)
+    assert float(data.area_apart_error.sel(source="grid")) == pytest.approx(
+        float(np.hypot(one, many)), rel=1e-12
+    )
     assert any(text.startswith("Their surfaces differ") for text in page.findings)
 
 
