@@ -15,6 +15,7 @@ from validation.comparison.run import run_scene, run_sweep
 from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.execution.results import Result, read_results
+from validation.report.estimates import total_error
 from validation.scenes.sweep import load_asked
 from validation.studies import find_study
 from validation.studies._outputs import run_study
@@ -88,6 +89,16 @@ def test_whether_results_differ_is_decided_by_the_intervals_of_both(error, outco
     assert data.area_apart.sel(result="b").values == pytest.approx([0, 0.01])
     found = [one for one in _findings(data, pair) if one.kind == "agreement"]
     assert [one.outcomes for one in found] == [(outcome,)]
+
+
+def test_beside_a_result_without_an_interval_nothing_is_decided(results):
+    pair = {name: read_results(results / name) for name in ("first", "other")}
+    bare = pair["other"].data
+    entering = ["surfaces", "grid", "solver", "size", "bandwidth"]
+    bare = bare.assign(area_error=bare.area_error.where(~bare.source.isin(entering)))
+    data = side_by_side(pair | {"other": replace(pair["other"], data=bare)})
+    assert np.isnan(total_error(data, "area_apart").sel(result="other"))
+    assert total_error(side_by_side(pair), "area_apart").sel(result="other") > 0
 
 
 def test_a_difference_is_no_surer_than_what_it_is_of(results, tmp_path, solved):

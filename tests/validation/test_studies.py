@@ -163,8 +163,6 @@ def test_a_study_tells_on_its_page_what_failed(numbers, failures, told):
     result = Result(kind="study", name="area", settings={}, data=data, store=Path())
     found = study_page(result, figures=False).findings
     assert f"Not all solves succeeded; their methods are left out: {told}." in found
-    with pytest.raises(UsageError, match="holds a sweep, not a study"):
-        study_page(replace(result, kind="sweep"), figures=False)
 
 
 @pytest.mark.parametrize(("asked", "words"), REFUSED)

@@ -101,7 +101,7 @@ def judge_surfaces(run: Run, ledger: Ledger) -> None:
         gradients = math.sqrt(solve.roughness[1]), math.sqrt(moments[1])
         ledger.number(place, "h'_rms of the surface pressed", *gradients, rtol=1e-8)
         still = run.solves.get((method, grid, (0.0, 0.0), k))
-        if still is not None:
+        if shift != (0.0, 0.0) and still is not None:
             x, y = (np.exp(2j * np.pi * np.fft.fftfreq(n) * s) for n, s in zip(grid, shift, strict=True))
             moved = np.fft.ifft2(np.fft.fft2(still.h) * x[:, None] * y[None, :]).real
             misfit = float(np.max(np.abs(solve.h - moved))) / (float(np.ptp(solve.h)) or 1.0)

@@ -16,7 +16,7 @@ from validation.errors import UsageError
 from validation.execution.outputs import Outputs
 from validation.execution.results import RECORD, Result, read_results, record_of, write_results
 from validation.files import locked, prepare_folder
-from validation.report.estimates import derive, each
+from validation.report.estimates import derive, each, total_error
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Line, against
 from validation.report.page import page_of, write_page
@@ -171,7 +171,12 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     values = [str(name) for name in names if not str(name).endswith("_error")]
     errors = [f"{name}_error" for name in values if f"{name}_error" in data]
     # A source that some of them measured is in all differences: none is surer than what it is of.
-    known = data.assign({n: data[n].fillna(0.0).where(data[n].notnull().any("result")) for n in errors})
+    known = data
+    for name in errors:
+        own: Any = total_error(data, name.removesuffix("_error"))
+        known = known.assign(
+            {name: data[name].fillna(0.0).where(data[name].notnull().any("result") & own.notnull())}
+        )
     first = known.isel(result=0, drop=True)
     beside = {f"{name}_first": first[name] for name in values}
     beside |= {f"{name.removesuffix('_error')}_first_error": first[name] for name in errors}

@@ -13,7 +13,6 @@ import xarray as xr
 
 from fem_contact.area import ContactAreas
 from fem_contact.contact import ContactResult
-from fem_contact.errors import InvalidInput
 from fem_contact.stress import density_at_zero
 from validation.arrays import Grid
 from validation.effects.base import Effect
@@ -76,10 +75,7 @@ def _density(result: ContactResult, *, adhesive: bool) -> float:
     """P(0+) E* h'_rms; none with adhesion, whose tension a window from zero on would hold."""
     if adhesive:
         return math.nan
-    try:
-        density = density_at_zero(result)
-    except InvalidInput:  # a flat surface has no scale of pressure
-        return math.nan
+    density = density_at_zero(result)
     # A window that reaches up to the hardness sees what has yielded.
     clipped = np.any(result.at_bound & (result.pressure < density.threshold))
     return math.nan if clipped else density.reduced

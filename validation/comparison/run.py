@@ -95,7 +95,7 @@ def run_sweep(
     problems = cases or problems_of(sweep)
     solves = solves_of_sweep(sweep, problems)
     keys = [dataclasses.asdict(key) for key in sweep.keys]
-    plain = [asked_of(scene)["scene"] for scene in sweep.scenes]
+    plain = [_in_si(scene) for scene in sweep.scenes]
     # Of each case the tables in which it is another than the first.
     own = [{name: table for name, table in one.items() if table != plain[0].get(name)} for one in plain]
     settings = asked_of(sweep.scenes[0], sweep={"mode": sweep.mode, "keys": keys}, cases=own)
@@ -110,8 +110,11 @@ def run_sweep(
 
 def asked_of(scene: Scene, **more: Any) -> dict[str, Any]:
     """Return what a record says was asked: a scene in SI, as it was written, and what else."""
-    plain = scene.model_dump(mode="json", exclude_none=True)
-    return {"scene": plain, "written": scene.as_written, **more}
+    return {"scene": _in_si(scene), "written": scene.as_written, **more}
+
+
+def _in_si(scene: Scene) -> dict[str, Any]:
+    return scene.model_dump(mode="json", exclude_none=True)
 
 
 def solve_and_write(

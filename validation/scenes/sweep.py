@@ -82,9 +82,7 @@ class Sweep:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Values along each dimension: one for each key of a product, the cases of a zip."""
-        if self.mode == "zip":
-            return (len(self.scenes),)
+        """Values of each key."""
         return tuple(len(key.values) for key in self.keys)
 
     def place(self, case: int) -> str:

@@ -11,7 +11,6 @@ import numpy as np
 
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from validation.effects import effect_kinds
-from validation.errors import UsageError
 from validation.execution.outputs import Outputs, leave
 from validation.execution.provenance import SOLVES_MADE, made_words
 from validation.execution.results import Result
@@ -51,12 +50,7 @@ def run_study(
 
 
 def study_page(result: Result, *, figures: bool) -> Page:
-    """Return the page of a study, drawn or not: all of it from its dataset and from what was asked.
-
-    A UsageError for results of another kind.
-    """
-    if result.kind != "study":
-        raise UsageError(f"holds a {result.kind}, not a study")
+    """Return the page of a study, drawn or not: all of it from its dataset and from what was asked."""
     study, data, options = find_study(result.name), result.data, result.settings
     views = study.views(data)
     page = page_of(

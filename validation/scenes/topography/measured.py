@@ -164,8 +164,8 @@ class Measured:
             changes["plane taken out"] = {"tilt": "plane"}
         others = {name: surface.model_copy(update=change) for name, change in changes.items()}
         cases = {name: replace(self, surface=other) for name, other in others.items()}
-        # Without a plane a period may be none, and without its spikes flat.
-        return {name: case for name, case in cases.items() if not case.faults and case.is_rough}
+        # Without a plane a period may be none.
+        return {name: case for name, case in cases.items() if not case.faults}
 
 
 def fault_lines(faults: Faults, table: Mapping[str, Any]) -> tuple[str, ...]:
