@@ -174,9 +174,8 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     known = data
     for name in errors:
         own: Any = total_error(data, name.removesuffix("_error"))
-        known = known.assign(
-            {name: data[name].fillna(0.0).where(data[name].notnull().any("result") & own.notnull())}
-        )
+        gap = data[name].isnull() & data[name].notnull().any("result") & own.notnull()
+        known = known.assign({name: data[name].where(~gap, 0.0)})
     first = known.isel(result=0, drop=True)
     beside = {f"{name}_first": first[name] for name in values}
     beside |= {f"{name.removesuffix('_error')}_first_error": first[name] for name in errors}
