@@ -10,8 +10,9 @@ from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.measurements.theory import with_variants
 from validation.reference.fit import nayak
+from validation.reference.interpolation import interpolated
 from validation.reference.laws import fit
-from validation.report.estimates import error_of
+from validation.report.estimates import error_of, total_error
 from validation.studies import find_study
 
 TABLE = reference.table()
@@ -91,12 +92,41 @@ def test_bands_to_fit_to_and_to_judge_by_are_needed(tmp_path, plant):
             study.compute(study.options(fitted_to=widest), bench=Bench.at(tmp_path))
 
 
-def test_wide_cells_are_looked_up_and_the_gap_between_the_tables_is_not():
+def test_wide_cells_are_looked_up_and_between_the_tables_it_is_interpolated():
     cell = reference.wide().area.sel(amplitudes="exact", hurst=0.8, bandwidth=64.0, reduced_pressure=0.05)
     found = reference.lookup(hurst=0.8, bandwidth=64, reduced_pressure=0.05)["area"]
     assert (found.value, found.interpolation) == (pytest.approx(float(cell), rel=1e-12), 0)
-    with pytest.raises(UsageError, match="goes from 64 to 256"):
-        reference.lookup(hurst=0.8, bandwidth=40, reduced_pressure=0.05)
+    areas = [
+        reference.lookup(hurst=0.8, bandwidth=bandwidth, reduced_pressure=0.05)["area"]
+        for bandwidth in (32, 40, 64)
+    ]
+    assert areas[0].value > areas[1].value > areas[2].value
+    assert areas[0].interpolation == 0 < areas[1].interpolation < areas[1].uncertainty < 0.005 * areas[1].value
+    # H = .3 has no cell at the lightest load and takes no part there; elsewhere it does.
+    light = reference.lookup(hurst=0.8, bandwidth=20, reduced_pressure=0.005)["area"].value
+    between = [reference.wide().area.sel(hurst=0.8, bandwidth=b, reduced_pressure=0.005) for b in (16, 32)]
+    assert between[1] < light < between[0]
+    for asked, words in (
+        ({"hurst": 0.8, "bandwidth": 48, "reduced_pressure": 0.3}, "goes from 0.01 to 0.2"),
+        ({"hurst": 0.3, "bandwidth": 20, "reduced_pressure": 0.007}, "goes from 0.01 to 1.5"),
+        ({"hurst": 0.5, "bandwidth": 200, "reduced_pressure": 0.05}, "no cell at H = 0.5, .* = 256"),
+    ):
+        with pytest.raises(UsageError, match=words):
+            reference.lookup(**asked)
+
+
+@pytest.mark.parametrize("name", ["area", "gap", "compliance", "energy_ratio"])
+def test_between_the_tables_intervals_hold_at_the_band_that_is_left_out(name):
+    both = reference.wide().combine_first(reference.table()).sel(amplitudes="exact")
+    both = both.sel(hurst=[0.3, 0.5, 0.8])
+    for bandwidth in (32, 64):
+        for hurst in both.hurst.values:
+            for load in (0.01, 0.05, 0.2):
+                at = {"hurst": float(hurst), "bandwidth": float(bandwidth), "reduced_pressure": load}
+                left_out = both.drop_sel(bandwidth=bandwidth, reduced_pressure=0.005)
+                found = interpolated(left_out, name, at)
+                apart = abs(found.value - float(both[name].sel(at)))
+                assert apart <= np.hypot(found.uncertainty, float(total_error(both, name).sel(at)))
 
 
 def test_wide_cells_of_narrow_bands_are_a_lighter_load_alone():

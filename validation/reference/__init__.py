@@ -99,9 +99,12 @@ def lookup(
     point = {"hurst": hurst, "bandwidth": bandwidth, "reduced_pressure": reduced_pressure}
     point = {name: check.number(name, value) for name, value in point.items()}
     data = table()
-    if point["bandwidth"] > data.bandwidth.max():
-        data = wide()
-        data = data.sel(bandwidth=data.area.notnull().all("reduced_pressure").any(("amplitudes", "hurst")))
+    lightest = data.reduced_pressure[0].item()
+    if point["bandwidth"] > data.bandwidth.max() or reduced_pressure < lightest:
+        # Not every H has the lighter load: where it is not asked for it takes no H away.
+        data = wide().combine_first(data)
+        if reduced_pressure >= lightest:
+            data = data.sel(reduced_pressure=slice(lightest, None))
     data = _columns(data, amplitudes, gradient)
     names = [name for name in QUANTITIES if f"{name}_error" in data.data_vars]
     try:

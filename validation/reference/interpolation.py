@@ -54,14 +54,10 @@ def interpolated(data: xr.Dataset, name: str, point: Mapping[str, float]) -> Ref
     UsageError
         Outside of the table, and beside cells that it has not.
     """
-    for axis, value in point.items():
-        low, high = float(data[axis][0]), float(data[axis][-1])
-        if not (isinstance(value, (int, float)) and low * (1 - 1e-12) <= value <= high * (1 + 1e-12)):
-            raise UsageError(
-                f"{axis} = {value!r}: the table of {_AXES[axis]} goes from {low:g} to {high:g}, "
-                "and is not extrapolated"
-            )
+    for axis in point:
+        _check_within(data, axis, point)
     data = _whole_part(data, hurst=point["hurst"], bandwidth=point["bandwidth"])
+    _check_within(data, "reduced_pressure", point)
     values = data[name].transpose(*_AXES).values
     # Over a theory little is left that bends.
     over = _theory(name, *(tuple(data[axis].values.tolist()) for axis in _AXES))
@@ -84,13 +80,22 @@ def interpolated(data: xr.Dataset, name: str, point: Mapping[str, float]) -> Ref
     )
 
 
+def _check_within(data: xr.Dataset, axis: str, point: Mapping[str, float]) -> None:
+    low, high, value = float(data[axis][0]), float(data[axis][-1]), point[axis]
+    if not (isinstance(value, (int, float)) and low * (1 - 1e-12) <= value <= high * (1 + 1e-12)):
+        raise UsageError(
+            f"{axis} = {value!r}: the table of {_AXES[axis]} goes from {low:g} to {high:g}, "
+            "and is not extrapolated"
+        )
+
+
 def _whole_part(data: xr.Dataset, *, hurst: float, bandwidth: float) -> xr.Dataset:
-    """Return the largest part of the table around a spectrum that lacks no cell: what is interpolated."""
-    there = np.isfinite(data.area.transpose(*_AXES).values).all(axis=2)
+    """Return the largest part of the table around a spectrum that lacks no cell, at the loads made there."""
+    made = np.isfinite(data.area.transpose(*_AXES).values)
     rows, columns = _around(data.hurst.values, hurst), _around(data.bandwidth.values, bandwidth)
-    needed = there[np.ix_(rows, columns)]
-    if not needed.all():
-        i, j = np.argwhere(~needed)[0]
+    there, loads = made.any(axis=2), made[np.ix_(rows, columns)].all(axis=(0, 1))
+    if not loads.any():
+        i, j = np.argwhere(~there[np.ix_(rows, columns)])[0]
         cells = [
             f"H = {h:g} at {', '.join(f'{b:g}' for b in data.bandwidth.values[has])}"
             for h, has in zip(data.hurst.values, there, strict=True)
@@ -101,8 +106,9 @@ def _whole_part(data: xr.Dataset, *, hurst: float, bandwidth: float) -> xr.Datas
             f"{float(data.hurst[rows[i]]):g}, lambda_long/lambda_short = "
             f"{float(data.bandwidth[columns[j]]):g}, and is not extrapolated; it has {'; '.join(cells)}"
         )
-    nodes = there[rows].all(axis=0)
-    return data.isel(bandwidth=nodes).isel(hurst=there[:, nodes].all(axis=1))
+    whole = made[:, :, loads].all(axis=2)
+    nodes = whole[rows].all(axis=0)
+    return data.isel(reduced_pressure=loads, bandwidth=nodes, hurst=whole[:, nodes].all(axis=1))
 
 
 def _around(nodes: Array, at: float) -> list[int]:
