@@ -283,8 +283,8 @@ def plan_mesh(
         Largest ratio of neighbouring layers. Trilinear cells growing by 1.2 are .25 % too stiff for long
         waves, by 1.1, .08 %.
     first_layer : float, optional
-        Thickness of the top layer [m]; the cell width by default (a quarter of the depth, if that is less).
-        Thinner top layers make short waves softer, not better.
+        Thickness of the top layer [m]; the longer side of a cell by default (a quarter of the depth, if that
+        is less). Thinner top layers make short waves softer, not better.
     element : Element
     """
     instance("element", element, Element, what="an `Element`, one of `ELEMENTS`")
@@ -308,7 +308,7 @@ def plan_mesh(
             f"depth = {shown(depth)}: must be less than {_DEEPEST:.0e} cell widths ({_DEEPEST * dx:.3g} m): "
             "deeper, the surface is lost in the rounding of the block's compression"
         )
-    top = min(1.0, thickness / _LEAST_LAYERS) if first_layer is None else first_layer / dx
+    top = min(max(dx, dy) / dx, thickness / _LEAST_LAYERS) if first_layer is None else first_layer / dx
     if first_layer is not None and depth is not None and first_layer > depth:
         raise InvalidInput(f"first_layer = {first_layer!r}: must not exceed the depth {depth!r} m")
     layers = graded_layers(thickness, first=top, growth=growth)[::-1]

@@ -110,7 +110,7 @@ def solve(
         First contact set, for instance of a neighbouring load.
     depth, growth, first_layer : float, optional
         Thickness of the block [m], the longest period by default; largest ratio of neighbouring layers (1.2);
-        thickness of the layer below the surface [m], the cell width by default.
+        thickness of the layer below the surface [m], the longer side of a cell by default.
     element : {"Hex1", "Hex1/P0", "Hex2", "Hex2/P1disc"}, optional
         By default the cheapest that does not lock at this Poisson ratio.
 

@@ -9,7 +9,7 @@ from small_scene import scene_in
 
 from fem_contact import random_surface
 from validation.comparison.run import run_scene, run_sweep
-from validation.studies import find_study
+from validation.studies import find_study, studies
 from validation.units import unit_registry
 
 #: Rectangular cells on an oblong period, two unequal elastic bodies.
@@ -115,7 +115,7 @@ def test_every_number_of_a_sweep_scales_by_its_unit(tmp_path):
     assert_scaled(data("before", 1.0, 1.0), data("after", 2.0**20, 2.0**-30), 2.0**20, 2.0**-30)
 
 
-@pytest.mark.parametrize("study", ["energy", "magnification"])
+@pytest.mark.parametrize("study", ["area", "magnification"])
 def test_every_number_of_a_study_scales_by_its_unit(tmp_path, bench, study):
     def data(length, pressure):
         methods = {"bem": {"grids": [[32, 16], [48, 24], [64, 32]]}}
@@ -136,16 +136,21 @@ TURNED = {
 }
 
 
-def laid(folder, turn):
-    """What is said of a rough map, turned."""
+def map_of(folder, turn, *, length=1.0):
+    """Return a table of a rough map that lies in the folder, turned, and how to turn what has two sides."""
     rough = random_surface(
         lambda q: q**-3.6, q_short=2 * np.pi / 2.5e-6, lengths=(20e-6, 10e-6), shape=(32, 20), seed=5
     )
     heights = turn(rough.heights) * (0.05 / rough.rms_gradient)
     np.save(folder / "map.npy", heights)
     turned = slice(None, None, -1 if heights.shape[0] < heights.shape[1] else 1)
-    surface = {"kind": "file", "path": "map.npy", "length": ["20 um", "10 um"][turned], "unit": 1.0}
-    surface |= {"tilt": "keep", "edges": "periodic", "missing": "refuse"}
+    surface = {"kind": "file", "path": "map.npy", "length": [20e-6 * length, 10e-6 * length][turned]}
+    return surface | {"unit": length, "tilt": "keep", "edges": "periodic", "missing": "refuse"}, turned
+
+
+def laid(folder, turn):
+    """What is said of a rough map, turned."""
+    surface, turned = map_of(folder, turn)
     grids = [grid[turned] for grid in ([64, 40], [96, 60])]
     methods = {"bem": {"grids": grids, "tolerance": 1e-11}, "theory": {}}
     return run_of(tables("passing", surface=surface, methods=methods), folder).data
@@ -168,3 +173,36 @@ def test_no_number_knows_how_axes_were_laid(plain, tmp_path, turn):
         if plain[name].dtype.kind == "f":
             values = [data[n].values for data, n in ((plain, name), (other, twin))]
             np.testing.assert_allclose(*values, rtol=1e-6, atol=1e-12, err_msg=name)
+
+
+#: What the tolerance leaves, what depends on a clock, and memory, of which one side of a transform takes more.
+OF_THE_MACHINE = ("seconds", "bytes", "fastest", "leanest", "cheapest", "residual", "left_")
+
+
+@pytest.mark.parametrize("name", [name for name, study in studies().items() if study.options.takes_scene()])
+def test_no_number_of_a_study_knows_units_and_axes(name, bench, tmp_path):
+    def data(length, pressure, turn):
+        folder = tmp_path / str(length)
+        folder.mkdir()
+        surface, turned = map_of(folder, turn, length=length)
+        grids = [grid[turned] for grid in ([64, 40], [96, 60], [128, 80])]
+        methods = {"bem": {"grids": grids, "tolerance": 1e-11}}
+        methods |= {"fem": {"grids": grids[:1], "tolerance": 1e-11}} if name == "cross" else {}
+        solid = scaled_tables(length, pressure)["solid"]
+        (folder / "scene.toml").write_text(toml(tables(surface=surface, solid=solid, methods=methods)))
+        study = find_study(name)
+        asked = STUDIES.get(f"{name} on a scene", STUDIES[name])
+        left_out = {"surfaces", *study.options.fixed_by_scene()}
+        options = {key: value for key, value in asked.items() if key not in left_out}
+        options["scene"] = str(folder / "scene.toml")
+        return study.compute(study.options(**options), bench=bench).drop_sel(source="solver", errors="ignore")
+
+    before = data(1.0, 1.0, lambda h: h)
+    # Reflected at the first point, which every grid has.
+    after = data(2.0**20, 2.0**-30, lambda h: np.roll(h[::-1], 1, axis=0).T + 3e-6)
+    for variable in map(str, before.variables):
+        values, unit = before[variable], before[variable].attrs.get("units", "1")
+        if values.dtype.kind == "f" and not any(word in variable for word in OF_THE_MACHINE):
+            scaled = after[variable] / scaled_by(unit, 2.0**20, 2.0**-30)
+            few = 1e-7 if unit == "1" else 0.0
+            np.testing.assert_allclose(scaled, values, rtol=1e-6, atol=few, err_msg=variable)

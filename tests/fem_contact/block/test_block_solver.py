@@ -5,6 +5,7 @@ from surfaces import rough_surface
 
 from fem_contact import Solid
 from fem_contact.block import estimate, solve
+from fem_contact.surface import HeightField
 
 SOLID = Solid(young=3e9, poisson=0.3)
 
@@ -33,6 +34,17 @@ def test_a_nearly_incompressible_block_ends_where_rounding_stops_it_and_is_right
     reduced = solve(surface, solid, tolerance=1e-14, **told).contact
     assert np.array_equal(full.in_contact, reduced.in_contact)
     assert np.abs(full.pressure - reduced.pressure).max() < 5e-12 * reduced.pressure.max()
+
+
+@pytest.mark.parametrize(("method", "element"), [("full", "Hex1"), ("reduced", "Hex1"), ("reduced", "Hex2")])
+def test_a_block_does_not_know_which_side_of_its_cells_is_longer(method, element):
+    surface = rough((24, 10), (2e-5, 1e-5))
+    swapped = HeightField(heights=surface.heights.T, lengths=surface.lengths[::-1])
+    pressure, turned = (
+        press(one, method=method, element=element, tolerance=1e-12).contact.pressure
+        for one in (surface, swapped)
+    )
+    assert_allclose(turned.T, pressure, atol=1e-9 * pressure.max())
 
 
 def test_stress_carries_the_load_through_every_layer(solution):
