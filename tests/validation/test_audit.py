@@ -194,6 +194,31 @@ def test_where_no_grid_resolves_the_surface_all_count(audited):
     assert {"area_own", "resolved of 8 x 8"} <= {entry.name.removeprefix("bem ") for entry in ledger.entries}
 
 
+def test_an_infinite_conductance_is_nothing_in_json(audited):
+    heat = '[quantities.thermal]\nconductivity = "4 W/(m K)"\n[methods.theory]'
+    ledger = audited(("reduced_pressure = 0.1", "reduced_pressure = 4.0"), ("[methods.theory]", heat))
+    assert "numbers: thermal_conductance" in {entry.name for entry in ledger.entries}
+
+
+def test_the_surfaces_of_an_ensemble_are_not_the_bodies_of_one_contact(audited):
+    ensemble = "[ensemble]\nrealisations = 2\ngrids = [12, 24]\n\n[methods.theory]"
+    melt = 'temperature = "370 K"\nsurface_tension = "0.04 J/m^2"\nlambda_bend = "3 um"'
+    ledger = audited(
+        ("[methods.theory]", ensemble),
+        ("self-affine", "capillary-waves"),
+        ("hurst = 0.7", melt),
+        ("rms_gradient = 0.05\n", ""),
+    )
+    assert "area_each of surface 1" in {entry.name for entry in ledger.entries}
+
+
+def test_where_a_distance_is_held_the_load_is_that_of_the_finest_grid_unshifted(audited, tmp_path):
+    ledger = audited(("reduced_pressure = 0.1", 'offset = "50 nm"'))
+    assert {"pressure", "reduced_pressure"} <= {entry.name for entry in ledger.entries}
+    wrong = _changed(tmp_path / "results", lambda d: d.assign(pressure=1.01 * d.pressure))
+    assert "pressure" in wrong
+
+
 @pytest.mark.parametrize("hurst", [0.3, 1.0])
 def test_moments_of_the_spectrum_are_judged_at_any_exponent(audited, hurst):
     ledger = audited(("hurst = 0.7", f"hurst = {hurst}"))
@@ -250,6 +275,8 @@ def test_a_sweep_is_read_case_by_case(write_scene, tmp_path):
         (["ensemble.grids=[12, 24]", "sweep.ensemble.realisations=[2, 3]"], "realisations = 3"),
         (["grids=[[24, 48]]", "sweep.length=['10 um', ['10 um', '20 um']]"], "length = 10 um, 20 um"),
         (["sweep.rms_height=['20 nm', '10 nm']", "amplitudes='gaussian'"], "rms_height_spectrum = 1e-08"),
+        # The other method has a tolerance of its own.
+        (["sweep.methods.bem.tolerance=[1e-8, 1e-6]", "methods.fem.grids=[12]"], "tolerance = 1e-06"),
         # Grids that are chosen differ, too.
         (["sweep.lambda_short=['2.5 um', '2 um']"], "lambda_short = 2e-06"),
     ],
@@ -260,6 +287,11 @@ def test_a_sweep_of_whatever_key_is_read_by_the_scenes_of_its_cases(write_scene,
     run_sweep(load_asked(str(scene), settings), tmp_path / "swept", report=False)
     ledger = sound(tmp_path / "swept")
     assert any(entry.name.endswith(words) for entry in ledger.entries)
+    data = read_results(tmp_path / "swept").data
+    name = next(iter(data.sizes))
+    if data[name].dtype.kind == "f":
+        wrong = _changed(tmp_path / "swept", lambda d: d.assign_coords({name: 1.01 * d[name]}))
+        assert any(entry.startswith(f"{name} at (") for entry in wrong)
 
 
 def test_a_sweep_whose_record_has_no_cases_is_refused_by_name():

@@ -101,7 +101,9 @@ def test_wide_cells_are_looked_up_and_between_the_tables_it_is_interpolated():
         for bandwidth in (32, 40, 64)
     ]
     assert areas[0].value > areas[1].value > areas[2].value
-    assert areas[0].interpolation == 0 < areas[1].interpolation < areas[1].uncertainty < 0.005 * areas[1].value
+    assert (
+        areas[0].interpolation == 0 < areas[1].interpolation < areas[1].uncertainty < 0.005 * areas[1].value
+    )
     # H = .3 has no cell at the lightest load and takes no part there; elsewhere it does.
     light = reference.lookup(hurst=0.8, bandwidth=20, reduced_pressure=0.005)["area"].value
     between = [reference.wide().area.sel(hurst=0.8, bandwidth=b, reduced_pressure=0.005) for b in (16, 32)]

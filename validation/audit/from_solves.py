@@ -148,6 +148,7 @@ def read_off(result: Result, name: str, variable: xr.Variable) -> Array | None:
 def _asked(result: Result, solve: xr.Dataset, name: str) -> Any:
     """Return the one number of this name in what a solve was asked; p* follows from p0."""
     recipe = json.loads(str(solve.attrs.get("recipe", "{}")))
+    recipe.get("surface", {}).pop("surfaces", None)  # bodies of one contact; a result counts realisations
     found = [recipe[f"{name}s"]] if f"{name}s" in recipe else list(_numbers(recipe, name))
     if name == "points" and "grid" in recipe:
         found = recipe["grid"][:1]

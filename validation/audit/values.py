@@ -141,6 +141,8 @@ def _judge_value(
 ) -> None:
     """Judge one value of summary.json, and its interval, by the place of the dataset that it is of."""
     expected = result.data[name].isel(at, missing_dims="ignore").values.item()
+    if expected in (math.inf, -math.inf):
+        expected = math.nan  # JSON has neither
     ledger.exact("summary.json", where, value.get("value"), expected)
     if "error" in value:
         half = _total(result.data, name, at)
