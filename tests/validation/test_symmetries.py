@@ -176,7 +176,7 @@ def test_no_number_knows_how_axes_were_laid(plain, tmp_path, turn):
             np.testing.assert_allclose(other[twin], plain[name], rtol=1e-6, atol=few, err_msg=name)
 
 
-#: What the tolerance leaves, what depends on a clock, and memory, of which one side of a transform takes more.
+#: What the tolerance leaves, what depends on a clock, and memory, more of which one side of a grid takes.
 OF_THE_MACHINE = ("seconds", "bytes", "fastest", "leanest", "cheapest", "residual", "left_")
 
 
