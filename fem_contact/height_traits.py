@@ -52,7 +52,9 @@ def wave_sums(spectrum: Complex, shape: Shape, spacing: Lengths, first: int = 0)
         x, y = rows[band] * np.sqrt(dy / dx), columns * np.sqrt(dx / dy)
         power, squares = halves * np.abs(spectrum[band]) ** 2, x * x + y * y
         curvature = power * squares**2
-        parts = power * x * x, power * y * y, power * x * y, curvature, curvature[beyond], curvature * squares
+        # A wave of two points runs either way: its slopes along and across do not go together.
+        mixed = (power * x * y)[rows[band, 0] > -1]
+        parts = power * x * x, power * y * y, mixed, curvature, curvature[beyond], curvature * squares
         sums += [np.sum(part) for part in parts]
     return sums
 

@@ -167,6 +167,17 @@ def test_what_heights_are_like_follows_from_their_waves():
     assert areas.wavenumber == pytest.approx(mean * np.sqrt(1.5 / 48 / 24), rel=1e-9)
 
 
+def test_what_heights_are_like_does_not_depend_on_how_their_axes_were_laid():
+    noise = np.random.default_rng(17).standard_normal((12, 8))
+    traits = [
+        height_traits(h, spacing, patch=False)
+        for h, spacing in ((noise, (1.0, 0.5)), (noise.T, (0.5, 1.0)), (noise[::-1], (1.0, 0.5)))
+    ]
+    for other in traits[1:]:
+        assert vars(other) == pytest.approx(vars(traits[0]), rel=1e-12)
+    assert traits[0].anisotropy > 0.1
+
+
 def test_isotropic_heights_that_the_grid_resolves_show_nothing_and_kinks_a_third_on_any_grid():
     areas = traits_of(rough(7).heights)
     assert areas.anisotropy < 0.15

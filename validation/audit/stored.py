@@ -280,8 +280,9 @@ class Stored:
     def anisotropy(self) -> float:
         """1 less the root of the ratio of least and largest mean square slope."""
         power, x, y, _ = self._waves
-        slopes = np.array([[np.sum(power * a * b) for b in (x, y)] for a in (x, y)])
-        least, largest = np.linalg.eigvalsh(slopes)
+        # A wave of two points runs either way.
+        mixed = np.sum((power * x * y)[np.fft.fftfreq(self.grid[0]) > -0.5])
+        least, largest = np.linalg.eigvalsh([[np.sum(power * x * x), mixed], [mixed, np.sum(power * y * y)]])
         return 1 - math.sqrt(max(least, 0.0) / largest) if largest > 0 else 0.0
 
     @cached_property
