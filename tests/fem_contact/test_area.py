@@ -21,6 +21,7 @@ from fem_contact import (
 )
 from fem_contact.area import EDGE_CONSTANTS, EDGE_MAPS, contact_edges
 from fem_contact.bem import solve
+from fem_contact.height_traits import height_traits
 
 
 def test_edges_are_counted_along_both_directions_per_nominal_area():
