@@ -1,5 +1,6 @@
 """Effects that a scene lists: read, refused or handed to the slots of the solvers, explained, and stored."""
 
+import itertools
 import json
 import tomllib
 
@@ -287,3 +288,11 @@ def test_no_solve_is_charged_with_loading_what_its_effects_need(with_effects, mo
     assert sticky.pressure.min() < 0
     assert 0 < graded.in_contact.mean() < 1
     assert elements.at_bound.any()
+
+
+@pytest.mark.parametrize(
+    "pair", [(HARD, STICKY), *itertools.product((HARD, STICKY), (LAYER, COATED, GRADED))]
+)
+def test_what_any_two_effects_need_is_loaded(with_effects, monkeypatch, pair):
+    monkeypatch.setattr("validation.execution.attempt._warm", {()})
+    warm_up(solves_of(with_effects(*pair)))

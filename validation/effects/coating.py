@@ -68,5 +68,5 @@ class Coating(Effect):
 
     @classmethod
     def example(cls, spacing: float) -> Self:
-        """Return a soft coating."""
-        return cls(young=0.3, thickness=0.02)
+        """Return a stiff coating: on a soft one attraction as strong as repulsion reaches not two cells."""
+        return cls(young=3.0, thickness=0.02)
