@@ -27,8 +27,8 @@ class WaveError:
     nodes : float
         Surface nodes per wavelength.
     along_axis, along_diagonal : float
-        Relative error for waves along x and along the diagonal of the cells; positive where the mesh is too
-        soft.
+        Relative error for waves along the longer side and along the diagonal of the cells; positive where the
+        mesh is too soft.
     """
 
     wavelength: float
@@ -81,6 +81,9 @@ def wave_errors(
     poisson = poisson_ratio(poisson)
     sought = positives("wavelengths", wavelengths)
     planned = planned_mesh(shape, lengths, poisson=poisson, options=mesh)
+    if planned.aspect > 1:
+        lengths = lengths[::-1]
+        planned = planned_mesh(shape[::-1], lengths, poisson=poisson, options=mesh)
     order, width = planned.element.order, lengths[0] / planned.cells[0]
     folded = fold(planned, poisson=poisson)
     layer = BondedLayer(solid=Solid(young=1.0, poisson=poisson), thickness=float(-planned.planes[0]))

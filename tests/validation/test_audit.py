@@ -303,7 +303,8 @@ def test_a_case_of_a_sweep_that_is_not_at_its_place_is_found():
     effects = [{"effects": [{"kind": "hardness", "hardness": value}]} for value in (1.0, 3.0)]
     keys = [{"key": "effects.hardness.hardness", "name": "hardness", "values": [1.0, 2.0]}]
     ledger, asked = Ledger(), {"sweep": {"mode": "product", "keys": keys}, "cases": effects, "scene": {}}
-    assert [at for _, at, _ in _cases(asked, ledger)] == [{"hardness": 0}, {"hardness": 1}]
+    result = SimpleNamespace(data={"hardness": SimpleNamespace(values=np.array([1.0, 2.0]))})
+    assert [at for _, at, _ in _cases(asked, result, ledger)] == [{"hardness": 0}, {"hardness": 1}]
     assert [entry.name for entry in ledger.wrong] == ["effects.hardness.hardness at hardness = 2.0"]
 
 

@@ -26,5 +26,10 @@ def test_explanation_states_the_error_of_every_finite_element_grid(growth):
             assert f"{error:+.2%}" in words
 
 
+def test_the_error_does_not_depend_on_which_side_of_the_cells_is_longer():
+    said, turned = (facts(fem={"grids": [grid]}) for grid in ([32, 64], [64, 32]))
+    assert said["finite elements, 32 x 64"] == turned["finite elements, 64 x 32"]
+
+
 def test_a_scene_without_finite_elements_states_none():
     assert not any("finite elements" in name for name in facts(bem={"grids": [32]}))

@@ -41,7 +41,7 @@ _TERMS, _LEAST = 400, 1e-3
 def audit_run(result: Result) -> tuple[Ledger, list[Run]]:
     """Compute the dataset of a run or sweep again, case by case; return the runs that its cases are, too."""
     record, ledger, runs, judged = result.record, Ledger(), [], set()
-    for scene, at, words in _cases(record["asked"], ledger):
+    for scene, at, words in _cases(record["asked"], result, ledger):
         here = {name: variable.isel(at, missing_dims="ignore") for name, variable in result.data.items()}
         run = Run(scene, partial(result.solve, read=Stored), here)
         if not run.methods:
@@ -50,25 +50,17 @@ def audit_run(result: Result) -> tuple[Ledger, list[Run]]:
             run.shortest = float(here["wave_short"].values)
         judged |= _judge(run, here, words, ledger, record["asked"].get("accuracy"))
         runs.append(run)
-    judged |= {*_along_sweep(record["asked"].get("sweep", {}), result.data, ledger)}
+    judged |= {key["name"] for key in record["asked"].get("sweep", {}).get("keys", ())}
     judge_dataset(result, ledger, judged)
     return ledger, runs
 
 
-def _along_sweep(sweep: Mapping[str, Any], data: Variables, ledger: Ledger) -> Iterator[str]:
-    """Judge the numbers along which a sweep lies by those it was asked for; yield their names."""
-    for key in sweep.get("keys", ()):
-        name, values = key["name"], key["values"]
-        if not any(isinstance(x, str) for x in values):
-            asked = values if sweep["mode"] == "zip" else sorted(values)
-            ledger.number("data.nc", name, data[name].values, np.array(asked, float))
-            yield name
-
-
-def _cases(asked: Mapping[str, Any], ledger: Ledger) -> Iterator[tuple[dict[str, Any], dict[str, int], str]]:
+def _cases(
+    asked: Mapping[str, Any], result: Result, ledger: Ledger
+) -> Iterator[tuple[dict[str, Any], dict[str, int], str]]:
     """Yield the scene of each case, its place along the swept dimensions, and words for it.
 
-    Its numbers are those that its place says.
+    Its numbers are those that its place says, which are those that were asked for.
     """
     scene = asked["scene"]
     if "sweep" not in asked:
@@ -81,6 +73,10 @@ def _cases(asked: Mapping[str, Any], ledger: Ledger) -> Iterator[tuple[dict[str,
     cases = zip(*values, strict=True) if side_by_side else itertools.product(*values)
     # Along numbers a product is sorted.
     places = [v if any(isinstance(x, str) for x in v) else sorted(v) for v in values]
+    for key, place, v in zip(keys, places, values, strict=True):
+        if not isinstance(v[0], str):
+            found = result.data[key["name"]].values
+            ledger.number("data.nc", key["name"], found, np.array(v if side_by_side else place, float))
     for k, (case, tables) in enumerate(zip(cases, asked["cases"], strict=True)):
         named = {key["name"]: x for key, x in zip(keys, case, strict=True)}
         at = {name: v.index(x) for (name, x), v in zip(named.items(), places, strict=True)}
@@ -206,8 +202,7 @@ class Run:
         if "pressure" in load:
             return float(np.ravel(load["pressure"])[0])
         if "force" in load:
-            lx, ly = self.surface["length"]
-            return float(load["force"] / (lx * ly))
+            return float(load["force"] / math.prod(self.surface["length"]))
         if self.holds_distance:
             return self.ladder[-1].mean_pressure
         if (moments := self.moments(k)) is None:

@@ -110,8 +110,7 @@ def _totals(data: Variables, name: str, place: Mapping[str, int]) -> Array:
     limit = error.attrs.get("limit_in")
     enters = [k for k, s in enumerate(SOURCES) if (s not in _SPECTRAL or s == limit) and s not in error.attrs]
     parts = error.isel(source=enters).isel(place, missing_dims="ignore").astype(float)
-    known = (parts**2).where(np.isfinite(parts))  # type: ignore[no-untyped-call]
-    return np.asarray(np.sqrt(known.sum("source", min_count=1)))
+    return np.asarray(np.sqrt((parts**2).sum("source", min_count=1)))
 
 
 def judge_findings(result: Result, ledger: Ledger) -> None:

@@ -398,9 +398,10 @@ class Search:
             yield self._planned(grids, 1, known)
 
     def _planned(self, grids: Grids, shifts: int, known: ContactAreas) -> Ladder:
-        lengths = self.scene.surface.length
-        each = [((lengths[0] / nx, lengths[1] / ny), nx * ny) for nx, ny in grids]
-        plan = [PlannedGrid(spacing=spacing, cells=cells, solves=shifts**2) for spacing, cells in each]
+        plan = [
+            PlannedGrid(spacing=self.problem.spacing(grid), cells=math.prod(grid), solves=shifts**2)
+            for grid in grids
+        ]
         area = known.pixel if known.subcell is None else known.subcell
         claim = 2 * predicted_uncertainty(known, plan) / max(area, known.cell_share)
         for grid in grids:

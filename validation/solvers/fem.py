@@ -174,12 +174,10 @@ class Fem(BlockSolver):
                 cells = problem.longest / spacing
                 yield name, f"carry no wave of this surface, whose longest is {cells:.3g} cells long"
                 continue
-            # Cells count along x, whatever they are along y.
-            carried = 2 * max(spacing, problem.lengths[0] / grid[0])
             short, long = wave_errors(
                 grid,
                 problem.lengths,
-                [max(problem.shortest, carried), max(problem.longest, carried)],
+                [max(wave, 2 * spacing) for wave in (problem.shortest, problem.longest)],
                 poisson=problem.solid.poisson,
                 depth=options.depth,
                 growth=options.growth,

@@ -82,7 +82,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
                 cuts[work, k, zeta] = cut
     q_long = 2 * np.pi * options.periods / _LENGTH
     edges = q_long * np.array([1.0, *options.magnifications])
-    shells = tuple(float(q_long * zeta) for zeta in options.magnifications)
+    shells = tuple(edges[1:].tolist())
     points = [per_wave * options.periods for per_wave in options.points_per_wave]
     cases: dict[Any, Call] = {
         (at, g): cut.solve(n * at[2], shells=shells) for at, cut in cuts.items() for g, n in enumerate(points)
