@@ -110,7 +110,8 @@ def test_the_controlled_mean_is_that_of_plain_surfaces_whatever_amplitudes_and_l
         load=Load(reduced_pressure=0.1) if load == "reduced_pressure" else Load(pressure=0.01e9),
     )
     found = mean_area(base, half_width=0.01, bench=bench, tolerance=1e-5)
-    plain = area_pairs(problem=base, grids=found.grids[1:], first=77_000_000, count=400, tolerance=1e-5)
+    more = {"first": 77_000_000, "count": 400, "tolerance": 1e-5, "effects": ()}
+    plain = area_pairs(problem=base, grids=found.grids[1:], **more)
     areas, _ = area_limits(plain.do())
     middle, half = mean_of(xr.DataArray(areas, dims="surface"), pairs=True)
     assert abs(found.estimate.value - float(middle)) < 1.5 * math.hypot(found.half_width, float(half))

@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 import shutil
 import signal
 from dataclasses import asdict
@@ -353,7 +354,9 @@ def test_a_shift_in_the_other_direction_is_found(small_run):
 
 
 def test_the_command_exits_with_one_where_a_number_disagrees(small_run, copied):
-    assert "data.nc: " in output_of("audit", small_run.folder)
+    counts = re.findall(r"^(.+): (\d+) agree$", output_of("audit", small_run.folder), re.MULTILINE)
+    assert sum(int(count) for _, count in counts) == len(audit(small_run.folder).entries)
+    assert {"data.nc", "table.csv", "fields of the solves"} <= {place for place, _ in counts}
     _changed(copied, lambda data: data.assign(area_own=1.01 * data.area_own))
     damaged = invoke("audit", copied)
     assert damaged.exit_code == 1

@@ -10,7 +10,7 @@ from typing import Annotated
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from pydantic import TypeAdapter
+from pydantic import TypeAdapter, ValidationError
 from refusing import refused
 from small_scene import scene_in, small_scene
 
@@ -23,8 +23,9 @@ from validation.execution.bench import Bench
 from validation.scenes.checks import check_scene
 from validation.scenes.grids import usual_grids
 from validation.scenes.keys import scene_keys
+from validation.scenes.mistakes import problems
 from validation.scenes.problem import realise
-from validation.scenes.scene import builtin_scenes, load_scene
+from validation.scenes.scene import Scene, builtin_scenes, load_scene
 from validation.scenes.sweep import load_asked
 
 WRONG = [
@@ -255,3 +256,13 @@ def test_a_grid_of_oblong_cells_is_said_before_it_is_pressed(sides, square, tmp_
     bench = Bench.at(tmp_path / "solves", progress=progress)
     run_scene(scene, tmp_path / "results", bench=bench, report=False)
     assert notes == [f"grids of bem: {words}"]
+
+
+def test_a_pair_of_one_value_is_told_once():
+    text = small_scene('[quantities.electrical]\nresistivity = ["1e-8 ohm m"]\n', length='["10 um"]')
+    with pytest.raises(ValidationError) as found:
+        Scene.model_validate({"name": "short", **tomllib.loads(text)})
+    assert problems(found.value) == [
+        "surface.length = ['10 um']: must have at least 2 values",
+        "quantities.electrical.resistivity = ['1e-8 ohm m']: must have at least 2 values",
+    ]

@@ -114,6 +114,11 @@ def test_cases_of_other_numbers_of_shifts_stand_side_by_side(small_scene, tmp_pa
     assert float(data.area[0]) == float(alone.area)
     assert (data.solve.isel(shift=0) != "").all()
     assert (data.solve.isel(shift=1) != "").any(["solver", "grid"]).values.tolist() == [False, True]
+    # The grids without a shift serve both cases, and the page says so.
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    (cost,) = (found for found in summary["findings"] if found["kind"] == "cost")
+    assert "{shared} more were asked for by several cases and done once" in cost["form"]
+    assert cost["values"]["shared"]["value"] == int((data.solve.isel(shift=0)[0] != "").sum()) > 1
 
 
 def test_a_gradient_of_the_spectrum_does_not_stand_for_the_realised_one(small_scene, tmp_path):

@@ -9,6 +9,7 @@ from persson import SelfAffine
 from validation.comparison.run import run_scene
 from validation.errors import SceneError, UsageError
 from validation.scenes.problem import realise
+from validation.scenes.topography.text import read_columns
 
 SPECTRUM = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=2 * np.pi / 5e-5, q_short=2 * np.pi / 5e-6)
 REST = """
@@ -116,3 +117,10 @@ def test_a_bad_table_is_refused_in_a_line(scene, table, keys, message):
         scene(TABULATED + keys, table)
     assert len(caught.value.problems) == 1
     assert "\n" not in caught.value.problems[0]
+
+
+@pytest.mark.parametrize("header", [b"", b"q, C\n", b"# of an instrument\n\n"])
+def test_what_marks_the_order_of_bytes_moves_no_number(header):
+    numbers = b"12,3\n45,6\n78,9\n"
+    for mark in (b"", b"\xef\xbb\xbf"):
+        assert_allclose(read_columns(mark + header + numbers), [[12, 3], [45, 6], [78, 9]])

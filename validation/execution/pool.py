@@ -133,7 +133,6 @@ class _Processes:
 
     def close(self) -> None:
         self.ending = True
-        self.threads.shutdown(wait=False, cancel_futures=True)
         while len(self.idle) < len(self.workers):
             for worker in self.workers:
                 worker.kill()

@@ -44,8 +44,8 @@ def area_pairs(
     grids: tuple[Grid, ...],
     first: int,
     count: int,
-    tolerance: float = 1e-6,
-    effects: tuple[EffectSpec, ...] = (),
+    tolerance: float,
+    effects: tuple[EffectSpec, ...],
 ) -> xr.Dataset:
     """Press `count` pairs +h, -h from the first realisation on, one sign after the other, on ascending grids.
 

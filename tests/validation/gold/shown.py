@@ -25,8 +25,9 @@ def shown_on(name, page):
         marks = {id(one.mark): one for one in drawing.drawn}.values()
         lines += [f"figure {drawing.name}: {_mark(one)}" for one in marks]
     if not any("findings" in place for place in UNSTEADY.get(name.partition(" ")[0], ())):
-        # Which way is the cheapest, and what can be said of it, is another today.
-        for found in (f for f in page.summary["findings"] if f["kind"] != "cost"):
+        # Which way of a run is the cheapest, and what can be said of it, is another today.
+        steady = not name.startswith("scene")
+        for found in (f for f in page.summary["findings"] if steady or f["kind"] != "cost"):
             names = [part[1] for form in (found["form"], found.get("item", "")) for part in _parsed(form)]
             lines.append(f"{found['kind']} by {found.get('by', '')}: {', '.join(names)}")
     return lines
