@@ -16,6 +16,7 @@ import scipy.fft
 from fem_contact.area import ContactAreas
 from fem_contact.extrapolation import PlannedGrid, predicted_uncertainty, too_small
 from validation.arrays import Grid
+from validation.comparison.reductions import grid_name
 from validation.errors import NoLimit, RunFailed, UsageError
 from validation.execution.attempt import warm_up
 from validation.execution.bench import Bench, Solves
@@ -164,7 +165,7 @@ def _kind(solve: Solve) -> str:
 
 def grid_words(grids: Sequence[Grid]) -> str:
     """Name grids in words."""
-    return ", ".join(f"{nx} x {ny}" for nx, ny in grids)
+    return ", ".join(map(grid_name, grids))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -27,7 +27,6 @@ from validation.report.estimates import (
     error_of,
     gather,
     mean,
-    optional,
     solved_places,
     total_error,
 )
@@ -199,9 +198,7 @@ def at_equal(data: xr.Dataset, name: str, *, x: str, along: str) -> xr.Dataset:
     errors = data[f"{name}_each_error"]
     total = ((errors * weights) ** 2).sum(along, skipna=False) ** 0.5
     added[f"{name}_equal_each_error"] = total.transpose(..., "source").assign_attrs(errors.attrs)
-    drift = optional(data, f"{name}_each_drift")
-    if drift is not None:
-        added[f"{name}_equal_each_drift"] = (drift * weights).sum(along, skipna=False)
+    added[f"{name}_equal_each_drift"] = (data[f"{name}_each_drift"] * weights).sum(along, skipna=False)
     return data.assign(added)
 
 

@@ -124,8 +124,6 @@ for _whole in (table, wide):
 
 def _columns(data: xr.Dataset, amplitudes: str, gradient: str) -> xr.Dataset:
     """Return the quantities at p* by one of the gradients; by that of C(q) the area alone."""
-    if amplitudes not in data.amplitudes.values:
-        raise UsageError(f"amplitudes = {amplitudes!r}: the table has {', '.join(data.amplitudes.values)}")
     data, names = data.sel(amplitudes=amplitudes), ("area_by_spectrum", "area_by_spectrum_error")
     if gradient == "surface":
         return data.drop_vars(names, errors="ignore")

@@ -56,12 +56,12 @@ def interpolated(data: xr.Dataset, name: str, point: Mapping[str, float]) -> Ref
     """
     for axis in point:
         _check_within(data, axis, point)
-    data = _whole_part(data, hurst=point["hurst"], bandwidth=point["bandwidth"])
+    data = _whole_part(data, point["hurst"], point["bandwidth"])
     _check_within(data, "reduced_pressure", point)
     values = data[name].transpose(*_AXES).values
     # Over a theory little is left that bends.
     over = _theory(name, *(tuple(data[axis].values.tolist()) for axis in _AXES))
-    at = float(_theory(name, *((float(point[axis]),) for axis in _AXES)).item())
+    at = float(_theory(name, *((point[axis],) for axis in _AXES)).item())
     ratio = name == "area"
     shown = values / over if ratio else np.log(values / over)
     smooth, straight = _both(data, shown, point)
@@ -82,14 +82,14 @@ def interpolated(data: xr.Dataset, name: str, point: Mapping[str, float]) -> Ref
 
 def _check_within(data: xr.Dataset, axis: str, point: Mapping[str, float]) -> None:
     low, high, value = float(data[axis][0]), float(data[axis][-1]), point[axis]
-    if not (isinstance(value, (int, float)) and low * (1 - 1e-12) <= value <= high * (1 + 1e-12)):
+    if not low * (1 - 1e-12) <= value <= high * (1 + 1e-12):
         raise UsageError(
             f"{axis} = {value!r}: the table of {_AXES[axis]} goes from {low:g} to {high:g}, "
             "and is not extrapolated"
         )
 
 
-def _whole_part(data: xr.Dataset, *, hurst: float, bandwidth: float) -> xr.Dataset:
+def _whole_part(data: xr.Dataset, hurst: float, bandwidth: float) -> xr.Dataset:
     """Return the largest part of the table around a spectrum that lacks no cell, at the loads made there."""
     made = np.isfinite(data.area.transpose(*_AXES).values)
     rows, columns = _around(data.hurst.values, hurst), _around(data.bandwidth.values, bandwidth)
