@@ -220,6 +220,13 @@ def test_where_a_distance_is_held_the_load_is_that_of_the_finest_grid_unshifted(
     assert "pressure" in wrong
 
 
+def test_a_single_grid_tells_its_area_however_few_points_touch(audited, tmp_path):
+    light = ("reduced_pressure = 0.1", "reduced_pressure = 0.005")
+    ledger = audited(("grids = [12, 24, 48]\nshifts = 2", "grids = [24]"), light)
+    area = next(entry.found for entry in ledger.entries if entry.name == "area_own")
+    assert 0 < area < 16 / 24**2
+
+
 @pytest.mark.parametrize("hurst", [0.3, 1.0])
 def test_moments_of_the_spectrum_are_judged_at_any_exponent(audited, hurst):
     ledger = audited(("hurst = 0.7", f"hurst = {hurst}"))
