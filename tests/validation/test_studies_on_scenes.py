@@ -11,6 +11,7 @@ from small_scene import scene_in, small_scene
 from fem_contact import Hardness, Solid, bem, contact_areas, located_limit, perimeter_limit, press_yielding
 from fem_contact.response import HalfSpace
 from fem_contact.surface import HeightField, random_surface
+from validation.audit import audit
 from validation.errors import UsageError
 from validation.execution.outputs import show
 from validation.execution.press import solves_of
@@ -248,3 +249,32 @@ def test_the_verdict_on_the_theory_over_one_measured_map_claims_no_scatter(scene
     assert np.isnan(data.area_over_error.sel(source="surfaces")).all()
     assert "edge_pressure" not in data
     assert theory_verdict.views(data).findings
+
+
+def test_every_surface_bears_the_load_that_the_row_says(scene, bench):
+    """Their gradients differ: the pressure of the scene is that p* for the first alone."""
+    text = small_scene("[methods.theory]\n", load='pressure = "10 kPa"')
+    options = area.Options(
+        scene=scene(text.replace("seed = 77", 'seed = 77\namplitudes = "gaussian"')),
+        reduced_pressures=(0.05,),
+        surfaces=2,
+    )
+    (own,) = set(options.reduced_pressures) - {0.05}
+    first, second = (
+        options.press(surface=k, reduced_pressure=own, grid=(48, 48)).do(threads=1).contact for k in (0, 1)
+    )
+    assert first.mean_pressure == pytest.approx(1e4, rel=1e-12)
+    assert second.mean_pressure != pytest.approx(1e4, rel=1e-3)
+    for problem, contact in zip(options.pressed, (first, second), strict=True):
+        assert contact.mean_pressure == pytest.approx(own * problem.pressure_scale, rel=1e-9)
+
+
+def test_a_study_of_a_scene_that_says_a_force_is_audited(scene, bench, tmp_path):
+    """Its solves name the force, and no p*."""
+    asked = scene(small_scene(load='force = "1 uN"', grids="[24, 36, 48]"))
+    options = area.Options(scene=asked, reduced_pressures=(0.05,), surfaces=2)
+    (tmp_path / "out").mkdir()
+    run_study(find_study("area"), options, tmp_path / "out", bench=bench, report=False)
+    ledger = audit(tmp_path / "out")
+    assert [str(entry) for entry in ledger.wrong] == []
+    assert any(entry.name.startswith("area_each") for entry in ledger.entries)

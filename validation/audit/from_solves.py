@@ -202,6 +202,7 @@ def _said_by_all(result: Result, variable: xr.Variable, read: Callable[[xr.Datas
             near = np.isclose(found[index], values, rtol=1e-9, atol=1e-12 * np.max(np.abs(values)))
             found[index], seen[index] = np.where(seen[index] & ~near, np.nan, values), True
         else:
-            if seen.any():
+            # Of a place that no solve says it is not known, unless nothing stands there.
+            if seen.any() and np.isnan(variable.values[~seen].astype(float)).all():
                 return found
     return None

@@ -156,15 +156,14 @@ class PressedOptions(StudyOptions):
         return () if self.scene is None else self.scene.effects
 
     def press(self, *, surface: int, reduced_pressure: float, grid: Grid) -> Press:
-        """Return one solve whose fields are kept, as a run of the scene does it where there is one."""
-        first, scene = self.first, self.scene
-        load = Load(reduced_pressure=reduced_pressure)
-        if scene is not None and abs(reduced_pressure / first.reduced_pressure - 1) < 1e-12:
-            load = scene.load
+        """Return one solve whose fields are kept, as a run of the scene does it where its load is that."""
+        scene, problem = self.scene, self.pressed[surface]
+        if abs(reduced_pressure / problem.reduced_pressure - 1) > 1e-12:
+            problem = replace(problem, load=Load(reduced_pressure=reduced_pressure))
         return Press(
             method="bem",
             grid=grid,
-            problem=replace(first, load=load).further(surface),
+            problem=problem,
             settings=() if scene is None else find_solver("bem").settings(scene.methods.options("bem")),
             effects=self.effects,
         )
