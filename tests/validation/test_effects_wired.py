@@ -294,5 +294,8 @@ def test_no_solve_is_charged_with_loading_what_its_effects_need(with_effects, mo
     "pair", [(HARD, STICKY), *itertools.product((HARD, STICKY), (LAYER, COATED, GRADED))]
 )
 def test_what_any_two_effects_need_is_loaded(with_effects, monkeypatch, pair):
-    monkeypatch.setattr("validation.execution.attempt._warm", {()})
-    warm_up(solves_of(with_effects(*pair)))
+    loaded = {()}
+    monkeypatch.setattr("validation.execution.attempt._warm", loaded)
+    solves = solves_of(with_effects(*pair))
+    warm_up(solves)
+    assert {solve.code_path for solve in solves} < loaded

@@ -54,10 +54,10 @@ def interpolated(data: xr.Dataset, name: str, point: Mapping[str, float]) -> Ref
     UsageError
         Outside of the table, and beside cells that it has not.
     """
-    for axis in point:
+    for axis in ("hurst", "bandwidth"):
         _check_within(data, axis, point)
     data = _whole_part(data, point["hurst"], point["bandwidth"])
-    _check_within(data, "reduced_pressure", point)
+    _check_within(data, "reduced_pressure", point)  # of which not every spectrum has all
     values = data[name].transpose(*_AXES).values
     # Over a theory little is left that bends.
     over = _theory(name, *(tuple(data[axis].values.tolist()) for axis in _AXES))
