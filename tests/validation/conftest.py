@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from gold.asked import STUDIES
 from gold.make import new_numbers, options_of
-from small_scene import small_scene
+from small_scene import GRIDS, small_scene
 
 from validation.comparison.run import run_scene
 from validation.execution.bench import Bench
@@ -16,11 +16,11 @@ from validation.studies import Study, find_study
 from validation.studies._outputs import run_study
 
 _HEAD = 'name = "small"\ntitle = "A small scene"\n' + small_scene(
-    "shifts = 2\n\n[methods.theory]\n", grids="[12, 24, 48]"
+    "shifts = 2\n\n[methods.theory]\n", grids=GRIDS.removeprefix("grids = ")
 )
 _FEM = """
 [methods.fem]
-grids = [12, 24]
+grids = [[12, 8], [24, 16]]
 depth = "5 um"
 """
 
@@ -65,7 +65,7 @@ def map_scene(read_scene, tmp_path):
 
     def read(heights):
         np.save(tmp_path / "heights.npy", heights)
-        waves = 'kind = "self-affine"\nlength = "10 um"\nhurst = 0.7\nlambda_long = "5 um"\n'
+        waves = 'kind = "self-affine"\nlength = ["10 um", "5 um"]\nhurst = 0.7\nlambda_long = "5 um"\n'
         waves += 'lambda_short = "2.5 um"\nrms_gradient = 0.05\nseed = 77'
         file = 'kind = "file"\npath = "heights.npy"\nlength = "10 um"\nunit = "1 nm"'
         return read_scene((waves, file), fem=False)

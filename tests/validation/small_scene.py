@@ -16,12 +16,12 @@ def scene_of(run):
     return load_scene(str(run.folder.parent / "scene.toml"))
 
 
-def small_scene(more="", *, length='"10 um"', load="reduced_pressure = 0.1", grids="[24, 36, 48]"):
-    """Return the scene, with further tables after it."""
+def small_scene(more="", *, load="reduced_pressure = 0.1", grids="[[24, 16], [36, 24], [48, 32]]"):
+    """Return the scene, with further tables after it: an oblong of oblong cells, two unequal bodies."""
     return f"""
 [surface]
 kind = "self-affine"
-length = {length}
+length = ["10 um", "5 um"]
 hurst = 0.7
 lambda_long = "5 um"
 lambda_short = "2.5 um"
@@ -30,11 +30,19 @@ seed = 77
 [solid]
 young = "2 MPa"
 poisson = 0.3
+second_young = "5 MPa"
+second_poisson = 0.45
 [load]
 {load}
 [methods.bem]
 grids = {grids}
 {more}"""
+
+
+def square_scene(more="", *, length='"10 um"', load="reduced_pressure = 0.1", grids="[24, 36, 48]"):
+    """Return the scene on a square, against a rigid body: what the gold numbers were asked with."""
+    text = small_scene(more, load=load, grids=grids).replace('["10 um", "5 um"]', length)
+    return text.replace('second_young = "5 MPa"\nsecond_poisson = 0.45\n', "")
 
 
 def changed(tree, place, value):
@@ -47,12 +55,13 @@ def changed(tree, place, value):
     return tree
 
 
+#: Its grids in the fixtures of the tests.
+GRIDS = "grids = [[12, 8], [24, 16], [48, 32]]"
+#: What is replaced where edges are located, which takes square cells.
+SQUARE_CELLS = (GRIDS, "grids = [[12, 6], [24, 12], [48, 24]]")
+#: What is replaced where one of the bodies is layered.
+ONE_BODY = ('second_young = "5 MPa"\nsecond_poisson = 0.45\n', "")
 #: Twice as long as wide.
-OBLONG = small_scene(
+OBLONG = square_scene(
     length='["10 um", "5 um"]', load='pressure = "10 kPa"', grids="[[24, 12], [32, 16], [48, 24]]"
 )
-
-#: Twice as long as wide, of cells that are not square, between two bodies of which neither is the other.
-UNEQUAL = small_scene(
-    "[methods.theory]\n", length='["10 um", "5 um"]', grids="[[24, 16], [36, 24], [48, 32]]"
-).replace("poisson = 0.3", 'poisson = 0.3\nsecond_young = "5 MPa"\nsecond_poisson = 0.45')

@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 from accuracy_coverage import Case, judged
 from refusing import refused
+from small_scene import GRIDS, ONE_BODY
 
 from validation.comparison import accuracy_search
 from validation.comparison.accuracy import parse_accuracy, reach
@@ -163,7 +164,7 @@ def test_an_effect_without_a_law_of_error_is_refused_by_name(read_scene, bench):
 )
 def test_with_an_effect_the_corrected_area_is_claimed(effect, read_scene, bench):
     listed = f"[[effects]]\nkind = {effect}\n\n[solid]"
-    scene = read_scene(("[solid]", listed), fem=False)
+    scene = read_scene(("[solid]", listed), ONE_BODY, fem=False)
     reached = reach(scene, bench, target=0.05)
     assert not reached.located
     assert reached.error <= 0.05
@@ -172,7 +173,7 @@ def test_with_an_effect_the_corrected_area_is_claimed(effect, read_scene, bench)
 
 
 def test_finite_elements_are_put_beside_on_their_own_grids(read_scene, bench):
-    scene = read_scene()
+    scene = read_scene(("grids = [[12, 8], [24, 16]]", "grids = [[12, 6], [24, 12]]"))
     reached = reach(scene, bench, target=0.05)
     (other,) = reached.beside
     grids = scene.methods.options("fem").grids
@@ -192,7 +193,7 @@ def test_a_single_grid_of_another_method_is_put_beside_without_a_limit(read_scen
     reached = reach(scene.model_copy(update={"methods": methods}), bench, target=0.05)
     (other,) = reached.beside
     assert other.doubt
-    assert f"Beside it FEM on 12 x 12: no limit: {other.doubt}." in list(reached.sentences())
+    assert f"Beside it FEM on 12 x 8: no limit: {other.doubt}." in list(reached.sentences())
 
 
 def test_what_is_chosen_is_foretold_with_its_time(ensemble, bench):
@@ -243,7 +244,7 @@ def test_a_grid_is_found_with_cells_that_are_nearly_square(length, bench):
 def test_full_contact_is_exact_on_the_coarsest_grids(read_scene, bench):
     scene = read_scene(("reduced_pressure = 0.1", "reduced_pressure = 6.0"), fem=False)
     reached = reach(scene, bench, target=1e-4)
-    assert (reached.area, math.prod(reached.grids[-1])) == (1.0, 16 * 16)
+    assert (reached.area, math.prod(reached.grids[-1])) == (1.0, 16 * 8)
 
 
 @pytest.mark.slow
@@ -260,7 +261,7 @@ def test_claims_hold_as_often_as_they_say_on_surfaces_and_loads_of_many_kinds(tm
 
 def test_grids_that_will_be_chosen_may_be_missing_or_too_coarse(write_scene, bench):
     extra = "shifts = 2\n\n[ensemble]"
-    path = str(write_scene(("grids = [12, 24, 48]\n", ""), ("shifts = 2", extra), fem=False))
+    path = str(write_scene((f"{GRIDS}\n", ""), ("shifts = 2", extra), fem=False))
     scenes = [
         load_asked(path, ["methods.bem.grids=[3]", "ensemble.grids=[2, 3]"], grids_chosen=True),
         load_asked(path, grids_chosen=True),
@@ -272,6 +273,6 @@ def test_grids_that_will_be_chosen_may_be_missing_or_too_coarse(write_scene, ben
     with pytest.raises(SceneError, match=r"methods\.bem\.grids = \[3, 3\]: too coarse"):
         load_asked(path, ["methods.bem.grids=[3]", "ensemble.grids=[12, 24]", "ensemble.realisations=2"])
     # Those of another method are solved as they stand.
-    beside = str(write_scene(("grids = [12, 24]", "grids = [3]")))
+    beside = str(write_scene(("grids = [[12, 8], [24, 16]]", "grids = [3]")))
     with pytest.raises(SceneError, match=r"methods\.fem\.grids = \[3, 3\]: too coarse"):
         load_asked(beside, grids_chosen=True)

@@ -21,7 +21,7 @@ def fresh(tmp_path_factory):
     """A run from nothing, what lies in its store, and when it began and ended (whole seconds)."""
     folder = tmp_path_factory.mktemp("balance")
     began = datetime.now(UTC).replace(microsecond=0)
-    scene = scene_in(folder, small_scene("shifts = 2\n[methods.fem]\ngrids = [12, 24]\n"))
+    scene = scene_in(folder, small_scene("shifts = 2\n[methods.fem]\ngrids = [[12, 8], [24, 16]]\n"))
     outputs = run_scene(scene, folder / "results", bench=Bench.at(folder / "solves"), report=False)
     made = {checked.path: checked.made for checked in check_store(folder / "solves")}
     solves = {}

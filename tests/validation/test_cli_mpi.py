@@ -7,6 +7,7 @@ from dataclasses import asdict
 
 import pytest
 from commanding import answer_of, invoke, output_of
+from small_scene import ONE_BODY, SQUARE_CELLS
 from thread_processes import ThreadComm, run_threads
 
 from fem_contact import contact_areas
@@ -34,7 +35,9 @@ def alone():
 def test_the_command_presses_the_surface_of_the_scene_and_uses_finished_grids_again(
     tmp_path, write_scene, monkeypatch, effect
 ):
-    path = write_scene(("[methods.bem]", f"{effect}[methods.bem]"), ("[methods.theory]", ""), fem=False)
+    one_body = [ONE_BODY] if "thickness" in effect else []
+    effects = ("[methods.bem]", f"{effect}[methods.bem]"), ("[methods.theory]", "")
+    path = write_scene(*effects, SQUARE_CELLS, *one_body, fem=False)
     monkeypatch.setattr(parallel, "communicator", alone)
     command = f"run {path} --mpi -o {tmp_path / 'out'}"
     found = answer_of(command)
@@ -84,7 +87,7 @@ def test_what_does_not_go_with_mpi_is_refused_in_one_line(tmp_path, read_scene, 
     held = read_scene(("reduced_pressure = 0.1", 'mean_gap = "50 nm"'), fem=False)
     with pytest.raises(UsageError, match="mean_gap: --mpi presses with a load"):
         run_parallel(held, tmp_path, as_json=True, unfit={})
-    coarse = ("[12, 24, 48]", "[4, 48]"), ("shifts = 2", "under_resolved = true")
+    coarse = ("[12, 8], [24, 16], [48, 32]", "4, 48"), ("shifts = 2", "under_resolved = true")
     under_resolved = read_scene(*coarse, fem=False)
     with pytest.raises(UsageError, match="does not resolve lambda_short"):
         run_parallel(under_resolved, tmp_path, as_json=True, unfit={})

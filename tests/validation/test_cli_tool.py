@@ -8,6 +8,7 @@ import pytest
 import typer
 from commanding import typed
 from rich.text import Text
+from small_scene import SQUARE_CELLS
 from solving import Numbers, solve_all
 from typer.testing import CliRunner
 
@@ -311,6 +312,7 @@ def test_a_planned_study_says_what_may_be_left_out(tool):
 def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(write_scene, tool, done, tmp_path):
     path = write_scene(
         ("[solid]", '[run]\noutput = "there"\nstore = "kept"\nquiet = true\npictures = false\n[solid]'),
+        SQUARE_CELLS,
         fem=False,
     )
     code, _, err = tool("run", path)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from commanding import answer_of, output_of
-from small_scene import UNEQUAL
+from small_scene import small_scene
 
 import fem_contact as fc
 from validation.audit.reading import audit
@@ -96,7 +96,7 @@ def doors(request, tmp_path_factory):
     """One scene by every command that solves, in a folder of its own each."""
     folder = tmp_path_factory.mktemp("doors")
     scene = folder / "scene.toml"
-    scene.write_text(UNEQUAL + MORE[request.param])
+    scene.write_text(small_scene("[methods.theory]\n") + MORE[request.param])
     for name in ("run", "again"):
         output_of(f"run {scene} --output {folder / name} --quiet --no-report")
     output_of(f"compare {folder / 'run'} {folder / 'again'} --output {folder / 'compare'} --no-report")
@@ -261,7 +261,9 @@ def test_boundary_elements_entered_as_the_user_s_own_are_boundary_elements(tmp_p
     monkeypatch.chdir(tmp_path)
     Path("copied_solver.py").write_text(OWN_SOLVER)
     own = '[methods.own]\nsolver = "copied_solver:solve"\ngrids = [[24, 16], [36, 24], [48, 32]]\n'
-    Path("scene.toml").write_text(UNEQUAL.replace("grids", "tolerance = 1e-10\ngrids") + own)
+    Path("scene.toml").write_text(
+        small_scene("[methods.theory]\n").replace("grids", "tolerance = 1e-10\ngrids") + own
+    )
     output_of("run scene.toml --output out --quiet --no-report")
     run = numbers(Path("out"))
     over = [name for name, values in run.items() if "solver" in values.dims]

@@ -10,7 +10,7 @@ import numpy as np
 import psutil
 import pytest
 from refusing import refused
-from small_scene import scene_in, small_scene
+from small_scene import scene_in, small_scene, square_scene
 from solving import still_running
 
 from fem_contact import HeightField, NotConverged, Solid, Status, contact_areas
@@ -323,7 +323,7 @@ def test_a_peer_agrees_with_boundary_elements(name, tolerance, apart, load):
 def test_the_audit_locates_the_edges_of_a_peer_that_comes_first(name, tmp_path):
     if find_solver(name).available() is not None:
         pytest.skip(str(find_solver(name).available()))
-    scene = scene_in(tmp_path, small_scene("[methods.theory]").replace("methods.bem", f"methods.{name}"))
+    scene = scene_in(tmp_path, square_scene("[methods.theory]").replace("methods.bem", f"methods.{name}"))
     outputs = run_scene(scene, tmp_path / "run", report=False)
     assert "located" in outputs.result.data.area_basis.item()
     assert not audit(outputs.folder).wrong

@@ -10,7 +10,7 @@ from commanding import invoke, output_of
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
-from small_scene import changed, small_scene
+from small_scene import changed, square_scene
 
 from validation.errors import SceneError, UsageError
 from validation.scenes.checks import check_scene
@@ -18,7 +18,7 @@ from validation.scenes.mistakes import problems
 from validation.scenes.problem import realise
 from validation.scenes.scene import Scene, load_scene, scene_text
 
-BASE = 'name = "fuzz"' + small_scene(
+BASE = 'name = "fuzz"' + square_scene(
     """[methods.theory]
 [ensemble]
 realisations = 2

@@ -3,13 +3,13 @@
 import tomllib
 
 import pytest
-from small_scene import small_scene
+from small_scene import square_scene
 
 from fem_contact.block import wave_errors
 from validation.comparison.explain import explain
 from validation.scenes.scene import Scene
 
-SCENE = {"name": "mesh", **tomllib.loads(small_scene())}
+SCENE = {"name": "mesh", **tomllib.loads(square_scene())}
 
 
 def facts(**methods):

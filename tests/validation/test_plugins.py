@@ -8,7 +8,7 @@ from importlib import metadata
 
 import pytest
 from processes import run_python
-from small_scene import small_scene
+from small_scene import square_scene
 
 from validation import registry
 from validation.errors import UsageError
@@ -164,7 +164,7 @@ descent = toy_method:Descent
 toy = toy_study
 """
 
-SCENE = small_scene(grids="[12, 24]")
+SCENE = square_scene(grids="[12, 24]")
 SKIN = '[[effects]]\nkind = "skin"\nyoung = "20 MPa"\nthickness = "0.5 um"\n'
 DESCENT = "[methods.descent]\ngrids = [12, 24]\n"
 

@@ -18,7 +18,7 @@ import meshio
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from small_scene import OBLONG, scene_in, scene_of
+from small_scene import GRIDS, OBLONG, scene_in, scene_of
 from solving import solve_all
 
 from fem_contact import NotConverged, find_patches
@@ -42,11 +42,11 @@ def test_a_run_leaves_table_fields_block_and_report(small_run):
     with (small_run.folder / "table.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [(row["method"], row["grid"]) for row in rows] == [
-        ("bem", "12 x 12"),
-        ("bem", "24 x 24"),
-        ("bem", "48 x 48"),
-        ("fem", "12 x 12"),
-        ("fem", "24 x 24"),
+        ("bem", "12 x 8"),
+        ("bem", "24 x 16"),
+        ("bem", "48 x 32"),
+        ("fem", "12 x 8"),
+        ("fem", "24 x 16"),
     ]
     summary = json.loads((small_run.folder / "summary.json").read_text())
     assert tuple(finding["text"] for finding in summary["findings"]) == small_run.page.findings
@@ -90,7 +90,7 @@ def test_the_answer_and_the_surface_stand_before_the_contact_and_every_figure_na
         assert suffixes == {".svg", ".pdf", ".csv", ".nc"}
     heights = small_run.data.heights
     field = height_field(scene_of(small_run).surface)
-    assert_allclose(heights.values, field.resampled((24, 24)).heights, atol=1e-12)
+    assert_allclose(heights.values, field.resampled((24, 16)).heights, atol=1e-12)
     spectrum = small_run.data.power_spectrum
     assert spectrum.sizes["wavevector"] >= 2
     # Parseval: rings of C(q) hold the variance of the heights.
@@ -121,7 +121,7 @@ def test_contact_in_numbers_follows_from_the_fields(small_run):
 
 
 def test_one_grid_gives_an_answer_that_says_what_it_rests_on(read_scene, tmp_path):
-    scene = read_scene(("grids = [12, 24, 48]\nshifts = 2", "grids = [24]"), fem=False)
+    scene = read_scene((f"{GRIDS}\nshifts = 2", "grids = [[24, 12]]"), fem=False)
     outputs = run_scene(scene, tmp_path / "results")
     data = outputs.data
     assert float(data.area) == float(data.area_located.item()) > 0
@@ -176,7 +176,7 @@ def test_an_option_recomputes_only_what_it_affects(read_scene):
         return {solve.key for solve in solves if solve.key.startswith(method)}
 
     growth = ("depth =", "growth = 1.3\ndepth =")
-    assert keys() < keys(("grids = [12, 24]", "grids = [12, 24, 32]"))
+    assert keys() < keys(("[24, 16]]\ndepth", "[24, 16], 32]\ndepth"))
     assert not keys() & keys(("poisson = 0.3", "poisson = 0.4"))
     assert keys(method="bem") == keys(growth, method="bem")
     assert not keys(method="fem") & keys(growth)
@@ -199,7 +199,7 @@ def test_a_stored_result_is_read_back_bit_for_bit(read_scene, tmp_path):
 
 
 def test_a_killed_run_continues_after_its_finished_solves(write_scene, tmp_path):
-    path = write_scene(("grids = [12, 24, 48]", "grids = [12, 24, 48, 384, 512]"), fem=False)
+    path = write_scene((GRIDS, "grids = [12, 24, 48, 384, 512]"), fem=False)
     folder = tmp_path / "results"
     command = [sys.executable, "-m", "validation.cli", "run", str(path), "-o", str(folder), "--quiet"]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -256,25 +256,25 @@ def test_a_failed_solve_is_a_row_of_the_report_which_is_made_of_the_others(
 ):
     """In the table of grids and, for a surface of the ensemble, in that of surfaces, whose mean is none."""
     path = write_scene()
-    path.write_text(path.read_text() + "\n[ensemble]\nrealisations = 3\ngrids = [12, 24]\n")
+    path.write_text(path.read_text() + "\n[ensemble]\nrealisations = 3\ngrids = [[12, 8], [24, 16]]\n")
     do = Press.do
 
     def failing(solve, threads=None):
-        if solve.method == "fem" or (solve.realisation == 1 and solve.grid == (24, 24)):
+        if solve.method == "fem" or (solve.realisation == 1 and solve.grid == (24, 16)):
             raise NotConverged("stopped at the iteration limit; allow more")
         return do(solve, threads=threads)
 
     monkeypatch.setattr(Press, "do", failing)
     outputs = run_scene(load_scene(str(path)), tmp_path / "results")
-    data, why = outputs.data, "FEM 12x12: stopped at the iteration limit; allow more"
+    data, why = outputs.data, "FEM 12x8: stopped at the iteration limit; allow more"
     assert (tmp_path / "results" / "report.html").exists()
-    assert data.failure.sel(solver="fem", grid="12 x 12").item() == why
+    assert data.failure.sel(solver="fem", grid="12 x 8").item() == why
     assert (data.failure.sel(solver="bem") == "").all()
     assert outputs.page.findings[0] == f"Not all solves succeeded: {data.failures.item()}."
     assert data.failures.item().endswith("; allow more, and 2 more")
-    (row,) = [row for row in outputs.page.tables[0].rows if row[:2] == ("fem", "12 x 12")]
+    (row,) = [row for row in outputs.page.tables[0].rows if row[:2] == ("fem", "12 x 8")]
     assert row[-1] == why
-    assert set(row[2:7]) == {""}
+    assert set(row[2:6]) == {""}
     assert data.area_own_error.sel(source="grid") > 0
     assert data.area_each.isnull().values.tolist() == [False, True, False]
     assert "surface 2" in data.failure_each.values[1]
@@ -296,9 +296,9 @@ def test_a_surface_from_a_file_runs(map_scene, tmp_path):
     assert_allclose(outputs.data.rms_height, 15e-9, rtol=1e-12)
     assert "area_ensemble" not in outputs.data
     assert outputs.data.attrs["treatment"]
-    # The grid of 12 cannot hold what 16 samples may.
-    assert outputs.data.resolved.values.tolist() == [0, 1, 1]
-    assert any("Under-resolved" in text and "12 x 12" in text for text in outputs.page.findings)
+    # Grids of fewer than 17 points cannot hold what 16 samples may.
+    assert outputs.data.resolved.values.tolist() == [0, 0, 1]
+    assert any("Under-resolved" in text and "12 x 8" in text for text in outputs.page.findings)
 
 
 def test_nan_in_a_surface_file_is_refused_before_computing(map_scene, tmp_path, solves_nothing):
@@ -310,7 +310,7 @@ def test_nan_in_a_surface_file_is_refused_before_computing(map_scene, tmp_path, 
 
 
 def test_an_under_resolved_grid_presses_the_point_values_of_the_true_surface(read_scene):
-    scene = read_scene(("grids = [12, 24, 48]", "grids = [6]\nunder_resolved = true"), fem=False)
+    scene = read_scene((GRIDS, "grids = [6]\nunder_resolved = true"), fem=False)
     fine = height_field(scene.surface).resampled((24, 24))
     assert_allclose(
         height_field(scene.surface, (6, 6)).heights, fine.heights[::4, ::4], atol=1e-12 * fine.rms_height

@@ -11,7 +11,7 @@ import pytest
 import scipy.stats
 from commanding import answer_of, invoke, output_of
 from refusing import refused
-from small_scene import scene_in
+from small_scene import ONE_BODY, scene_in
 
 from fem_contact import NotConverged
 from validation.audit import audit
@@ -141,8 +141,9 @@ def test_where_all_cases_fail_the_reason_is_all_there_is(small_scene, tmp_path, 
 
 
 def test_over_a_coating_kappa_is_no_number_of_a_homogeneous_solid(small_scene, tmp_path):
+    one_body = Path(small_scene).read_text().replace(*ONE_BODY)
     coat = ["effects.coating.young='5 MPa'", "effects.coating.poisson=0.3"]
-    sweep = load_asked(small_scene, [*coat, "sweep.effects.coating.thickness=['1 um', '2 um']"])
+    sweep = scene_in(tmp_path, one_body, *coat, "sweep.effects.coating.thickness=['1 um', '2 um']")
     texts = [one.text for one in sweep_views(run_sweep(sweep, tmp_path, report=False).data).findings]
     assert sum(text.startswith("p* and kappa stand on E* of the layer") for text in texts) == 1
 

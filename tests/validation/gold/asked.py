@@ -1,6 +1,6 @@
 """What the gold numbers were asked with: small options of every study, small grids of every scene."""
 
-from small_scene import OBLONG, small_scene
+from small_scene import OBLONG, square_scene
 
 _ROUGH = {"periods": 2.0, "bandwidth": 2.0, "points_per_wave": (4.0, 6.0, 8.0), "seed": 61}
 _LOADED = {**_ROUGH, "surfaces": 3, "shifts": 1, "reduced_pressures": (0.02, 0.03, 0.3, 4.0)}
@@ -14,8 +14,8 @@ _LADDERS = {
 }
 #: Ladders of studies that have no option for them: what replaces the defaults, which are those of `hurst`.
 LADDERS = {"bandwidths": (2.0, 2.5, 3.0), "sizes": (1.0, 1.25), "pairs": 2}
-_PLAIN = small_scene()
-_YIELDING = small_scene('tolerance = 1e-9\n[[effects]]\nkind = "hardness"\nhardness = "30 kPa"\n')
+_PLAIN = square_scene()
+_YIELDING = square_scene('tolerance = 1e-9\n[[effects]]\nkind = "hardness"\nhardness = "30 kPa"\n')
 _SURFACES = "[methods.theory]\n[ensemble]\nrealisations = 3\ngrids = [24, 36, 48]\n"
 _PASSING = """
 [quantities.electrical]
@@ -27,7 +27,7 @@ viscosity = "2 mPa s"
 pressure_drop = "3 kPa"
 [quantities.subsurface]
 """
-_BOTH = small_scene("[methods.fem]\ngrids = [12]\ngrowth = 1.5\n")
+_BOTH = square_scene("[methods.fem]\ngrids = [12]\ngrowth = 1.5\n")
 
 #: Options by study and case; `scene` is the text of one.
 STUDIES: dict[str, dict[str, object]] = {
