@@ -127,6 +127,11 @@ class IterationArrays:
         self.coarse_rows = Rows(-(-nx // 2), threads=threads, least=64)
 
     @property
+    def _occupied(self) -> NDArray[np.uint8]:
+        """The working set as the counts of a level are."""
+        return self.working.view(np.uint8)
+
+    @property
     def nbytes(self) -> int:
         """Memory of the arrays, the heights included."""
         fields = self.heights, self.force, self.displacement, self.gap, self.step, self.image, self.buffer
@@ -158,7 +163,7 @@ class IterationArrays:
         """Move the gap by `factor` steps and a change of offset, and measure the conditions there."""
         fields = self.force, self.gap, self.step, self.image, self.bound
         units, level = (self.load_unit, self.stiffness), (self.levels[0][0], self.levels[1][0])
-        parts = self.coarse_rows.run(self.kernels.move, *fields, factor, shift, *units, self.working, *level)
+        parts = self.coarse_rows.run(self.kernels.move, *fields, factor, shift, *units, self._occupied, *level)
         return Errors.joined(parts)
 
     def precondition(self) -> tuple[float, float]:
@@ -173,11 +178,11 @@ class IterationArrays:
         shares = np.take(k.PARTS, top_counts[-1])
         top[-1] *= shares
         for fine in reversed(whole):
-            k.push(0, len(top[fine]), top[fine], top_counts[fine], top[fine + 1], None)
+            k.push(0, len(top[fine]), top[fine], top_counts[fine], top[fine + 1], top[fine], 1)
         self._take_top()
         for fine in reversed(local):
-            k.push(0, len(sums[fine]), sums[fine], counts[fine], self._as_coarse(fine + 1), None)
-        self.rows.run(k.push, self.buffer, self.working, self._as_coarse(0), self.gap)
+            k.push(0, len(sums[fine]), sums[fine], counts[fine], self._as_coarse(fine + 1), sums[fine], 1)
+        self.rows.run(k.push, self.buffer, self._occupied, self._as_coarse(0), self.gap, -1)
         self.quick.precondition(self.buffer, self.buffer)
         self.coarse_rows.run(k.push_transposed, *self._as_fine(-1))
         for fine in local:
@@ -191,7 +196,7 @@ class IterationArrays:
         self._take_top()
         for fine in reversed(local):
             k.pull_transposed(sums[fine], counts[fine], sums[fine + 1])
-        total, image = self.rows.add(k.finish, self.buffer, self.working, sums[0], self.image)
+        total, image = self.rows.add(k.finish, self.buffer, self._occupied, sums[0], self.image)
         return total, image
 
     def _whole(self, level: AnyArray) -> AnyArray:
@@ -206,11 +211,11 @@ class IterationArrays:
 
     def _as_fine(self, level: int) -> tuple[AnyArray, AnyArray, AnyArray]:
         """Values and counts of a level, -1 for the grid, as the next coarser one reads them, and its sums."""
-        return self.buffer, self.working.view(np.uint8), self.levels[0][0]
+        return self.buffer, self._occupied, self.levels[0][0]
 
     def trial(self, load: float, *, length: float, beta: float, shift: float) -> None:
         """Write the step to the clipped trial force of the prescribed sum."""
-        fields = self.force, self.buffer, self.step, self.working, self.bound
+        fields = self.force, self.buffer, self.step, self._occupied, self.bound
         total, above, below = self.rows.add(self.kernels.trial, *fields, self.load_unit, length, beta, shift)
         missing = load - total
         limit = total if self.bound is None else above if missing > 0 else below

@@ -13,7 +13,7 @@ g        (nx, ny)     length  gap, in the precision and units of the iteration
 s, v     (nx, ny)     force,  the step and its image, likewise
                       length
 z        (nx, ny)     force   preconditioned residual, likewise
-work     (nx, ny)     bool    working set
+work     (nx, ny)     uint8   working set: 1 for its points
 unit                  1/Pa    one over the iteration's unit of force
 ======== ============ ======= ===================================================================
 
@@ -110,7 +110,7 @@ def move(lo, hi, x, g, s, v, bound, factor, shift, unit, stiffness, work, sums, 
             free += row_free
             last += row_last
             image += row_image
-        _sum_gaps(row, g, work, sums, counts)
+        _sum_cells(row, g, -1, work, sums, counts)
     # Loops, because numba takes a second to compile `min` and `max` of an array.
     for j in range(ny):
         lowest, highest = min(lowest, lows[j]), max(highest, highs[j])
@@ -118,49 +118,27 @@ def move(lo, hi, x, g, s, v, bound, factor, shift, unit, stiffness, work, sums, 
 
 
 @njit(**_OPTIONS)
-def _sum_gaps(row, g, work, sums, counts):
-    """Sum -g and count the working points over the cells of one row of the coarser level."""
-    nx, ny = g.shape
-    zero, near, far = g.dtype.type(0), 2 * row, min(2 * row + 1, nx - 1)
+def _sum_cells(row, values, sign, occupied, sums, counts):
+    """Sum occupied points, times a sign, over the cells of one row of the coarser level, and count them."""
+    nx, ny = values.shape
+    zero, near, far = values.dtype.type(0), 2 * row, min(2 * row + 1, nx - 1)
+    sign = values.dtype.type(sign)
     # The last row of an odd number is alone in its cells.
     twice = np.uint8(far > near)
     for col in range(ny // 2):
-        left, right = work[near, 2 * col], work[near, 2 * col + 1]
-        value = (g[near, 2 * col] if left else zero) + (g[near, 2 * col + 1] if right else zero)
+        left, right = occupied[near, 2 * col] > 0, occupied[near, 2 * col + 1] > 0
+        value = (values[near, 2 * col] if left else zero) + (values[near, 2 * col + 1] if right else zero)
         count = np.uint8(left) + np.uint8(right)
-        left, right = work[far, 2 * col], work[far, 2 * col + 1]
-        other = (g[far, 2 * col] if left else zero) + (g[far, 2 * col + 1] if right else zero)
-        sums[row, col] = -value - (other if twice else zero)
+        left, right = occupied[far, 2 * col] > 0, occupied[far, 2 * col + 1] > 0
+        other = (values[far, 2 * col] if left else zero) + (values[far, 2 * col + 1] if right else zero)
+        sums[row, col] = sign * (value + (other if twice else zero))
         counts[row, col] = count + twice * (np.uint8(left) + np.uint8(right))
     if ny % 2:
         sums[row, ny // 2], counts[row, ny // 2] = zero, 0
         for i in range(near, near + 1 + twice):
-            if work[i, ny - 1]:
-                sums[row, ny // 2] -= g[i, ny - 1]
+            if occupied[i, ny - 1]:
+                sums[row, ny // 2] += sign * values[i, ny - 1]
                 counts[row, ny // 2] += 1
-
-
-@njit(**_OPTIONS)
-def _sum_cells(row, r, work, sums, counts):
-    """Sum a field and count its occupied points over the cells of one row of the coarser level."""
-    nx, ny = r.shape
-    last = 2 * row + 1 < nx
-    for col in range(ny // 2):
-        value = r[2 * row, 2 * col] + r[2 * row, 2 * col + 1]
-        count = (work[2 * row, 2 * col] > 0) + (work[2 * row, 2 * col + 1] > 0)
-        if last:
-            value += r[2 * row + 1, 2 * col] + r[2 * row + 1, 2 * col + 1]
-            count += (work[2 * row + 1, 2 * col] > 0) + (work[2 * row + 1, 2 * col + 1] > 0)
-        sums[row, col] = value
-        counts[row, col] = count
-    if ny % 2:
-        value = r[2 * row, ny - 1]
-        count = int(work[2 * row, ny - 1] > 0)
-        if last:
-            value += r[2 * row + 1, ny - 1]
-            count += int(work[2 * row + 1, ny - 1] > 0)
-        sums[row, ny // 2] = value
-        counts[row, ny // 2] = count
 
 
 @njit(**_OPTIONS)
@@ -171,16 +149,16 @@ def pull(fine, counts, sums, coarse_counts):
         for i in range(2 * row, min(2 * row + 2, nx)):
             for j in range(ny):
                 fine[i, j] *= PARTS[counts[i, j]]
-        _sum_cells(row, fine, counts, sums, coarse_counts)
+        _sum_cells(row, fine, 1, counts, sums, coarse_counts)
 
 
 @njit(**_OPTIONS)
-def push(lo, hi, fine, occupied, coarse, g):
-    """Fill the empty cells of a level with the bilinear interpolant of the next coarser one; -g others."""
+def push(lo, hi, fine, occupied, coarse, values, sign):
+    """Fill a level: occupied cells with values times a sign, others from the next coarser one, bilinear."""
     ny = fine.shape[1]
     mx, my = coarse.shape
     line, wide = np.empty(my + 2, coarse.dtype), np.empty(2 * my, coarse.dtype)
-    near, far = fine.dtype.type(0.75), fine.dtype.type(0.25)
+    near, far, sign = fine.dtype.type(0.75), fine.dtype.type(0.25), fine.dtype.type(sign)
     for i in range(lo, hi):
         parent = i // 2
         other = (parent + (1 if i % 2 else -1)) % mx
@@ -192,10 +170,7 @@ def push(lo, hi, fine, occupied, coarse, g):
             wide[2 * p] = near * line[p + 1] + far * line[p]
             wide[2 * p + 1] = near * line[p + 1] + far * line[p + 2]
         for j in range(ny):
-            if g is None:
-                fine[i, j] = fine[i, j] if occupied[i, j] else wide[j]
-            else:
-                fine[i, j] = -g[i, j] if occupied[i, j] else wide[j]
+            fine[i, j] = sign * values[i, j] if occupied[i, j] else wide[j]
     return (0.0,)
 
 

@@ -73,6 +73,8 @@ def _mark(one, data):
     yield from _words(one)
     if kind == "Band":
         return
+    if kind == "Line" and (one.artist.lines[0].get_linestyle() != "None") != one.mark.joined:
+        yield "its points are joined, or not, where the mark says otherwise"
     x, y, bars = _drawn(one, kind)
     slices = list(_slices(one, data, kind))
     fitting = [

@@ -67,7 +67,7 @@ def test_every_number_of_the_small_run_follows_from_its_fields(small_run):
 
 
 def test_every_number_of_located_edges_follows_from_the_fields(audited):
-    names = {entry.name.partition(" of ")[0] for entry in audited(SQUARE_CELLS).entries}
+    names = {entry.name.partition(" ")[0] for entry in audited(SQUARE_CELLS).entries}
     assert {"area_located", "area_limit"} <= names
 
 
@@ -336,6 +336,14 @@ def test_what_a_run_to_an_accuracy_claims_follows_from_its_fields(read_scene, tm
     assert "area_own_error of source 1" in {entry.name for entry in ledger.entries}
     wrong = _changed(tmp_path / "results", lambda d: d.assign(area_own_error=d.area_own_error / 2))
     assert "area_own_error of source 1" in wrong
+
+
+def test_a_number_agrees_within_its_tolerance_and_no_further():
+    ledger = Ledger()
+    for part in (0.9, 1.1):
+        ledger.number("here", "a number", 1 + part * 1e-9, 1.0)
+        ledger.number("here", "an array", np.array([1.0, 2 + part * 2e-9]), np.array([1.0, 2.0]))
+    assert [entry.agrees for entry in ledger.entries] == [True, True, False, False]
 
 
 def test_fields_that_break_their_own_definitions_are_found(small_run):

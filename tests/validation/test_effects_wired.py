@@ -233,8 +233,10 @@ def test_the_word_of_a_listed_effect_turns_with_its_parameter(template, matters,
 
 
 def test_explain_gives_numbers_for_what_is_listed_and_what_is_not(with_effects):
-    scene = with_effects(HARD)
+    scene = with_effects(HARD, theory=True)
     said = explain(scene)
+    assert dict(said.facts)["theory"] == "Persson 2006, Sec. 6: one hardness, in closed form"
+    assert dict(explain(with_effects(theory=True)).facts)["theory"].startswith("Persson 2006, elastic")
     (hard,) = said.effects
     assert hard.effect == "hardness"
     assert hard.number.startswith("E* h'_rms / H = ")

@@ -24,7 +24,7 @@ from validation.measurements.measurement import grid_for, press_on_grids
 from validation.measurements.table_samples import QUANTITIES, at_loads, joined, with_size
 from validation.reference.citable import ATTRIBUTES, as_csv
 from validation.reference.fit import FIT, at_equal_alpha, fitted, fitted_area, nayak
-from validation.reference.interpolation import interpolated
+from validation.reference.interpolation import _curvature, interpolated
 from validation.report.estimates import claim, total_error
 from validation.studies import reference as study
 
@@ -150,6 +150,16 @@ def test_between_two_nodes_the_distance_from_the_nearer_one_is_uncertain(planted
     distance = found.value * abs(np.log(found.value / nearest))
     assert found.interpolation == pytest.approx(1.5 * distance, rel=1e-9)
     assert found.interpolation > 0.05 * nearest
+
+
+def test_what_bends_along_an_axis_is_uncertain_by_the_parabola_through_its_nodes(planted):
+    """Of c x^2 that is c (x - x_0) (x_1 - x) between two nodes, of whatever axes."""
+    nodes = {"hurst": HURSTS, "bandwidth": np.log(BANDWIDTHS), "reduced_pressure": np.log(LOADS)}
+    h, b, p = np.ix_(*nodes.values())
+    asked = {"hurst": 0.6, "bandwidth": 5.0, "reduced_pressure": LOADS[0]}
+    found = _curvature(planted, 0.4 * h**2 - 0.3 * b**2 + 0 * p, asked)
+    apart = 0.4 * 0.1 * 0.4 + 0.3 * np.log(5 / 4) * np.log(8 / 5)
+    assert found == pytest.approx(apart, rel=1e-9)
 
 
 def test_between_its_loads_the_area_of_a_surface_is_read_off():

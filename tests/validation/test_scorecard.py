@@ -10,7 +10,7 @@ from commanding import answer_of, invoke
 from reading_back import misdrawn
 
 from validation.cases import Verdict, below, run_cases
-from validation.cases._result import claims_dataset, claims_page, claims_views
+from validation.cases._result import _unique, claims_dataset, claims_page, claims_views
 from validation.cases.scorecard import Subject, rows, score
 from validation.execution.results import read_results
 from validation.solvers import chosen_solver
@@ -54,6 +54,10 @@ def test_what_is_wrong_stands_on_the_page_and_in_the_sentence(wrong):
     views = claims_views(claims_dataset(wrong.verdicts, [wrong]))
     assert views.cards[0].answer.text.startswith("no: ")
     assert views.cards[1].answer.text == wrong.diagnosis
+
+
+def test_names_that_come_again_have_a_number_from_the_second_on():
+    assert _unique(["p", "u", "p", "p"]) == ["p", "u", "p (2)", "p (3)"]
 
 
 def test_the_worst_failure_stands_first(wrong):
