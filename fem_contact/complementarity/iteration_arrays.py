@@ -163,7 +163,9 @@ class IterationArrays:
         """Move the gap by `factor` steps and a change of offset, and measure the conditions there."""
         fields = self.force, self.gap, self.step, self.image, self.bound
         units, level = (self.load_unit, self.stiffness), (self.levels[0][0], self.levels[1][0])
-        parts = self.coarse_rows.run(self.kernels.move, *fields, factor, shift, *units, self._occupied, *level)
+        parts = self.coarse_rows.run(
+            self.kernels.move, *fields, factor, shift, *units, self._occupied, *level
+        )
         return Errors.joined(parts)
 
     def precondition(self) -> tuple[float, float]:
