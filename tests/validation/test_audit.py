@@ -147,7 +147,7 @@ def test_an_ensemble_with_a_coarse_grid_and_a_second_theory_agrees_throughout(au
 
 
 def test_an_ensemble_is_read_without_the_shifts_of_its_first_surface(audited):
-    ensemble = "[ensemble]\nrealisations = 2\ngrids = [12, 24]\n\n[methods.theory]"
+    ensemble = "[ensemble]\nrealisations = 2\ngrids = [[12, 8], [24, 16]]\n\n[methods.theory]"
     ledger = audited(("[methods.theory]", ensemble))
     assert "area_each of surface 1" in {entry.name for entry in ledger.entries}
 
@@ -208,7 +208,7 @@ def test_an_infinite_conductance_is_nothing_in_json(audited):
 
 
 def test_the_surfaces_of_an_ensemble_are_not_the_bodies_of_one_contact(audited):
-    ensemble = "[ensemble]\nrealisations = 2\ngrids = [12, 24]\n\n[methods.theory]"
+    ensemble = "[ensemble]\nrealisations = 2\ngrids = [[12, 8], [24, 16]]\n\n[methods.theory]"
     melt = 'temperature = "370 K"\nsurface_tension = "0.04 J/m^2"\nlambda_bend = "3 um"'
     ledger = audited(
         ("[methods.theory]", ensemble),
@@ -329,7 +329,7 @@ def test_a_case_of_a_sweep_that_is_not_at_its_place_is_found():
 
 def test_what_a_run_to_an_accuracy_claims_follows_from_its_fields(read_scene, tmp_path):
     scene = read_scene(
-        ("[methods.theory]", "[ensemble]\nrealisations = 2\ngrids = [12, 24]\n\n[methods.theory]")
+        ("[methods.theory]", "[ensemble]\nrealisations = 2\ngrids = [[12, 8], [24, 16]]\n\n[methods.theory]")
     )
     run_accurate(scene, tmp_path / "results", target=0.3, report=False)
     ledger = sound(tmp_path / "results")

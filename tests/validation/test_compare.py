@@ -103,7 +103,7 @@ def test_beside_a_result_without_an_interval_nothing_is_decided(results):
 
 def test_a_difference_is_no_surer_than_what_it_is_of(results, tmp_path, solved):
     """A mean over surfaces, whose interval is wide, beside one surface, whose scatter nobody measured."""
-    ensemble = "[ensemble]\nrealisations = 3\ngrids = [12, 24]\n\n[methods.theory]"
+    ensemble = "[ensemble]\nrealisations = 3\ngrids = [[12, 8], [24, 16]]\n\n[methods.theory]"
     several = solved(("[methods.theory]", ensemble))
     page = compare_folders([results / "first", several.folder], tmp_path / "out").page
     data = read_results(tmp_path / "out").data.isel(result=1)

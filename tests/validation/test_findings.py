@@ -48,7 +48,7 @@ def test_counting_is_said_to_err_to_the_side_to_which_it_does(small_run):
 
 def test_an_ensemble_says_its_mean_and_a_plain_run_that_it_is_one_surface(small_run, solved):
     assert _found(small_run.data, "One surface").kind == "note"
-    ensemble = "[ensemble]\nrealisations = 3\ngrids = [12, 24]\n\n[methods.theory]"
+    ensemble = "[ensemble]\nrealisations = 3\ngrids = [[12, 8], [24, 16]]\n\n[methods.theory]"
     outputs = solved(("[methods.theory]", ensemble))
     data, found = outputs.data, _found(outputs.data, "the mean is A/A0")
     assert found.values["area"].value == float(data.area) == pytest.approx(float(data.area_each.mean()))
