@@ -73,8 +73,8 @@ def _mark(one, data):
     yield from _words(one)
     if kind == "Band":
         return
-    if kind == "Line" and (one.artist.lines[0].get_linestyle() != "None") != one.mark.joined:
-        yield "its points are joined, or not, where the mark says otherwise"
+    if kind == "Line" and not one.mark.joined and one.artist.lines[0].get_linestyle() != "None":
+        yield "its points are joined"
     x, y, bars = _drawn(one, kind)
     slices = list(_slices(one, data, kind))
     fitting = [
