@@ -53,6 +53,13 @@ def test_the_spectral_sum_of_even_powers_are_the_moments(shape):
     np.testing.assert_allclose(sums, surface.moments, rtol=1e-12)
 
 
+def test_the_nayak_parameter_of_one_wave_is_three_halves():
+    """All of its moments are those of one q: m0 m4 = m2^2."""
+    x = 2 * np.pi * np.arange(24) / 24
+    wave = HeightField(heights=np.cos(3 * x)[:, None] + np.zeros(16), lengths=(3.0, 2.0))
+    assert wave.nayak == pytest.approx(1.5, rel=1e-12)
+
+
 def test_a_mean_height_is_no_roughness_to_the_spectral_sum():
     flat = HeightField(heights=np.full((6, 8), 7.0), lengths=(1.0, 1.0))
     assert flat.spectral_sum(lambda q: 1 / q) == 0
