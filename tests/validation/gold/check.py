@@ -30,6 +30,7 @@ def disagreements(name, bench, folder, *, known=None):
     }
     odd = new.pop("misdrawn")["words"]
     odd += shown.differences(name, new.pop("shown")["words"])
+    odd += differences(name, shown.read_said()[name], new.pop("said"), data, rtol=RTOL_ELSEWHERE)
     return [*differences(name, record, new, data, rtol=rtol), *odd]
 
 

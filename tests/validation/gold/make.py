@@ -16,7 +16,7 @@ import numpy as np
 from reading_back import misdrawn
 
 from gold.asked import LADDERS, STUDIES, UNSTEADY
-from gold.shown import shown_on
+from gold.shown import shown_on, steady_findings
 from validation.measurements.convergence import Ladders
 from validation.report.page import page_of
 from validation.report.table import budget_table
@@ -83,8 +83,21 @@ def compute(name, bench, folder, *, known=None):
 
 
 def of_page(name, page, odd):
-    """Record what a page shows, and what is wrong on it."""
-    return {"shown": {"words": shown_on(name, page)}, "misdrawn": {"words": odd}}
+    """Record what a page shows, the numbers of its findings, and what is wrong on it."""
+    return {
+        "shown": {"words": shown_on(name, page)},
+        "said": _steady(name, dict(_of_findings(name, page))),
+        "misdrawn": {"words": odd},
+    }
+
+
+def _of_findings(name, page):
+    for k, found in enumerate(steady_findings(name, page)):
+        rows = [row for row in (found.get("values"), *found.get("rows", ())) if row]
+        for value in dict.fromkeys(value for row in rows for value in row):
+            told = [row[value] for row in rows if value in row]
+            numbers = [number for one in told for number in (one["value"], one.get("error"))]
+            yield f"finding {k} ({found['kind']}).{value}", _entry(("row",), numbers)
 
 
 def of_dataset(name, data):

@@ -1,9 +1,11 @@
 """What a page shows, by the names of its variables: which stand in tables, on which axes, in which sentences.
 
-``python -m gold.shown NAME ...`` from ``tests/validation`` writes shown.json again, all without a name.
+``python -m gold.shown NAME ...`` from ``tests/validation`` writes shown.json and said.json.xz again, all
+without a name.
 """
 
 import json
+import lzma
 import sys
 import tempfile
 from pathlib import Path
@@ -12,6 +14,8 @@ from string import Formatter
 from gold.asked import COMPARED, SCENES, STUDIES, UNSTEADY
 
 STORED = Path(__file__).parent / "shown.json"
+#: Numbers of the findings, with their errors.
+SAID = Path(__file__).parent / "said.json.xz"
 
 
 def shown_on(name, page):
@@ -24,13 +28,19 @@ def shown_on(name, page):
     for drawing in page.figures:
         marks = {id(one.mark): one for one in drawing.drawn}.values()
         lines += [f"figure {drawing.name}: {_mark(one)}" for one in marks]
-    if not any("findings" in place for place in UNSTEADY.get(name.partition(" ")[0], ())):
-        # Which way of a run is the cheapest, and what can be said of it, is another today.
-        steady = not name.startswith("scene")
-        for found in (f for f in page.summary["findings"] if steady or f["kind"] != "cost"):
-            names = [part[1] for form in (found["form"], found.get("item", "")) for part in _parsed(form)]
-            lines.append(f"{found['kind']} by {found.get('by', '')}: {', '.join(names)}")
+    for found in steady_findings(name, page):
+        names = [part[1] for form in (found["form"], found.get("item", "")) for part in _parsed(form)]
+        lines.append(f"{found['kind']} by {found.get('by', '')}: {', '.join(names)}")
+        lines[-1] += f" {found['outcomes']}" if "outcomes" in found else ""
     return lines
+
+
+def steady_findings(name, page):
+    """Return those that are the same another day: which way of a run is the cheapest is not."""
+    if any("findings" in place for place in UNSTEADY.get(name.partition(" ")[0], ())):
+        return []
+    costs = name.startswith("scene")
+    return [found for found in page.summary["findings"] if not costs or found["kind"] != "cost"]
 
 
 def _parsed(form):
@@ -44,6 +54,11 @@ def _mark(one):
             told[key] = {n: str(v) for n, v in value.items()} if key == "where" else value
     scales = one.axes.get_xscale(), one.axes.get_yscale()
     return f"{type(mark).__name__} {mark.y} over {one.x} {told}, {', '.join(scales)}"
+
+
+def read_said():
+    """Return the stored numbers of findings by entry and place."""
+    return dict(json.loads(lzma.decompress(SAID.read_bytes())))
 
 
 def differences(name, lines):
@@ -60,14 +75,17 @@ def main():
     from gold.make import compute
     from validation.execution.bench import Bench
 
-    known = json.loads(STORED.read_text(encoding="utf-8")) if sys.argv[1:] else {}
+    known, said = (json.loads(STORED.read_text(encoding="utf-8")), read_said()) if sys.argv[1:] else ({}, {})
     with tempfile.TemporaryDirectory() as place:
         for name in sys.argv[1:] or (*STUDIES, *SCENES, *COMPARED):
             folder = Path(place) / name
             folder.mkdir()
-            known[name] = compute(name, Bench.at(Path(place) / "solves"), folder)[0]["shown"]["words"]
-            print(name, len(known[name]), flush=True)
+            record = compute(name, Bench.at(Path(place) / "solves"), folder)[0]
+            known[name], said[name] = record["shown"]["words"], record["said"]
+            print(name, len(known[name]), len(said[name]), flush=True)
     STORED.write_text(json.dumps(known, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+    text = json.dumps(said, indent=0, sort_keys=True)
+    SAID.write_bytes(lzma.compress(text.encode(), preset=9 | lzma.PRESET_EXTREME))
 
 
 if __name__ == "__main__":
