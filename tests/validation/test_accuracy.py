@@ -133,6 +133,33 @@ def test_an_accuracy_beyond_memory_is_refused_with_the_one_within_reach(scene, t
     assert reached.error <= 1.1 * reachable
 
 
+def test_the_cheapest_way_that_can_be_gone_is_gone_and_else_the_cheapest_is_told():
+    """Three ways suffice, of 3, 2 and 1 s; the fastest takes the most memory."""
+    needs = {8: (3.0, 1), 16: (2.0, 2), 32: (1.0, 4)}
+    ways = [
+        SimpleNamespace(grids=((n, n),), seconds=seconds, peak_bytes=mib * MIB, error=0.005)
+        for n, (seconds, mib) in needs.items()
+    ]
+    ways.append(SimpleNamespace(grids=((4, 4),), seconds=0.1, peak_bytes=MIB, error=0.02))
+
+    def searched(free, tried=()):
+        bench = SimpleNamespace(
+            wanted="1 %", means=lambda: "is too little", affordable=lambda _, b: b <= free
+        )
+        search = SimpleNamespace(target=0.01, bench=bench)
+        return Search._cheapest(search, ways, {((n, n),) for n in tried}, share=1.0)
+
+    assert searched(2 * MIB) is ways[1]
+    assert searched(2 * MIB, tried=[16]) is ways[0]
+    for tried, needed in (((), "4 MiB and 1 s"), ((32,), "2 MiB and 2 s")):
+        with pytest.raises(
+            UsageError, match=rf"1 %: needs about {needed} \(.*\), and is too little; nothing is"
+        ):
+            searched(0, tried)
+    with pytest.raises(UsageError, match=r"needs more than .* about 2.0 % is within"):
+        searched(MIB, tried=needs)
+
+
 def test_an_accuracy_beyond_the_time_limit_is_refused_before_the_main_solves(scene, bench):
     with pytest.raises(UsageError, match=r"s are left; .* within reach"):
         reach(scene, bench, target=1e-5, time_limit=0.4)

@@ -10,6 +10,7 @@ import pkgutil
 from dataclasses import is_dataclass
 from pathlib import Path
 
+import pytest
 import typer
 from pydantic import BaseModel
 
@@ -19,6 +20,8 @@ import validation
 from validation import notebook
 from validation.cli import app
 from validation.measurements.hard_cases import CASES
+from validation.solvers import find_solver
+from validation.solvers.base import Size
 
 STORED = Path(__file__).parent / "gold/defaults.json"
 #: Of a schema what describes a key, and what another version of pydantic may word in another way.
@@ -84,6 +87,15 @@ def test_what_is_not_said_is_what_it_was():
     known, now = json.loads(STORED.read_text(encoding="utf-8")), found()
     assert {k: now.get(k) for k in known if now.get(k) != known[k]} == {}
     assert now.keys() - known.keys() == set()
+
+
+@pytest.mark.parametrize("name", ["bem", "fem"])
+def test_a_solver_that_is_not_told_does_what_its_table_says(name):
+    solver, grid = find_solver(name), (12, 8)
+    told = dict(solver.settings(solver.options(grids=(grid,))))
+    costs = [solver.cost(Size(grid=grid, lengths=(2.0, 1.0), settings=s)) for s in (told, {})]
+    assert costs[0] == costs[1]
+    assert solver.variant(told) == solver.variant({})
 
 
 if __name__ == "__main__":

@@ -1,5 +1,7 @@
 """The study of energy, gap and stiffness: its numbers are the surface's, its findings the numbers'."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -112,6 +114,13 @@ def test_gap_and_compliance_of_a_reading_follow_from_its_energy(stored):
     ends = Persson().mean_gap(p * np.exp([-rise, rise]), case) / case.moments.rms_height
     assert_allclose(said.compliance_predicted[0, 1], -np.diff(ends)[0] / (2 * rise), rtol=1e-3)
     assert_allclose(said.gap_predicted, data.gap_predicted, rtol=1e-12)
+    # Where a theory has an area alone, there is no number of the rest.
+    no_number = dict.fromkeys(("mean_gap", "elastic_energy"), lambda pressure, rough: None)
+    area_alone = SimpleNamespace(label="area alone", area=Persson().area, **no_number)
+    silent = predictions([area_alone], options.pressed, LOADS).isel(theory=0)
+    assert_allclose(silent.area_predicted, said.area_predicted[0], rtol=1e-12)
+    for name in ("gap", "energy_ratio", "compliance"):
+        assert silent[f"{name}_predicted"].isnull().all()
 
 
 def test_a_limit_of_second_order_ends_where_the_error_would():

@@ -15,7 +15,17 @@ from validation.files import digest_of, write_json, write_record
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.limits import limits_of, solved
 from validation.measurements.measurement import press_on_grids
-from validation.report.estimates import change, claim, derive, error_of, gather, mean, power_law, total_error
+from validation.report.estimates import (
+    SOURCES,
+    change,
+    claim,
+    derive,
+    error_of,
+    gather,
+    mean,
+    power_law,
+    total_error,
+)
 from validation.report.findings import finding
 from validation.report.marks import Figure, Line, Panel, draw
 from validation.report.table import Table
@@ -200,6 +210,10 @@ def test_what_grids_miss_at_random_averages_over_surfaces_and_what_drifts_with_t
     each = xr.Dataset({"kappa_each": ("surface", [2.0] * 4), "kappa_each_drift": ("surface", [0.08] * 4)})
     kappa = mean(claim(each, "kappa_each", grid=0.12), "kappa")
     assert float(kappa.kappa_error.sel(source="grid")) == pytest.approx(np.hypot(0.12 / 2, 0.08), rel=1e-12)
+    # What does not enter a number does not enter their mean.
+    exact = dict.fromkeys(SOURCES[2:], "it has none")
+    whole = mean(claim(each.drop_vars("kappa_each_drift"), "kappa_each", grid=0.12, **exact), "kappa")
+    assert f"{value_of(whole, 'kappa')}" == "2.000 +- 0.060"
 
 
 def test_a_source_that_did_not_enter_does_once_a_number_is_claimed():

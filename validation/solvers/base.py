@@ -230,7 +230,7 @@ class Solver(Method):
         """Return what its scorecard tells it on a grid, so that refining the grid refines all of it."""
         return {}
 
-    def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
+    def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any]) -> None:
         """Run through the compiled passes once, so that no solve is charged with loading them."""
 
     def edge_constant(self, result: ContactResult) -> float:

@@ -105,6 +105,6 @@ class Bem(Solver):
                 "have the same; give load.offset"
             )
 
-    def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
+    def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any]) -> None:
         """Press a small surface: large enough for all passes, those of single precision among them."""
         self.solve(replace(example_job(256, effects, tolerance=1e-6), threads=1))

@@ -179,10 +179,10 @@ class ExternalSolver(Solver):
             unknowns=size.points,
         )
 
-    def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
+    def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any]) -> None:
         """Solve a small contact, so that the process has imported and compiled what it needs."""
         with contextlib.suppress(NotConverged):
-            self.claim(example_job(16, **(settings or {})))
+            self.claim(example_job(16, **settings))
 
     def edge_constant(self, result: ContactResult) -> float:
         """Return that of boundary elements: the residuals say that it is the same discrete problem."""

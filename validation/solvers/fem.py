@@ -159,9 +159,9 @@ class Fem(BlockSolver):
             )
         return Solved(contact=contact, block=replace(solutions[-1], contact=contact))
 
-    def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
+    def warm_up(self, effects: Sequence[Effect], settings: Mapping[str, Any]) -> None:
         """Press a small block."""
-        self.solve(example_job(16, effects, method=self.variant(settings or {})))
+        self.solve(example_job(16, effects, method=self.variant(settings)))
 
     def facts(self, options: FemOptions, problem: ContactProblem) -> Iterator[tuple[str, str]]:
         """Yield for each grid the discretisation error that its waves are answered with."""
