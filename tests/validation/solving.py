@@ -70,7 +70,6 @@ class Numbers(Solve):
         return {"seed": self.seed}
 
     prefix = "numbers"
-    code_path = ()
 
     def describe(self):
         return f"numbers of seed {self.seed}"
@@ -150,13 +149,11 @@ def _die_of(tally, last_words=""):
 class DiesAtStart(Numbers):
     """A worker that dies while it makes itself ready, as often as a file says."""
 
-    code_path = ("start",)
-
     def __init__(self, seed, tally):
         super().__init__(seed)
         self.tally = tally
 
-    def warm_up(self):
+    def warm_up(self, warm):
         _die_of(self.tally, "no room for this library")
 
 

@@ -276,7 +276,7 @@ def test_no_solve_is_charged_with_loading_what_its_effects_need(with_effects, mo
 
         return keeping
 
-    monkeypatch.setattr("validation.execution.attempt._warm", {()})  # whatever this process ran before
+    monkeypatch.setattr("validation.execution.attempt._warm", set())  # whatever this process ran before
     monkeypatch.setattr(Bem, "solve", kept(Bem.solve))
     monkeypatch.setattr(block, "solve", kept(block.solve))
     solves = [
@@ -295,8 +295,11 @@ def test_no_solve_is_charged_with_loading_what_its_effects_need(with_effects, mo
     "pair", [(HARD, STICKY), *itertools.product((HARD, STICKY), (LAYER, COATED, GRADED))]
 )
 def test_what_any_two_effects_need_is_loaded(with_effects, monkeypatch, pair):
-    loaded = {()}
+    loaded = set()
     monkeypatch.setattr("validation.execution.attempt._warm", loaded)
     solves = solves_of(with_effects(*pair))
     warm_up(solves)
-    assert {solve.code_path for solve in solves} < loaded
+    kinds = sorted(tomllib.loads(effect)["effects"][0]["kind"] for effect in pair)
+    assert loaded == {("bem", "", *kinds)}
+    monkeypatch.setattr(Bem, "warm_up", None)  # once is enough
+    warm_up(solves)

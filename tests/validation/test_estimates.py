@@ -176,6 +176,18 @@ def views(data):
 """
 
 
+def test_a_change_has_the_errors_of_both_places():
+    each = xr.Dataset(
+        {"area_each": ("load", [0.5, 0.7, 0.4]), "area_each_drift": ("load", [0.03, 0.0, 0.01])}
+    )
+    each = claim(each, "area_each", grid=xr.DataArray([0.04, 0.5, 0.02], dims="load"))
+    found = change(each, "area", along="load")
+    assert float(found.area_change_each) == pytest.approx(0.8 - 1)
+    grid = found.area_change_each_error.sel(source="grid")
+    assert float(grid) == pytest.approx(0.8 * np.hypot(0.04 / 0.5, 0.02 / 0.4))
+    assert float(found.area_change_each_drift) == pytest.approx((0.41 / 0.53 - 0.39 / 0.47) / 2, rel=2e-2)
+
+
 def test_names_that_are_none_are_refused_before_anything_is_solved(tmp_path):
     path = tmp_path / "mine.py"
     path.write_text(SOURCE)

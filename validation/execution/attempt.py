@@ -45,8 +45,8 @@ class Outcome:
     fatal: bool = False
 
 
-#: Code paths that this process is warm for; of a worker, the solve before, whose surface may be shared.
-_warm: set[tuple[str, ...]] = {()}
+#: Compiled passes that this process has loaded; of a worker, the solve before, whose surface may be shared.
+_warm = set[tuple[str, ...]]()
 _previous: list[Solve] = []
 
 
@@ -56,9 +56,7 @@ def warm_up(solves: Iterable[Solve]) -> None:
 
     xr.Dataset(coords={"x": [0.0]})  # xarray then imports the libraries of arrays that are installed
     for solve in solves:
-        if solve.code_path not in _warm:
-            solve.warm_up()
-            _warm.add(solve.code_path)
+        solve.warm_up(_warm)
 
 
 def attempt_in_worker(solve: Solve, store: Store) -> Outcome:

@@ -93,19 +93,14 @@ class Solve(ABC):
         """Methods whose compiled passes it runs through."""
         return ()
 
-    @property
-    def code_path(self) -> tuple[str, ...]:
-        """What decides which compiled passes are run through: each method, its variant, kinds of effects."""
-        return tuple(
-            part
-            for method, settings, effects in self.compiled
-            for part in (method, find_solver(method).variant(settings), *sorted(e.kind for e in effects))
-        )
-
-    def warm_up(self) -> None:
-        """Run through the compiled passes once, so that no solve is charged with loading them."""
+    def warm_up(self, warm: set[tuple[str, ...]]) -> None:
+        """Run through compiled passes that are not `warm`, so that no solve is charged with loading them."""
         for method, settings, effects in self.compiled:
-            find_solver(method).warm_up(effects, settings)
+            solver = find_solver(method)
+            path = (method, solver.variant(settings), *sorted(effect.kind for effect in effects))
+            if path not in warm:
+                solver.warm_up(effects, settings)
+                warm.add(path)
 
     def threads_used(self, threads: int | None) -> int:
         """Return how many threads `do` uses when it is given that many."""
