@@ -1,17 +1,27 @@
-"""Studies read back through the command: what cannot be computed again is listed."""
+"""Studies read back through the command: what cannot be computed again is listed.
+
+``python tests/validation/test_audit_studies.py`` writes gold/judged.json again, where a change is meant.
+"""
 
 import json
+import tempfile
+from pathlib import Path
+from unittest.mock import patch
 
 import numpy as np
 import pytest
 import xarray as xr
 from gold.asked import STUDIES
+from gold.make import new_numbers, options_of
 
 from validation.audit import Ledger, audit
 from validation.audit.dataset import Result
 from validation.audit.from_solves import second_order_step
 from validation.audit.values import judge_dataset
+from validation.execution.bench import Bench
 from validation.files import read_record, write_record
+from validation.studies import Study
+from validation.studies._outputs import run_study
 
 
 @pytest.fixture
@@ -36,10 +46,21 @@ def test_a_study_agrees_and_without_its_store_its_solves_are_listed(folder):
 _ASKED = {"depth": {"depth", "growth", "poisson"}, "area": {"reduced_pressure"}, "scaling": {"points"}}
 
 
+#: How many numbers of each study are judged, and which are not.
+JUDGED = Path(__file__).parent / "gold" / "judged.json"
+
+
+def judged(folder):
+    """Judge the numbers of a study by its solves; return what was judged, and how it stands in the file."""
+    result, ledger = Result(folder), Ledger()
+    judge_dataset(result, ledger)
+    return result, ledger, {"judged": len(ledger.entries), "unread": sorted(ledger.unread)}
+
+
 @pytest.mark.parametrize("name", STUDIES)
 def test_the_numbers_of_each_study_agree_with_its_solves(name, tmp_path, left, numbers):
-    result, ledger = Result(left(name, tmp_path, report=False)), Ledger()
-    judge_dataset(result, ledger)
+    result, ledger, found = judged(left(name, tmp_path, report=False))
+    assert found == json.loads(JUDGED.read_text(encoding="utf-8"))[name]
     assert [str(entry) for entry in ledger.wrong] == []
     assert _ASKED.get(name, set()) <= {entry.name.partition(" ")[0] for entry in ledger.entries}
     solved = [json.loads(solve.attrs["recipe"]) for solve in result._read.values()]
@@ -63,3 +84,19 @@ def test_a_step_of_second_order_is_that_of_the_two_finest_grids():
     fine, step = second_order_step(solve, xr.Variable("load", [0.0, 0.0], {"of": "gap"}))
     np.testing.assert_allclose(fine, values[-1].mean(axis=0), rtol=1e-12)
     np.testing.assert_allclose(fine + step, 0.7, rtol=1e-12)
+
+
+if __name__ == "__main__":
+    stored = {}
+    with tempfile.TemporaryDirectory() as place:
+        bench = Bench.at(Path(place) / "solves")
+        for name in STUDIES:
+            folder = Path(place) / name
+            folder.mkdir()
+            study, options, _ = options_of(name, folder)
+            data = new_numbers(name, bench, folder)
+            with patch.object(Study, "compute", lambda *_, data=data, **__: data):
+                run_study(study, options, folder, bench=bench, report=False)
+            stored[name] = judged(folder)[2]
+    lines = (f"{json.dumps(name)}: {json.dumps(found)}" for name, found in sorted(stored.items()))
+    JUDGED.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")

@@ -226,6 +226,7 @@ def test_what_grids_miss_at_random_averages_over_surfaces_and_what_drifts_with_t
     exact = dict.fromkeys(SOURCES[2:], "it has none")
     whole = mean(claim(each.drop_vars("kappa_each_drift"), "kappa_each", grid=0.12, **exact), "kappa")
     assert f"{value_of(whole, 'kappa')}" == "2.000 +- 0.060"
+    assert whole.kappa_error.attrs["depth"] == "does not enter: it has none"
 
 
 def test_a_source_that_did_not_enter_does_once_a_number_is_claimed():
