@@ -232,6 +232,7 @@ def test_what_grids_miss_at_random_averages_over_surfaces_and_what_drifts_with_t
 def test_a_source_that_did_not_enter_does_once_a_number_is_claimed():
     data = claim(xr.Dataset({"area": ("load", [0.1, 0.2])}), "area", surfaces=0.03, grid="it is exact")
     assert "grid" in data.area_error.attrs
+    np.testing.assert_array_equal(data.area_error.sel(source="surfaces"), 0.03)
     data = claim(data, "area", grid=0.04)
     assert "grid" not in data.area_error.attrs
     np.testing.assert_allclose(total_error(data, "area"), 0.05)

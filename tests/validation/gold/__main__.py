@@ -15,7 +15,7 @@ with tempfile.TemporaryDirectory() as place:
         folder.mkdir()
         start = time.process_time()
         record, _ = compute(name, Bench.at(Path(place) / "solves"), folder)
-        for of_page in ("misdrawn", "shown", "said"):  # are kept beside shown.json
+        for of_page in ("misdrawn", "shown", "said", "answers"):  # are kept beside shown.json
             record.pop(of_page)
         path = write(name, record)
         spent = time.process_time() - start

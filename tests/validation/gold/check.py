@@ -15,6 +15,8 @@ RTOL_HERE = 1e-12
 #: Elsewhere solves end where their residuals, 1e-8 of p |g| and below, are small enough, and areas,
 #: energies and differences of areas between grids follow: a hundred times that.
 RTOL_ELSEWHERE = 1e-6
+#: Of two digits the last may be another one.
+_RTOL_PRINTED = 0.1
 
 
 def disagreements(name, bench, folder, *, known=None):
@@ -30,7 +32,9 @@ def disagreements(name, bench, folder, *, known=None):
     }
     odd = new.pop("misdrawn")["words"]
     odd += shown.differences(name, new.pop("shown")["words"])
-    odd += differences(name, shown.read_said()[name], new.pop("said"), data, rtol=RTOL_ELSEWHERE)
+    said = shown.read_said()
+    for part, part_rtol in (("said", RTOL_ELSEWHERE), ("answers", _RTOL_PRINTED)):
+        odd += differences(name, said[part][name], new.pop(part), data, rtol=part_rtol)
     return [*differences(name, record, new, data, rtol=rtol), *odd]
 
 

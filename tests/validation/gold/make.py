@@ -87,6 +87,7 @@ def of_page(name, page, odd):
     return {
         "shown": {"words": shown_on(name, page)},
         "said": _steady(name, dict(_of_findings(name, page))),
+        "answers": dict(_of_answers(page)),
         "misdrawn": {"words": odd},
     }
 
@@ -98,6 +99,15 @@ def _of_findings(name, page):
             told = [row[value] for row in rows if value in row]
             numbers = [number for one in told for number in (one["value"], one.get("error"))]
             yield f"finding {k} ({found['kind']}).{value}", _entry(("row",), numbers)
+
+
+def _of_answers(page):
+    for card in page.answers:
+        if "cost" not in card.question.lower():
+            printed = map(float, _NUMBER.findall(f"{card.answer} {card.basis}"))
+            # One digit of what rounding leaves is another one elsewhere.
+            numbers = [number if abs(number) >= 1e-3 else 0.0 for number in printed]
+            yield f"answer: {card.question}", _entry(("number",), numbers)
 
 
 def of_dataset(name, data):

@@ -14,7 +14,7 @@ from string import Formatter
 from gold.asked import COMPARED, SCENES, STUDIES, UNSTEADY
 
 STORED = Path(__file__).parent / "shown.json"
-#: Numbers of the findings, with their errors.
+#: Numbers of the findings, with their errors, and those printed in the answers on top.
 SAID = Path(__file__).parent / "said.json.xz"
 
 
@@ -57,7 +57,7 @@ def _mark(one):
 
 
 def read_said():
-    """Return the stored numbers of findings by entry and place."""
+    """Return the stored numbers of findings and answers by entry and place."""
     return dict(json.loads(lzma.decompress(SAID.read_bytes())))
 
 
@@ -75,14 +75,18 @@ def main():
     from gold.make import compute
     from validation.execution.bench import Bench
 
-    known, said = (json.loads(STORED.read_text(encoding="utf-8")), read_said()) if sys.argv[1:] else ({}, {})
+    known, said = {}, {"said": {}, "answers": {}}
+    if sys.argv[1:]:
+        known, said = json.loads(STORED.read_text(encoding="utf-8")), read_said()
     with tempfile.TemporaryDirectory() as place:
         for name in sys.argv[1:] or (*STUDIES, *SCENES, *COMPARED):
             folder = Path(place) / name
             folder.mkdir()
             record = compute(name, Bench.at(Path(place) / "solves"), folder)[0]
-            known[name], said[name] = record["shown"]["words"], record["said"]
-            print(name, len(known[name]), len(said[name]), flush=True)
+            known[name] = record["shown"]["words"]
+            for part, numbers in said.items():
+                numbers[name] = record[part]
+            print(name, len(known[name]), len(said["said"][name]), flush=True)
     STORED.write_text(json.dumps(known, indent=1, sort_keys=True) + "\n", encoding="utf-8")
     text = json.dumps(said, indent=0, sort_keys=True)
     SAID.write_bytes(lzma.compress(text.encode(), preset=9 | lzma.PRESET_EXTREME))
