@@ -93,15 +93,14 @@ def test_a_stored_file_larger_than_memory_is_refused_unread_and_stays(tmp_path, 
 
 def _kept(folder, **asked):
     data = Numbers(2).do()
-    return write_results(
-        folder, data, kind="run", name="x", settings=asked, store=folder / "s", words=["a word"]
-    )
+    write_results(folder, data, kind="run", name="x", settings=asked, store=folder / "s", words=["a word"])
+    return data
 
 
 def test_what_was_written_comes_back(tmp_path):
     kept = _kept(tmp_path, scene={"hurst": 0.8})
     found = read_results(tmp_path)
-    assert found.data.equals(kept.data)
+    assert found.data.equals(kept)
     assert (found.kind, found.name, found.settings, found.words) == (
         "run",
         "x",

@@ -35,8 +35,6 @@ class Result:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self._read: dict[Any, Any] = {}
-        #: h'_rms by the pressure of solves, once they were looked at.
-        self.gradients: dict[float, float] = {}
         self.record = read_record(folder / "result.json")
         data = _bytes(folder / "data.nc", str(self.record["data"]))
         self.data: Variables = read_dataset(memoryview(data)).variables

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import itertools
 import json
 import math
@@ -162,18 +163,18 @@ def _asked(result: Result, solve: xr.Dataset, name: str) -> Any:
     return found[0] if len(found) == 1 else None
 
 
+@functools.lru_cache(maxsize=1)
 def _steepest(result: Result) -> dict[float, float]:
     """h'_rms of the surface with all its waves, by the pressure that it and its parts are given."""
-    gradients = result.gradients
-    if not gradients:
-        named = (v.values for name, v in result.data.items() if name.startswith("solve"))
-        for key in {one for values in named for text in values.ravel() for one in str(text).split()}:
-            solve = result.solve(key)
-            if solve is not None and "heights" in solve:
-                x, y = solve.attrs["lengths"]
-                gradient = math.sqrt(moments(solve["heights"].values, (float(x), float(y)))[1])
-                for pressure in _numbers(json.loads(solve.attrs["recipe"]), "pressure"):
-                    gradients[pressure] = max(gradients.get(pressure, 0.0), gradient)
+    gradients: dict[float, float] = {}
+    named = (v.values for name, v in result.data.items() if name.startswith("solve"))
+    for key in {one for values in named for text in values.ravel() for one in str(text).split()}:
+        solve = result.solve(key)
+        if solve is not None and "heights" in solve:
+            x, y = solve.attrs["lengths"]
+            gradient = math.sqrt(moments(solve["heights"].values, (float(x), float(y)))[1])
+            for pressure in _numbers(json.loads(solve.attrs["recipe"]), "pressure"):
+                gradients[pressure] = max(gradients.get(pressure, 0.0), gradient)
     return gradients
 
 

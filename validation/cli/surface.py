@@ -131,7 +131,7 @@ def convert(
     measured.check("missing")
     patch = measured.patch if edges is None else measured.period
     for words in patch.history:
-        typer.echo(words, err=True)
+        say(words, prefix="")
     field = patch.height_field()
     if grid is not None:
         check_fits((grid, grid), f"--grid = {grid}:", remedy="choose fewer")

@@ -13,13 +13,13 @@ import numpy as np
 import xarray as xr
 
 from validation.errors import UsageError
-from validation.execution.outputs import Outputs
-from validation.execution.results import RECORD, Result, read_results, record_of, write_results
-from validation.files import locked, prepare_folder
+from validation.execution.outputs import Outputs, leave
+from validation.execution.results import RECORD, Result, read_results, record_of
+from validation.files import prepare_folder
 from validation.report.estimates import derive, each, total_error
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Line, against
-from validation.report.page import page_of, write_page
+from validation.report.page import page_of
 from validation.report.quantities import labelled, place_words, quantity_of
 from validation.report.table import ResultTable, Row, WordTable, shown, value_cells
 from validation.report.values import value_of
@@ -90,10 +90,8 @@ def compare_folders(folders: Sequence[Path], output: Path, *, report: bool = Tru
             "not_compared": list(left_out),
         },
     )
-    with locked(prepare_folder(output)):
-        result = write_results(output, data, kind="compare", name=page.title, settings=settings, store=output)
-        files = write_page(page, output, numbers_only=not report)
-        return Outputs(result=result, page=page, folder=output, files=files)
+    record: Any = {"kind": "compare", "name": page.title, "settings": settings, "store": output}
+    return leave(prepare_folder(output), data, lambda *_, **__: page, report=report, **record)
 
 
 def _read(folders: Sequence[Path]) -> tuple[dict[str, Result], tuple[str, ...]]:

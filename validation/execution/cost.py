@@ -33,8 +33,8 @@ def available_memory() -> int:
 def memory_words(size: float) -> str:
     """Return an amount of memory in words.
 
-    >>> memory_words(3 * 2**20), memory_words(2.5 * 2**30)
-    ('3 MiB', '2.5 GiB')
+    >>> memory_words(3 * 2**20), memory_words(2**30), memory_words(2.5 * 2**30)
+    ('3 MiB', '1 GiB', '2.5 GiB')
     """
     return f"{size / 2**30:.3g} GiB" if size >= 2**30 else f"{size / 2**20:.3g} MiB"
 

@@ -44,17 +44,17 @@ class Measurement(Generic[P]):
     #: Of its results: with the arguments it determines the name on disk.
     kind: str
     #: Predicted time of a solve on one thread [s], bytes for each grid point; or a `Prediction` for both.
-    seconds: Callable[..., float] | None = None
+    seconds: Callable[..., float] = lambda: 0.0
     bytes: int = 0
     predict: Callable[..., Prediction] | None = None
     #: Whether it keeps a located area; the version of what is read off, in the recipe unless it is 0.
     located: bool = False
     version: int = 0
     #: Makes of the usual recipe, ``made``, that of this measurement; what it leaves out then.
-    recipe: Callable[..., dict[str, Any]] | None = None
+    recipe: Callable[..., dict[str, Any]] = lambda made: made
     left_out: tuple[str, ...] = ()
     #: Methods whose compiled passes it runs through; plain boundary elements if not given.
-    compiled: Callable[..., Compiled] | None = None
+    compiled: Callable[..., Compiled] = lambda: (("bem", {}, ()),)
 
     def __post_init__(self) -> None:
         update_wrapper(self, self.function)
@@ -114,8 +114,7 @@ class Call(Solve):
                 entries[name] = dict(value) if name == "settings" else _plain(value)
         entries |= {"edges": LOCATED_EDGES} if self.measurement.located else {}
         entries |= {"version": self.measurement.version} if self.measurement.version else {}
-        if self.measurement.recipe is not None:  # of one that is keyed otherwise
-            entries = self._evaluated(self.measurement.recipe, made=entries)
+        entries = self._evaluated(self.measurement.recipe, made=entries)
         return {name: value for name, value in entries.items() if name not in self.measurement.left_out}
 
     @property
@@ -146,14 +145,13 @@ class Call(Solve):
             return cast(
                 "Prediction", self._evaluated(about.predict, points=points, pair_seconds=pair_seconds)
             )
-        seconds = self._evaluated(about.seconds, points=points) if about.seconds is not None else 0.0
+        seconds = self._evaluated(about.seconds, points=points)
         return Prediction(seconds=seconds, peak_bytes=about.bytes * points, unknowns=points)
 
     @cached_property
     def compiled(self) -> Compiled:
-        """As the measurement says; plain boundary elements if it says nothing."""
-        compiled = self.measurement.compiled
-        return (("bem", {}, ()),) if compiled is None else cast("Compiled", self._evaluated(compiled))
+        """As the measurement says."""
+        return cast("Compiled", self._evaluated(self.measurement.compiled))
 
     def _evaluated(self, of: Callable[..., Any], **more: Any) -> Any:
         known = {**dict(self.arguments), **more}

@@ -51,7 +51,7 @@ def write_results(
     settings: Mapping[str, Any],
     store: Path,
     words: Sequence[str] = (),
-) -> Result:
+) -> None:
     """Write dataset and record of an act into its folder, which the caller has locked; see `Result`."""
     record = {
         "format": _FORMAT,
@@ -64,7 +64,6 @@ def write_results(
     clear_results(folder)
     write_numbers(folder / DATA, data, recipe=record)
     write_record(folder / RECORD, {**record, "data": digest_of(folder / DATA)})
-    return Result(kind=kind, name=name, settings=settings, store=store, data=data, words=tuple(words))
 
 
 def clear_results(folder: Path) -> None:

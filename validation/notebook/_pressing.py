@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -17,7 +16,7 @@ from fem_contact.surface import HeightField
 from validation.arrays import Grid
 from validation.comparison.theory_alone import theory_data
 from validation.effects import effect_kinds
-from validation.errors import NoLimit, UsageError
+from validation.errors import NoLimit, UsageError, did_you_mean
 from validation.notebook._contact import Contact, pressed
 from validation.notebook._surface import Surface
 from validation.notebook._tables import GridLike, Quantity, checked, fast_grid, grids_of
@@ -250,9 +249,8 @@ def _effects(effects: Mapping[str, Any]) -> list[dict[str, Any]]:
     for name, value in ((name.replace("_", "-"), value) for name, value in effects.items()):
         if name not in kinds:
             allowed = [name for name in (*signature(press).parameters, *kinds) if name != "effects"]
-            close = difflib.get_close_matches(name, allowed, n=1)
-            hint = f"did you mean {close[0]!r}? " if close else ""
-            raise UsageError(f"{name}: no such argument or effect; {hint}Allowed: {', '.join(allowed)}")
+            hint = did_you_mean(name, allowed) or ";"
+            raise UsageError(f"{name}: no such argument or effect{hint} Allowed: {', '.join(allowed)}")
         if value is True:
             listed.append({"kind": name})
         elif isinstance(value, Mapping):
