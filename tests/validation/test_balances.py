@@ -13,7 +13,13 @@ from small_scene import scene_in, small_scene
 from validation.comparison.run import run_scene
 from validation.execution.bench import Bench
 from validation.execution.store import check_store
+from validation.measurements.common import base_surface
+from validation.measurements.control_variates import unsolved_pairs
+from validation.measurements.measurement import press_on_grids
+from validation.measurements.pairs import area_pairs
 from validation.report.estimates import shown_sources, total_error
+from validation.scenes.problem import ContactProblem
+from validation.scenes.tables import Load, SolidSpec
 
 
 @pytest.fixture(scope="module")
@@ -52,6 +58,27 @@ def test_the_seconds_of_the_rows_are_those_of_the_solves(fresh):
     assert_allclose(outputs.data.seconds_total, spent, rtol=1e-9)
     # A solve is within what was done about it.
     assert all(solve["wall"] <= solve["made"].seconds for solve in solves.values())
+
+
+def test_the_seconds_that_a_measurement_keeps_are_within_those_of_its_solve(tmp_path):
+    problem = ContactProblem(
+        surface=base_surface(hurst=0.7, periods=2.0, bandwidth=4.0, seed=4711),
+        solid=SolidSpec(young=0.91e9, poisson=0.3),
+        load=Load(reduced_pressure=0.1),
+    )
+    pressed = {"problem": problem, "grids": ((24, 24), (32, 32)), "effects": (), "tolerance": 1e-6}
+    cases = [
+        press_on_grids(shifts=2, **pressed),
+        area_pairs(first=3, count=2, **pressed),
+        unsolved_pairs(problem=problem, grid=(32, 32), first=3, count=2),
+    ]
+    results = Bench.at(tmp_path).solve(cases)
+    for case, made in zip(cases, results.made(), strict=True):
+        kept = results[case]
+        spent = np.ravel(kept.seconds.values if "seconds" in kept else kept.attrs["seconds"])
+        assert np.all(spent > 0)
+        # Processor time of one thread.
+        assert spent.sum() <= made.seconds + 0.02, case.describe()
 
 
 def test_solves_end_between_the_beginning_and_the_end_of_the_run(fresh):

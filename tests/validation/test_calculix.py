@@ -9,7 +9,7 @@ from fem_contact import HeightField, NotConverged, Solid
 from validation.effects.base import ContactModel
 from validation.solvers import find_solver
 from validation.solvers.base import Job, example_field
-from validation.solvers.calculix import _deck
+from validation.solvers.calculix import _YOUNG, _deck
 
 CALCULIX, FEM = find_solver("calculix"), find_solver("fem")
 present = pytest.mark.skipif(CALCULIX.available() is not None, reason=str(CALCULIX.available()))
@@ -71,6 +71,16 @@ def test_each_node_of_the_deck_is_one_and_each_that_is_named_is_there():
     assert {int(row[0]) for name in ("BASE", "TOP", "RIGID") for row in blocks[f"*NSET,NSET={name}"]} <= {
         *nodes
     }
+    # Every set and material that is named is there; load and solid are those that were asked for.
+    sets = {
+        line.rpartition("=")[2] for line in lines if line.startswith(("*NODE,", "*NSET", "*ELEMENT", "*MAT"))
+    }
+    heads = [line for line in lines if line.startswith(("*SOLID", "*GAP", "*NODE PRINT"))]
+    named = {part.partition("=")[2] for line in heads for part in line.split(",")[1:]}
+    assert named | {row[0] for row in blocks["*BOUNDARY"]} <= sets
+    assert [list(map(float, row)) for row in blocks["*ELASTIC"]] == [[_YOUNG, 0.3]]
+    ((_, axis, force),) = blocks["*CLOAD"]
+    assert (axis, float(force)) == ("3", pytest.approx(-0.1 * 0.75 * 1.0))
 
 
 @present
