@@ -26,9 +26,11 @@ from validation.audit.reading import audit
 from validation.comparison.explain import explain
 from validation.comparison.run import run_scene, run_sweep
 from validation.comparison.run_views import run_views
+from validation.comparison.sweep_views import sweep_views
 from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.execution.press import run_solves
+from validation.report.estimates import claim
 from validation.scenes.problem import realise
 from validation.scenes.scene import load_scene
 from validation.scenes.sweep import load_asked
@@ -567,6 +569,12 @@ def test_a_sweep_of_a_map_has_the_budget_of_each_case(treated):
     assert "Budget of the treatment of the map" in text
     cells = [row[swept.page.budget.columns.index("treatment [%]")] for row in swept.page.budget.rows]
     assert cells == pytest.approx(100 * swept.data.treatment_spread.values, rel=1e-12)
+    # The larger of the two is the answer, the other stands below it.
+    known = claim(swept.data, "area", surfaces=0.0, solver=0.0, grid=0.01 * swept.data.area)
+    sure = next(card for card in sweep_views(known).cards if card.question == "How sure?")
+    assert f"{100 * worst:.2g} % by treatment" in str(sure.answer)
+    assert str(sure.basis).startswith("+- 1 % (95 %: ")
+    assert str(sure.basis).endswith("); other treatments of the map move the area so far")
 
 
 def test_the_treatment_of_a_map_is_in_its_budget_beside_what_the_interval_holds(treated):
