@@ -328,6 +328,7 @@ ROUNDING = (
         "leak: *balance*",
         "adhesion: *_old_each",
         "autopsy: *persson_each_drift",
+        "autopsy: *persson_error",
         "*area_ensemble_error",
     ),
 )
