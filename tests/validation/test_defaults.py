@@ -9,15 +9,16 @@ import json
 import pkgutil
 from dataclasses import is_dataclass
 from pathlib import Path
+from typing import Annotated, get_origin
 
 import pytest
 import typer
-from pydantic import BaseModel
+from pydantic import BaseModel, TypeAdapter
 
 import fem_contact as fc
 import persson
 import validation
-from validation import notebook
+from validation import notebook, units
 from validation.cli import app
 from validation.measurements.hard_cases import CASES
 from validation.solvers import find_solver
@@ -78,6 +79,12 @@ def found():
     pairs = [*_of_tables(), *_of_commands(command)]
     # Where solvers are tried on their hard cases, and what is asked of them there.
     pairs += [(f"stability {case.name}", {"values": case.values, "bound": case.bound}) for case in CASES]
+    # Quantities, also those that only a command line has.
+    annotated = ((name, kind) for name, kind in vars(units).items() if get_origin(kind) is Annotated)
+    pairs += [
+        (f"units.{n}", {"bounds": sorted(map(str, _bounds(TypeAdapter(k).json_schema())))})
+        for n, k in annotated
+    ]
     for owner in (fc, persson, notebook):
         pairs += _of_functions(owner, owner.__name__)
     return json.loads(json.dumps(dict(pairs), default=repr))

@@ -125,7 +125,7 @@ def solve_and_write(
     *,
     kind: str,
     settings: Mapping[str, Any],
-    report: bool = True,
+    report: bool,
     pictures: bool = False,
 ) -> Outputs:
     """Do the solves of a run or a sweep, and write dataset, record and page.

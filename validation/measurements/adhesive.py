@@ -79,7 +79,7 @@ class Sticking:
     hardness: tuple[Hardness, ...]
     grids: tuple[int, ...]
 
-    def solves(self, *, sticky: bool = True) -> tuple[Press, ...]:
+    def solves(self, *, sticky: bool) -> tuple[Press, ...]:
         """Return the solves with adhesion or without, coarse grid first."""
         effects = (*((self.adhesion,) if sticky else ()), *self.hardness)
         press = partial(Press, method="bem", settings=(("tolerance", 1e-8),), effects=effects)
