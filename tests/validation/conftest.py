@@ -5,15 +5,14 @@ import pickle
 import numpy as np
 import pytest
 from gold.asked import STUDIES
-from gold.make import new_numbers, options_of
+from gold.make import leave_study, new_numbers
 from small_scene import GRIDS, small_scene
 
 from validation.comparison.run import run_scene
 from validation.execution.bench import Bench
 from validation.files import atomic_path, prepare_folder
 from validation.scenes.scene import load_scene
-from validation.studies import Study, find_study
-from validation.studies._outputs import run_study
+from validation.studies import find_study
 
 _HEAD = 'name = "small"\ntitle = "A small scene"\n' + small_scene(
     "shifts = 2\n\n[methods.theory]\n", grids=GRIDS.removeprefix("grids = ")
@@ -112,12 +111,7 @@ def left(numbers, bench):
     """Leave in a folder what a study makes of its gold numbers; without a report their data alone."""
 
     def leave(name, folder, *, report=True):
-        study, options, _ = options_of(name, prepare_folder(folder))
-        data = numbers(name)
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(Study, "compute", lambda *_, **__: data)
-            run_study(study, options, folder, bench=bench, report=report)
-        return folder
+        return leave_study(name, numbers(name), prepare_folder(folder), bench=bench, report=report)
 
     return leave
 

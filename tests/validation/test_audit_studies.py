@@ -6,13 +6,13 @@
 import json
 import tempfile
 from pathlib import Path
-from unittest.mock import patch
 
 import numpy as np
 import pytest
 import xarray as xr
+from gold import write_lines
 from gold.asked import STUDIES
-from gold.make import new_numbers, options_of
+from gold.make import leave_study, new_numbers
 
 from validation.audit import Ledger, audit
 from validation.audit.dataset import Result
@@ -20,8 +20,6 @@ from validation.audit.from_solves import second_order_step
 from validation.audit.values import judge_dataset
 from validation.execution.bench import Bench
 from validation.files import read_record, write_record
-from validation.studies import Study
-from validation.studies._outputs import run_study
 
 
 @pytest.fixture
@@ -93,10 +91,6 @@ if __name__ == "__main__":
         for name in STUDIES:
             folder = Path(place) / name
             folder.mkdir()
-            study, options, _ = options_of(name, folder)
-            data = new_numbers(name, bench, folder)
-            with patch.object(Study, "compute", lambda *_, data=data, **__: data):
-                run_study(study, options, folder, bench=bench, report=False)
-            stored[name] = judged(folder)[2]
-    lines = (f"{json.dumps(name)}: {json.dumps(found)}" for name, found in sorted(stored.items()))
-    JUDGED.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
+            numbers = new_numbers(name, bench, folder)
+            stored[name] = judged(leave_study(name, numbers, folder, bench=bench, report=False))[2]
+    write_lines(JUDGED, dict(sorted(stored.items())))

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gold import write_lines
 
 from validation import cases
 from validation.cases import Case, all_cases, below, chosen_cases, relative, run_cases, within
@@ -137,5 +138,4 @@ if __name__ == "__main__":
         }
         for verdict in run_cases(SECONDS)
     }
-    lines = (f"{json.dumps(name)}: {json.dumps(numbers)}" for name, numbers in found.items())
-    NUMBERS.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
+    write_lines(NUMBERS, found)

@@ -13,6 +13,7 @@ from typing import Annotated, get_origin
 
 import pytest
 import typer
+from gold import write_lines
 from pydantic import BaseModel, TypeAdapter
 
 import fem_contact as fc
@@ -106,5 +107,4 @@ def test_a_solver_that_is_not_told_does_what_its_table_says(name):
 
 
 if __name__ == "__main__":
-    lines = [f"{json.dumps(k)}: {json.dumps(v, sort_keys=True)}" for k, v in sorted(found().items())]
-    STORED.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
+    write_lines(STORED, dict(sorted(found().items())))

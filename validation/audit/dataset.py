@@ -6,8 +6,9 @@ import csv
 import hashlib
 import io
 import json
+import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -15,7 +16,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import xarray as xr
 
-from validation.audit.stored import LARGEST, Array, sealed_bytes
+from validation.audit.stored import LARGEST, Array, moments, sealed_bytes
 from validation.execution.netcdf import read_dataset
 from validation.files import read_record, read_whole
 
@@ -27,6 +28,15 @@ Variables: TypeAlias = Mapping[Any, xr.Variable]
 def ordered(variable: xr.Variable, dims: tuple[Any, ...]) -> Array:
     """Return an array with these dimensions in this order, of length 1 where it has none of them."""
     return np.asarray(variable.set_dims(dims))  # type: ignore[no-untyped-call]
+
+
+def numbers_in(recipe: Any, name: str) -> Iterator[float]:
+    """Yield the numbers of this name in a recipe, however deep they stand."""
+    for key, part in recipe.items() if isinstance(recipe, dict) else enumerate(recipe):
+        if key == name and isinstance(part, int | float):
+            yield part
+        elif isinstance(part, dict | list):
+            yield from numbers_in(part, name)
 
 
 class Result:
@@ -78,6 +88,20 @@ class Result:
         store = self.record.get("store")
         path = None if store is None else Path(os.path.realpath(self.folder / str(store)))
         return path if path is not None and path.is_dir() else None
+
+    @cached_property
+    def gradients(self) -> dict[float, float]:
+        """h'_rms of the surface with all its waves, by the pressure that it and its parts are given."""
+        gradients: dict[float, float] = {}
+        named = (v.values for name, v in self.data.items() if name.startswith("solve"))
+        for key in {one for values in named for text in values.ravel() for one in str(text).split()}:
+            solve = self.solve(key)
+            if solve is not None and "heights" in solve:
+                x, y = solve.attrs["lengths"]
+                gradient = math.sqrt(moments(solve["heights"].values, (float(x), float(y)))[1])
+                for pressure in numbers_in(json.loads(solve.attrs["recipe"]), "pressure"):
+                    gradients[pressure] = max(gradients.get(pressure, 0.0), gradient)
+        return gradients
 
     def solve(self, key: str, read: Callable[[memoryview], Any] = read_dataset) -> Any:
         """Return what `read` makes of the bytes of a stored solve, once; None where it is not there."""

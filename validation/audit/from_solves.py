@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import functools
 import itertools
 import json
 import math
@@ -14,10 +13,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from validation.audit.dataset import Result, ordered
+from validation.audit.dataset import Result, numbers_in, ordered
 from validation.audit.expressions import value_of
 from validation.audit.limits import TRAITS, limit_over
-from validation.audit.stored import Array, Pair, Stored, moments
+from validation.audit.stored import Array, Pair, Stored
 from validation.execution.netcdf import read_dataset
 
 #: Points per shortest wave below which a grid enters no limit.
@@ -150,41 +149,17 @@ def _asked(result: Result, solve: xr.Dataset, name: str) -> Any:
     """Return the one number of this name in what a solve was asked; p* follows from p0."""
     recipe = json.loads(str(solve.attrs.get("recipe", "{}")))
     recipe.get("surface", {}).pop("surfaces", None)  # bodies of one contact; a result counts realisations
-    found = [recipe[f"{name}s"]] if f"{name}s" in recipe else list(_numbers(recipe, name))
+    found = [recipe[f"{name}s"]] if f"{name}s" in recipe else list(numbers_in(recipe, name))
     if name == "points" and "grid" in recipe:
         found = recipe["grid"][:1]
     if name == "depth":  # of a block, over the period
         found = [depth / max(recipe["surface"]["length"]) for depth in found]
     if name == "reduced_pressure" and not found:
         solid = recipe.get("solid", {})
-        for pressure in _numbers(recipe, "pressure") if len(solid) == 2 else ():
+        for pressure in numbers_in(recipe, "pressure") if len(solid) == 2 else ():
             modulus = solid["young"] / (1 - solid["poisson"] ** 2)
-            found.append(pressure / (modulus * _steepest(result)[pressure]))
+            found.append(pressure / (modulus * result.gradients[pressure]))
     return found[0] if len(found) == 1 else None
-
-
-@functools.lru_cache(maxsize=1)
-def _steepest(result: Result) -> dict[float, float]:
-    """h'_rms of the surface with all its waves, by the pressure that it and its parts are given."""
-    gradients: dict[float, float] = {}
-    named = (v.values for name, v in result.data.items() if name.startswith("solve"))
-    for key in {one for values in named for text in values.ravel() for one in str(text).split()}:
-        solve = result.solve(key)
-        if solve is not None and "heights" in solve:
-            x, y = solve.attrs["lengths"]
-            gradient = math.sqrt(moments(solve["heights"].values, (float(x), float(y)))[1])
-            for pressure in _numbers(json.loads(solve.attrs["recipe"]), "pressure"):
-                gradients[pressure] = max(gradients.get(pressure, 0.0), gradient)
-    return gradients
-
-
-def _numbers(recipe: Any, name: str) -> Iterator[float]:
-    """Yield the numbers of this name in a recipe, however deep they stand."""
-    for key, part in recipe.items() if isinstance(recipe, dict) else enumerate(recipe):
-        if key == name and isinstance(part, int | float):
-            yield part
-        elif isinstance(part, dict | list):
-            yield from _numbers(part, name)
 
 
 def _said_by_all(result: Result, variable: xr.Variable, read: Callable[[xr.Dataset], Any]) -> Array | None:

@@ -25,16 +25,16 @@ def disagreements(name, bench, folder, *, known=None):
     here = gold["machine"] == machine()
     new, data = compute(name, bench, folder, known=known)
     rtol = RTOL_HERE if here else RTOL_ELSEWHERE
-    record = gold["record"] if here else _steady(name, gold["record"])
+    record = gold["record"] if here else _without_rounding(name, gold["record"])
     odd = new.pop("misdrawn")["words"]
     odd += shown.differences(name, new.pop("shown")["words"])
     for part, part_rtol in (("said", RTOL_ELSEWHERE), ("answers", _RTOL_PRINTED)):
-        said = _steady(name, shown.read_said()[part][name])
+        said = _without_rounding(name, shown.read_said()[part][name])
         odd += differences(name, said, new.pop(part), data, rtol=part_rtol)
     return [*differences(name, record, new, data, rtol=rtol), *odd]
 
 
-def _steady(name, record):
+def _without_rounding(name, record):
     """Leave out what is rounding."""
     return {p: e for p, e in record.items() if not any(fnmatch(f"{name}: {p}", part) for part in ROUNDING)}
 
