@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
+import functools
 import os
 import time
 from dataclasses import dataclass, replace
-from typing import TypedDict
+from typing import Any, TypedDict
 
 from fem_contact._checks import positive, whole, within
 
@@ -13,6 +15,21 @@ from fem_contact._checks import positive, whole, within
 def available_processors() -> int:
     """Processors this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@functools.cache
+def _libraries() -> Any:
+    """Look once for libraries with threads of their own: it takes longer than a small solve."""
+    import scipy.linalg  # noqa: F401 -- which brings one
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()
+
+
+def one_blas_thread() -> contextlib.AbstractContextManager[object]:
+    """Keep the dense linear algebra inside to one thread: more of them only wait for each other."""
+    limits: contextlib.AbstractContextManager[object] = _libraries().limit(limits=1, user_api="blas")
+    return limits
 
 
 class Limits(TypedDict, total=False):

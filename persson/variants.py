@@ -4,6 +4,7 @@ Under partial contact less energy is stored than full contact of the same area w
 the stress variance grow by dV = S(P) dV_full, with P the relative contact area: S = 1 is the theory of 2001.
 """
 
+import functools
 import math
 from typing import Literal, get_args
 
@@ -177,24 +178,32 @@ def corrected_contact_area(pressure: ArrayLike, *, stress_variance: ArrayLike, v
     return np.where(loaded, area, np.where(load > 0, 1.0, 0.0))[()]
 
 
-def _grown(x: Array, variant: Variant) -> Array:
-    """Invert x = int_0^y dy' / S(erf(1/sqrt(2 y'))); below y = 1e-3 S is 1."""
+def _rate(y: Array, variant: Variant) -> Array:
+    return 1 / energy_factor(erf(1 / np.sqrt(2 * y)), variant=variant)
+
+
+@functools.cache
+def _table(variant: Variant) -> tuple[Array, PchipInterpolator]:
+    """X = int_0^y dy' / S(erf(1/sqrt(2 y'))) at the nodes, and ln y over ln x; below y = 1e-3 S is 1."""
     points, weights = gauss(8)
-
-    def rate(y: Array) -> Array:
-        return 1 / energy_factor(erf(1 / np.sqrt(2 * y)), variant=variant)
-
     low, high = _NODES[:-1, None], _NODES[1:, None]
-    parts = (rate(low + (high - low) * points) @ weights) * np.diff(_NODES)
+    parts = (_rate(low + (high - low) * points, variant) @ weights) * np.diff(_NODES)
     table = np.concatenate([_NODES[:1], _NODES[0] + np.cumsum(parts)])
+    return table, PchipInterpolator(np.log(table), np.log(_NODES))
+
+
+def _grown(x: Array, variant: Variant) -> Array:
+    """Invert x = int_0^y dy' / S(erf(1/sqrt(2 y')))."""
+    points, weights = gauss(8)
+    table, start_of = _table(variant)
     inside = np.clip(x, table[0], table[-1])
-    y = np.exp(PchipInterpolator(np.log(table), np.log(_NODES))(np.log(inside)))
+    y = np.exp(start_of(np.log(inside)))
     index = np.clip(np.searchsorted(_NODES, y, side="right") - 1, 0, _NODES.size - 2)
     for _ in range(2):
         start = _NODES[index]
         part = start[..., None] + (y - start)[..., None] * points
-        value = table[index] + (rate(part) @ weights) * (y - start)
-        y = y + (inside - value) / rate(y)
+        value = table[index] + (_rate(part, variant) @ weights) * (y - start)
+        y = y + (inside - value) / _rate(y, variant)
     return np.where(x < table[0], x, np.where(x > table[-1], x * (y / inside), y))
 
 

@@ -205,8 +205,9 @@ def _drawn(generator: np.random.Generator, position: Numbers) -> Array:
     """Return the random numbers at these positions of the sequence, of which little is held at once."""
     order, out = np.argsort(position), np.empty(position.shape)
     ordered = position[order]
-    for first in range(0, int(position.max(initial=-1)) + 1, _DRAWN):
-        drawn = generator.random(_DRAWN)
+    count = int(position.max(initial=-1)) + 1
+    for first in range(0, count, _DRAWN):
+        drawn = generator.random(min(_DRAWN, count - first))
         part = slice(*np.searchsorted(ordered, (first, first + _DRAWN)))
         out[order[part]] = drawn[ordered[part] - first]
     return out

@@ -25,10 +25,10 @@ from validation.errors import NoLimit, RunFailed, UsageError
 from validation.execution.attempt import Progress
 from validation.execution.bench import Execution
 from validation.execution.fields import decode_result, fields_dataset
-from validation.execution.netcdf import dataset_bytes
 from validation.execution.press import Press
 from validation.measurements import ensemble
 from validation.measurements.measurement import area_limits
+from validation.netcdf import dataset_bytes
 from validation.report.estimates import claim, derive
 from validation.report.findings import finding
 from validation.report.table import budget_table, shown

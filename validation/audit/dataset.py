@@ -17,8 +17,8 @@ import numpy as np
 import xarray as xr
 
 from validation.audit.stored import LARGEST, Array, moments, sealed_bytes
-from validation.execution.netcdf import read_dataset
 from validation.files import read_record, read_whole
+from validation.netcdf import read_dataset
 
 Lines: TypeAlias = list[list[str]]
 #: Variables by name.

@@ -17,7 +17,7 @@ from validation.audit.dataset import Result, numbers_in, ordered
 from validation.audit.expressions import value_of
 from validation.audit.limits import TRAITS, limit_over
 from validation.audit.stored import Array, Pair, Stored
-from validation.execution.netcdf import read_dataset
+from validation.netcdf import read_dataset
 
 #: Points per shortest wave below which a grid enters no limit.
 _LEAST_POINTS = 3.0

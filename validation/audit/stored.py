@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.execution.netcdf import read_dataset
 from validation.files import read_whole
+from validation.netcdf import read_dataset
 
 Array = NDArray[Any]
 Grid = tuple[int, int]

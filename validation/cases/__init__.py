@@ -19,8 +19,8 @@ from typing import Any, TypeAlias, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fem_contact.settings import one_blas_thread
 from validation.errors import UsageError, did_you_mean
-from validation.execution.attempt import one_blas_thread
 from validation.measurements.statistics import order_of_convergence
 from validation.report.papers import cited
 

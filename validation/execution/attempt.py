@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 from fem_contact.errors import FemContactError
+from fem_contact.settings import one_blas_thread
 from validation.errors import RunFailed
 from validation.execution.provenance import Made
 from validation.execution.solve import Solve
@@ -72,7 +72,6 @@ def attempt(solve: Solve, store: Store, *, threads: int | None = None) -> Outcom
     """
     began = time.monotonic()
     try:
-        # Sparse solvers gain nothing from a threaded BLAS, whose idle threads spin on cores that others need.
         with one_blas_thread():
             result = solve.do(threads=threads)
         made = Made.now(threads=solve.threads_used(threads), seconds=time.monotonic() - began)
@@ -84,11 +83,3 @@ def attempt(solve: Solve, store: Store, *, threads: int | None = None) -> Outcom
     except OSError as error:  # too many open files, no further thread: the others would meet the same
         return Outcome(error=f"{solve.describe()}: {system_words(error)}", fatal=True)
     return Outcome()
-
-
-def one_blas_thread() -> contextlib.AbstractContextManager[object]:
-    """Keep the dense linear algebra inside to one thread."""
-    from threadpoolctl import threadpool_limits
-
-    limits: contextlib.AbstractContextManager[object] = threadpool_limits(1, user_api="blas")
-    return limits

@@ -16,9 +16,9 @@ from validation.arrays import Grid
 from validation.effects.base import ContactModel
 from validation.execution.cost import dearer_by
 from validation.execution.fields import decode_result, fields_dataset
-from validation.execution.netcdf import dataset_bytes
 from validation.execution.solve import PAIR_SECONDS, Compiled, Prediction, Solve
 from validation.files import atomic_path
+from validation.netcdf import dataset_bytes
 from validation.scenes.problem import ContactProblem, realise
 from validation.scenes.scene import EffectSpec, Scene
 from validation.solvers import find_solver

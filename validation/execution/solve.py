@@ -11,7 +11,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from validation.execution.netcdf import dataset_bytes, read_dataset
+from validation.netcdf import dataset_bytes, read_dataset
 from validation.solvers import find_solver
 
 #: A method, its settings and the effects that it is to be warmed up with.

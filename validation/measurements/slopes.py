@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from fem_contact.errors import NotConverged
+from fem_contact.settings import one_blas_thread
 from validation.arrays import Array, Grid
 from validation.execution.measurement import measurement
 from validation.execution.solve import Prediction
@@ -38,8 +39,6 @@ def steepened(
     along the plane over the load. NaN, with the reason, where Newton's method ends. The block is `depth`
     periods deep.
     """
-    from threadpoolctl import threadpool_limits
-
     from fem_contact import block
 
     field, solid = problem.heights(grid), problem.elastic
@@ -47,7 +46,7 @@ def steepened(
     mesh: Any = {"depth": depth * max(field.lengths), "growth": growth}
     steps: list[dict[str, float]] = []
     ended = ""
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_blas_thread():
         linear = block.solve(field, solid, mean_pressure=pressure, **mesh).contact.checked()
         try:
             steeper = block.solve_slopes(field, solid, mean_pressure=pressure, slopes=slopes, **mesh)

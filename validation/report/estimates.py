@@ -166,7 +166,7 @@ def spread(data: xr.Dataset, dim: str, count: int = 3) -> list[int]:
 # ---- errors --------------------------------------------------------------------------------------
 
 
-def error_of(value: xr.DataArray, **sources: xr.DataArray | float | str) -> xr.DataArray:
+def error_of(value: xr.DataArray, **sources: xr.DataArray | Array | float | str) -> xr.DataArray:
     """Return the errors of a variable from what is known of each source.
 
     Of a source is given half the width of its 95 % interval, or the reason why it does not enter. Sources
@@ -298,24 +298,25 @@ def mean(
         values = _of(data, f"{name}_each", f"mean of {name!r}", over)
         there = solved_places(data, values, over=over)
         middle, half = mean_of(values, over=over, pairs=pairs, there=there)
-        count = there.sum(over)
-        sources: dict[str, Any] = {"surfaces": half}
+        axis, solved = values.get_axis_num(over), _alike(there, values)
+        sources: dict[str, Any] = {"surfaces": half.values}
         of = optional(data, f"{name}_each_error")
         why: dict[str, Any] = {}
         if of is not None:
-            grid = of.sel(source="grid", drop=True)
-            sources["grid"] = (_mean(grid**2, over, there) / (1 if alike else count)) ** 0.5
-            sources |= {s: _mean(of.sel(source=s, drop=True), over, there) for s in SOURCES[2:]}
+            of_each = dict(zip(SOURCES, np.moveaxis(_alike(of, error_of(values)), -1, 0), strict=True))
+            grid = _mean(of_each["grid"] ** 2, axis, solved)
+            sources["grid"] = (grid / (1 if alike else solved.sum(axis))) ** 0.5
+            sources |= {source: _mean(of_each[source], axis, solved) for source in SOURCES[2:]}
             why = dict(of.attrs)
         drift = optional(data, f"{name}_each_drift")
         if drift is not None:
-            sources["grid"] = (sources.get("grid", 0.0) ** 2 + _mean(drift, over, there) ** 2) ** 0.5
+            moved = _mean(_alike(drift, values), axis, solved)
+            sources["grid"] = (sources.get("grid", 0.0) ** 2 + moved**2) ** 0.5
         how = {"over": over, "pairs": int(pairs), "alike": int(alike)}
         made = {"reduction": "mean", "of": f"{name}_each", **how}
         # An error that rounding explains is none.
-        sources = {
-            source: half.where(~(half < _ROUNDING * abs(middle)), 0.0) for source, half in sources.items()
-        }
+        least = _ROUNDING * abs(middle.values)
+        sources = {source: np.where(half < least, 0.0, half) for source, half in sources.items()}
         error = error_of(middle, **sources)
         error.attrs |= why
         added |= {name: middle.assign_attrs(made), f"{name}_error": error}
@@ -339,24 +340,36 @@ def mean_of(
     Where one surface has no value the mean has none: the others are not a fair sample. A single sample has
     no interval. Where not all are `there`, the mean is over those that are.
     """
-    there = xr.ones_like(values, bool) if there is None else there
+    axis = values.get_axis_num(over)
+    samples = values.values
+    solved = np.ones(values.shape, bool) if there is None else _alike(there, values)
     if pairs:
-        values, second = (values.isel({over: slice(k, None, 2)}) for k in (0, 1))
-        values = (values.drop_vars(over, errors="ignore") + second.drop_vars(over, errors="ignore")) / 2
-        there = there.isel({over: slice(0, None, 2)}).drop_vars(over, errors="ignore")
-    middle = _mean(values, over, there)
-    count = there.sum(over)
+        first, second = (np.arange(k, values.sizes[over], 2) for k in (0, 1))
+        samples = (samples.take(first, axis) + samples.take(second, axis)) / 2
+        solved = solved.take(first, axis)
+    count = solved.sum(axis)
+    middle = _mean(samples, axis, solved)
     with np.errstate(invalid="ignore"):  # of what is endless it is unknown
-        squares = ((values - middle) ** 2).where(there, 0.0).sum(over, skipna=False)
-    scatter = (squares / (count - 1).where(count > 1)) ** 0.5
+        squares = np.where(solved, (samples - np.expand_dims(middle, axis)) ** 2, 0.0).sum(axis)
+    scatter = (squares / np.where(count > 1, count - 1, math.nan)) ** 0.5
     # What is the same on every surface scatters by rounding alone.
-    scatter = scatter.where(~(scatter < _ROUNDING * abs(middle)), 0.0)
-    return middle, scatter * (scipy.special.stdtrit((count - 1).clip(min=1), 0.975) / count**0.5)
+    scatter = np.where(scatter < _ROUNDING * abs(middle), 0.0, scatter)
+    half = scatter * (scipy.special.stdtrit(np.maximum(count - 1, 1), 0.975) / np.maximum(count, 1) ** 0.5)
+    single = values.isel({over: 0}, drop=True)
+    return single.copy(data=middle), single.copy(data=half)
 
 
-def _mean(values: xr.DataArray, over: str, there: xr.DataArray) -> xr.DataArray:
+def _alike(values: xr.DataArray, like: xr.DataArray) -> Array:
+    """Values along the dimensions of another array, in their order."""
+    if values.dims != like.dims:
+        values = values.broadcast_like(like).transpose(*like.dims)
+    return values.values
+
+
+def _mean(values: Array, axis: int, there: Array) -> Array:
     """Mean over the samples that are there; NaN where one of them is."""
-    return values.where(there).mean(over).where(~(values.isnull() & there).any(over))
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.where(there, values, 0.0).sum(axis) / there.sum(axis))
 
 
 def solved_places(data: xr.Dataset, values: xr.DataArray, *, over: str) -> xr.DataArray:

@@ -23,6 +23,7 @@ import xarray as xr
 from validation.arrays import Pair
 from validation.errors import UsageError
 from validation.files import atomic_path
+from validation.netcdf import dataset_bytes
 from validation.report.estimates import each, optional, shown_sources, total_error
 from validation.report.quantities import (
     Quantity,
@@ -219,9 +220,6 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawi
 
 def write_drawing(drawing: Drawing, folder: Path) -> tuple[Path, ...]:
     """Write a figure and its data into a folder; return the files, SVG first."""
-    import netCDF4
-    from xarray.backends import NetCDF4DataStore
-
     from validation.report.figure import save_figure
 
     svg, pdf, table, data = (folder / f"{drawing.name}.{suffix}" for suffix in ("svg", "pdf", "csv", "nc"))
@@ -229,9 +227,8 @@ def write_drawing(drawing: Drawing, folder: Path) -> tuple[Path, ...]:
         with atomic_path(path) as draft:
             save_figure(drawing.figure, draft)
     tables = write_dataset(drawing.data, table)
-    # Its own `to_netcdf` imports Dask for it, which takes as long as a figure.
-    with atomic_path(data) as draft, netCDF4.Dataset(draft, "w") as file:
-        drawing.data.dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]
+    with atomic_path(data) as draft:
+        draft.write_bytes(dataset_bytes(drawing.data))
     return (svg, pdf, *tables, data)
 
 

@@ -9,6 +9,7 @@ from fem_contact.block.full.multigrid import build_hierarchy
 from fem_contact.block.full.quadratic import QuadraticBlock, parity_blocks, refined_hierarchy
 from fem_contact.block.mesh import node_weights
 from fem_contact.block.problem import Answer, Problem
+from fem_contact.settings import one_blas_thread
 
 #: Set, offset and displacement to start from.
 First = tuple[Mask, float, Array | None]
@@ -45,10 +46,7 @@ def prepared(problem: Problem) -> Block:
 
 def solve_full(problem: Problem, start: Mask | Answer | None, block: Block) -> Answer:
     """Solve the whole block from a first set or solution, by default from a coarser grid's."""
-    from threadpoolctl import threadpool_limits
-
-    # Vectors are short and everything else is serial: more BLAS threads only wait for each other.
-    with threadpool_limits(limits=1, user_api="blas"):
+    with one_blas_thread():
         first = _first(block, problem, start)
         return _pressed(block, problem, first, tolerance=problem.tolerance, violation=problem.violation)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -16,14 +16,26 @@ _END = {0: 40, 2: 28, 3: 28}
 _ROOM = 2**22
 
 
+class _Values:
+    """Values to be written when all is defined: HDF5 writes every definition again after each value."""
+
+    def __init__(self) -> None:
+        self.kept: list[tuple[Any, Any]] = []
+
+    def add(self, source: Any, target: Any, region: Any = None) -> None:
+        self.kept.append((source, target))
+
+
 def dataset_bytes(data: xr.Dataset) -> memoryview:
     """Return a dataset as a netCDF file, without what HDF5 holds in advance behind the end of the file."""
     import netCDF4
     from xarray.backends import NetCDF4DataStore
 
     bytearray(_ROOM)  # a MemoryError instead
-    file = netCDF4.Dataset("memory", "w", format="NETCDF4", memory=1)
-    data.dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]
+    file, values = netCDF4.Dataset("memory", "w", format="NETCDF4", memory=_ROOM), _Values()
+    data.dump_to_store(NetCDF4DataStore(file), writer=values)  # type: ignore[no-untyped-call]
+    for source, target in values.kept:
+        target[...] = source
     image = memoryview(file.close())
     at = _END.get(image[8]) if bytes(image[:8]) == _SIGNATURE else None
     return image if at is None else image[: int.from_bytes(image[at : at + 8], "little")]
