@@ -97,7 +97,7 @@ def find_pieces(problem: Problem, outputs: Array, breaks: Array) -> Pieces:
     for side in (2, 3):
         walls = problem.window(fine, last)[side]
         turns = np.flatnonzero(walls[1:] != walls[:-1])
-        switches.extend(_bisect(problem, last, side, fine[i], fine[i + 1]) for i in turns)
+        switches.extend(_turn(problem, last, side, fine[i], fine[i + 1]) for i in turns)
     start = min(switches) if switches else float(fine[0])
     roots = np.log(np.unique(inside) / last)
     edges = np.unique(
@@ -108,16 +108,14 @@ def find_pieces(problem: Problem, outputs: Array, breaks: Array) -> Pieces:
     return Pieces(reference=last, edges=edges, roots=roots, start=start)
 
 
-def _bisect(problem: Problem, last: float, side: int, low: float, high: float) -> float:
-    at_low = bool(problem.window(np.array([low]), last)[side][0])
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if not low < middle < high:
+def _turn(problem: Problem, last: float, side: int, low: float, high: float) -> float:
+    """Where an edge changes, to rounding: many places at once, as a wall may take long to be asked."""
+    while (places := np.unique(np.linspace(low, high, 65))).size > 2:
+        walls = problem.window(places, last)[side]
+        k = int(np.argmax(walls != walls[0]))
+        if k == 0:
             break
-        if bool(problem.window(np.array([middle]), last)[side][0]) == at_low:
-            low = middle
-        else:
-            high = middle
+        low, high = float(places[k - 1]), float(places[k])
     return high
 
 

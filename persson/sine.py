@@ -4,6 +4,7 @@ Exact for walls that stand still, slow and of algebraic accuracy for walls that 
 for work and this module to check it.
 """
 
+import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -198,6 +199,8 @@ def _moving(
         low, high = max(v - h, 0.0), v + h
         return (wall(high) - wall(low)) / (high - low)
 
+    # Each iteration of Radau's method asks again at the three places of its step.
+    @functools.lru_cache(maxsize=4)
     def matrix(v: float) -> Array:
         width, upper = below(v) + above(v), max(slope(above, v), 0.0)
         both = upper + slope(below, v)

@@ -1,6 +1,7 @@
 """A small scene for the tests of the comparison: seconds, but every part of a real one."""
 
 import pickle
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from small_scene import GRIDS, small_scene
 from validation.comparison.run import run_scene
 from validation.execution.bench import Bench
 from validation.files import atomic_path, prepare_folder
+from validation.report import figure
 from validation.scenes.scene import load_scene
 from validation.studies import find_study
 
@@ -32,6 +34,19 @@ def _written(folder, *replacements, fem=True):
     path = folder / "scene.toml"
     path.write_text(text)
     return path
+
+
+#: Where what a figure looks like is tested. Elsewhere its file is there without a drawing, which takes long.
+_DRAWN = ("facade", "gallery", "page", "pictures", "report_in_browser", "reproduce")
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _figures(request):
+    if request.module.__name__.split(".")[-1].removeprefix("test_") in _DRAWN:
+        yield
+        return
+    with patch.object(figure, "save_figure", lambda drawn, path: path.write_text("<svg></svg>")):
+        yield
 
 
 @pytest.fixture

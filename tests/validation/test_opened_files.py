@@ -58,7 +58,7 @@ _SOURCES = {".py", ".pyc", ".toml", ".j2", ".js"}
 #: Opened here: in a child process, where nobody watches.
 _BY_A_CHILD = {"inspect": {"rough.nc"}}
 #: Long to make, or read by what reads the others, too.
-_LONG = re.compile("reproduce|sliding|conductance|(report|compare) of (sweep|accuracy)")
+_LONG = re.compile("reproduce|sliding|conductance|sweep|accuracy")
 _TIMES = re.compile("second|bytes|date|when|host|cost|made|version")
 #: What is opened goes to the last of these.
 _watched: list[tuple[list[Path], set[Path]]] = []

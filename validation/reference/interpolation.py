@@ -64,18 +64,18 @@ def interpolated(data: xr.Dataset, name: str, point: Mapping[str, float]) -> Ref
     at = float(_theory(name, *((point[axis],) for axis in _AXES)).item())
     ratio = name == "area"
     shown = values / over if ratio else np.log(values / over)
-    smooth, straight = _both(data, shown, point)
+    smooth = _smooth(data, shown, point)
     value = at * (smooth if ratio else float(np.exp(smooth)))
     error = total_error(data, name)
     assert error is not None
     relative = error.transpose(*_AXES).values / values
-    apart = max(abs(smooth - straight), _curvature(data, shown, point))
+    apart = max(abs(smooth - _straight(data, shown, point)), _curvature(data, shown, point))
     interpolation = _SAFETY * (at if ratio else value) * apart
     return ReferenceValue(
         quantity=name,
         meaning=quantity(name).meaning,
         value=value,
-        uncertainty=float(np.hypot(value * _both(data, relative, point)[1], interpolation)),
+        uncertainty=float(np.hypot(value * _straight(data, relative, point), interpolation)),
         interpolation=interpolation,
     )
 
@@ -129,20 +129,23 @@ def _theory(
     return theory_at_nodes(hursts, bandwidths, loads).get(name, np.ones(len(loads)))
 
 
-def _both(data: xr.Dataset, values: Array, point: Mapping[str, float]) -> tuple[float, float]:
-    """Interpolate by monotone cubics and by straight lines, along one axis after the other.
-
-    Where an axis has two nodes, by a straight line and by the nearest node.
-    """
-    smooth = straight = values
+def _smooth(data: xr.Dataset, values: Array, point: Mapping[str, float]) -> float:
+    """Interpolate by monotone cubics along one axis after the other; by a straight line between two nodes."""
     for name in point:
         nodes, at = _coordinates(data, name, point)
-        smooth = PchipInterpolator(nodes, smooth, axis=0)(at) if nodes.size > 1 else smooth[0]
+        values = PchipInterpolator(nodes, values, axis=0)(at) if nodes.size > 1 else values[0]
+    return float(values)
+
+
+def _straight(data: xr.Dataset, values: Array, point: Mapping[str, float]) -> float:
+    """Interpolate by straight lines along one axis after the other; of two nodes the nearest."""
+    for name in point:
+        nodes, at = _coordinates(data, name, point)
         k = int(np.clip(np.searchsorted(nodes, at), 1, max(nodes.size - 1, 1)))
         share = (at - nodes[k - 1]) / (nodes[k] - nodes[k - 1]) if nodes.size > 1 else 0.0
         share = round(share) if nodes.size == 2 else share
-        straight = (1 - share) * straight[k - 1] + (share * straight[k] if share else 0.0)
-    return float(smooth), float(straight)
+        values = (1 - share) * values[k - 1] + (share * values[k] if share else 0.0)
+    return float(values)
 
 
 def _coordinates(data: xr.Dataset, name: str, point: Mapping[str, float]) -> tuple[Array, float]:
@@ -160,7 +163,7 @@ def _curvature(data: xr.Dataset, values: Array, point: Mapping[str, float]) -> f
         nodes, at = _coordinates(data, name, point)
         if nodes.size < 3:
             continue
-        line = np.array([_both(data, values, {**point, name: float(node)})[1] for node in data[name].values])
+        line = np.array([_straight(data, values, {**point, name: float(node)}) for node in data[name].values])
         second = np.diff(np.diff(line) / np.diff(nodes)) / (nodes[2:] - nodes[:-2])
         k = int(np.clip(np.searchsorted(nodes, at), 1, nodes.size - 1))
         near = second[max(k - 2, 0) : k]
