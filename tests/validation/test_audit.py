@@ -5,7 +5,7 @@ import os
 import re
 import shutil
 import signal
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,7 +15,7 @@ import pytest
 from commanding import invoke, output_of
 from small_scene import GRIDS, ONE_BODY, SQUARE_CELLS
 
-from fem_contact import ContactAreas, located_limit, perimeter_limit
+from fem_contact import ContactAreas, contact_areas, located_limit, perimeter_limit
 from fem_contact.area import EDGE_CONSTANTS, EDGE_MAPS, TRAITS
 from persson.hardness import constant_hardness
 from validation.audit import audit, stored
@@ -27,7 +27,9 @@ from validation.audit.runs import Run, _cases, audit_run, yielded_areas
 from validation.comparison.accuracy import run_accurate
 from validation.comparison.run import run_sweep
 from validation.errors import RunFailed, UsageError
+from validation.execution.press import Press
 from validation.execution.results import read_results, write_results
+from validation.scenes.problem import realise
 from validation.scenes.sweep import load_asked
 
 
@@ -69,6 +71,18 @@ def test_every_number_of_the_small_run_follows_from_its_fields(small_run):
 def test_every_number_of_located_edges_follows_from_the_fields(audited):
     names = {entry.name.partition(" ")[0] for entry in audited(SQUARE_CELLS).entries}
     assert {"area_located", "area_limit"} <= names
+
+
+def test_an_edge_of_neither_pressure_nor_gap_lies_where_the_solver_has_it(read_scene):
+    solve = Press(method="bem", grid=(32, 16), problem=realise(read_scene(SQUARE_CELLS, fem=False)))
+    whole = solve.do(threads=1)
+    touching = whole.contact.in_contact
+    within = tuple(np.argwhere(touching & ~np.roll(touching, -1, 0))[0])
+    pressure, gap = whole.contact.pressure.copy(), whole.contact.gap.copy()
+    pressure[within] = gap[(within[0] + 1) % 32, within[1]] = 0.0
+    bare = replace(whole, contact=replace(whole.contact, pressure=pressure, gap=gap))
+    found = stored.Stored(solve.encode(bare)).subcell
+    assert found == pytest.approx(contact_areas(bare.contact, subcell=True).subcell, rel=1e-9)
 
 
 #: What is not computed again of a run of the half-space, and listed.
