@@ -29,6 +29,7 @@ ENERGY_RATIO = 0.45
 XU_RATIO = 0.42
 
 _NODES = np.geomspace(1e-3, 1e26, 1400)
+_POINTS, _WEIGHTS = gauss(8)
 
 
 def energy_factor(area: ArrayLike, *, variant: Variant, energy_ratio: float = ENERGY_RATIO) -> Array:
@@ -185,24 +186,22 @@ def _rate(y: Array, variant: Variant) -> Array:
 @functools.cache
 def _table(variant: Variant) -> tuple[Array, PchipInterpolator]:
     """X = int_0^y dy' / S(erf(1/sqrt(2 y'))) at the nodes, and ln y over ln x; below y = 1e-3 S is 1."""
-    points, weights = gauss(8)
     low, high = _NODES[:-1, None], _NODES[1:, None]
-    parts = (_rate(low + (high - low) * points, variant) @ weights) * np.diff(_NODES)
+    parts = (_rate(low + (high - low) * _POINTS, variant) @ _WEIGHTS) * np.diff(_NODES)
     table = np.concatenate([_NODES[:1], _NODES[0] + np.cumsum(parts)])
     return table, PchipInterpolator(np.log(table), np.log(_NODES))
 
 
 def _grown(x: Array, variant: Variant) -> Array:
     """Invert x = int_0^y dy' / S(erf(1/sqrt(2 y')))."""
-    points, weights = gauss(8)
     table, start_of = _table(variant)
     inside = np.clip(x, table[0], table[-1])
     y = np.exp(start_of(np.log(inside)))
     index = np.clip(np.searchsorted(_NODES, y, side="right") - 1, 0, _NODES.size - 2)
     for _ in range(2):
         start = _NODES[index]
-        part = start[..., None] + (y - start)[..., None] * points
-        value = table[index] + (_rate(part, variant) @ weights) * (y - start)
+        part = start[..., None] + (y - start)[..., None] * _POINTS
+        value = table[index] + (_rate(part, variant) @ _WEIGHTS) * (y - start)
         y = y + (inside - value) / _rate(y, variant)
     return np.where(x < table[0], x, np.where(x > table[-1], x * (y / inside), y))
 
