@@ -110,7 +110,7 @@ def move(lo, hi, x, g, s, v, bound, factor, shift, unit, stiffness, work, sums, 
             free += row_free
             last += row_last
             image += row_image
-        _sum_cells(row, g, -1, work, sums, counts)
+        _sum_cells(row, g, -one, work, sums, counts)
     # Loops, because numba takes a second to compile `min` and `max` of an array.
     for j in range(ny):
         lowest, highest = min(lowest, lows[j]), max(highest, highs[j])
@@ -119,10 +119,12 @@ def move(lo, hi, x, g, s, v, bound, factor, shift, unit, stiffness, work, sums, 
 
 @njit(**_OPTIONS)
 def _sum_cells(row, values, sign, occupied, sums, counts):
-    """Sum occupied points, times a sign, over the cells of one row of the coarser level, and count them."""
+    """Sum occupied points, times a sign, over the cells of one row of the coarser level, and count them.
+
+    The sign is of the precision of the values: a number as such is compiled apart, and takes a second each.
+    """
     nx, ny = values.shape
     zero, near, far = values.dtype.type(0), 2 * row, min(2 * row + 1, nx - 1)
-    sign = values.dtype.type(sign)
     # The last row of an odd number is alone in its cells.
     twice = np.uint8(far > near)
     for col in range(ny // 2):
@@ -149,7 +151,7 @@ def pull(fine, counts, sums, coarse_counts):
         for i in range(2 * row, min(2 * row + 2, nx)):
             for j in range(ny):
                 fine[i, j] *= PARTS[counts[i, j]]
-        _sum_cells(row, fine, 1, counts, sums, coarse_counts)
+        _sum_cells(row, fine, fine.dtype.type(1), counts, sums, coarse_counts)
 
 
 @njit(**_OPTIONS)
@@ -179,10 +181,11 @@ def push_transposed(lo, hi, fine, occupied, coarse):
     """Transpose of `push`: gather the empty cells of a level on rows lo..hi of the next coarser one."""
     nx, ny = fine.shape
     mx, my = coarse.shape
-    line = np.zeros(2 * my + 2, coarse.dtype)
+    line = np.empty(2 * my + 2, coarse.dtype)
     zero, close, far = fine.dtype.type(0), fine.dtype.type(0.75), fine.dtype.type(0.25)
     for row in range(lo, hi):
-        line[:] = 0
+        for k in range(2 * my + 2):
+            line[k] = zero
         above, below = 2 * ((row + 1) % mx), 2 * ((row - 1) % mx) + 1
         for i, weight in ((2 * row, close), (2 * row + 1, close), (above, far), (below, far)):
             if i < nx:
