@@ -71,6 +71,15 @@ def test_each_node_of_the_deck_is_one_and_each_that_is_named_is_there():
     assert {int(row[0]) for name in ("BASE", "TOP", "RIGID") for row in blocks[f"*NSET,NSET={name}"]} <= {
         *nodes
     }
+    # Each node of a far side goes with the one a period before it, and all of the rigid body sink alike.
+    ties = [row for row in blocks["*EQUATION"] if len(row) > 1]
+    moved = {
+        (axis, *np.subtract(nodes[int(far)], nodes[int(near)]))
+        for far, axis, _, near, *_ in ties
+        if nodes[int(far)][2] <= 0
+    }
+    assert moved == {(axis, x, y, 0.0) for axis in "123" for x in (0, 0.75) for y in (0, 1) if x or y}
+    assert len(ties) == 2 * 3 * (4 * 5 - 3 * 4) + 3 * 4 - 1
     # Every set and material that is named is there; load and solid are those that were asked for.
     sets = {
         line.rpartition("=")[2] for line in lines if line.startswith(("*NODE,", "*NSET", "*ELEMENT", "*MAT"))
@@ -81,6 +90,18 @@ def test_each_node_of_the_deck_is_one_and_each_that_is_named_is_there():
     assert [list(map(float, row)) for row in blocks["*ELASTIC"]] == [[_YOUNG, 0.3]]
     ((_, axis, force),) = blocks["*CLOAD"]
     assert (axis, float(force)) == ("3", pytest.approx(-0.1 * 0.75 * 1.0))
+
+
+@present
+def test_processor_time_is_that_of_the_program():
+    from resource import RUSAGE_CHILDREN, getrusage  # where the program runs
+
+    before, took = getrusage(RUSAGE_CHILDREN).ru_utime, 0.0
+    for _ in range(2):
+        solved = pressed(CALCULIX, example_field(12), 0.01, Solid(young=1.0, poisson=0.3))
+        took += solved.cost.cpu_seconds
+    assert took == pytest.approx(getrusage(RUSAGE_CHILDREN).ru_utime - before, abs=0.03)
+    assert took > 0
 
 
 @present
