@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 from commanding import answer_of, output_of
 
-from validation.comparison.compare import compare_folders, side_by_side
+from validation.comparison.compare import compare_folders, differing, side_by_side
 from validation.comparison.run import run_scene, run_sweep
 from validation.errors import UsageError
 from validation.execution.bench import Bench
@@ -89,6 +89,18 @@ def test_whether_results_differ_is_decided_by_the_intervals_of_both(error, outco
     assert data.area_apart.sel(result="b").values == pytest.approx([0, 0.01])
     found = [one for one in _findings(data, pair) if one.kind == "agreement"]
     assert [one.outcomes for one in found] == [(outcome,)]
+
+
+def test_all_that_was_asked_otherwise_is_named_with_its_value_in_each():
+    yields, layers = {"kind": "hardness", "hardness": 1e9}, {"kind": "thickness", "thickness": 1e-6}
+    asked = [[yields], [yields | {"hardness": 2e9}, layers], []]
+    told = differing({str(k): _planted([0.1, 0.2], 0.1, effects=one) for k, one in enumerate(asked)})
+    assert told == {
+        "effects.hardness": ("listed", "listed", ""),
+        "effects.hardness.hardness": ("1e+09", "2e+09", ""),
+        "effects.thickness": ("", "listed", ""),
+        "effects.thickness.thickness": ("", "1e-06", ""),
+    }
 
 
 def test_beside_a_result_without_an_interval_nothing_is_decided(results):
