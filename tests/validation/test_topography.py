@@ -106,7 +106,9 @@ def test_every_format_is_written_and_read_back_exactly(tmp_path, suffix):
             read_topography(path, lengths=field.lengths)
 
 
-def test_netcdf_units_are_converted(tmp_path):
+# Numbers that are not whole are no mask.
+@pytest.mark.parametrize("mask", ["", "u1", "i2", "f8"])
+def test_netcdf_units_and_holes_are_those_of_the_file(tmp_path, mask):
     import netCDF4
 
     path = tmp_path / "afm.nc"
@@ -119,10 +121,14 @@ def test_netcdf_units_are_converted(tmp_path):
         heights = file.createVariable("height", "f4", ("x", "y"), fill_value=-9999.0)
         heights.units = "nm"
         heights[...] = np.ma.masked_equal(np.arange(12.0).reshape(4, 3), 5.0)
+        if mask:
+            file.createVariable("mask", mask, ("x", "y"))[...] = np.eye(4, 3)
     found = read_topography(path)
     assert_allclose(found.lengths, (2e-6, 1.5e-6), rtol=1e-14)
-    assert found.missing == 1
-    assert np.isnan(found.heights[1, 2])
+    holes = np.eye(4, 3) * (mask in {"u1", "i2"})
+    holes[1, 2] = True
+    np.testing.assert_array_equal(np.isnan(found.heights), holes)
+    assert found.missing == holes.sum()
     assert found.heights[3, 2] == pytest.approx(11e-9, rel=1e-7)
 
 
