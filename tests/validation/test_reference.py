@@ -20,7 +20,7 @@ from validation.measurements.control_variates import unsolved_statistics
 from validation.measurements.controlled import Known, chained_mean
 from validation.measurements.ensemble import _Drawn, mean_area
 from validation.measurements.limits import limits_of
-from validation.measurements.measurement import grid_for, press_on_grids
+from validation.measurements.measurement import grid_for, grids_for, press_on_grids
 from validation.measurements.table_samples import QUANTITIES, at_loads, joined, with_size
 from validation.reference.citable import ATTRIBUTES, as_csv
 from validation.reference.fit import FIT, at_equal_alpha, fitted, fitted_area, nayak
@@ -396,7 +396,8 @@ def test_no_surface_serves_two_grids_or_is_looked_at_as_another():
 def test_a_mean_to_an_accuracy_agrees_with_the_table_and_takes_what_it_needs(tmp_path):
     base = base_case(base_surface(hurst=0.5, periods=4.0, bandwidth=4.0, seed=90210), reduced_pressure=0.4)
     bench = Bench.at(tmp_path)
-    rough, fine = (mean_area(base, half_width=asked, bench=bench) for asked in (0.02, 0.002))
+    grids = grids_for(base, (3.0, 6.0, 12.0))
+    rough, fine = (mean_area(base, half_width=asked, bench=bench, grids=grids) for asked in (0.02, 0.002))
     known = reference.lookup(hurst=0.5, bandwidth=4.0, reduced_pressure=0.4)["area"]
     assert rough.half_width <= 0.02 * rough.estimate.value
     assert fine.half_width <= 0.002 * fine.estimate.value

@@ -19,7 +19,7 @@ from validation.execution.measurement import Call
 from validation.measurements.control_variates import unsolved_pairs
 from validation.measurements.controlled import Controlled, Known, allocation, chained_mean
 from validation.measurements.limits import solved
-from validation.measurements.measurement import TOLERANCES_LEFT, area_limits, grids_for
+from validation.measurements.measurement import TOLERANCES_LEFT, area_limits
 from validation.measurements.pairs import area_pairs
 from validation.measurements.statistics import pair_means
 from validation.scenes.problem import ContactProblem
@@ -128,7 +128,7 @@ def mean_area(
     *,
     half_width: float,
     bench: Bench,
-    grids: Sequence[Grid] = (),
+    grids: Sequence[Grid],
     effects: Sequence[EffectSpec] = (),
     tolerance: float = 1e-6,
     watch: Watch | None = None,
@@ -145,13 +145,13 @@ def mean_area(
         Half of the 95 % interval, relative to the mean: surfaces, grids and solver. It stays wider where the grids
         leave nine tenths of that or more, or eight rounds did not suffice.
     grids : sequence of (int, int)
-        Two or three, ascending; of 3, 6 and 12 points per shortest wave if not given.
+        Two or three, ascending.
     effects : sequence
         Of those whose corrected area has a law of error (`fem_contact.extrapolation.perimeter_limit`).
     watch : callable, optional
         Called before each round but the first with the mean so far and the solves that come next; raises to stop.
     """
-    grids = tuple(grids) or grids_for(base, (3.0, 6.0, 12.0))
+    grids = tuple(grids)
     drawn = _Drawn(base=base, grids=grids, tolerance=tolerance, effects=tuple(effects))
     known: dict[_Name, xr.Dataset] = solved(bench, drawn.cases())
     for rounds in itertools.count(1):
