@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import xarray as xr
-
-_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 #: Where a superblock says where its file ends, by its version (HDF5 file format, II.A).
 _END = {0: 40, 2: 28, 3: 28}
@@ -16,28 +15,20 @@ _END = {0: 40, 2: 28, 3: 28}
 _ROOM = 2**22
 
 
-class _Values:
-    """Values to be written when all is defined: HDF5 writes every definition again after each value."""
-
-    def __init__(self) -> None:
-        self.kept: list[tuple[Any, Any]] = []
-
-    def add(self, source: Any, target: Any, region: Any = None) -> None:
-        self.kept.append((source, target))
-
-
 def dataset_bytes(data: xr.Dataset) -> memoryview:
     """Return a dataset as a netCDF file, without what HDF5 holds in advance behind the end of the file."""
     import netCDF4
     from xarray.backends import NetCDF4DataStore
 
     bytearray(_ROOM)  # a MemoryError instead
-    file, values = netCDF4.Dataset("memory", "w", format="NETCDF4", memory=_ROOM), _Values()
-    data.dump_to_store(NetCDF4DataStore(file), writer=values)  # type: ignore[no-untyped-call]
-    for source, target in values.kept:
+    file, values = netCDF4.Dataset("memory", "w", format="NETCDF4", memory=_ROOM), list[Any]()
+    # Written when all is defined: HDF5 writes every definition again after each value.
+    writer = SimpleNamespace(add=lambda *pair: values.append(pair))
+    data.dump_to_store(NetCDF4DataStore(file), writer=writer)  # type: ignore[no-untyped-call]
+    for source, target in values:
         target[...] = source
     image = memoryview(file.close())
-    at = _END.get(image[8]) if bytes(image[:8]) == _SIGNATURE else None
+    at = _END.get(image[8])
     return image if at is None else image[: int.from_bytes(image[at : at + 8], "little")]
 
 

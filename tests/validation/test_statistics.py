@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from validation.measurements.statistics import order_of_convergence, pair_means
 from validation.report.estimates import mean_of
@@ -12,7 +11,7 @@ from validation.report.values import combined
 def estimated(values, **how):
     """Mean and half of its 95 % interval, of samples along the last axis."""
     array = np.asarray(values)
-    return mean_of(xr.DataArray(array, dims=("trial", "surface")[-array.ndim :]), **how)
+    return mean_of(array, -1, **how)
 
 
 def test_the_interval_of_a_mean_is_that_of_student():

@@ -133,7 +133,7 @@ def _on_grids(case: Case) -> xr.Dataset:
         data = derive(data, **{name: f"{name}_shift.mean('shift')"})
         if name != "area_perimeter":
             # Of a mean over the shifts there are; none of one.
-            half = mean_of(values, over="shift", there=values.notnull())[1]
+            half = mean_of(values.values, values.get_axis_num("shift"), there=values.notnull().values)[1]
             data[f"{name}_error"] = error_of(data[name], grid=half, **_ABSENT)
     if not bool(data.area_located.notnull().any()):
         data = data.drop_vars(["area_located", "area_located_error", "area_located_shift"])

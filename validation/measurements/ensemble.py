@@ -128,7 +128,7 @@ def mean_area(
     *,
     half_width: float,
     bench: Bench,
-    grids: Sequence[Grid],
+    grids: tuple[Grid, ...],
     effects: Sequence[EffectSpec] = (),
     tolerance: float = 1e-6,
     watch: Watch | None = None,
@@ -144,14 +144,13 @@ def mean_area(
     half_width : float
         Half of the 95 % interval, relative to the mean: surfaces, grids and solver. It stays wider where the grids
         leave nine tenths of that or more, or eight rounds did not suffice.
-    grids : sequence of (int, int)
+    grids : tuple of (int, int)
         Two or three, ascending.
     effects : sequence
         Of those whose corrected area has a law of error (`fem_contact.extrapolation.perimeter_limit`).
     watch : callable, optional
         Called before each round but the first with the mean so far and the solves that come next; raises to stop.
     """
-    grids = tuple(grids)
     drawn = _Drawn(base=base, grids=grids, tolerance=tolerance, effects=tuple(effects))
     known: dict[_Name, xr.Dataset] = solved(bench, drawn.cases())
     for rounds in itertools.count(1):

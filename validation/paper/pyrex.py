@@ -97,7 +97,7 @@ def _critical(pyrex: Pyrex) -> float:
 
 
 def _half_yielded(pyrex: Pyrex) -> float:
-    q = np.geomspace(1.001 * 2 * math.pi / 1e-6, 1e10, 20000)
+    q = np.geomspace(1.001 * pyrex.spectrum.q_min, pyrex.spectrum.q_short, 20000)
     areas = s.yielded(pyrex.spectrum, pyrex.modulus, s.PYREX_PRESSURE, hardness=s.PYREX_HARDNESS, q=q)
     return float(np.interp(0.5, areas.plastic * s.PYREX_HARDNESS / s.PYREX_PRESSURE, q)) / 1e6
 

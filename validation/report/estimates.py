@@ -296,30 +296,34 @@ def mean(
     added: dict[str, xr.DataArray] = {}
     for name in names:
         values = _of(data, f"{name}_each", f"mean of {name!r}", over)
-        there = solved_places(data, values, over=over)
-        middle, half = mean_of(values, over=over, pairs=pairs, there=there)
-        axis, solved = values.get_axis_num(over), _alike(there, values)
-        sources: dict[str, Any] = {"surfaces": half.values}
+        place, axis = values.isel({over: 0}, drop=True), values.get_axis_num(over)
+        solved = _alike(solved_places(data, values, over=over), values)
+        middle, half = mean_of(values.values, axis, pairs=pairs, there=solved)
+        sources: dict[str, Any] = {"surfaces": half}
         of = optional(data, f"{name}_each_error")
-        why: dict[str, Any] = {}
         if of is not None:
             of_each = dict(zip(SOURCES, np.moveaxis(_alike(of, error_of(values)), -1, 0), strict=True))
             grid = _mean(of_each["grid"] ** 2, axis, solved)
             sources["grid"] = (grid / (1 if alike else solved.sum(axis))) ** 0.5
             sources |= {source: _mean(of_each[source], axis, solved) for source in SOURCES[2:]}
-            why = dict(of.attrs)
         drift = optional(data, f"{name}_each_drift")
         if drift is not None:
             moved = _mean(_alike(drift, values), axis, solved)
-            sources["grid"] = (sources.get("grid", 0.0) ** 2 + moved**2) ** 0.5
-        how = {"over": over, "pairs": int(pairs), "alike": int(alike)}
-        made = {"reduction": "mean", "of": f"{name}_each", **how}
+            sources["grid"] = np.hypot(sources.get("grid", 0.0), moved)
+        made = {
+            "reduction": "mean",
+            "of": f"{name}_each",
+            "over": over,
+            "pairs": int(pairs),
+            "alike": int(alike),
+        }
         # An error that rounding explains is none.
-        least = _ROUNDING * abs(middle.values)
+        least = _ROUNDING * abs(middle)
         sources = {source: np.where(half < least, 0.0, half) for source, half in sources.items()}
-        error = error_of(middle, **sources)
-        error.attrs |= why
-        added |= {name: middle.assign_attrs(made), f"{name}_error": error}
+        error = error_of(place, **sources)
+        if of is not None:
+            error.attrs |= of.attrs
+        added |= {name: place.copy(data=middle).assign_attrs(made), f"{name}_error": error}
     return _with(data, added)
 
 
@@ -329,34 +333,24 @@ def same_of_all(data: xr.Dataset, *names: str) -> xr.Dataset:
 
 
 def mean_of(
-    values: xr.DataArray,
-    *,
-    over: str = "surface",
-    pairs: bool = False,
-    there: xr.DataArray | None = None,
-) -> tuple[xr.DataArray, xr.DataArray]:
-    """Mean and half of its 95 % interval by Student's factor.
+    samples: Array, axis: int, *, there: Array | bool = True, pairs: bool = False
+) -> tuple[Array, Array]:
+    """Mean along an axis, and half of its 95 % interval by Student's factor.
 
     Where one surface has no value the mean has none: the others are not a fair sample. A single sample has
     no interval. Where not all are `there`, the mean is over those that are.
     """
-    axis = values.get_axis_num(over)
-    samples = values.values
-    solved = np.ones(values.shape, bool) if there is None else _alike(there, values)
+    samples, there = (np.moveaxis(np.broadcast_to(a, samples.shape), axis, 0) for a in (samples, there))
     if pairs:
-        first, second = (np.arange(k, values.sizes[over], 2) for k in (0, 1))
-        samples = (samples.take(first, axis) + samples.take(second, axis)) / 2
-        solved = solved.take(first, axis)
-    count = solved.sum(axis)
-    middle = _mean(samples, axis, solved)
+        samples, there = (samples[::2] + samples[1::2]) / 2, there[::2]
+    count, middle = there.sum(0), _mean(samples, 0, there)
     with np.errstate(invalid="ignore"):  # of what is endless it is unknown
-        squares = np.where(solved, (samples - np.expand_dims(middle, axis)) ** 2, 0.0).sum(axis)
+        squares = np.where(there, (samples - middle) ** 2, 0.0).sum(0)
     scatter = (squares / np.where(count > 1, count - 1, math.nan)) ** 0.5
     # What is the same on every surface scatters by rounding alone.
     scatter = np.where(scatter < _ROUNDING * abs(middle), 0.0, scatter)
-    half = scatter * (scipy.special.stdtrit(np.maximum(count - 1, 1), 0.975) / np.maximum(count, 1) ** 0.5)
-    single = values.isel({over: 0}, drop=True)
-    return single.copy(data=middle), single.copy(data=half)
+    student = scipy.special.stdtrit(np.maximum(count - 1, 1), 0.975)
+    return middle, scatter * student / np.maximum(count, 1) ** 0.5
 
 
 def _alike(values: xr.DataArray, like: xr.DataArray) -> Array:
