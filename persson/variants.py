@@ -185,7 +185,7 @@ def _rate(y: Array, variant: Variant) -> Array:
 
 @functools.cache
 def _table(variant: Variant) -> tuple[Array, PchipInterpolator]:
-    """Return x = int_0^y dy' / S(erf(1/sqrt(2 y'))) at the nodes, and ln y over ln x; S is 1 below y = 1e-3."""
+    """Return x = int_0^y dy' / S(erf(1/sqrt(2 y'))) at the nodes, and ln y over ln x; below 1e-3 S is 1."""
     low, high = _NODES[:-1, None], _NODES[1:, None]
     parts = (_rate(low + (high - low) * _POINTS, variant) @ _WEIGHTS) * np.diff(_NODES)
     table = np.concatenate([_NODES[:1], _NODES[0] + np.cumsum(parts)])
