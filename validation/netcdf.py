@@ -21,7 +21,7 @@ def dataset_bytes(data: xr.Dataset) -> memoryview:
     from xarray.backends import NetCDF4DataStore
 
     bytearray(_ROOM)  # a MemoryError instead
-    file, values = netCDF4.Dataset("memory", "w", format="NETCDF4", memory=_ROOM), list[Any]()
+    file, values = netCDF4.Dataset("memory", "w", format="NETCDF4", memory=1), list[Any]()
     # Written when all is defined: HDF5 writes every definition again after each value.
     writer = SimpleNamespace(add=lambda *pair: values.append(pair))
     data.dump_to_store(NetCDF4DataStore(file), writer=writer)  # type: ignore[no-untyped-call]
