@@ -16,6 +16,8 @@ import validation.report
 UNITS = pint.UnitRegistry()
 REGISTRY = tomllib.loads((Path(validation.report.__file__).parent / "quantities.toml").read_text())
 FACTORS = {"p": 1e12, "n": 1e9, "u": 1e6, "m": 1e3, "": 1.0, "k": 1e-3, "M": 1e-6, "G": 1e-9}
+#: What SI is multiplied by on an axis at least and at most, of units that take prefixes.
+PREFIXED = {"m": (1e-9, 1e12), "Pa": (1e-9, 1e12), "1/m": (1e-9, 1.0)}
 #: Errors that belong to the step to any spectrum and period.
 SPECTRAL = ("size", "bandwidth")
 
@@ -36,9 +38,25 @@ def misdrawn(drawing, data):
         for problem in _mark(one, data):
             yield f"{drawing.name}, {one.label!r}: {problem}"
     for axes in {id(one.axes): one.axes for one in drawing.drawn}.values():
-        names = {one.mark.y for one in drawing.drawn if one.axes is axes}
+        marks = [one for one in drawing.drawn if one.axes is axes]
+        names = {one.mark.y for one in marks}
         if not axes.get_xlabel() or not axes.get_ylabel():
             yield f"{drawing.name}: an axis of {names} has no label"
+        if type(marks[0].mark).__name__ != "Image":
+            along = [(one.x, one.data[one.x]) for one in marks if one.x in one.data]
+            yield from _unread(drawing, axes.get_xlabel(), along)
+            yield from _unread(drawing, axes.get_ylabel(), [(m.mark.y, m.data[m.mark.y]) for m in marks])
+
+
+def _unread(drawing, label, parts):
+    """Say so where the largest number of an axis is not 1 to 1000, in a unit whose prefixes go so far."""
+    ends = next((PREFIXED.get(known(name)[0].get("unit"), ()) for name, _ in parts), ())
+    if not ends or any("written_in" in part.attrs for _, part in parts):
+        return
+    largest, factor = max(float(abs(part).max()) for _, part in parts), _factor(parts[0][0], label)
+    least, most = (np.isclose(factor, end, rtol=1e-9, atol=0) for end in ends)
+    if largest > 0 and not ((most or largest * factor > 1 - 1e-9) and (least or largest * factor < 1000)):
+        yield f"{drawing.name}: {label!r} goes to {largest * factor:g}"
 
 
 def _mark(one, data):

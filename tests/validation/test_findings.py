@@ -109,3 +109,10 @@ def test_a_part_in_brackets_is_said_where_its_values_are():
     assert finding("value", form, data, kappa=2.0).text == "A/A0 = 0.1, kappa = 2."
     with pytest.raises(UsageError, match="no such quantity"):
         finding("value", "[{no_such}]", data)
+
+
+@pytest.mark.parametrize(("kind", "by"), [("comparison", ""), ("value", "area"), ("no kind", "area")])
+def test_a_verdict_takes_a_kind_that_decides_and_a_value_to_decide_by(kind, by):
+    data = claim(xr.Dataset({"area": 0.1}), "area", grid=0.01)
+    with pytest.raises(UsageError, match=f"the kind '{kind}' says no verdict, or 'by' names no value"):
+        finding(kind, "The area is {verdict} nothing: {area}.", data, by=by)

@@ -9,14 +9,14 @@ import pytest
 from reading_back import misdrawn
 
 from validation.execution.results import Result, read_results
-from validation.paper import pmma, reproduce
+from validation.paper import pmma, reproduce, systems
 from validation.paper.claims import Application, Claim, Convention, Stated, application, judge, written
 from validation.paper.figures import FIGURES
 from validation.paper.general import GENERAL, STEEL
 from validation.paper.page import paper_dataset, paper_page
 from validation.paper.pmma import PMMA
 from validation.paper.pyrex import PYREX
-from validation.paper.rim import RIM
+from validation.paper.rim import RIM, Rim
 
 #: The conventions under which the claims of each system agree best: a slow test sees that they do.
 JOINT = {
@@ -154,6 +154,12 @@ def test_tolerances_bracket_the_stated_number():
             stated = one.stated
             assert stated.low <= stated.value <= stated.high or stated.value == pytest.approx(stated.high)
             assert stated.basis
+
+
+def test_adhesion_of_almost_no_work_adds_nothing_to_the_area_of_the_rim(monkeypatch):
+    monkeypatch.setattr(systems, "RIM_WORK", 1e-9)
+    (gain,) = (one for one in RIM.claims if one.text.startswith("A/A0 with adhesion over that without"))
+    assert gain.value(Rim(energy="improved", area="projected")) == pytest.approx(1.0, abs=1e-3)
 
 
 @pytest.mark.slow

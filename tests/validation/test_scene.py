@@ -73,6 +73,7 @@ WRONG = [
         "reduced_pressure = 0.1",
         "",
         "load: give exactly one of 'pressure', 'reduced_pressure', 'force', 'mean_gap' and",
+        "found none",
     ),
     ('lambda_short = "2.5 um"', 'lambda_short = "6 um"', "lambda_short = 6 um", "must be below"),
     ('lambda_long = "5 um"', 'lambda_long = "11 um"', "lambda_long = 11 um", "must not exceed"),

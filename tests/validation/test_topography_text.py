@@ -175,19 +175,18 @@ def test_the_netcdf_that_surfacetopography_writes_says_size_and_unit(tmp_path):
     assert_allclose(found.heights, np.where(np.eye(5, 4) != 0, np.nan, NUMBERS * 1e-6), rtol=1e-15)
 
 
-def test_a_map_listed_against_its_axis_is_turned_round(tmp_path):
+@pytest.mark.parametrize(("along_x", "along_y"), [(-1, 1), (1, -1)])
+def test_a_map_listed_against_its_axis_is_turned_round(tmp_path, along_x, along_y):
     import netCDF4
 
-    for name, x in (("up.nc", np.arange(5.0)), ("down.nc", -np.arange(5.0))):
+    for name, steps in (("up.nc", (1, 1)), ("down.nc", (along_x, along_y))):
         with netCDF4.Dataset(tmp_path / name, "w") as file:
-            for axis, positions in (("x", x), ("y", np.arange(4.0))):
-                file.createDimension(axis, positions.size)
+            for axis, count, step in zip("xy", NUMBERS.shape, steps, strict=True):
+                file.createDimension(axis, count)
                 variable = file.createVariable(axis, "f8", (axis,))
                 variable.units = "um"
-                variable[...] = positions
-            file.createVariable("heights", "f8", ("x", "y"))[...] = (
-                NUMBERS if name == "up.nc" else NUMBERS[::-1]
-            )
+                variable[...] = step * np.arange(float(count))
+            file.createVariable("heights", "f8", ("x", "y"))[...] = NUMBERS[:: steps[0], :: steps[1]]
     up, down = (read_topography(tmp_path / name, unit=1e-6) for name in ("up.nc", "down.nc"))
     assert_array_equal(up.heights, down.heights)
     assert up.lengths == down.lengths

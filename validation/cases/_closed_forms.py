@@ -14,7 +14,7 @@ from fem_contact.surface import HeightField
 from validation.arrays import Array, Pair
 
 #: Sums over a square lattice of period 1 without its origin: of 1/R^3, and of 1/R less a uniform background.
-_LATTICE_CUBE, _LATTICE_MADELUNG = 9.03362168, -3.90026492
+LATTICE_CUBE, LATTICE_MADELUNG = 9.03362168, -3.90026492
 
 
 def periodic(heights: Array) -> HeightField:
@@ -53,7 +53,7 @@ class HertzInPeriod:
     @property
     def approach(self) -> float:
         """Approach of the apex over the period, without the mean displacement."""
-        return self.radius**2 + self.load / self.contact_modulus * _LATTICE_MADELUNG / math.pi
+        return self.radius**2 + self.load / self.contact_modulus * LATTICE_MADELUNG / math.pi
 
     def distance(self, n: int, shift: Pair) -> Array:
         """Distance of n x n points from the apex, which lies `shift` cells beside a point."""
@@ -62,7 +62,7 @@ class HertzInPeriod:
 
     def surface(self, n: int, shift: Pair) -> HeightField:
         """Return the paraboloid on n x n points."""
-        curvature = 1 - self.load / self.contact_modulus * _LATTICE_CUBE / (2 * math.pi)
+        curvature = 1 - self.load / self.contact_modulus * LATTICE_CUBE / (2 * math.pi)
         return periodic(-(self.distance(n, shift) ** 2) * curvature / 2)
 
     def stress(self, x: Array, y: Array, depth: float, *, poisson: float) -> Array:
@@ -74,7 +74,7 @@ class HertzInPeriod:
         The sum over all loads has the mean -(1/2 + nu) F/L^2 sideways; a given period has -nu/(1 - nu) F/L^2.
         """
         stress = huber_stress(x, y, depth, radius=self.radius, peak=self.peak, poisson=poisson)
-        images = -(1 + poisson) * depth * _LATTICE_CUBE / (2 * math.pi)
+        images = -(1 + poisson) * depth * LATTICE_CUBE / (2 * math.pi)
         stress[..., :2] += self.load * (images + 0.5 + poisson - poisson / (1 - poisson))
         return stress
 

@@ -13,12 +13,10 @@ from fem_contact.response import BondedLayer, HalfSpace
 from fem_contact.solid import Solid
 from validation.arrays import Array
 from validation.cases import Checks, below, case, order, relative
-from validation.cases._closed_forms import periodic, places
+from validation.cases._closed_forms import LATTICE_CUBE, LATTICE_MADELUNG, periodic, places
 
 _SOLID = Solid(young=1.0, poisson=0.2)
 _HALF_SPACE = HalfSpace(solid=_SOLID)
-#: Of the square lattice of period 1: sum of 1/R less that of its background, and sum of 1/R^3.
-_MADELUNG, _CUBES = 3.900264920001956, 9.033621683100950
 
 
 def _spot(n: int, radius: float) -> float:
@@ -30,10 +28,10 @@ def _spot(n: int, radius: float) -> float:
     stiffness = frozen_contact(result, _HALF_SPACE).stiffness
     conductance = contact_conductance(stiffness, contact_modulus=modulus, resistivities=(3.0, 1.0))
     width = math.sqrt(result.in_contact.mean() / math.pi)
-    # The other spots and the background lift this one: near it -M + r^2/4 sum 1/R^3, and the mean of
+    # The other spots and the background lift this one: near it M + r^2/4 sum 1/R^3, and the mean of
     # |r - r'|^2 over two points of a flat punch is 4 a^2 / 3.
     holm = (3.0 + 1.0) / (4 * width)
-    neighbours = (3.0 + 1.0) / (2 * math.pi) * (-_MADELUNG + _CUBES / 3 * width**2)
+    neighbours = (3.0 + 1.0) / (2 * math.pi) * (LATTICE_MADELUNG + LATTICE_CUBE / 3 * width**2)
     return 1 / conductance / (holm + neighbours)
 
 

@@ -11,10 +11,11 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
+from pydantic import AfterValidator, Field
 
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import full_contact_energy
@@ -28,7 +29,7 @@ from validation.measurements.adhesive import (
     shares_by_shell,
     with_pooled_stress,
 )
-from validation.measurements.common import RisingSeveral, base_case
+from validation.measurements.common import RisingSeveral, base_case, in_rising_order
 from validation.measurements.limits import ABSENT, solved, straight_limit
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
 from validation.report.views import Figure, Finding, Line, Table, Views, against, finding
@@ -45,6 +46,8 @@ _LEAST = 0.02
 _FULL, _EFFECTIVE = "w", "gamma_eff(zeta)"
 #: What is compared with the theory.
 _COMPARED = ("area", "force_inside", "energy_ratio", "tension")
+#: Points per last wave with which the range of the attraction spans two cells.
+_Resolving = Annotated[float, Field(ge=14.2)]
 
 
 class Options(StudyOptions):
@@ -58,7 +61,7 @@ class Options(StudyOptions):
     """p* with the gradient of all waves"""
     work: Positive = 0.3
     """w over the elastic energy of full contact of all waves, per area"""
-    points_per_wave: tuple[float, float] = (16.0, 24.0)
+    points_per_wave: Annotated[tuple[_Resolving, _Resolving], AfterValidator(in_rising_order)] = (16.0, 24.0)
     """two grids, as the last wave over dx, rising; below 14.2 the range of the attraction is not resolved"""
     hurst: Hurst = 0.8
     periods: Periods = 2.0
