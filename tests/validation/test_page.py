@@ -294,6 +294,13 @@ def test_between_the_first_and_the_last_a_log_says_a_line_in_ten_seconds(monkeyp
     assert told == ["1", "3", "5"]
 
 
+@pytest.mark.parametrize(("quiet", "told"), [(True, ""), (False, "fem-contact: 12 solves, 3 s\n")])
+def test_a_plan_is_told_unless_one_asked_for_quiet(capsys, quiet, told):
+    with Bar(quiet=quiet) as bar:
+        bar.plan("12 solves, 3 s")
+    assert capsys.readouterr().err == told
+
+
 def test_a_bar_ends_full_and_counts(monkeypatch):
     monkeypatch.setattr("rich.console.Console.is_terminal", True)
     jobs = _jobs(3)

@@ -2,7 +2,9 @@
 
 import pytest
 
-from validation.comparison import pictures
+from validation.comparison import pages, pictures
+from validation.execution.results import read_results
+from validation.report.page import Picture
 from validation.sandbox import OutOfBounds
 
 
@@ -32,8 +34,15 @@ def test_what_is_rendered_is_the_stored_contact(small_run, tmp_path, monkeypatch
     assert solution.pressure.shape == (24, 16)
 
 
-def test_a_run_renders_nothing_that_nobody_asked_for(small_run):
+def test_a_run_renders_what_was_asked_for_of_its_finest_finite_elements(small_run, monkeypatch):
     assert small_run.page.pictures == ()
+    picture = Picture(name="surface", caption="", png=b"")
+    monkeypatch.setattr(pages, "render_stored", lambda path, label: (picture, f"{label} in {path.stem}"))
+    result = read_results(small_run.folder)
+    page = pages.result_page(result, figures=True, pictures=True)
+    (finest,) = (small_run.folder / "solves").glob("fem-24x16-*.nc")
+    assert (page.pictures, page.no_picture) == ((picture,), f"fem on 24 x 16 in {finest.stem}")
+    assert pages.result_page(result, figures=True).pictures == ()
 
 
 def test_a_stored_solve_becomes_a_picture_wherever_a_renderer_lives(small_run):

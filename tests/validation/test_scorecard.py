@@ -50,7 +50,10 @@ def test_a_right_solver_passes_every_row_and_no_fault_is_named():
 
 def test_what_is_wrong_stands_on_the_page_and_in_the_sentence(wrong):
     assert wrong.diagnosis == "the stiffness is 2 times that of E*"
+    assert wrong.sentence.startswith(f"toy: {len(wrong.failed)} rows fail: ")
     assert wrong.sentence.endswith(f"; {wrong.diagnosis}")
+    alone = replace(wrong, verdicts=wrong.failed[:1]).sentence
+    assert alone.startswith(f"toy: 1 row fails: {wrong.failed[0].case}")
     views = claims_views(claims_dataset(wrong.verdicts, [wrong]))
     assert views.cards[0].answer.text.startswith("no: ")
     assert views.cards[1].answer.text == wrong.diagnosis

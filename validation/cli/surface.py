@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from validation.cli.options import JsonOption, SceneArgument, print_json, say, show
+from validation.cli.options import JsonOption, SceneArgument, examples, print_json, say, show
 from validation.errors import SceneError, UsageError
 from validation.report.quantities import as_length, in_prefixed_unit
 
@@ -40,7 +40,7 @@ EdgesOption = Annotated[
 MarginOption = Annotated[float, typer.Option("--margin", help="Share of each side a tukey taper takes.")]
 
 
-@surface_app.command(epilog="Example: fem-contact surface generate quickstart rough.npy --grid 512")
+@surface_app.command(epilog=examples("fem-contact surface generate quickstart rough.npy --grid 512"))
 def generate(
     scene: SceneArgument,
     target: TargetArgument,
@@ -71,8 +71,9 @@ def generate(
 
 
 @surface_app.command(
-    epilog="Examples: fem-contact surface inspect quickstart  |  fem-contact surface inspect afm.x3p "
-    "--tilt plane"
+    epilog=examples(
+        "fem-contact surface inspect quickstart", "fem-contact surface inspect afm.x3p --tilt plane"
+    )
 )
 def inspect(
     source: Annotated[str, typer.Argument(metavar="SCENE|FILE", help="A scene, or a file of heights.")],
@@ -105,7 +106,7 @@ def inspect(
 
 
 @surface_app.command(
-    epilog="Example: fem-contact surface convert afm.txt afm.nc --length '10 um' --unit '1 nm' --tilt plane"
+    epilog=examples("fem-contact surface convert afm.txt afm.nc --length '10 um' --unit '1 nm' --tilt plane")
 )
 def convert(
     source: Annotated[Path, typer.Argument(metavar="SOURCE", help="File of heights.")],
