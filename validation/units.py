@@ -390,7 +390,6 @@ def exactly_one(table: BaseModel, names: tuple[str, ...]) -> None:
     given = [name for name in names if getattr(table, name) is not None]
     if len(given) != 1:
         *others, last = map(repr, names)
-        none = "neither" if len(names) == 2 else "none"
         raise wrong(
-            f"give exactly one of {', '.join(others)} and {last}; found {' and '.join(given) or none}"
+            f"give exactly one of {', '.join(others)} and {last}; found {' and '.join(given) or 'none'}"
         )

@@ -227,7 +227,7 @@ def test_what_is_not_listed_is_not_imported(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "named"),
     [
-        ('rms_height = "0.5 um"', "", "'rms_gradient' and 'rms_height'; found neither"),
+        ('rms_height = "0.5 um"', "", "'rms_gradient' and 'rms_height'; found none"),
         ('pressure = "0.5 MPa"', "pressure = 0.0", r"load\.pressure: 0 needs the effect 'adhesion'"),
         ('pressure = "0.5 MPa"', "pressure = [1e5, 0.0]", r"load\.pressure: 0 needs the effect 'adhesion'"),
         ('pressure = "0.5 MPa"', "pressure = []", r"load\.pressure = \[\]"),

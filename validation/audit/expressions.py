@@ -25,11 +25,6 @@ _FUNCTIONS: dict[str, Callable[..., Any]] = {
 _REDUCED = ("isel", "max", "mean", "min", "sum")
 
 
-def names_of(expression: str) -> list[str]:
-    """Return the names in an expression."""
-    return sorted({node.id for node in ast.walk(ast.parse(expression)) if isinstance(node, ast.Name)})
-
-
 def value_of(node: ast.AST, value: Callable[[str], Any]) -> Any:
     """Evaluate sums, powers, functions, ``x.isel(dim=k)`` and ``x.mean(dim)``; a name has its `value`."""
     if isinstance(node, ast.Expression):

@@ -18,7 +18,7 @@ from scipy.special import stdtrit
 
 from validation.audit import from_solves
 from validation.audit.dataset import Result, Variables, ordered
-from validation.audit.expressions import names_of, value_of
+from validation.audit.expressions import value_of
 from validation.audit.stored import Array
 
 SOURCES = ("surfaces", "grid", "solver", "size", "bandwidth", "depth", "theory")
@@ -141,7 +141,8 @@ def _evaluated(expression: str, values: Variables) -> xr.Variable:
 def _expression_errors(result: Result, variable: xr.Variable) -> dict[str, Array]:
     """Carry errors along to first order, source by source."""
     expression, values, found = str(variable.attrs["expression"]), result.data, {}
-    moved = [n for n in names_of(expression) if f"{n}_error" in values]
+    names = {node.id for node in ast.walk(ast.parse(expression)) if isinstance(node, ast.Name)}
+    moved = [n for n in sorted(names) if f"{n}_error" in values]
     for k, source in enumerate(SOURCES if moved else ()):
         total = xr.zeros_like(variable, dtype=float)
         for n in moved:

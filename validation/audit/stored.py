@@ -51,7 +51,7 @@ EDGE_BEND = {
 def wavevectors(shape: tuple[int, ...], lengths: Pair) -> Array:
     """|q| [1/m] of each term of a discrete Fourier transform."""
     qx, qy = (2 * np.pi * np.fft.fftfreq(n, length / n) for n, length in zip(shape, lengths, strict=True))
-    return np.asarray(np.sqrt(qx[:, None] ** 2 + qy[None, :] ** 2))
+    return np.sqrt(qx[:, None] ** 2 + qy[None, :] ** 2)
 
 
 def moments(heights: Array, lengths: Pair) -> tuple[float, float, float]:
@@ -305,7 +305,7 @@ def _bounded_power(one: Array, other: Array, power: float) -> Array:
     """(one / other)^power, at most 1.5, as where the other is nothing."""
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.where(other > 0, np.maximum(one, 0.0) / other, np.inf)
-    return np.asarray(np.minimum(ratio**power, 1.5))
+    return np.minimum(ratio**power, 1.5)
 
 
 def _smoothed(values: Array) -> Array:

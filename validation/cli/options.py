@@ -47,7 +47,7 @@ def named_by(listing: str) -> Callable[[str], list[str]]:
 
 def examples(*lines: str) -> str:
     """Return what stands below a help text: each example on a line of its own."""
-    return "\n\n".join(("Examples:" if len(lines) > 1 else "Example:", *lines))
+    return "\n\n".join(("Examples:", *lines))
 
 
 def option(*names: str, metavar: str = "", **more: Any) -> Any:

@@ -71,10 +71,7 @@ def base_case(
 
 def reduced_load(problem: ContactProblem) -> float:
     """Return p* as it was given, or else from p0."""
-    if problem.load.reduced_pressure is None:
-        return problem.reduced_pressure
-    (reduced,) = problem.load.values
-    return reduced
+    return problem.reduced_pressure if problem.load.reduced_pressure is None else problem.load.values[0]
 
 
 def in_rising_order(values: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -102,27 +99,22 @@ def _of_a_limit(per_wave: tuple[float, ...], others: ValidationInfo) -> tuple[fl
     return per_wave
 
 
-def _with_resolved(count: int) -> AfterValidator:
-    def checked(per_wave: tuple[float, ...]) -> tuple[float, ...]:
-        if sum(n >= LEAST_POINTS_PER_WAVE for n in per_wave) < count:
-            raise wrong(f"needs {count} of at least {LEAST_POINTS_PER_WAVE:g} points per wave, for a limit")
-        return per_wave
-
-    return AfterValidator(checked)
+def _resolving(per_wave: tuple[float, ...]) -> tuple[float, ...]:
+    if per_wave[0] < LEAST_POINTS_PER_WAVE:
+        raise wrong("must be 3 or more: coarser grids give no limit")
+    return per_wave
 
 
 #: Sub-grid shifts along each axis that the studies take unless they say otherwise.
 SHIFTS = 2
 
 #: Options of studies: positive numbers in rising order, none or more of them, at least one, two; grids, as
-#: lambda_short/dx, one or two of which resolve the shortest waves; grids as points along a side; grids, as
-#: lambda_short/dx, over which a limit can be taken, where a study has an option `shifts` with as many as that, if it
-#: stands before this one.
+#: lambda_short/dx, that resolve the shortest waves; grids as points along a side; grids, as lambda_short/dx, over which a
+#: limit can be taken, where a study has an option `shifts` with as many as that, if it stands before this one.
 RisingOrNone = Annotated[tuple[Positive, ...], AfterValidator(in_rising_order)]
 Rising = Annotated[tuple[Positive, ...], AfterValidator(_given), AfterValidator(in_rising_order)]
 RisingSeveral = Annotated[Rising, Field(min_length=2)]
-OneResolved = Annotated[RisingSeveral, _with_resolved(1)]
-TwoResolved = Annotated[RisingSeveral, _with_resolved(2)]
+Resolved = Annotated[RisingSeveral, AfterValidator(_resolving)]
 Counts = tuple[Annotated[int, Field(ge=2)], ...]
 RisingGrids = Annotated[Counts, AfterValidator(_given), AfterValidator(in_rising_order)]
 Ladder = Annotated[Rising, AfterValidator(_of_a_limit)]

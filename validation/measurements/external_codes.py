@@ -34,12 +34,8 @@ def installed_peers() -> tuple[str, ...]:
 
 def code_versions(codes: Sequence[str]) -> str:
     """Say by which versions of the codes, and on which processor, their costs are measured."""
-    versions = [f"{code} {_version(code)}" for code in codes]
+    versions = [f"{code} {metadata.version(code)}" for code in codes]
     return f"{', '.join(versions)}, each on one thread of {_processor()}"
-
-
-def _version(code: str) -> str:
-    return metadata.version("fem-contact" if code == THIS_CODE else code)
 
 
 def _processor() -> str:
@@ -68,4 +64,4 @@ def asked_of(code: str) -> tuple[str, Settings]:
     if code == THIS_CODE:
         solver, settings = chosen_solver(f"{__name__}:{bem_pressure.__name__}")
         return solver.name, tuple(settings.items())
-    return known_peers()[code], (("version", _version(code)),)
+    return known_peers()[code], (("version", metadata.version(code)),)

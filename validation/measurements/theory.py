@@ -141,12 +141,6 @@ def ensemble_area(
     )
 
 
-def with_ensemble(data: xr.Dataset, spectrum: Spectrum | None) -> xr.Dataset:
-    """Add ``area_ensemble_each`` of the surfaces of one spectrum: `ensemble_area` at their p* and gradients."""
-    areas = ensemble_area(spectrum, data.reduced_pressure.values, rms_gradients=data.rms_gradient_each.values)
-    return data.assign(area_ensemble_each=(("surface", "load"), areas))
-
-
 def variant_areas(pressure: ArrayLike, *, stress_variance: ArrayLike) -> dict[str, Array]:
     """A/A0 of the theory and its variants, by name; pressure [Pa] and variance [Pa^2] in any unit."""
     return {

@@ -17,7 +17,7 @@ from pydantic import AfterValidator, Field, model_validator
 
 from validation.execution.bench import Bench
 from validation.measurements.budgets import PROFILE_EDGES
-from validation.measurements.common import Rising, RisingSeveral, TwoResolved, base_case
+from validation.measurements.common import Resolved, Rising, RisingSeveral, base_case
 from validation.measurements.diffusion import budgets_of, of_probe, with_diffusion_terms
 from validation.measurements.edge import slopes_of
 from validation.measurements.limits import ABSENT
@@ -52,7 +52,7 @@ class Options(StudyOptions):
     steps_per_octave: int = Field(default=2, ge=2, le=64, multiple_of=2)
     """rings of waves in each octave, even"""
     surfaces: Surfaces = 4
-    points_per_wave: TwoResolved = (8.0, 12.0)
+    points_per_wave: Resolved = (8.0, 12.0)
     """grids of the rings, as lambda_short/dx, rising"""
     probes: Annotated[Rising, AfterValidator(_rough)] = (2.0, 4.0, 8.0)
     """magnifications at which the surface is cut, pressed with these p* of its own gradient, and given one
@@ -60,7 +60,7 @@ class Options(StudyOptions):
     probe_surfaces: Surfaces = 8
     variance_steps: RisingSeveral = (0.0025, 0.01, 0.04, 0.16)
     """Delta V / V of that ring, rising"""
-    probe_points_per_wave: TwoResolved = (12.0, 24.0)
+    probe_points_per_wave: Resolved = (12.0, 24.0)
     """grids there, as the shortest wave there is over dx, rising"""
     slope_points_per_wave: Annotated[Rising, Field(min_length=3)] = (16.0, 32.0, 64.0)
     """grids of the slope of P(p) at zero there, rising"""

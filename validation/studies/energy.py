@@ -16,7 +16,7 @@ import xarray as xr
 from validation.arrays import Array
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
-from validation.measurements.common import OneResolved, RisingSeveral
+from validation.measurements.common import Resolved, RisingSeveral
 from validation.measurements.limits import solved
 from validation.measurements.measurement import TOLERANCE, reduced_numbers
 from validation.report.estimates import claim_shares, derive
@@ -44,7 +44,7 @@ class Options(pressure.Options):
     """p* = p0 / (E* h'_rms) with the realised gradient of each surface, rising; full contact at the last is
     a check"""
     surfaces: Surfaces = 16
-    points_per_wave: OneResolved = (4.0, 8.0, 16.0)
+    points_per_wave: Resolved = (4.0, 8.0, 16.0)
     """grids, as lambda_short/dx, rising"""
     shifts: Shifts = 1
 

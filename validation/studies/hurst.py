@@ -20,7 +20,7 @@ from validation.measurements.grids import method_limit
 from validation.measurements.limits import Measured, limits_of, solved, solver_error
 from validation.measurements.measurement import grid_for
 from validation.measurements.references import ladders_beside_published, papers_of, published
-from validation.measurements.theory import RANKED, VARIANTS, with_ensemble, with_variants
+from validation.measurements.theory import RANKED, VARIANTS, ensemble_area, with_variants
 from validation.report.estimates import change, claim_shares, derive, gather, mean
 from validation.solvers import chosen_solver
 from validation.studies._hurst_views import views
@@ -189,7 +189,10 @@ def _of_spectra(options: Options, cases: Mapping[_Case, Call], measured: Measure
     for (family, hurst), bandwidth in options.spectra.items():
         part = gather({k: limits_of(measured[family, hurst, k]) for k in surfaces}, "surface")
         spectrum = cases[family, hurst, 0]["problem"].spectrum
-        parts[family, hurst] = with_ensemble(part.assign(bandwidth=bandwidth), spectrum)
+        loads, gradients = part.reduced_pressure.values, part.rms_gradient_each.values
+        ensemble = ensemble_area(spectrum, loads, rms_gradients=gradients)
+        added = {"bandwidth": bandwidth, "area_ensemble_each": (("surface", "load"), ensemble)}
+        parts[family, hurst] = part.assign(added)
     data = with_variants(gather(parts, "family", "hurst"))
     of_surfaces = ("", "_pixel", "_perimeter", "_ensemble")
     data = derive(

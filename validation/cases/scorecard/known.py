@@ -144,7 +144,7 @@ def mean_inside(off: Array) -> float:
 
 def _within(n: int, share: float) -> NDArray[np.bool_]:
     """Points of a wave in the middle of what touches, or stays elastic."""
-    return np.asarray(np.abs(places(n)) < share * _WAVE.half_width)
+    return np.abs(places(n)) < share * _WAVE.half_width
 
 
 def _second_order(n: int) -> float:
