@@ -5,6 +5,7 @@ from commanding import answer_of, output_of
 
 from validation.comparison.explain import explain
 from validation.execution import calibration
+from validation.execution.cost import transform_seconds
 from validation.execution.press import solves_of
 from validation.files import write_record
 
@@ -22,6 +23,14 @@ def test_without_a_calibration_the_reference_machine_is_named(cache):
     assert not cache.exists()
     assert calibration.effect_costs() == calibration.reference()
     assert "fem-contact calibrate" in calibration.reference().source
+
+
+def test_a_pair_of_transforms_takes_the_median_of_five_times_of_one(monkeypatch):
+    def told(action, number, repeat):
+        return [number * seconds for seconds in (5.0, 1.0, 3.0, 2.0, 9.0)[:repeat]]
+
+    monkeypatch.setattr("timeit.repeat", told)
+    assert transform_seconds() == 3.0
 
 
 def test_a_calibration_is_kept_and_used_and_named(cache, read_scene):

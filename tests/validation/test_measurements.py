@@ -12,6 +12,7 @@ from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.edge import edge_of_contact
 from validation.measurements.flow import leaks
+from validation.measurements.grid_roughness import down_to_grid
 from validation.studies import find_study
 
 PRESSED = base_case(base_surface(hurst=0.8, periods=2.0, bandwidth=4.0, seed=23), reduced_pressure=0.05)
@@ -37,6 +38,12 @@ def test_a_recipe_holds_the_fields_as_json_has_them_and_what_is_read_off():
     assert STICKY.recipe.items() >= {"work": 1e-3, "reach": 2e-6, "shells": [1e4, 2e4], "version": 1}.items()
     assert "edges" not in STICKY.recipe
     assert leaks(problem=PRESSED, grid=(24, 24), areas=(0.1,)).recipe["edges"] == LOCATED_EDGES
+
+
+@pytest.mark.parametrize("points", [24, 25])
+def test_roughness_down_to_the_grid_ends_with_a_whole_wave_short_of_the_last_one(points):
+    fine = down_to_grid(PRESSED, points)
+    assert fine.lengths[0] / fine.shortest == pytest.approx(11, rel=1e-12)
 
 
 def test_what_is_left_to_the_solver_is_not_in_the_recipe():

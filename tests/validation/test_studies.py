@@ -137,7 +137,7 @@ REFUSED = [
     ("refinement --surfaces 1", "--surfaces = '1': must be greater than or equal to 2"),
     ("scaling --grids 64,128", "at least 3"),
     ("scaling --grids 128,64,256", "must be positive and rising"),
-    ("scaling --grids 8,16,32", "must be above L/lambda_long"),
+    ("scaling --grids 8,64,128", "must be above L/lambda_long"),
     ("scaling --surfaces 2147483648", "10000"),
     *(
         (f"{name} {options}", words)

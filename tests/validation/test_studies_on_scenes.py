@@ -157,11 +157,11 @@ def test_a_measured_map_without_its_short_waves_is_a_lower_magnification(scene, 
 
 
 def test_a_scene_is_refined_on_other_grids_than_its_own_and_on_one_surface(scene):
-    text = small_scene("shifts = 2\n[ensemble]\nrealisations = 3\ngrids = [24, 36]")
+    text = small_scene("shifts = 3\n[ensemble]\nrealisations = 3\ngrids = [24, 36]")
     told = ["--points-per-wave", "4,8,16", "--surfaces", "1"]
     options = find_study("refinement").parse(told, scene=scene(text))
     assert options.scene.methods.bem.grids == options.grids_for(()) == ((16, 8), (32, 16), (64, 32))
-    assert (options.points_per_wave, options.surfaces, options.shifts) == ((4, 8, 16), 1, 2)
+    assert (options.points_per_wave, options.surfaces, options.shifts) == ((4, 8, 16), 1, 3)
     assert find_study("refinement").parse([], scene=scene(text)).surfaces == 3
     oblong = find_study("area").parse(["--grids", "64,96"], scene=scene(MAP))
     assert oblong.ladder == ((64, 48), (96, 72))
