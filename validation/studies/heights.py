@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, Self
 
 import xarray as xr
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from persson.heights import height_distribution
 from validation.execution.bench import Bench
@@ -25,6 +25,7 @@ from validation.report.views import Figure, Finding, Level, Line, Table, Views, 
 from validation.scenes.problem import ContactProblem
 from validation.scenes.surfaces import spectrum_of
 from validation.studies._options import Bandwidth, Hurst, Seed, StudyOptions, Surfaces
+from validation.units import wrong
 
 
 class Options(StudyOptions):
@@ -44,6 +45,14 @@ class Options(StudyOptions):
     points_per_wave: float = Field(default=4.0, ge=2)
     """grid, as lambda_short/dx"""
     seed: Seed = 2006
+
+    @model_validator(mode="after")
+    def _waves_fit(self) -> Self:
+        if self.periods[-1] < self.longer:
+            raise wrong(
+                f"periods = {self.periods[-1]:g}, the last: must be at least longer = {self.longer:g}"
+            )
+        return self
 
     def first(self, periods: float) -> ContactProblem:
         """Return the first surface of one size."""
