@@ -47,7 +47,6 @@ def test_a_quick_case_passes(case):
 def test_a_long_case_passes(case):
     (verdict,) = run_cases([case])
     assert verdict.passed, (verdict.error, [check for check in verdict.checks if not check.passed])
-    assert {check.quantity for check in verdict.checks} >= CHECKS.get(case.name, {}).keys()
 
 
 def test_names_are_unique_and_claims_are_sentences():

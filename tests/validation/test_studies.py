@@ -131,6 +131,7 @@ REFUSED = [
         "--points-per-wave = 2.9,9: must be 3 or more: coarser",
     ),
     ("autopsy --periods 1 --probe-points-per-wave 3.1,3.9", "probe_points_per_wave: too close"),
+    ("autopsy --periods 1 --bandwidth 2 --points-per-wave 3.1,3.9", ": points_per_wave: too close"),
     ("adhesive-magnification --points-per-wave 14.1,15", "must be greater than or equal to 14.2"),
     ("adhesive-magnification --points-per-wave 16,16", "must be positive and rising"),
     ("refinement --shifts 1 --points-per-wave 3,4", "with shifts = 1 a limit over grids needs three solves"),

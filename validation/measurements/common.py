@@ -101,7 +101,7 @@ def _of_a_limit(per_wave: tuple[float, ...], others: ValidationInfo) -> tuple[fl
 
 def _resolving(per_wave: tuple[float, ...]) -> tuple[float, ...]:
     if per_wave[0] < LEAST_POINTS_PER_WAVE:
-        raise wrong("must be 3 or more: coarser grids give no limit")
+        raise wrong(f"must be {LEAST_POINTS_PER_WAVE:g} or more: coarser grids give no limit")
     return per_wave
 
 
