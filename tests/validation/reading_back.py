@@ -46,6 +46,16 @@ def misdrawn(drawing, data):
             along = [(one.x, one.data[one.x]) for one in marks if one.x in one.data]
             yield from _unread(drawing, axes.get_xlabel(), along)
             yield from _unread(drawing, axes.get_ylabel(), [(m.mark.y, m.data[m.mark.y]) for m in marks])
+    yield from _scales_of_colour(drawing, [one for one in drawing.drawn if type(one.mark).__name__ == "Image"])
+
+
+def _scales_of_colour(drawing, images):
+    """Say so where a map lacks its bar of colours: its own, or that of all where all are symmetric."""
+    shared = len(images) > 1 and all(one.mark.symmetric for one in images)
+    for one in images[:1] if shared else images:
+        beside = [one.axes for one in images] if shared else [one.axes]
+        if one.artist.colorbar.ax._colorbar_info["parents"] != beside:
+            yield f"{drawing.name}: the colours of {one.label!r} are told beside another panel"
 
 
 def _unread(drawing, label, parts):

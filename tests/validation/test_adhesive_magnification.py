@@ -9,6 +9,7 @@ from fem_contact import HalfSpace, bem
 from persson import Interface, Scale, pressure_distribution, solve_adhesion
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import full_contact_energy
+from validation.execution.bench import Bench, PlannedOnly
 from validation.measurements.adhesive import STRESS_EDGES, readings, sticky_contact
 from validation.measurements.distributions import largest_difference
 from validation.studies import adhesive_magnification as study
@@ -74,6 +75,15 @@ def test_the_law_is_as_strong_as_the_theory_s_detachment_stress_at_the_last_wave
         1.125 * case["work"] * cut.problem.contact_modulus * q
     )
     assert (case["work"], case["grid"]) == (whole[1], (48, 48))
+
+
+def test_energies_are_summed_between_the_last_waves_of_the_magnifications():
+    options = OPTIONS.model_copy(update={"periods": 2.0})
+    with pytest.raises(PlannedOnly) as planned:
+        study.run(options, bench=Bench.at("", plan_only=True))
+    shells = {solve["shells"] for solve in planned.value.args}
+    longest = 1e-5 / 2
+    assert shells == {tuple(2 * np.pi / longest * np.array(OPTIONS.magnifications))}
 
 
 def test_the_whole_surface_is_told_the_same_work_both_ways(data):

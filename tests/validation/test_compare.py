@@ -134,8 +134,11 @@ def test_a_difference_is_no_surer_than_what_it_is_of(results, tmp_path, solved):
 
 
 def test_studies_are_compared_at_the_places_that_they_share(results, tmp_path):
-    compare_folders([results / "area-3", results / "area-4"], tmp_path, report=False)
+    page = compare_folders([results / "area-3", results / "area-4"], tmp_path, report=False).page
     data = read_results(tmp_path).data
+    where = page.records["table"].columns.index("where")
+    loads = {row[where].split(", ")[-1] for row in page.records["table"].rows}
+    assert loads == {"p* = 0.1", "p* = 0.5"}
     for name in ("area-3", "area-4"):
         own = read_results(results / name).data
         for load in (0.1, 0.5):

@@ -103,6 +103,12 @@ def test_a_claim_of_convergence_is_recomputed_from_the_pressure(own_module):
         found.checked()
 
 
+@pytest.mark.skipif(not Path("/proc/self/clear_refs").exists(), reason="the system keeps no such peak")
+def test_memory_that_a_solver_gives_back_is_of_its_peak(own_module):
+    large = "np.ones(20_000_000)\nreturn np.full(heights.shape, mean_pressure)"
+    assert 1.5e8 < pressed(written("large", large)).cost.peak_bytes < 2.6e8
+
+
 @pytest.mark.parametrize("where", ["options", "scene"])
 def test_a_study_whose_solver_fails_is_that_of_the_others(own_module, bench, where):
     raising = written("raising", "raise ValueError('not on this grid')")

@@ -17,6 +17,7 @@ from validation.comparison.explain import explain
 from validation.errors import RunFailed, UsageError
 from validation.scenes import surfaces
 from validation.scenes.mistakes import problems
+from validation.scenes.problem import realise
 from validation.scenes.scene import Scene
 from validation.scenes.surfaces import Expected, expected, height_field
 from validation.studies import find_study, studies
@@ -204,6 +205,7 @@ def test_a_surface_too_large_to_be_looked_at_is_told_by_its_spectrum():
     facts = dict(explain(LARGE).facts)
     assert facts["realised surface"].startswith("not made here, for it takes 20001 x 10001 points")
     assert "(of C(q))" in facts["Nayak parameter"]
+    assert facts["bandwidth"] == "L/lambda_long = 1, lambda_long/lambda_short = 5e+03"
 
 
 def test_what_the_spectrum_tells_is_near_what_a_surface_has(monkeypatch):
@@ -212,6 +214,8 @@ def test_what_the_spectrum_tells_is_near_what_a_surface_has(monkeypatch):
     monkeypatch.setattr(surfaces, "SURVEYED_POINTS", 100)
     told = expected(surface)
     assert isinstance(told, Expected)
+    scene = LARGE.model_copy(update={"surface": surface})
+    assert (realise(scene).drawn, realise(scene, surveyed=True).drawn) == (True, False)
     assert told.rms_height == pytest.approx(field.rms_height, rel=0.05)
     assert told.rms_gradient == pytest.approx(field.rms_gradient, rel=0.02)
     assert told.nayak == pytest.approx(field.nayak, rel=0.1)

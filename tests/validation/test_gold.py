@@ -26,6 +26,11 @@ def test_the_numbers_are_those_of_the_gold_file(name, bench, numbers, tmp_path):
     assert check.disagreements(name, bench, tmp_path, known=numbers) == []
 
 
+@pytest.mark.parametrize("scene", builtin_scenes())
+def test_what_is_explained_of_a_scene_is_what_it_was(scene):
+    assert list(shown.differences(f"explain {scene}", shown.explained(scene))) == []
+
+
 def test_every_study_and_every_scene_of_the_library_has_gold_numbers():
     assert {name.partition(" ")[0] for name in STUDIES} == set(studies())
     assert {scene for scene, _ in SCENES.values()} >= set(builtin_scenes())

@@ -89,6 +89,7 @@ def test_a_run_and_a_study_leave_the_same_kind_of_page(outputs, kind):
 
 def test_a_study_answers_on_its_first_screen_with_interval_and_distance_to_the_theory(outputs):
     page, folder, _ = outputs["study"]
+    assert page.seeds == "3 to 4"
     answer, sure, distance = page.answers
     table = read_results(folder).data.area
     assert answer.answer == f"{table.min().item():.4g} to {table.max().item():.4g}"
@@ -346,7 +347,7 @@ def test_the_times_of_a_bar_are_whole_on_80_columns(monkeypatch, name):
     ],
 )
 def test_a_logarithmic_axis_of_few_decades_carries_plain_numbers_and_two_at_least(tmp_path, range_, shown):
-    figure, (axes,) = new_figure()
+    figure, (axes,) = new_figure(5.0, 3.7, 1)
     axes.plot(range_, [1, 2])
     axes.set_xscale("log")
     save_figure(figure, tmp_path / "figure.svg")
@@ -358,7 +359,7 @@ def test_a_logarithmic_axis_of_few_decades_carries_plain_numbers_and_two_at_leas
 
 @pytest.mark.parametrize(("low", "high"), [(1.55, 1.9), (0.39, 1.7), (1.1, 2.9)])
 def test_an_axis_of_powers_of_two_has_two_labels_at_least(low, high):
-    _, (axes,) = new_figure()
+    _, (axes,) = new_figure(5.0, 3.7, 1)
     axes.set_xscale("log", base=2)
     axes.set_xlim(low, high)
     readable_ticks(axes.xaxis)
@@ -366,7 +367,7 @@ def test_an_axis_of_powers_of_two_has_two_labels_at_least(low, high):
 
 
 def test_an_axis_of_powers_of_two_over_many_decades_keeps_its_powers():
-    _, (axes,) = new_figure()
+    _, (axes,) = new_figure(5.0, 3.7, 1)
     axes.set_xscale("log", base=2)
     axes.set_xlim(1, 1e4)
     labelled = axes.xaxis.get_major_formatter()
@@ -376,7 +377,7 @@ def test_an_axis_of_powers_of_two_over_many_decades_keeps_its_powers():
 
 @pytest.mark.parametrize(("low", "high"), [(1e5, 1.5e6), (0.7e6, 1e7)])
 def test_labels_at_the_ends_of_an_axis_count(low, high):
-    _, (axes,) = new_figure()
+    _, (axes,) = new_figure(5.0, 3.7, 1)
     axes.set_xscale("log")
     axes.set_xlim(low, high)
     readable_ticks(axes.xaxis)

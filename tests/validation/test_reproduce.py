@@ -8,6 +8,7 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from gold import write_lines
 from reading_back import misdrawn
 
 from validation.execution.results import Result, read_results
-from validation.paper import pmma, reproduce
+from validation.paper import pmma, reproduce, rim
 from validation.paper.claims import Application, Claim, Convention, Stated, application, judge, written
 from validation.paper.figures import FIGURES
 from validation.paper.page import paper_dataset, paper_page
@@ -45,6 +46,13 @@ def test_spectra_cross_where_it_is_said():
     q = pmma._crossing()
     assert pmma.s.pmma()(q) == pytest.approx(pmma.s.steel()(q), rel=1e-6)
     assert pmma.s.pmma()(2 * q) > pmma.s.steel()(2 * q)
+
+
+@pytest.mark.parametrize(("area", "words"), [(0.3, "leaks"), (0.4, "not decided"), (0.6, "seals")])
+def test_a_rim_seals_above_all_thresholds_and_leaks_below_all(monkeypatch, area, words):
+    pressed = SimpleNamespace(pressed=SimpleNamespace(real_area=area))
+    monkeypatch.setattr(rim, "_READINGS", (Convention(name="one", value=pressed),))
+    assert rim._seals().endswith(f"one {area:.4f}: {words}")
 
 
 def verdicts(rows):

@@ -76,7 +76,7 @@ WRONG = [
         "found none",
     ),
     ('lambda_short = "2.5 um"', 'lambda_short = "6 um"', "lambda_short = 6 um", "must be below"),
-    ('lambda_long = "5 um"', 'lambda_long = "11 um"', "lambda_long = 11 um", "must not exceed"),
+    ('lambda_long = "5 um"', "lambda_long = 11.1234567e-6", "lambda_long = 11.1235 um", "must not exceed"),
     (
         GRIDS,
         "grids = [8, 24]",

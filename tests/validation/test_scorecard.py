@@ -57,6 +57,10 @@ def test_what_is_wrong_stands_on_the_page_and_in_the_sentence(wrong):
     views = claims_views(claims_dataset(wrong.verdicts, [wrong]))
     assert views.cards[0].answer.text.startswith("no: ")
     assert views.cards[1].answer.text == wrong.diagnosis
+    counts = {row.case: sum(not check.passed for check in row.checks) for row in wrong.failed}
+    for text in (one.text for one in views.findings if "FAILS" in one.text):
+        count = counts[text.partition(" FAILS")[0]]
+        assert (f"({count} numbers of it fail)" in text) == (count > 1)
 
 
 def test_names_that_come_again_have_a_number_from_the_second_on():

@@ -104,7 +104,8 @@ def crashing(value):
 )
 def test_an_outcome_is_right_only_for_a_small_error_of_a_converged_solve(monkeypatch, case, outcome):
     monkeypatch.setattr(stability, "CASES", (case,))
-    data = turned()
+    data = turned(methods=("bem",))
+    assert data.attrs["methods"] == "bem"
     assert list(outcomes(data)) == [outcome]
     first, *others = stability.views(data).findings
     assert first.values["wrong"].value == (outcome == "WRONG")

@@ -11,6 +11,7 @@ from planted import edge_data
 
 from fem_contact import HalfSpace, HeightField, Solid, bem, contact_areas
 from persson import Scale, contact_area, mean_separation, stress_variance
+from validation.audit.reductions import recomputed
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.convergence import bandwidth_order, fitted_line, line
 from validation.measurements.distributions import distance_to_reference
@@ -75,17 +76,19 @@ def test_a_limit_far_beyond_the_rungs_is_not_determinable():
 
 
 def test_a_line_takes_as_many_samples_of_each_group_as_were_solved():
-    rng = np.random.default_rng(8)
-    values, solve = np.full((2, 12), np.nan), np.full((2, 12), "", dtype=object)
-    values[0], values[1, :4], solve[0], solve[1, :4] = rng.normal(2, 0.1, 12), [1.9, 2.1, 2.2, 2.0], "a", "b"
-    data = xr.Dataset(
-        {"kappa_each": (("rung", "surface"), values), "solve": (("rung", "surface"), solve.astype(str))}
-    ).assign(step=("rung", [0.5, 0.1]))
-    found, exact = (
-        line(data, "kappa", x="step", along="rung"),
-        fitted_line([values[0], values[1, :4]], [0.5, 0.1]),
-    )
+    counts, steps = (12, 4, 7), [0.5, 0.3, 0.1]
+    values = np.random.default_rng(8).normal(2, 0.1, (3, 12))
+    values[np.arange(12) >= np.array(counts)[:, None]] = np.nan
+    solve = np.where(np.isnan(values), "", "a")
+    data = xr.Dataset({"kappa_each": (("rung", "surface"), values), "solve": (("rung", "surface"), solve)})
+    data = data.assign(step=("rung", steps))
+    found = line(data, "kappa", x="step", along="rung")
+    exact = fitted_line([row[:n] for row, n in zip(values, counts, strict=True)], steps)
     assert float(found.kappa_limit) == exact.limit
+    # The second implementation weighs each group by its own count, too.
+    for name in ("kappa_limit", "kappa_slope"):
+        again = recomputed(SimpleNamespace(data=found.variables), name)
+        assert again == pytest.approx(float(found[name]), rel=1e-12)
     assert float(found.kappa_limit_error.sel(source="surfaces")) == exact.limit_scatter
     # One that was solved and has no value is no sample less: there is no limit.
     data.kappa_each[1, 2] = np.nan

@@ -358,6 +358,7 @@ def test_several_maps_of_a_surface_are_an_ensemble(tmp_path):
     assert not audit(tmp_path / "all").wrong
     assert "Over 3 maps the mean is" in (tmp_path / "all" / "report.html").read_text()
     broken = {ensemble.format(4): "has 3 maps; say realisations = 3", together: "add .ensemble. with"}
+    broken[together.replace(', "c.npy"', "")] = "add .ensemble. with realisations = 2"
     for text, words in broken.items():
         with pytest.raises(UsageError, match=words):
             scene_in(tmp_path, text)

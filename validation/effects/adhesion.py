@@ -121,7 +121,7 @@ class Adhesion(Effect):
         return cls.unknown(
             f"U_full = {in_prefixed_unit(rough.full_energy, 'J/m^2', 3)} (Persson 2006, Sec. 8)",
             "a work of adhesion and its range; it matters from about "
-            f"{in_prefixed_unit(rough.full_energy / 10, 'J/m^2', 2)}",
+            f"{in_prefixed_unit(rough.full_energy / 10, 'J/m^2', 3)}",
         )
 
     @classmethod

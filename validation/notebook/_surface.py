@@ -123,8 +123,8 @@ class Surface:
         options = self.table.model_dump(exclude_none=True, exclude={"kind", "path"})
         facts = {name: shown(value, unit_of(kinds[name])) for name, value in options.items()}
         if self.given is not None:
-            facts["what was done"] = "; ".join(self.given.raw.history)
-            facts |= {"doubts": "; ".join(self.given.doubts)} if self.given.doubts else {}
+            said = {"what was done": self.given.raw.history, "doubts": self.given.doubts}
+            facts |= {name: "; ".join(words) for name, words in said.items() if words}
         return facts
 
     def __repr__(self) -> str:

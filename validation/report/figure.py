@@ -115,7 +115,7 @@ def embeddable(svg: str, name: str, *, words: str) -> str:
 
 
 def new_figure(
-    width: float = 5.0, height: float = 3.7, columns: int = 1
+    width: float, height: float, columns: int
 ) -> tuple[matplotlib.figure.Figure, list[Axes]]:
     """Return a figure in this look, and its axes side by side."""
     with matplotlib.rc_context(STYLE):

@@ -146,6 +146,7 @@ class Drawing:
     data: xr.Dataset
     caption: str
     drawn: tuple[Drawn, ...] = ()
+    panels: Sequence[Panel] = ()
 
     def _repr_html_(self) -> str:
         from validation.report.figure import embeddable, save_figure
@@ -215,6 +216,7 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawi
         data=whole[[n for n in names if n in whole]].drop_attrs(deep=False).assign_attrs(attrs),
         caption=_caption(figure.caption, drawn),
         drawn=tuple(drawn),
+        panels=figure.panels,
     )
 
 

@@ -5,7 +5,6 @@
 
 import json
 import lzma
-import re
 from fnmatch import fnmatch
 from importlib.metadata import version
 from pathlib import Path
@@ -16,19 +15,18 @@ import numpy as np
 from reading_back import misdrawn
 
 from gold.asked import LADDERS, STUDIES, UNSTEADY
-from gold.shown import shown_on, steady_findings
+from gold.shown import NUMBER, shown_on, steady_answers, steady_findings
+from validation.execution.results import Result
 from validation.measurements.convergence import Ladders
-from validation.report.page import page_of
 from validation.report.table import budget_table
 from validation.scenes.scene import load_scene
 from validation.studies import Study, find_study
-from validation.studies._outputs import run_study
+from validation.studies._outputs import run_study, study_page
 
 FOLDER = Path(__file__).parent / "stored"
 #: Longer arrays are stored as every k-th value, their sum and the sum of their squares.
 _WHOLE = 1000
 _KEPT = 300
-_NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
 
 # A record is of places such as "data.kappa" or "table.p*", and what is there: dims, numbers or words.
 
@@ -82,7 +80,9 @@ def compute(name, bench, folder, *, known=None):
     if shown.budget:
         budget = budget_table(data, shown.budget)
         record |= _of_table("budget", budget.columns, budget.rows)
-    page, odd = page_of(data, shown, figures=True, title=name, lead="", settings={}, seeds="", papers=()), []
+    asked = options_of(name, folder)[1].record()
+    result = Result(kind="study", name=study.name, settings=asked, store=folder, data=data)
+    page, odd = study_page(result, figures=True), []
     for drawing in page.figures:
         record |= _of_dataset(f"figure.{drawing.name}", drawing.data)
         odd += misdrawn(drawing, data)
@@ -96,7 +96,7 @@ def of_page(name, page, odd):
     return {
         "shown": {"words": shown_on(name, page)},
         "said": _steady(name, dict(_of_findings(name, page))),
-        "answers": dict(_of_answers(page)),
+        "answers": dict(_of_answers(name, page)),
         "misdrawn": {"words": odd},
     }
 
@@ -110,13 +110,12 @@ def _of_findings(name, page):
             yield f"finding {k} ({found['kind']}).{value}", _entry(("row",), numbers)
 
 
-def _of_answers(page):
-    for card in page.answers:
-        if "cost" not in card.question.lower():
-            printed = map(float, _NUMBER.findall(f"{card.answer} {card.basis}"))
-            # One digit of what rounding leaves is another one elsewhere.
-            numbers = [number if abs(number) >= 1e-3 else 0.0 for number in printed]
-            yield f"answer: {card.question}", _entry(("number",), numbers)
+def _of_answers(name, page):
+    for card in steady_answers(name, page):
+        printed = map(float, NUMBER.findall(f"{card.answer} {card.basis}"))
+        # One digit of what rounding leaves is another one elsewhere.
+        numbers = [number if abs(number) >= 1e-3 else 0.0 for number in printed]
+        yield f"answer: {card.question}", _entry(("number",), numbers)
 
 
 def of_dataset(name, data):
@@ -154,7 +153,7 @@ def _of_table(part, columns, rows):
 def _of_words(part, sentences):
     """Sentences as they are read; the numbers in them beside them, as printed."""
     said = list(sentences)
-    found = [[float(number) for number in _NUMBER.findall(text)] for text in said]
+    found = [[float(number) for number in NUMBER.findall(text)] for text in said]
     return {part: {"dims": ["sentence"], "words": said, "printed": found}}
 
 

@@ -1,26 +1,34 @@
 """What a page shows, by the names of its variables: which stand in tables, on which axes, in which sentences.
 
+Of the answers on top the words are held as well, and what is explained of a scene before it runs.
+
 ``python -m gold.shown NAME ...`` from ``tests/validation`` writes shown.json and said.json.xz again, all
 without a name.
 """
 
 import json
 import lzma
+import re
 import sys
 import tempfile
 from pathlib import Path
 from string import Formatter
 
 from gold.asked import COMPARED, SCENES, STUDIES, UNSTEADY
+from validation.comparison.explain import explain
+from validation.scenes.scene import builtin_scenes
+from validation.scenes.sweep import load_asked
 
 STORED = Path(__file__).parent / "shown.json"
 #: Numbers of the findings, with their errors, and those printed in the answers on top.
 SAID = Path(__file__).parent / "said.json.xz"
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
 
 
 def shown_on(name, page):
-    """Say it of a page, a line for each table, sentence and mark; none of the wording of either."""
-    lines = []
+    """Say it of a page, a line for each table, sentence and mark, none of the wording of either; and its head."""
+    lines = [_bare(page.lead), f"seeds: {page.seeds}"]
+    lines += [_bare(f"{card.question} {card.answer}; {card.basis}") for card in steady_answers(name, page)]
     for file, table in page.summary["tables"].items():
         columns = [f"{c['name']}{c['at'] or ''}" for c in table.get("columns", ())] or table["names"]
         lines.append(f"table {file}: along {', '.join(table.get('rows', ()))}: {', '.join(columns)}")
@@ -28,6 +36,8 @@ def shown_on(name, page):
     for drawing in page.figures:
         marks = {id(one.mark): one for one in drawing.drawn}.values()
         lines += [f"figure {drawing.name}: {_mark(one)}" for one in marks]
+        begun = dict.fromkeys(panel.bottom for panel in drawing.panels if panel.bottom is not None)
+        lines += [f"figure {drawing.name}: from {bottom:.3g}" for bottom in begun]
     for found in steady_findings(name, page):
         names = [part[1] for form in (found["form"], found.get("item", "")) for part in _parsed(form)]
         lines.append(f"{found['kind']} by {found.get('by', '')}: {', '.join(names)}")
@@ -35,9 +45,28 @@ def shown_on(name, page):
     return lines
 
 
+def explained(scene):
+    """Say what is explained of a scene of the library before it runs, but for how long on this machine."""
+    parts = explain(load_asked(scene)).parts()
+    return [part for part in parts if isinstance(part, str) and "this machine" not in part]
+
+
+def _bare(text):
+    return NUMBER.sub("#", text)
+
+
+def _unsteady(name):
+    return any("findings" in place for place in UNSTEADY.get(name.partition(" ")[0], ()))
+
+
+def steady_answers(name, page):
+    """Return those on top of a page that are the same another day."""
+    return [card for card in page.answers if not _unsteady(name) and "cost" not in card.question.lower()]
+
+
 def steady_findings(name, page):
     """Return those that are the same another day: which way of a run is the cheapest is not."""
-    if any("findings" in place for place in UNSTEADY.get(name.partition(" ")[0], ())):
+    if _unsteady(name):
         return []
     costs = name.startswith("scene")
     return [found for found in page.summary["findings"] if not costs or found["kind"] != "cost"]
@@ -87,6 +116,7 @@ def main():
             for part, numbers in said.items():
                 numbers[name] = record[part]
             print(name, len(known[name]), len(said["said"][name]), flush=True)
+    known |= {f"explain {scene}": explained(scene) for scene in builtin_scenes()}
     STORED.write_text(json.dumps(known, indent=1, sort_keys=True) + "\n", encoding="utf-8")
     text = json.dumps(said, indent=0, sort_keys=True)
     SAID.write_bytes(lzma.compress(text.encode(), preset=9 | lzma.PRESET_EXTREME))
