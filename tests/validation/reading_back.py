@@ -46,7 +46,9 @@ def misdrawn(drawing, data):
             along = [(one.x, one.data[one.x]) for one in marks if one.x in one.data]
             yield from _unread(drawing, axes.get_xlabel(), along)
             yield from _unread(drawing, axes.get_ylabel(), [(m.mark.y, m.data[m.mark.y]) for m in marks])
-    yield from _scales_of_colour(drawing, [one for one in drawing.drawn if type(one.mark).__name__ == "Image"])
+    yield from _scales_of_colour(
+        drawing, [one for one in drawing.drawn if type(one.mark).__name__ == "Image"]
+    )
 
 
 def _scales_of_colour(drawing, images):

@@ -133,7 +133,6 @@ class Drawn:
     data: xr.Dataset
     _: KW_ONLY
     label: str
-    factors: Pair
     look: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -289,9 +288,9 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
             # Bars of one colour lie over each other: later ones are thinner, and their ends longer.
             before = sum(other.mark is not mark and other.look["color"] == look["color"] for other in drawn)
             look = {"capsize": 2 + 2 * before, "elinewidth": 1.5 / (1 + before), **look}
-        x, factors = mark.x or panel.x, (scale_x[0], scale_y[0])
-        artist = _put(mark, axes, here, x, factors, {**look, "label": mathtext(label)})
-        drawn.append(Drawn(artist, axes, mark, x, here, label=label, factors=factors, look=look))
+        x = mark.x or panel.x
+        artist = _put(mark, axes, here, x, (scale_x[0], scale_y[0]), {**look, "label": mathtext(label)})
+        drawn.append(Drawn(artist, axes, mark, x, here, label=label, look=look))
     for axis in panel.log:
         getattr(axes, f"set_{axis}scale")("log", base=panel.base if axis == "x" else 10)
     if isinstance(panel.marks[0], Image):
@@ -303,7 +302,7 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
     bottom = panel.bottom
     if "y" in panel.log and bottom is None and not isinstance(panel.marks[0], Image):
         # Bars that reach beyond zero have no lower end on a logarithmic axis.
-        shown = [np.ravel(other.data[other.mark.y].values) * other.factors[1] for other in drawn]
+        shown = [np.ravel(other.data[other.mark.y].values) * scale_y[0] for other in drawn]
         positive = [values[np.isfinite(values) & (values > 0)] for values in shown]
         bottom = min((values.min() / 1.5 for values in positive if values.size), default=None)
     axes.set_ylim(bottom=bottom, top=panel.top)

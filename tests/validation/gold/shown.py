@@ -26,7 +26,7 @@ NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
 
 
 def shown_on(name, page):
-    """Say it of a page, a line for each table, sentence and mark, none of the wording of either; and its head."""
+    """Say it of a page: its head, and a line without wording for each table, sentence and mark."""
     lines = [_bare(page.lead), f"seeds: {page.seeds}"]
     lines += [_bare(f"{card.question} {card.answer}; {card.basis}") for card in steady_answers(name, page)]
     for file, table in page.summary["tables"].items():
