@@ -134,7 +134,4 @@ def _papers(used: Sequence[str]) -> tuple[str, ...]:
 
 def _seeds(options: Mapping[str, Any]) -> str:
     seed = options.get("seed")
-    if seed is None:
-        return "see the options below"
-    surfaces = int(options.get("surfaces", 1))
-    return str(seed) if surfaces < 2 else f"{seed} to {seed + surfaces - 1}"
+    return "none is asked for" if seed is None else f"{seed}, and the next for each further surface"
