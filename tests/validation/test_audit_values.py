@@ -166,7 +166,7 @@ def test_each_variable_of_the_dataset_that_is_moved_somewhere_is_found_or_was_li
         if named in variable.dims or (named.endswith("_error") and named not in shown):
             continue
         least = 1e-9 * np.nanmax(np.abs(numbers))  # below it there is rounding
-        places = np.argwhere(np.isfinite(numbers) & (np.abs(numbers) > least)) if numbers.ndim else [()]
+        places = np.argwhere(np.isfinite(numbers) & (np.abs(numbers) > least))
         for place in places[:: max(1, len(places) // 2)]:
             if "source" in variable.dims:
                 source = result.data["source"].values[place[variable.dims.index("source")]]
