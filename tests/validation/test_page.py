@@ -89,7 +89,7 @@ def test_a_run_and_a_study_leave_the_same_kind_of_page(outputs, kind):
 
 def test_a_study_answers_on_its_first_screen_with_interval_and_distance_to_the_theory(outputs):
     page, folder, _ = outputs["study"]
-    assert page.seeds == "3, and the next for each further surface"
+    assert page.seeds == "3 is the first; each further surface has its own"
     answer, sure, distance = page.answers
     table = read_results(folder).data.area
     assert answer.answer == f"{table.min().item():.4g} to {table.max().item():.4g}"

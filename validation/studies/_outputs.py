@@ -134,4 +134,4 @@ def _papers(used: Sequence[str]) -> tuple[str, ...]:
 
 def _seeds(options: Mapping[str, Any]) -> str:
     seed = options.get("seed")
-    return "none is asked for" if seed is None else f"{seed}, and the next for each further surface"
+    return "none is asked for" if seed is None else f"{seed} is the first; each further surface has its own"
