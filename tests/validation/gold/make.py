@@ -18,7 +18,6 @@ from gold.asked import LADDERS, STUDIES, UNSTEADY
 from gold.shown import NUMBER, shown_on, steady_answers, steady_findings
 from validation.execution.results import Result
 from validation.measurements.convergence import Ladders
-from validation.report.table import budget_table
 from validation.scenes.scene import load_scene
 from validation.studies import Study, find_study
 from validation.studies._outputs import run_study, study_page
@@ -72,17 +71,13 @@ def compute(name, bench, folder, *, known=None):
 
         return of_scene(name, bench, folder)
     data = known(name) if known else new_numbers(name, bench, folder)
-    record, study = dict(_of_dataset("data", data)), find_study(name.partition(" ")[0])
-    shown = study.views(data)
-    if shown.table is not None:
-        table = shown.table.of(data)
-        record |= _of_table("table", table.columns, table.rows)
-    if shown.budget:
-        budget = budget_table(data, shown.budget)
-        record |= _of_table("budget", budget.columns, budget.rows)
-    asked = options_of(name, folder)[1].record()
-    result = Result(kind="study", name=study.name, settings=asked, store=folder, data=data)
-    page, odd = study_page(result, figures=True), []
+    study, options, _ = options_of(name, folder)
+    asked = {"kind": "study", "name": study.name, "settings": options.record()}
+    page = study_page(Result(**asked, store=folder, data=data), figures=True)
+    record, odd = dict(_of_dataset("data", data)), []
+    for part, table in (("table", page.records.get("table")), ("budget", page.budget)):
+        if table is not None:
+            record |= _of_table(part, table.columns, table.rows)
     for drawing in page.figures:
         record |= _of_dataset(f"figure.{drawing.name}", drawing.data)
         odd += misdrawn(drawing, data)
