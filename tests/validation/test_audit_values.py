@@ -131,6 +131,15 @@ def test_each_number_of_the_summary_that_is_blanked_or_moved_is_found(results, n
                     assert finds(values.judge_numbers, changes), (named, key, wrong)
 
 
+def test_an_interval_without_end_is_nothing_in_json(results):
+    result = results["scaling"]
+    endless = {"side_seconds_error": xr.full_like(result.data["side_seconds_error"], math.inf)}
+    data = changed(result, "data", {**result.data, **endless})
+    for interval, wrong in ((None, False), (0.5, True)):
+        numbers = {"side_seconds": {**result.summary["numbers"]["side_seconds"], "error": interval}}
+        assert finds(values.judge_numbers, changed(data, "summary", {"numbers": numbers})) == wrong
+
+
 @pytest.mark.parametrize("name", ["run", *EVERY])
 def test_each_value_of_a_finding_that_is_blanked_or_moved_is_found_or_was_listed(results, name):
     result = results[name]

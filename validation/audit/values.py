@@ -139,13 +139,12 @@ def _judge_value(
     result: Result, where: str, value: Mapping[str, Any], name: str, at: Mapping[str, int], ledger: Ledger
 ) -> None:
     """Judge one value of summary.json, and its interval, by the place of the dataset that it is of."""
-    expected = result.data[name].isel(at, missing_dims="ignore").values.item()
-    if expected in (math.inf, -math.inf):
-        expected = math.nan  # JSON has neither
-    ledger.exact("summary.json", where, value.get("value"), expected)
+    known = {where: (value.get("value"), result.data[name].isel(at, missing_dims="ignore").values.item())}
     if "error" in value:
-        half = _total(result.data, name, at)
-        ledger.exact("summary.json", f"{where}, its interval", value["error"], half)
+        known[f"{where}, its interval"] = value["error"], _total(result.data, name, at)
+    for what, (found, expected) in known.items():
+        infinite = expected in (math.inf, -math.inf)  # JSON has neither
+        ledger.exact("summary.json", what, found, math.nan if infinite else expected)
 
 
 def judge_tables(result: Result, ledger: Ledger) -> None:
