@@ -95,7 +95,7 @@ def fields(points=12, load=0.1):
     """A small solve of a scene."""
     from validation.studies import area  # which takes the workers of other solves a second
 
-    told = area.Options(grids=(12, 16), periods=2.0, bandwidth=2.0, hurst=0.7, surfaces=2, seed=21)
+    told = area.Options(grids=(12, 16), periods=1.6, bandwidth=2.5, hurst=0.7, surfaces=2, seed=21)
     return told.press(surface=0, reduced_pressure=load, grid=(points, points))
 
 

@@ -37,8 +37,8 @@ CASES = {
     "seed": 21,
     "surfaces": 4,
     "grids": (12, 14, 16, 20),
-    "periods": 2.0,
-    "bandwidth": 2.0,
+    "periods": 1.6,
+    "bandwidth": 2.5,
     "hurst": 0.7,
 }
 FEW = {**CASES, "reduced_pressures": (0.05, 0.2), "surfaces": 2}

@@ -19,11 +19,11 @@ def small(numbers):
 
 
 def test_the_differences_are_those_of_the_block_from_the_linear_one(small):
-    surface = base_surface(hurst=0.8, periods=1.0, bandwidth=2.0, seed=17)
+    surface = base_surface(hurst=0.8, periods=1.25, bandwidth=1.6, seed=17)
     case = base_case(surface, reduced_pressure=0.1).further(1)
     field, solid = case.heights(grid_for(case, 5.0)), case.elastic
     load = 0.1 * solid.contact_modulus * field.rms_gradient
-    mesh = {"depth": field.lengths[0], "growth": 1.3}
+    mesh = {"depth": field.lengths[0] / 1.25, "growth": 1.3}
     linear = block.solve(field, solid, mean_pressure=load, method="full", **mesh).contact
     *_, steep = block.solve_slopes(field, solid, mean_pressure=load, slopes=(0.1, 0.2), **mesh)
     found = small.isel(nu=0, load=0, surface=1, grid=-1, slope=-1)

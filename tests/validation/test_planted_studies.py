@@ -191,12 +191,12 @@ def test_magnification_prints_the_planted_ratio_to_the_theory_of_the_waves_that_
         return measurement(solve, lambda p: 1.1 * float(persson_area(p * 0.1 / rough)) * own)
 
     options = magnification.Options(
-        reduced_pressures=(0.05, 0.1), magnifications=(1.0, 2.0), surfaces=3, seed=61, **SMALL
+        reduced_pressures=(0.05, 0.1), magnifications=(1.5, 2.0), surfaces=3, seed=61, **SMALL
     )
     data = magnification.run(options, bench=PlantedBench(answer))
     assert_allclose(data.area_ratio, 1.1, rtol=1e-9)
     table = magnification.views(data).table.of(data)
-    assert column(table, "zeta") == [1.0, 2.0, 1.0, 2.0]
+    assert column(table, "zeta") == [1.5, 2.0, 1.5, 2.0]
 
 
 # hardness and adhesion: fields of known answers ---------------------------------------------------------
@@ -218,13 +218,13 @@ def yielded_lines(monkeypatch):
 
     options = hardness.Options(
         reduced_pressures=(0.1, 0.2),
-        magnifications=(2.0,),
+        magnifications=(2.5,),
         smoothing_reduced_pressure=0.1,
         surfaces=3,
         seed=61,
         grids=(32, 48, 96),
-        periods=2.0,
-        bandwidth=2.0,
+        periods=1.6,
+        bandwidth=2.5,
     )
     return hardness.run(options, bench=PlantedBench(answer))
 
@@ -264,7 +264,7 @@ def test_hardness_says_the_planted_areas_and_what_smoothing_leaves(yielded_lines
     assert plastic.outcomes == ("-" if theory > 0.1 else "+",) * 2
     assert elastic.rows[1]["area_elastic"].value == pytest.approx(0.1, rel=1e-9)
     said = {name: value.value for name, value in smoothing.values.items()}
-    assert (said["spectrum_kept"], said["wave"], said["gradient_kept"]) == (0.5, pytest.approx(2.0), 0.25)
+    assert (said["spectrum_kept"], said["wave"], said["gradient_kept"]) == (0.5, pytest.approx(2.5), 0.25)
     assert said["spectrum_kept_excess_largest"] == pytest.approx(0.4)
     assert smoothing.outcomes == ("+",)
 
@@ -491,8 +491,8 @@ def test_deviations_of_ways_and_claims_are_those_of_planted_areas():
         fem_points_per_wave=(),
         peer_points_per_wave=(),
         methods=("bem",),
-        periods=2.0,
-        bandwidth=2.0,
+        periods=1.6,
+        bandwidth=2.5,
     )
     data = accuracy_cost.run(options, bench=PlantedBench(answer))
     pixel = data.sel(way="BEM pixel, 4 per wave")

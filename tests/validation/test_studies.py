@@ -18,7 +18,7 @@ from validation.studies import cross, find_study, studies
 from validation.studies._outputs import study_page
 
 SOLID = SolidSpec(young=3e8, poisson=0.25)
-SMALL = {"periods": 2.0, "bandwidth": 2.0}
+SMALL = {"periods": 1.6, "bandwidth": 2.5}
 
 
 def pressed(*, seed=61, solid=SOLID):

@@ -25,7 +25,7 @@ from validation.scenes.tables import SolidSpec
 from validation.studies import depth, stress_near_zero
 
 SOLID = SolidSpec(young=3e8, poisson=0.25)
-SMALL = {"periods": 2.0, "bandwidth": 2.0}
+SMALL = {"periods": 1.6, "bandwidth": 2.5}
 
 
 @pytest.fixture(scope="module")

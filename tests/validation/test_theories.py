@@ -17,7 +17,7 @@ from validation.registry import found_in
 from validation.studies import find_study, theory_verdict
 from validation.theories import Rough, Theory, find_theory, theories
 
-SMALL = {"periods": 2.0, "bandwidth": 2.0, "surfaces": 2, "points_per_wave": (4.0, 6.0)}
+SMALL = {"periods": 1.6, "bandwidth": 2.5, "surfaces": 2, "points_per_wave": (4.0, 6.0)}
 
 
 @pytest.fixture(scope="module")
