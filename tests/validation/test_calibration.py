@@ -1,5 +1,6 @@
 """Costs of effects: measured on this machine where it was calibrated, on the reference machine otherwise."""
 
+import numpy as np
 import pytest
 from commanding import answer_of, output_of
 
@@ -8,6 +9,7 @@ from validation.execution import calibration
 from validation.execution.cost import transform_seconds
 from validation.execution.press import solves_of
 from validation.files import write_record
+from validation.solvers.base import example_field
 
 EFFECT = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n[solid]'
 
@@ -79,3 +81,10 @@ def test_a_damaged_or_foreign_cache_is_as_none(cache, text):
     costs = calibration.effect_costs()
     assert costs.factors == calibration.reference().factors
     assert f"{cache}: damaged, or of another version" in costs.source
+
+
+def test_waves_that_effects_are_tried_on_are_those_that_the_grid_carries():
+    for points, carried in ((12, {4}), (16, {4}), (64, {4, 8, 16})):
+        field = example_field(points)
+        assert set(np.flatnonzero(abs(np.fft.rfft(field.heights[:, 0])) > 1e-9)) - {0} == carried
+        assert field.rms_gradient == pytest.approx(0.1)

@@ -13,7 +13,7 @@ from validation.report.estimates import HOLDS
 from validation.scenes.tables import RandomSurface
 
 #: Options that say how many surfaces, or pairs of them, are pressed.
-COUNTS = ("surfaces", "pairs", "ladder_pairs", "probe_surfaces")
+COUNTS = ("surfaces", "pairs", "ladder_pairs", "method_pairs", "probe_surfaces")
 #: `archard` moves its surfaces, `reference` regresses on theirs; the others take no mean over surfaces.
 NOT_ASKED = ("archard", "reference", "accuracy-cost", "scaling")
 ASKED = [

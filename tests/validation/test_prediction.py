@@ -2,6 +2,7 @@
 
 import itertools
 import json
+from dataclasses import replace
 
 import pytest
 from processes import run_python
@@ -94,3 +95,16 @@ def test_prediction_grows_with_the_grid_and_knows_the_reduction():
     assert reduced.unknowns > full.unknowns
     assert reduced.seconds < full.seconds
     assert job_of(0).predict(pair_seconds=2e-3).seconds == pytest.approx(4 * bem[0].seconds)
+
+
+@pytest.mark.parametrize("number", [0, 5, 7], ids=["bem", "full", "reduced"])
+def test_prediction_of_a_turned_grid_is_the_same(number):
+    job = job_of(number)
+
+    def predicted(*grid):
+        surface = job.problem.surface.model_copy(update={"length": tuple(1e-6 * n for n in grid)})
+        return replace(job, grid=grid, problem=replace(job.problem, surface=surface)).predict()
+
+    assert predicted(24, 60) == predicted(60, 24)
+    assert predicted(24, 24).seconds < predicted(24, 60).seconds < predicted(60, 60).seconds
+    assert predicted(24, 24).peak_bytes < predicted(24, 60).peak_bytes < predicted(60, 60).peak_bytes

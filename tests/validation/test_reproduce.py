@@ -23,7 +23,7 @@ from validation.paper.page import paper_dataset, paper_page
 from validation.paper.pmma import PMMA
 from validation.paper.rim import RIM
 
-#: Number and verdict of each claim.
+#: Number and verdict of each claim, and what is drawn of each figure.
 NUMBERS = Path(__file__).parent / "gold" / "paper.json"
 #: The conventions under which the claims of each system agree best: a slow test sees that they do.
 JOINT = {
@@ -132,6 +132,26 @@ def test_every_claim_has_its_number_and_its_verdict(application):
         assert (number, words) == (pytest.approx(exact, rel=1e-6, abs=1e-12), verdict), claim
 
 
+def shown(figure):
+    """Number of points, mean and largest value of each quantity of each curve."""
+    return {
+        f"{figure.name}, {label}": [
+            word
+            for name, v in curve.items()
+            for word in (name, len(v), float(np.nanmean(v)), float(np.nanmax(v)))
+        ]
+        for label, curve in figure.curves().items()
+    }
+
+
+@pytest.mark.parametrize("figure", FIGURES, ids=lambda figure: figure.name)
+def test_every_curve_has_its_numbers(figure):
+    known = json.loads(NUMBERS.read_text(encoding="utf-8"))
+    for curve, numbers in shown(figure).items():
+        exact = [n if isinstance(n, str) else pytest.approx(n, rel=1e-6, abs=0.0) for n in known[curve]]
+        assert numbers == exact, curve
+
+
 def test_the_joint_convention_of_the_rim_is_the_literal_one():
     assert RIM.conventions[0].name == JOINT["tire rim"]
 
@@ -215,4 +235,5 @@ def test_figures_show_the_curves_that_their_labels_name(tmp_path):
 
 
 if __name__ == "__main__":
-    write_lines(NUMBERS, {claim: row for one in reproduce.APPLICATIONS for claim, row in told(one).items()})
+    made = [*map(told, reproduce.APPLICATIONS), *map(shown, FIGURES)]
+    write_lines(NUMBERS, {name: row for part in made for name, row in part.items()})

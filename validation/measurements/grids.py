@@ -139,7 +139,7 @@ def with_methods(
     limits = {}
     for (m, on), k in itertools.product(grids.items(), range(data.sizes["surface"])):
         limit = method_limit([answers[m, k, g] for g in range(len(on))], on, "area_other")
-        limits[m, k] = limit.drop_attrs(deep=False)
+        limits[m, k] = limit.drop_attrs()
     added = [other, gather(limits, "other", "surface")]
     data = xr.merge([data, *added], compat="no_conflicts", combine_attrs="override")
     ways = ("other", "other_pixel", "other_perimeter", "other_located")
@@ -191,7 +191,7 @@ def method_limit(answers: Sequence[xr.Dataset], grids: Sequence[Grid], name: str
     if len({area.spacing for area in areas}) > 1 and (located or len(areas) > 2):
         limited = limit_over(areas)
         value, half = limited.value, NORMAL * limited.uncertainty
-    limit = xr.DataArray(value, attrs={"reduction": "limit", "of": "subcell" if located else "perimeter"})
+    limit = xr.DataArray(value)
     data = xr.Dataset({f"{name}_each": limit, f"{name}_each_error": error_of(limit, grid=half)})
     return data.assign_attrs(solve=" ".join(str(answer.attrs.get("solve", "")) for answer in answers))
 

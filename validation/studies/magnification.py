@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import itertools
+from typing import Self
 
 import numpy as np
 import xarray as xr
+from pydantic import model_validator
 
 from persson import elastic
 from validation.execution.bench import Bench
@@ -19,6 +21,7 @@ from validation.report.views import Figure, Table, Views, against, finding
 from validation.studies._options import Bandwidth, Shifts, Surfaces
 from validation.studies._scene import PressedOptions
 from validation.studies._study import gathered
+from validation.units import wrong
 
 
 class Options(PressedOptions):
@@ -35,6 +38,15 @@ class Options(PressedOptions):
     shifts: Shifts = SHIFTS
     points_per_wave: Ladder = (3.0, 6.0)
     """grids, as the shortest wave of all over dx, rising"""
+
+    @model_validator(mode="after")
+    def _waves_left(self) -> Self:
+        least, first = self.magnifications[0], self.first
+        (grid, *_), q_long = self.grids_for(self.points_per_wave), 2 * np.pi / first.longest
+        left = truncated_heights(first, grid, truncation=least * q_long).rms_gradient
+        if left < 1e-9 * first.field.rms_gradient:
+            raise wrong(f"magnifications = {least:g}, the first: leaves no wave, must be larger")
+        return self
 
 
 def design(options: Options) -> dict[tuple[int, float], Call]:

@@ -136,7 +136,10 @@ STUDIES: dict[str, dict[str, object]] = {
     },
     "hurst": {
         **_LADDERS,
-        "methods": ("bem",),
+        "methods": ("bem", "fem"),
+        "method_pairs": 2,
+        "method_bandwidth": 1.6,
+        "method_points_per_wave": (4.0, 6.0, 8.0),
         "points_per_wave": (4.0, 6.0),
         "seed": 61,
         "periods": 1.0,
