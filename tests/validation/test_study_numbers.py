@@ -13,7 +13,7 @@ from fem_contact import HalfSpace, HeightField, Solid, bem, yielded
 from persson import constant_hardness
 from validation.effects.base import full_contact_energy
 from validation.measurements.common import base_case, base_surface
-from validation.measurements.convergence import fitted_line, spectral_errors
+from validation.measurements.convergence import at_equal, fitted_line, spectral_errors
 from validation.measurements.distributions import largest_difference, weighted_percentile
 from validation.measurements.edge import edge_limits, start_of_pressure
 from validation.measurements.grid_roughness import rms_slopes
@@ -22,7 +22,7 @@ from validation.measurements.measurement import press_on_grids, pressed_path, tr
 from validation.measurements.statistics import order_of_convergence
 from validation.measurements.theory import Waves, ensemble_stress_variance
 from validation.measurements.yielding import remaining_by_theory
-from validation.report.estimates import claim, total_error
+from validation.report.estimates import claim, error_of, total_error
 from validation.scenes.surfaces import spectrum_of
 from validation.scenes.tables import SelfAffineSurface
 from validation.studies import graded, magnification
@@ -277,3 +277,20 @@ def test_yielded_and_elastic_areas_and_loads_are_those_of_their_points():
     assert found.elastic_area == pytest.approx((weights * (touching & ~bound)).sum() / 1024, rel=1e-12)
     assert found.plastic_load == pytest.approx(0.02 * (weights * bound).sum() / 1024, rel=1e-8)
     assert found.elastic_area + found.plastic_area + found.open_area == pytest.approx(1.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(("last", "kappa"), [(4.0, [3.0, 10.0]), (4.1, [np.nan, np.nan])])
+def test_rows_are_compared_at_the_largest_value_that_all_have_be_it_the_first_of_one(last, kappa):
+    each = xr.DataArray([[1.0, 3.0], [10.0, 30.0]], dims=("hurst", "rung"))
+    alpha = each.copy(data=[[2.0, 4.0], [last, 8.0]])
+    data = xr.Dataset(
+        {
+            "kappa_each": each,
+            "kappa_each_error": error_of(each, grid=0.1),
+            "alpha": alpha,
+            "kappa_each_drift": 0 * each,
+        }
+    )
+    found = at_equal(data, "kappa", x="alpha", along="rung")
+    assert float(found.alpha_equal) == 4.0
+    assert_allclose(found.kappa_equal_each, kappa)

@@ -186,9 +186,9 @@ def method_limit(answers: Sequence[xr.Dataset], grids: Sequence[Grid], name: str
         stored_areas(answer, grid=grid, edge_constant=float(answer.edge_constant))
         for answer, grid in zip(answers, grids, strict=True)
     ]
-    located = all(area.subcell is not None for area in areas)
     value = half = np.nan
-    if len({area.spacing for area in areas}) > 1 and (located or len(areas) > 2):
+    enough = len(areas) > 2 or all(area.subcell is not None for area in areas)
+    if enough and len({area.spacing for area in areas}) > 1:
         limited = limit_over(areas)
         value, half = limited.value, NORMAL * limited.uncertainty
     limit = xr.DataArray(value)

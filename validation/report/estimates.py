@@ -247,14 +247,12 @@ def total_error(data: xr.Dataset, name: str, *, sources: Iterable[str] | None = 
     errors = optional(data, f"{name}_error")
     if errors is None:
         return None
-    errors = errors.transpose(..., "source")
+    errors, names = errors.transpose(..., "source"), errors.source.values.tolist()
     asked = list(shown_sources(errors) if sources is None else sources)
-    enter = [source for source in asked if source not in errors.attrs] or asked
-    names = errors.source.values.tolist()
-
-    half = {source: errors.values[..., names.index(source)] for source in asked}
-    measured = ~np.all([np.isnan(half[source]) for source in enter], axis=0)
-    total = np.where(measured, np.sqrt(np.nansum([half[source] ** 2 for source in asked], axis=0)), np.nan)
+    half = errors.values[..., [names.index(source) for source in asked]]
+    enter = [source not in errors.attrs for source in asked]
+    measured = ~np.isnan(half[..., enter if any(enter) else slice(None)]).all(axis=-1)
+    total = np.where(measured, np.sqrt(np.nansum(half**2, axis=-1)), np.nan)
     return errors.isel(source=0, drop=True).copy(data=total).assign_attrs({})
 
 

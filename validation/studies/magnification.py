@@ -41,10 +41,9 @@ class Options(PressedOptions):
 
     @model_validator(mode="after")
     def _waves_left(self) -> Self:
-        least, first = self.magnifications[0], self.first
-        (grid, *_), q_long = self.grids_for(self.points_per_wave), 2 * np.pi / first.longest
-        left = truncated_heights(first, grid, truncation=least * q_long).rms_gradient
-        if left < 1e-9 * first.field.rms_gradient:
+        (grid, *_), first, least = self.grids_for(self.points_per_wave), self.first, self.magnifications[0]
+        left = truncated_heights(first, grid, truncation=least * 2 * np.pi / first.longest)
+        if left.rms_gradient < 1e-9 * first.field.rms_gradient:
             raise wrong(f"magnifications = {least:g}, the first: leaves no wave, must be larger")
         return self
 
