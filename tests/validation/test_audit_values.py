@@ -99,6 +99,21 @@ def test_each_cell_of_a_table_that_is_blanked_or_moved_is_found(results, name):
             _damage_each_cell(results[name], file, part)
 
 
+def test_of_nothing_no_error_is_a_part_of_the_budget_and_any_other_cannot_be_said(results):
+    result = results["magnification"]
+    name = result.summary["budget"][0]
+    zero, halves = (xr.zeros_like(result.data[n]) for n in (name, f"{name}_error"))
+    data = changed(result, "data", {**result.data, name: zero, f"{name}_error": halves})
+    header, *lines = result.tables["budget.csv"]
+    column = header.index("surfaces [%]")
+    for share in ("0.0", "0.5"):
+        rows = [[*line[:column], share, *line[column + 1 :]] for line in lines]
+        ledger = Ledger()
+        values.judge_budget(changed(data, "tables", {"budget.csv": [header, *rows]}), ledger)
+        found = [one.agrees for one in ledger.entries if "surfaces" in one.name]
+        assert (found[0] if found else None) == (share == "0.0"), ledger.entries[:4]
+
+
 def _damage_each_cell(result, file, part):
     rows = result.tables[file]
     assert not finds(part, changed(result, "tables", {file: rows}))

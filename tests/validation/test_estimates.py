@@ -170,6 +170,9 @@ def run(options, *, bench):
     raise AssertionError("solves")
     derive(data, arrea_each="area_each / 2")
     mean(data, "area_each")
+    change(data, "kappa_each", along="surface")
+    reduce(data, "rms", "gap_each")
+    same_of_all(data, "energy_each")
 
 def views(data):
     return Line(y="kapa")
@@ -195,8 +198,10 @@ def test_names_that_are_none_are_refused_before_anything_is_solved(tmp_path):
     module.__file__ = str(path)
     with pytest.raises(UsageError) as caught:
         Study(name="mine", module=module).compute(StudyOptions(), bench=None)
-    for words in ("line 4: 'arrea_each': no such", "line 5: mean is told 'area'", "line 8: 'kapa': no such"):
-        assert words in str(caught.value)
+    told = {5: "mean", 6: "change", 7: "reduce", 8: "same_of_all"}
+    words = [f"line {line}: {what} is told" for line, what in told.items()]
+    for one in (*words, "line 4: 'arrea_each': no such", "line 11: 'kapa': no such"):
+        assert one in str(caught.value)
 
 
 def test_an_interval_names_its_sources_where_not_all_were_measured():

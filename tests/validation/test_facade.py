@@ -173,6 +173,9 @@ def test_a_table_tells_contacts_apart_by_what_differs():
     assert (soft.persson_plastic > 0).all()
     swept = [pressed(reduced_pressure=0.05, hardness=h) for h in ("150 MPa", "200 MPa")]
     assert table(swept).hardness.dims == ("hardness",)
+    both = table([pressed(reduced_pressure=p, hardness=f"{1e9 * p + 1e8} Pa") for p in loads])
+    assert both.hardness.values.tolist() == [150e6, 200e6]
+    assert {"hardness", "hurst", "young"}.isdisjoint(soft.coords)
     with pytest.raises(UsageError, match="nor does any of: reduced_pressure, pressure, method"):
         table([pressed(reduced_pressure=0.05)] * 2)
     with pytest.raises(UsageError, match="these do: reduced_pressure, pressure"):

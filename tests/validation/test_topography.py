@@ -657,6 +657,8 @@ def test_the_map_of_the_docs_is_made_and_gets_the_table_that_they_show(tmp_path,
     explanation = explain(load_scene("scene.toml"))
     # Its own two solves, and five of other treatments on the coarser grid.
     assert [grid.solves for grid in explanation.grids] == [6, 1]
+    said = [words for name, words in explanation.facts if name == "measured"]
+    assert sum("quadratic taken out" in words for words in said) == 1
 
 
 @pytest.mark.parametrize("sweep", ["", "[sweep]\nload.reduced_pressure = [0.1, 0.2]\n"])
