@@ -7,7 +7,7 @@ import importlib
 import inspect
 import json
 import pkgutil
-from dataclasses import is_dataclass
+from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import Annotated, get_origin
 
@@ -21,11 +21,14 @@ import persson
 import validation
 from validation import notebook, units
 from validation.cli import app
+from validation.effects import effect_kinds
 from validation.measurements.hard_cases import CASES
 from validation.solvers import find_solver
 from validation.solvers.base import Size
 
 STORED = Path(__file__).parent / "gold/defaults.json"
+_COSTS = [(name, {}) for name in ("bem", "fem", "tamaas", "contact_mechanics", "aspher", "calculix")]
+_COSTS.append(("fem", {"method": "reduced"}))
 #: Of a schema what describes a key, and what another version of pydantic may word in another way.
 _WORDS = {"description", "title", "default", "type", "$ref", "$defs"}
 
@@ -80,6 +83,11 @@ def found():
     pairs = [*_of_tables(), *_of_commands(command)]
     # Where solvers are tried on their hard cases, and what is asked of them there.
     pairs += [(f"stability {case.name}", {"values": case.values, "bound": case.bound}) for case in CASES]
+    # What solves are foretold to cost, and by how much effects make them dearer.
+    for name, settings in _COSTS:
+        cost = asdict(find_solver(name).cost(Size(grid=(24, 60), lengths=(2.0, 5.0), settings=settings)))
+        pairs.append((f"cost of {name} {settings}", [f"{key} {value:.9g}" for key, value in cost.items()]))
+    pairs += [(f"cost of {name}", effect.cost) for name, effect in effect_kinds().items()]
     # Quantities, also those that only a command line has.
     annotated = ((name, kind) for name, kind in vars(units).items() if get_origin(kind) is Annotated)
     pairs += [
