@@ -513,3 +513,10 @@ def test_limits_are_those_of_the_error_law_whatever_the_grids(located):
         assert found == pytest.approx((ours.value, ours.uncertainty), rel=1e-8, abs=1e-12, nan_ok=True), areas
         seen.add((len({area.spacing for area in areas}), ours.determinable))
     assert {(1, True), (2, True), (3, True), (1, False), (2, False)} <= seen
+
+
+def test_places_are_named_by_both_sides_of_their_grids(small_run):
+    entries = sound(small_run.folder).entries
+    for name in ("E* [Pa]", "h'_rms of the surface pressed", "surfaces that differ"):
+        grids = {re.findall(r"\d+x\d+", entry.place)[0] for entry in entries if entry.name == name}
+        assert grids == {"12x8", "24x16", "48x32"}, name
