@@ -91,8 +91,7 @@ def order(
 
     The tolerance is how far these resolutions, coarse to fine, may be from the limit in which it holds.
     """
-    sizes = 1 / np.asarray(resolutions)
-    slope = order_of_convergence(sizes, errors) if min(errors) > 0 else math.nan
+    slope = order_of_convergence(1 / np.asarray(resolutions), errors) if min(errors) > 0 else math.nan
     ladder = tuple((float(n), float(error)) for n, error in zip(resolutions, errors, strict=True))
     return Check(quantity=quantity, computed=slope, reference=expected, tolerance=tolerance, ladder=ladder)
 

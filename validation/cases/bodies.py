@@ -22,8 +22,7 @@ def _felt(response: Response, q: float) -> float:
 @case("bodies-layers", source="K. L. Johnson, Contact Mechanics, Sec. 5.8")
 def _layers() -> Checks:
     """A wave is pressed flat on a bonded and on a frictionless layer by its height over their compliance."""
-    x = np.cos(2 * np.pi * np.arange(48) / 48)
-    surface = periodic(0.01 * x[:, None] * np.ones(4))
+    surface = periodic(0.01 * np.cos(2 * np.pi * np.arange(48) / 48)[:, None] * np.ones(4))
     for poisson in (0.3, 0.5):
         solid = Solid(young=1.0, poisson=poisson)
         a, k = 2 * math.pi * 0.1, 3 - 4 * poisson

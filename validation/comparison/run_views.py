@@ -265,8 +265,7 @@ def _edges(data: xr.Dataset) -> Iterator[Finding]:
 
 
 def _warnings(data: xr.Dataset) -> Iterator[Finding]:
-    solved = data.area_pixel.notnull().any("solver").values
-    coarse = data.grid.values[solved & (data.resolved.values == 0)]
+    coarse = data.grid.values[data.area_pixel.notnull().any("solver").values & (data.resolved.values == 0)]
     if coarse.size:
         names = ", ".join(map(str, coarse))
         yield note(f"Under-resolved (lambda_short <= 2 dx) and left out of every limit: {names}.")

@@ -156,8 +156,7 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
     loads = in_shown_range(shown.pressure)
     yield Card(HOW_LARGE, in_shown_range(shown.area_ensemble), f"at p0 = {loads}, with all roughness")
     if "area_plastic_ensemble" in data:
-        yielded = in_shown_range(shown.area_plastic_ensemble)
-        yield Card(HOW_YIELDED, yielded, f"at p0 = {loads}")
+        yield Card(HOW_YIELDED, in_shown_range(shown.area_plastic_ensemble), f"at p0 = {loads}")
     if "work_left" in data:
         basis = finding("value", "of {work:u}: gamma_eff(1)", data)
         yield Card("How much adhesion is left?", in_shown_range(shown.work_left), basis)

@@ -107,8 +107,7 @@ def _least_squares(samples: Sequence[Array], x: Array, *, common: bool) -> tuple
     design = np.stack([np.ones_like(x), x], axis=1)
     to_line = np.linalg.pinv(design * weight[:, None]) * weight  # of (intercept, slope) by group
     values = to_line @ np.array([group.mean() for group in samples])
-    freedom = min(group.size for group in samples) - 1
-    factor = float(scipy.special.stdtrit(freedom, 0.975))
+    factor = float(scipy.special.stdtrit(min(group.size for group in samples) - 1, 0.975))
     if common:
         spread = (to_line @ np.stack(samples)).std(axis=1, ddof=1) / np.sqrt(samples[0].size)
     else:

@@ -94,5 +94,4 @@ def _theory(
     """A/A0 by every variant, (phase, instant), with E = 1/J(t) and the realised gradient."""
     moduli = moduli_of(rubber, durations) / (1 - rubber.poisson**2)
     variance = elastic.stress_variance(problem.field.rms_gradient**2, contact_modulus=1.0) * moduli**2
-    loads = problem.pressure * np.array([[1.0], [load_left]])
-    return variant_areas(loads, stress_variance=variance)
+    return variant_areas(problem.pressure * np.array([[1.0], [load_left]]), stress_variance=variance)

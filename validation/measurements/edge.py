@@ -131,9 +131,7 @@ def inverse_square_coefficient(result: ContactResult) -> float:
     distance = scipy.ndimage.distance_transform_edt(padded, sampling=result.spacing)
     inside = distance[margin:-margin, margin:-margin] - dx / 2
     ring = contact & (inside > _NEAR * dx) & (inside < _FAR * dx)
-    if not ring.any():
-        return float("nan")
-    return float(np.mean(inside[ring] / result.pressure[ring] ** 2))
+    return float(np.mean(inside[ring] / result.pressure[ring] ** 2)) if ring.any() else np.nan
 
 
 def start_of_pressure(

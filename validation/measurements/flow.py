@@ -173,8 +173,7 @@ class States:
         """Return the contact there, solved once."""
         if at not in self._contacts:
             near = min(self._contacts, key=lambda other: abs(np.log(other / at)), default=None)
-            start = None if near is None else self._contacts[near].pressure
-            self._contacts[at] = self._solve(at, start)
+            self._contacts[at] = self._solve(at, None if near is None else self._contacts[near].pressure)
         return self._contacts[at]
 
     def at_area(self, area: float) -> ContactResult:

@@ -190,8 +190,7 @@ def two_grid_step(values: xr.DataArray, spacing: xr.DataArray, *, order: int = 1
 
 def two_grid_limit(values: xr.DataArray, spacing: xr.DataArray) -> xr.DataArray:
     """Value at dx -> 0 of what is counted, by a straight line in dx through the two finest grids."""
-    finest = values.isel({str(spacing.dims[-1]): -1}, drop=True)
-    return finest + two_grid_step(values, spacing)
+    return values.isel({str(spacing.dims[-1]): -1}, drop=True) + two_grid_step(values, spacing)
 
 
 def value_at_zero(

@@ -166,6 +166,5 @@ def _curvature(data: xr.Dataset, values: Array, point: Mapping[str, float]) -> f
         line = np.array([_straight(data, values, {**point, name: float(node)}) for node in data[name].values])
         second = np.diff(np.diff(line) / np.diff(nodes)) / (nodes[2:] - nodes[:-2])
         k = int(np.clip(np.searchsorted(nodes, at), 1, nodes.size - 1))
-        near = second[max(k - 2, 0) : k]
-        total += (at - nodes[k - 1]) * (nodes[k] - at) * float(np.max(np.abs(near)))
+        total += (at - nodes[k - 1]) * (nodes[k] - at) * float(np.max(np.abs(second[max(k - 2, 0) : k])))
     return total

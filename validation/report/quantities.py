@@ -201,8 +201,7 @@ def as_length(metres: float, digits: int = 6) -> str:
 
 def named_at(here: xr.Dataset, name: str) -> Mapping[str, Any]:
     """Return words and look of the solver or theory that a coordinate names; nothing of other coordinates."""
-    named = str(here[name].item()) if name in _NAMING else ""
-    known = dict(registry()["qualifiers"].get(named, {}))
+    known = dict(registry()["qualifiers"].get(str(here[name].item()) if name in _NAMING else "", {}))
     # A solver that is called as a qualifier of something else has words of its own.
     return {**known, "words": known["solver"]} if "solver" in known else known
 

@@ -40,8 +40,7 @@ def check_scene(scene: Scene, problem: ContactProblem) -> None:
         for name in scene.methods.solvers:
             effect.check_solver(name, key=effect_key(k, ""))
     if scene.effects:
-        filled = scene.effects if scene.methods.solvers else ()
-        model = ContactModel.filled(problem.elastic, filled)
+        model = ContactModel.filled(problem.elastic, scene.effects if scene.methods.solvers else ())
         grids = [grid for name in scene.methods.solvers for grid in scene.methods.options(name).grids]
         grids += [] if scene.ensemble is None else scene.ensemble.grids
         cases = [problem]

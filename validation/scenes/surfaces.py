@@ -130,8 +130,7 @@ def spectrum_between(surface: SpectrumSurface) -> Tabulated:
             f"surface: waves of {as_length(surface.lambda_short)} to {as_length(surface.lambda_long)}; "
             f"the table has those of {as_length(2 * math.pi / q[-1])} to {as_length(2 * math.pi / q[0])}"
         )
-    inside = (q > low * (1 + edge)) & (q < high * (1 - edge))
-    q = np.concatenate([[low], q[inside], [high]])
+    q = np.concatenate([[low], q[(q > low * (1 + edge)) & (q < high * (1 - edge))], [high]])
     return Tabulated(wavevectors=q, power=whole(np.clip(q, whole.q_min, whole.q_short)))
 
 

@@ -147,8 +147,7 @@ def _set_from_outside(data: dict[str, Any], setting: str) -> str:
         key = key.removeprefix("sweep.")
         name = key if swept and key == "mode" else _found_key(key, data)
         if swept:
-            others = {k: v for k, v in flat.items() if listed[k] != name}
-            data["sweep"] = {**others, name: _value(text)}
+            data["sweep"] = {**{k: v for k, v in flat.items() if listed[k] != name}, name: _value(text)}
         elif name in listed.values():
             raise UsageError(f"{name}: is swept; set sweep.{name}=[...] instead")
         else:
@@ -187,8 +186,7 @@ def _found_key(key: str, data: Mapping[str, Any]) -> str:
         raise UsageError(f"{key}: is a table; name one of its keys: {', '.join(inside)}")
     # Where tables share a last word, that of one which the scene has is meant.
     last = {full.rpartition(".")[2]: full for full in sorted(keys, key=lambda full: _present(full, data))}
-    hint = did_you_mean(key, keys) or did_you_mean(key, (), last)
-    raise UsageError(f"{key}: is no key of a scene{hint}")
+    raise UsageError(f"{key}: is no key of a scene{did_you_mean(key, keys) or did_you_mean(key, (), last)}")
 
 
 def _present(key: str, data: Mapping[str, Any]) -> bool:

@@ -28,8 +28,8 @@ def methods() -> Mapping[str, Method]:
                 f"method {kind.name!r} of {kind.__module__}: its `solve` takes one `job` now, and its "
                 "`cost` one `size` (validation.solvers.base); see ARCHITECTURE.md"
             )
-    ours_first = sorted(kinds, key=lambda kind: getattr(kind, "foreign", False))
-    return {kind.name: kind() for kind in ours_first}
+    # Ours first.
+    return {kind.name: kind() for kind in sorted(kinds, key=lambda kind: getattr(kind, "foreign", False))}
 
 
 def find_method(name: str) -> Method:

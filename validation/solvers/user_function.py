@@ -74,5 +74,4 @@ def _digest(function: str) -> str:
     files = (
         single if places is None else sorted(path for place in places for path in Path(place).rglob("*.py"))
     )
-    code = b"".join(file.read_bytes() for file in files if file.is_file())
-    return hashlib.sha256(code).hexdigest()[:16]
+    return hashlib.sha256(b"".join(file.read_bytes() for file in files if file.is_file())).hexdigest()[:16]

@@ -98,8 +98,7 @@ def _against_nayak(data: xr.Dataset) -> Figure:
     marks = ("kappa", Level("kappa_bgt"), Level("kappa_persson_light"))
     panels = panels_along(data, "load", against("nayak", *marks, by="family", log="x"))
     caption = "The same kappa against the realised Nayak parameter at each load."
-    width = 2.9 * max(2, len(panels)) + 1
-    return Figure("kappa-against-nayak", caption, panels, width=width, height=4.4)
+    return Figure("kappa-against-nayak", caption, panels, width=2.9 * max(2, len(panels)) + 1, height=4.4)
 
 
 def _ladder_figures() -> tuple[Figure, ...]:

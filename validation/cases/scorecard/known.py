@@ -250,8 +250,7 @@ def nested(subject: Subject) -> Checks:
     # At an edge p grows like the square root of the distance: the cells there leave an error of order 1.
     yield from _observed(subject, "the pressure from grid to grid", steps, expected=1, tolerance=0.7)
     # A grid of second order may miss the mean gap by (q_short dx)^2 / 4, of the middle grid.
-    allowed = (8 * np.pi / subject.ladder[1]) ** 2 / 4
-    yield below("change of the mean gap to the finest grid", gaps, allowed)
+    yield below("change of the mean gap to the finest grid", gaps, (8 * np.pi / subject.ladder[1]) ** 2 / 4)
 
 
 @case("against-bem", source="code verification: no shared contact algorithm", tolerance="grid")
