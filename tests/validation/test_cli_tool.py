@@ -429,8 +429,11 @@ def test_a_file_that_does_not_say_size_or_unit_is_asked_for_them(tool, done, tmp
     facts = json.loads(done("surface inspect scan.npy --length '1 um' --unit '1 nm' --json"))
     assert facts["h_rms [m]"] == pytest.approx(1e-9 * np.std(np.sin(np.arange(16))), rel=1e-9)
     assert 0.5 < facts["edge jump over typical step"] < 4
-    np.save(tmp_path / "cut.npy", np.outer(np.linspace(-1.0, 1.0, 64) ** 9, np.ones(64)))
-    cut = json.loads(done("surface inspect cut.npy --length '1 um' --unit '1 nm' --json"))
+    np.save(tmp_path / "cut.npy", np.outer(np.linspace(-1.0, 1.0, 64) ** 9, np.ones(48)))
+    size = "--length '1 um,750 nm' --unit '1 nm'"
+    cut = json.loads(done(f"surface inspect cut.npy {size} --json"))
+    assert cut["points"] == "64 x 48"
+    assert "64 x 48 heights" in done(f"surface convert cut.npy cut.txt {size}")
     assert {"h'_rms (differences)"} == {key for key in cut if "h'_rms" in key}
     assert "Nayak parameter" not in cut
     assert "scan.npy: 16 x 16 points" in facts["treatment"]

@@ -2,11 +2,17 @@
 
 import pickle
 from dataclasses import replace
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
+from fem_contact import HalfSpace, HeightField, Solid, bem
 from validation.execution.bench import Bench, PlannedOnly
+from validation.execution.press import Press
 from validation.execution.solve import LOCATED_EDGES
+from validation.measurements import distributions, edge, magnified, measurement
 from validation.measurements.adhesive import sticky_contact
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import base_case, base_surface
@@ -102,3 +108,52 @@ def test_solves_of_before_are_found_again(row, tmp_path):
     (foretold,) = (solve.predict() for solve in planned.value.args if solve.key == key)
     assert foretold.peak_bytes == int(peak_bytes)
     assert foretold.seconds == pytest.approx(float(seconds), rel=0.01)
+
+
+# On oblong cells of an oblong period, which no study has of itself.
+
+_X, _Y = np.meshgrid(np.arange(24) / 24, np.arange(16) / 16, indexing="ij")
+_WAVES = sum(
+    np.cos(2 * np.pi * (m * _X + n * _Y) + m + 3 * n) / (m * m + n * n) for m in range(4) for n in (-2, 1, 3)
+)
+
+
+def turned(width):
+    """A contact on a period of 3 and this width, and the same with its axes swapped."""
+    for heights, lengths in ((_WAVES, (3.0, width)), (_WAVES.T, (width, 3.0))):
+        solid, field = (
+            HalfSpace(solid=Solid(young=1.0, poisson=0.0)),
+            HeightField(heights=heights, lengths=lengths),
+        )
+        yield bem.solve(field, solid, mean_pressure=2.0, tolerance=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("read", "width"),
+    [
+        (
+            lambda one: distributions.histograms_of(one, SimpleNamespace(pressure_scale=2.0, shortest=0.4)),
+            1.5,
+        ),
+        (lambda one: {"square": edge.inverse_square_coefficient(one)}, 1.5),
+        (lambda one: measurement._read_off(one, located=False), 1.5),
+        (lambda one: magnified._read_off(one, one, unit=0.01), 2.0),  # of square cells alone
+    ],
+    ids=["histograms", "edge", "measured", "magnified"],
+)
+def test_what_is_read_off_a_contact_does_not_know_which_axis_is_first(read, width):
+    first, second = map(read, turned(width))
+    for name in first.keys() - {"seconds", "residual", "peak_bytes"}:
+        assert_allclose(first[name], second[name], rtol=1e-6, atol=1e-9, err_msg=name)
+    assert first.keys() == second.keys()
+    assert np.isfinite(next(iter(first.values()))).all()
+
+
+def test_both_sides_of_a_grid_count_and_are_named():
+    numbers = dict.fromkeys(("pixel", "perimeter", "edge_fraction"), 0.1)
+    areas = measurement.stored_areas(numbers, grid=(24, 16), edge_constant=0.5)
+    assert (areas.spacing, areas.cells) == ((1 / 24, 1 / 16), 384)
+    press = Press(method="bem", grid=(24, 16), problem=PRESSED, shift=(0.25, 0.5))
+    assert press.prefix == "bem-24x16"
+    assert press.label == "BEM 24 x 16"
+    assert press.describe() == "BEM 24x16, shift (0.25, 0.5)"
