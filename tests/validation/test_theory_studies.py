@@ -10,7 +10,7 @@ from validation.execution.outputs import show
 from validation.execution.results import write_results
 from validation.measurements.common import base_case, base_surface, persson_area
 from validation.measurements.load_path import moved_shares
-from validation.studies import find_study, hurst, pressure, theory_verdict
+from validation.studies import find_study, hurst, magnification, pressure, theory_verdict
 from validation.studies._outputs import study_page
 from validation.theories import Rough
 from validation.theories.asperities import BushGibsonThomas
@@ -31,6 +31,12 @@ def test_hurst_study_reports_change_by_surface_and_finds_the_bandwidth_of_equal_
 def test_an_impossible_nayak_parameter_is_refused_by_name(bench):
     with pytest.raises(UsageError, match=r"equal_nayak = 1\.2: no bandwidth gives it"):
         hurst.run(hurst.Options(equal_nayak=1.2), bench=bench)
+
+
+def test_a_magnification_that_leaves_no_wave_is_refused_by_name():
+    with pytest.raises(UsageError, match=r"magnifications = 1, the first: leaves no wave, must be larger"):
+        magnification.design(magnification.Options(periods=1.6, magnifications=(1.0, 2.0)))
+    assert magnification.design(magnification.Options(periods=1.6, magnifications=(1.25, 2.0)))
 
 
 def test_magnification_ends_at_the_theory_of_the_whole_surface(numbers):

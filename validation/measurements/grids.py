@@ -139,7 +139,7 @@ def with_methods(
     limits = {}
     for (m, on), k in itertools.product(grids.items(), range(data.sizes["surface"])):
         limit = method_limit([answers[m, k, g] for g in range(len(on))], on, "area_other")
-        limits[m, k] = limit.drop_attrs()
+        limits[m, k] = limit.drop_attrs(deep=False)
     added = [other, gather(limits, "other", "surface")]
     data = xr.merge([data, *added], compat="no_conflicts", combine_attrs="override")
     ways = ("other", "other_pixel", "other_perimeter", "other_located")

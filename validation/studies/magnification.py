@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import itertools
-from typing import Self
 
 import numpy as np
 import xarray as xr
-from pydantic import model_validator
 
 from persson import elastic
+from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
 from validation.measurements.common import SHIFTS, Ladder, Rising
@@ -21,7 +20,6 @@ from validation.report.views import Figure, Table, Views, against, finding
 from validation.studies._options import Bandwidth, Shifts, Surfaces
 from validation.studies._scene import PressedOptions
 from validation.studies._study import gathered
-from validation.units import wrong
 
 
 class Options(PressedOptions):
@@ -39,24 +37,20 @@ class Options(PressedOptions):
     points_per_wave: Ladder = (3.0, 6.0)
     """grids, as the shortest wave of all over dx, rising"""
 
-    @model_validator(mode="after")
-    def _waves_left(self) -> Self:
-        (grid, *_), first, least = self.grids_for(self.points_per_wave), self.first, self.magnifications[0]
-        left = truncated_heights(first, grid, truncation=least * 2 * np.pi / first.longest)
-        if left.rms_gradient < 1e-9 * first.field.rms_gradient:
-            raise wrong(f"magnifications = {least:g}, the first: leaves no wave, must be larger")
-        return self
-
 
 def design(options: Options) -> dict[tuple[int, float], Call]:
     """Return the solves by surface and magnification."""
-    q_long = 2 * np.pi / options.first.longest
+    q_long, grids = 2 * np.pi / options.first.longest, options.grids_for(options.points_per_wave)
+    least = options.magnifications[0]
+    left = truncated_heights(options.first, grids[0], truncation=least * q_long)
+    if left.rms_gradient < 1e-9 * options.first.field.rms_gradient:
+        raise UsageError(f"magnifications = {least:g}, the first: leaves no wave, must be larger")
     return {
         (k, zeta): press_on_grids(
             problem=problem,
             truncation=zeta * q_long,
             reduced_pressures=options.reduced_pressures,
-            grids=options.grids_for(options.points_per_wave),
+            grids=grids,
             shifts=options.shifts,
             tolerance=options.tolerance(TOLERANCE),
         )
