@@ -51,7 +51,7 @@ def _npy():
     def says(kind, shape):
         return header(f"{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}\n")
 
-    yield "petabytes.npy", says("<f8", "(100000000, 100000000)")
+    yield "petabytes.npy", says("<f8", "(100000000, 200000000)")
     yield "gigabytes.npy", says("<f8", "(40000, 40000)") + bytes(64)
     yield "negative.npy", says("<f8", "(-4, -4)") + bytes(128)
     yield "no-axis.npy", says("<f8", "()") + bytes(8)

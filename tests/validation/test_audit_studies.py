@@ -4,6 +4,7 @@
 """
 
 import json
+import re
 import tempfile
 from pathlib import Path
 
@@ -64,6 +65,10 @@ def test_the_numbers_of_each_study_agree_with_its_solves(name, tmp_path, left, n
     solved = [json.loads(solve.attrs["recipe"]) for solve in result._read.values()]
     used = {recipe["method"] for recipe in solved if "method" in recipe}
     assert used <= {*numbers(name).attrs.get("methods", "theory bem").split()}
+    # By what a variable is called it is known for one that names solves.
+    for key, variable in result.data.items():
+        if variable.values.dtype.kind in "OU" and not key.startswith("solve"):
+            assert not re.search(r"-[0-9a-f]{16}\b", " ".join(map(str, variable.values.flat))), key
     if name == "area on a scene":
         assert "data.nc: area_each" not in ledger.unread
 

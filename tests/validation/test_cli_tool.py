@@ -130,10 +130,10 @@ def test_a_report_of_nothing_names_the_results_that_are_there(mistake, tmp_path)
     assert err.rstrip().endswith("run a scene or study first; results are in results/here, results/there")
 
 
-def test_a_surface_on_the_smallest_grid_is_written_with_a_word_of_warning(tool):
-    code, _, err = tool("surface generate quickstart rough.nc")
+def test_a_surface_on_the_smallest_grid_is_written_with_a_word_of_warning(tool, write_scene):
+    code, _, err = tool("surface generate", write_scene(), "rough.nc")
     assert code == 0, err
-    assert "note: 17 x 17 is the smallest grid that resolves this surface" in err
+    assert "note: 9 x 5 is the smallest grid that resolves this surface" in err
     assert tool("surface generate quickstart fine.nc --grid 40")[2] == ""
 
 

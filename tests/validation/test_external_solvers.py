@@ -4,6 +4,7 @@ import contextlib
 import random
 import textwrap
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +27,7 @@ from validation.execution.press import solves_of
 from validation.scenes.checks import check_scene
 from validation.scenes.problem import realise
 from validation.scenes.scene import load_scene
-from validation.solvers import find_method, find_solver, methods
+from validation.solvers import aspher, find_method, find_solver, methods
 from validation.solvers.base import Job, Solver, example_field
 from validation.solvers.bem import Bem
 from validation.studies import find_study
@@ -288,6 +289,28 @@ def test_a_layer_that_slides_on_its_base_is_refused_by_name(own_module):
         find_method("contact_mechanics").check(options, realise(scene), scene.effects)
 
 
+@pytest.mark.parametrize(
+    ("length", "grid", "wrong"),
+    [
+        ('"10 um"', "[16, 16]", False),
+        ('"10 um"', "[24, 16]", True),
+        ('"10 um"', "[16, 24]", True),
+        ('["10 um", "5 um"]', "[16, 16]", True),
+    ],
+)
+def test_aspher_is_asked_for_squares_alone(tmp_path, length, grid, wrong):
+    text = square_scene(length=length, grids=f"[16, {grid}]").replace("methods.bem", "methods.aspher")
+    scene = scene_in(tmp_path, text)
+    options, problem = scene.methods.options("aspher"), realise(scene)
+    squares = partial(pytest.raises, match="ASPHER has square grids on square periods")
+    with squares(UsageError) if wrong else contextlib.nullcontext():
+        find_method("aspher").check(options, problem, ())
+    if wrong:
+        heights = np.zeros(options.grids[1])
+        with squares(ValueError):
+            aspher.solve(heights, problem.lengths, contact_modulus=1.0, mean_pressure=0.1, tolerance=1e-6)
+
+
 def test_a_method_that_takes_no_job_is_refused_by_name(monkeypatch):
     class Old(Bem):
         def solve(self, field, *, mean_pressure, model, settings, threads=None): ...
@@ -313,7 +336,7 @@ def test_a_peer_agrees_with_boundary_elements(name, tolerance, apart, load):
         pytest.skip(str(peer.available()))
     solid = Solid(young=2e9, poisson=0.3)
     asked = job(load * solid.contact_modulus, points=64, model=ContactModel(solid=solid), tolerance=tolerance)
-    small = HeightField(heights=1e-6 * asked.field.heights, lengths=(1e-6, 1e-6))
+    small = HeightField(heights=1e-6 * asked.field.heights[:, ::2], lengths=(1e-6, 1.3e-6))
     asked = replace(asked, field=small)
     ours = find_solver("bem").solve(asked).contact.checked()
     found = peer.solve(asked).contact.checked()

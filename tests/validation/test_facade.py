@@ -155,6 +155,9 @@ def test_what_looks_like_a_topography_of_another_package_is_read_with_its_units(
     found = measured(Topography())
     assert found.table.length == pytest.approx((1e-4, 1e-4))
     assert_allclose(found.heights(), SURFACE.heights(40), rtol=0, atol=1e-18)
+    for part in ({"heights": Topography.heights}, {"physical_sizes": (1.0, 1.0)}):
+        with pytest.raises(UsageError, match="heights of type Part: it holds object values"):
+            measured(type("Part", (), part)())
 
 
 def test_a_file_is_a_surface_and_its_size_may_stand_in_it(tmp_path):

@@ -34,6 +34,19 @@ def test_the_distance_to_the_theory_is_decided_by_its_interval(small_run, ratio,
     assert found.values["area_excess"].value == pytest.approx(ratio - 1)
 
 
+def test_a_theory_without_a_number_is_said_and_nothing_is_compared_with_it(small_run):
+    data = small_run.data.assign(area_persson_own=np.nan, area_excess=np.nan, theory_note="no number: why")
+    said = [one.text for one in run_views(data).findings if "Persson's theory" in one.text]
+    assert said == ["Persson's theory gives no number: why."]
+
+
+def test_methods_without_a_grid_in_common_are_said_where_it_is_not_their_failure(small_run):
+    data = small_run.data.assign(pressure_difference=np.nan * small_run.data.pressure_difference)
+    words = "share no grid: their pressures are not compared"
+    assert _found(data, words).text.startswith("FEM and BEM ")
+    assert not any(words in one.form for one in run_views(data.assign(failures="one")).findings)
+
+
 def test_at_most_six_things_are_found(small_run):
     assert len(run_views(small_run.data).findings) == 6
 

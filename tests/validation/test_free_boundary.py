@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from fem_contact import FreeHalfSpace, Patch
+from validation.audit import audit
 from validation.comparison.run import run_scene
 from validation.effects.free_boundary import FreeBoundary
 from validation.errors import UsageError
@@ -76,6 +77,7 @@ def test_a_measured_patch_keeps_its_edges(tmp_path):
     }
     outputs = run_scene(scene(**changed), tmp_path / "out", report=False)
     assert "pressed as one patch, with its edges" in outputs.data.attrs["treatment"]
+    assert [str(entry) for entry in audit(tmp_path / "out").wrong] == []
     field = realise(scene(**changed)).field
     assert isinstance(field, Patch)
     np.testing.assert_array_equal(field.heights, heights)
@@ -94,6 +96,15 @@ def test_a_measured_patch_keeps_its_edges(tmp_path):
         (
             {"effects": [{"kind": "free-boundary", "radius": "1 nm"}], "load": {"force": "1 mN"}},
             r"1 radius = 1 nm: the ball would touch over .* where no paraboloid is a ball",
+        ),
+        (
+            # (3 F R/4E*)^(1/3) with F = 1 MPa of 40 um by 20 um.
+            {
+                "surface": BALL["surface"] | {"length": ["40 um", "20 um"]},
+                "effects": [{"kind": "free-boundary", "radius": "1 nm"}],
+                "load": {"pressure": "1 MPa"},
+            },
+            "the ball would touch over 81.7 nm",
         ),
         ({"ensemble": {"realisations": 2, "grids": [32, 64]}}, r"ensemble: averages over periods"),
         ({"quantities": {"subsurface": {}}}, r"quantities: are read off a period"),

@@ -61,7 +61,7 @@ def test_every_hostile_file_is_refused_in_one_sentence(tmp_path):
 #: One for each format; the others are nightly.
 HERE = ("petabytes.npy", "external.nc", "uneven.nc", "volts.txt")
 SAID = {
-    "petabytes.npy": "100000000 x 100000000 heights; at most 67108864",
+    "petabytes.npy": "100000000 x 200000000 heights; at most 67108864",
     "virtual.nc": "its data set 'heights' lies in another file .*virtual or external storage",
     "external.nc": "its data set 'heights' lies in another file",
     "linked.nc": "its data set 'heights' lies in another file",

@@ -57,6 +57,7 @@ def test_what_is_wrong_stands_on_the_page_and_in_the_sentence(wrong):
     views = claims_views(claims_dataset(wrong.verdicts, [wrong]))
     assert views.cards[0].answer.text.startswith("no: ")
     assert views.cards[1].answer.text == wrong.diagnosis
+    assert {card.answer.kind for card in views.cards[:2]} == {"value"}
     counts = {row.case: sum(not check.passed for check in row.checks) for row in wrong.failed}
     for text in (one.text for one in views.findings if "FAILS" in one.text):
         count = counts[text.partition(" FAILS")[0]]

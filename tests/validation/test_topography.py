@@ -94,6 +94,8 @@ def test_every_format_is_written_and_read_back_exactly(tmp_path, suffix):
     )
     assert_array_equal(found.heights, field.heights)
     assert_allclose(found.lengths, field.lengths, rtol=1e-14)
+    if suffix == ".txt":
+        assert "size 2.4e-06 m x 2.7e-06 m" in path.read_text()
     if not says_size:
         largest = LARGEST / np.abs(field.heights).max()  # as its unit
         size = {"lengths": (1e6 * largest, 1e6 * largest)}
@@ -719,7 +721,7 @@ def test_what_makes_a_map_doubtful_is_among_the_findings_and_in_what_python_show
 @pytest.mark.parametrize(
     ("lengths", "unit", "words"),
     [
-        ((160.0, 160.0), 1e-6, "no instrument measures 160 m x 160 m"),
+        ((160.0, 120.0), 1e-6, "no instrument measures 160 m x 120 m"),
         ((1e-9, 1e-9), 1e-6, "slopes of .* are no surface's"),
         ((1e-5, 1e-5), 1e-12, "no instrument measures heights of"),
     ],

@@ -150,9 +150,9 @@ def test_three_columns_without_units_need_lengths_in_their_ratio(tmp_path):
     with pytest.raises(UsageError, match="does not say how large"):
         read_topography(path)
     with pytest.raises(
-        UsageError, match=r"its sides are in the ratio 2\.91\d*, and length = .* says 1: give both"
+        UsageError, match=r"its sides are in the ratio 2\.91\d*, and length = .* says 2: give both"
     ):
-        read_topography(path, lengths=(1e-5, 1e-5), unit=1e-9)
+        read_topography(path, lengths=(2e-5, 1e-5), unit=1e-9)
     found = read_topography(path, lengths=(5e-6 / 3, 4e-6 / 7), unit=1e-9)
     assert_array_equal(np.isnan(found.heights), np.isnan(holed))
 

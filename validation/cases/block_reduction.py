@@ -43,10 +43,10 @@ def _both_ways(element: str, shape: Grid, poisson: float) -> Checks:
 @case("block-assembled", source=_SAME, tolerance="solver")
 def _assembled() -> Checks:
     """scikit-fem's assembled matrix and pyamg find the same field under the contact forces."""
-    for element, poisson, shape in (("Hex1", 0.3, (24, 24)), ("Hex2/P1disc", 0.45, (16, 16))):
+    for element, poisson, shape in (("Hex1", 0.3, (24, 16)), ("Hex2/P1disc", 0.45, (16, 12))):
         surface, solid = _rough(shape), Solid(young=1.0, poisson=poisson)
         load = 0.05 * solid.contact_modulus * surface.rms_gradient
-        options: dict[str, Any] = {"element": element, "modulus": partial(_particle, surface)}
+        options: dict[str, Any] = {"element": element, "modulus": _particle}
         contact = block.solve(surface, solid, mean_pressure=load, method="full", tolerance=1e-11, **options)
         difference = largest_difference(block.assembled_field(contact, tolerance=1e-11), contact.field)
         yield below(f"largest difference of displacement, {element}", difference, 1e-9)
@@ -91,11 +91,8 @@ def _orders() -> Checks:
         yield order(f"observed order, {element}", sizes, errors, expected=expected, tolerance=0.4)
 
 
-def _particle(surface: HeightField, x: Array, y: Array, z: Array) -> Array:
-    i, j = np.unravel_index(surface.heights.argmax(), surface.shape)
-    away = (x - i / surface.shape[0] + 0.5) % 1 - 0.5, (y - j / surface.shape[1] + 0.5) % 1 - 0.5
-    inside = away[0] ** 2 + away[1] ** 2 + (z + 0.12) ** 2 < 0.1**2
-    return np.where(inside, 10.0, 1.0)
+def _particle(x: Array, y: Array, z: Array) -> Array:
+    return np.where((x - 0.5) ** 2 + (y - 0.3) ** 2 + (z + 0.12) ** 2 < 0.1**2, 10.0, 1.0)
 
 
 CASES = tuple(

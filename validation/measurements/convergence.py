@@ -124,7 +124,7 @@ def line(
     over: str = "surface",
     common: bool = False,
     pairs: bool = False,
-    drift: str = "grid",
+    drift: str,
 ) -> xr.Dataset:
     """Add the line through means, ``x_each`` against a variable that goes to zero: its limit and slope with intervals.
 

@@ -50,10 +50,10 @@ def solve(
     max_iterations: int = 20_000,
 ) -> dict[str, Any]:
     """Return pressures [Pa], iterations and its word; E* = 1 and the period 1 go in."""
-    import aspher
-
     if heights.shape[0] != heights.shape[1] or lengths[0] != lengths[1]:
         raise ValueError("ASPHER has square grids on square periods")
+    import aspher
+
     solution = aspher.ContactSolver(grid_size=heights.shape[0], backend="periodic").solve(
         np.ascontiguousarray((heights.max() - heights) / lengths[0]),
         mean_pressure / contact_modulus,
