@@ -18,6 +18,14 @@ from validation.theories.persson_variants import persson_variants
 from validation.theories.predicted import COMPARED
 
 
+def test_every_option_of_the_ladders_reaches_them():
+    told = {"hursts": (0.4,), "bandwidths": (2.0, 5.0), "pairs": 3, "points_per_wave": (3.0, 7.0)}
+    told |= {"reduced_pressure": 0.07, "periods": (1.5, 3.0)}
+    climbed = hurst.Options(**{f"ladder_{name}": value for name, value in told.items()}).climbed
+    told["sizes"], told["periods"] = told["periods"], hurst.Options().periods
+    assert {name: getattr(climbed, name) for name in told} == told
+
+
 def test_hurst_study_reports_change_by_surface_and_finds_the_bandwidth_of_equal_nayak(numbers):
     data = numbers("hurst of equal Nayak parameter")
     assert data.family.values.tolist() == ["bandwidth 2.5", "alpha 2.2"]

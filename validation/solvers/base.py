@@ -263,18 +263,16 @@ def check_effects_handled(
                 )
 
 
-def check_bodies(
-    name: str, solid: Solid, effects: Sequence[Effect], *, depth: float | None = None, layered: bool = False
-) -> None:
+def check_bodies(name: str, solid: Solid, effects: Sequence[Effect], *, depth: float | None = None) -> None:
     """Refuse an effect that makes the solid something else than a body on a clamped base.
 
-    `depth` [m] is what the options of the method say of it; a `layered` one may have a modulus that varies.
+    `depth` [m] is what the options of the method say of it.
     """
     for k, effect in enumerate(effects):
         if effect.slot != "response":
             continue
         body = ContactModel.filled(solid, [effect]).body
-        if body is None or (body.modulus is not None and not layered):
+        if body is None:
             raise UsageError(
                 f"{effect_key(k, 'kind')} = {effect.kind!r}: as it stands it is no body on a clamped base, "
                 f"which is what method {name!r} solves; change it, or leave [methods.{name}] out"

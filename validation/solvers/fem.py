@@ -106,7 +106,7 @@ class Fem(BlockSolver):
                     f"{effect_key(k, 'kind')} = {effect.kind!r}: method 'fem' yields under a load only; "
                     "give one in place of load.offset, or leave [methods.fem] out"
                 )
-        check_bodies(self.name, problem.elastic, effects, depth=options.depth, layered=True)
+        check_bodies(self.name, problem.elastic, effects, depth=options.depth)
 
     def variant(self, settings: Mapping[str, Any]) -> str:
         """Full or reduced."""

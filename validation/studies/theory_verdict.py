@@ -64,7 +64,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = moved_shares(data).assign(stress_distance=(("theory", "load"), np.array(distant), made))
     if options.edge:
         small = stress_near_zero.Options(hurst=options.hurst, periods=options.periods, seed=options.seed)
-        edge = stress_near_zero.run(small, bench=bench).isel(method=0)
+        edge = stress_near_zero.run(small, bench=bench).isel(method=0, drop=True)
         data = data.merge(edge_scores(edge, theories, Rough.of(small.first)), combine_attrs="override")
     return data.assign_attrs(methods=RANKED)
 
@@ -111,7 +111,7 @@ def edge_scores(edge: xr.Dataset, theories: tuple[Theory, ...], rough: Rough) ->
         for theory in theories
     ]
     names = [f"{name}{end}" for name in ("initial_density", "initial_slope_window") for end in ("", "_error")]
-    values = edge[names].drop_vars(["method", "reduced_pressure"], errors="ignore")
+    values = edge[names].drop_vars("reduced_pressure", errors="ignore")
     values = values.assign(edge_pressure=load, initial_slope_predicted=("theory", np.array(slopes)))
     values = values.assign_coords(theory=[theory.label for theory in theories])
     return derive(values, initial_slope_over="initial_slope_window / initial_slope_predicted")
