@@ -131,8 +131,8 @@ class Checks:
         """Refuse a word that is not among those allowed."""
         allowed_words = list(allowed)
         if not (isinstance(value, str) and value in allowed_words):
-            listed = ", ".join(repr(word) for word in allowed_words[:-1]) + f" or {allowed_words[-1]!r}"
-            raise self.refused(name, value, listed)
+            *others, last = map(repr, allowed_words)
+            raise self.refused(name, value, f"{', '.join(others)} or {last}" if others else last)
 
     def instance(self, name: str, value: object, kind: type | tuple[type, ...], *, what: str = "") -> None:
         """Refuse what is not of a kind; `what` says in words what it must be, by default the kind's name."""

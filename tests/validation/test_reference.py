@@ -1,7 +1,9 @@
 """The reference table: nodes as they stand, between them within the uncertainty, nothing outside."""
 
 import contextlib
+import itertools
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +12,12 @@ import xarray as xr
 from commanding import answer_of, invoke, output_of
 from gold.asked import STUDIES
 from numpy.testing import assert_allclose
+from scipy.optimize import least_squares
 from scipy.special import erf
 
+from persson import separation
+from persson.scale import Scale
+from persson.spectrum import SelfAffine
 from validation import reference
 from validation.errors import UsageError
 from validation.execution.bench import Bench
@@ -23,8 +29,9 @@ from validation.measurements.limits import limits_of
 from validation.measurements.measurement import grid_for, grids_for, press_on_grids
 from validation.measurements.table_samples import QUANTITIES, at_loads, joined, with_size
 from validation.reference.citable import ATTRIBUTES, as_csv
-from validation.reference.fit import FIT, at_equal_alpha, fitted, fitted_area, nayak
+from validation.reference.fit import FIT, at_equal_alpha, bandwidth_at, fitted_area, nayak
 from validation.reference.interpolation import _curvature, interpolated
+from validation.reference.theory import theory_at_nodes
 from validation.report.estimates import claim, total_error
 from validation.studies import reference as study
 
@@ -61,7 +68,7 @@ def planted(monkeypatch):
     data = xr.concat([data, 1.02 * data.sel(hurst=[0.1, 1.0])], "amplitudes", join="outer")
     data = data.assign_attrs(periods=4.0)
     data = data.assign_coords(amplitudes=["exact", "gaussian"])
-    monkeypatch.setattr(reference, "table", lambda: data)
+    monkeypatch.setattr(reference, "table", lambda rolloff: data)
     return data
 
 
@@ -120,21 +127,62 @@ def test_each_kind_of_amplitudes_and_of_gradient_has_its_own_numbers(planted):
     assert area["persson"] == pytest.approx(erf(2**0.5 * 0.1), rel=1e-12)
 
 
-@pytest.mark.parametrize("name", ["area", "gap", "compliance", "energy_ratio"])
-def test_intervals_hold_at_nodes_that_are_left_out(name):
-    data = reference.table().sel(amplitudes="exact")
+def test_surfaces_with_a_roll_off_have_cells_and_a_theory_of_their_own():
+    asked = {"hurst": 0.8, "bandwidth": 8.0, "reduced_pressure": 0.05}
+    node = reference.table("plateau").sel(amplitudes="exact", **asked)
+    found = reference.lookup(**asked, rolloff="plateau")
+    for name in QUANTITIES:
+        assert found[name].value == pytest.approx(float(node[name]), rel=1e-9)
+        assert found[name].uncertainty == pytest.approx(float(total_error(node, name)), rel=1e-6)
+    spectrum = SelfAffine.from_rms_gradient(
+        0.1, hurst=0.8, q_long=4.0, q_short=32.0, rolloff="plateau", q_min=1.0
+    )
+    scale = Scale(spectrum=spectrum, contact_modulus=1.0)
+    gap = separation.mean_separation(0.1 * 0.05, scale=scale) / spectrum.moments().rms_height
+    told = answer_of("reference --hurst 0.8 --ratio 8 --reduced-pressure 0.05 --rolloff plateau")
+    assert told["gap"]["value"] == found["gap"].value
+    assert told["gap"]["persson"] == pytest.approx(float(gap), rel=1e-6)
+    assert abs(told["gap"]["persson"] / reference.persson_theory(**asked)["gap"] - 1) > 0.01
+    with pytest.raises(UsageError, match=r"bandwidth = 64.0: the table .* goes from 4 to 32"):
+        reference.lookup(**asked | {"bandwidth": 64.0}, rolloff="plateau")
+    with pytest.raises(UsageError, match=r"rolloff = 'smooth': must be 'sharp' or 'plateau'"):
+        reference.lookup(**asked, rolloff="smooth")
+    with pytest.raises(UsageError, match=r"amplitudes = 'gaussian': must be 'exact'$"):
+        reference.lookup(**asked, rolloff="plateau", amplitudes="gaussian")
+
+
+@pytest.mark.parametrize(
+    ("name", "rolloff"),
+    [*itertools.product(("area", "gap", "compliance", "energy_ratio"), ["sharp"]), ("gap", "plateau")],
+)
+def test_intervals_hold_at_nodes_that_are_left_out(name, rolloff):
+    data, every = reference.table(rolloff).sel(amplitudes="exact"), 7 if rolloff == "sharp" else 3
     errors, held = total_error(data, name), []
     for axis in ("hurst", "bandwidth", "reduced_pressure"):
         for k in range(1, data.sizes[axis] - 1):
             rest = data.drop_isel({axis: k})
-            # One node in seven, which no axis has in common: each takes a while.
-            for place, value in list(data[name].isel({axis: [k]}).to_series().dropna().items())[k % 7 :: 7]:
+            # One node in seven or three, which no axis has in common: each takes a while.
+            nodes = data[name].isel({axis: [k]}).to_series().dropna()
+            for place, value in list(nodes.items())[k % every :: every]:
                 point = dict(zip(data[name].dims, place, strict=True))
                 with contextlib.suppress(UsageError):
                     found = interpolated(rest, name, point)
                     held.append(abs(found.value - value) <= np.hypot(found.uncertainty, errors.sel(point)))
     assert len(held) > 50
     assert np.mean(held) > 0.95
+
+
+@pytest.mark.parametrize("rolloff", ["sharp", "plateau"])
+@pytest.mark.parametrize("name", ["area", "gap"])
+def test_what_is_a_multiple_of_the_theory_is_read_off_exactly(planted, name, rolloff):
+    data = planted.sel(amplitudes="exact").assign_attrs(rolloff=rolloff)
+    nodes = [tuple(data[axis].values.tolist()) for axis in ("hurst", "bandwidth", "reduced_pressure")]
+    persson = theory_at_nodes(*nodes, lowest=0.25 if rolloff == "plateau" else 1.0)[name]
+    point = {"hurst": 0.6, "bandwidth": 5.0, "reduced_pressure": 0.03}
+    found = interpolated(data.assign({name: (data[name].dims, 1.1 * persson)}), name, point)
+    exact = 1.1 * reference.persson_theory(**point, rolloff=rolloff)[name]
+    assert found.value == pytest.approx(exact, rel=1e-9)
+    assert found.interpolation < 1e-9 * exact
 
 
 def test_between_two_nodes_the_distance_from_the_nearer_one_is_uncertain(planted):
@@ -173,18 +221,17 @@ def test_between_its_loads_the_area_of_a_surface_is_read_off():
 def test_where_alpha_is_all_that_matters_it_is_seen_and_where_the_hurst_exponent_does_too():
     hursts, bandwidths = np.array([0.3, 0.8]), np.array([4.0, 8.0, 16.0, 32.0])
     loads = np.array([0.01, 0.1, 0.2])
-    alpha = np.array([[nayak(hurst=h, bandwidth=b) for b in bandwidths] for h in hursts])
-    area = fitted_area(loads, alpha=alpha[..., None])
-    dims = ("hurst", "bandwidth", "reduced_pressure")
-    table = xr.Dataset(
-        {"area": (dims, area)}, coords={"hurst": hursts, "bandwidth": bandwidths, "reduced_pressure": loads}
-    )
+    table = xr.Dataset(coords={"hurst": hursts, "bandwidth": bandwidths, "reduced_pressure": loads})
+    table = table.assign(area=(("hurst", "bandwidth", "reduced_pressure"), closed(table, FIT)))
     table = claim(table, "area", surfaces=1e-3 * table.area)
     found = at_equal_alpha(table, (4.0, 6.0, 12.0))
     assert np.isfinite(found.area.values[:2]).all()
     assert np.isnan(found.area.values[2, 0]).all()  # beyond bandwidth 32 at H = .3
     assert found.area.values[:2, 0] == pytest.approx(found.area.values[:2, 1], rel=1e-3)
     assert found.area.values[0, 0] == pytest.approx(fitted_area(loads, alpha=4.0), rel=1e-3)
+    # Of surfaces with a roll-off alpha is another.
+    rolled = table.assign_attrs(rolloff="plateau", periods=2.0)
+    assert at_equal_alpha(rolled, (4.0,)).bandwidth[0, 1] == bandwidth_at(hurst=0.8, alpha=4.0, lowest=0.5)
     steep = at_equal_alpha(table.assign(area=table.area * (1 + 0.1 * table.hurst)), (4.0,)).area
     assert steep.values[0, 1] / steep.values[0, 0] == pytest.approx([1.08 / 1.03] * 3, rel=1e-3)
 
@@ -359,6 +406,16 @@ def test_gaussian_amplitudes_have_columns_of_their_own_and_no_part_of_the_size(s
     assert_allclose(rest, gaussian.area_error.sel(source="grid") ** 2, rtol=1e-6)
 
 
+def test_a_roll_off_is_in_every_surface_that_is_pressed():
+    options = study.Options(hursts=(0.3,), bandwidths=(4.0,), rolloff="plateau")
+    (spectrum,) = study.spectra(options, "exact").values()
+    (larger,) = study.spectra(options.samples_by_size()[1], "exact").values()
+    for sampled, periods in ((spectrum, 4), (larger, 8)):
+        power = np.abs(np.fft.fft2(sampled.base.heights((96, 96)).heights)) ** 2
+        assert_allclose(power[1 : periods + 1, 0], power[periods, 0], rtol=1e-9)
+        assert power[periods + 1, 0] < 0.99 * power[periods, 0]
+
+
 def test_larger_samples_have_twice_the_periods_a_quarter_of_the_pairs_and_other_surfaces():
     options = study.Options(hursts=(0.3, 0.5), bandwidths=(8.0, 32.0), larger_bandwidths=(8.0, 32.0))
     small, larger = options.samples_by_size()
@@ -425,23 +482,39 @@ def _realisations(case):
     return range(case["first"], case["first"] + case["count"])
 
 
+def closed(table, constants, **lowest):
+    """The closed form over a table."""
+    spectra = itertools.product(table.hurst.values, table.bandwidth.values)
+    alpha = np.array([nayak(hurst=h, bandwidth=b, **lowest) for h, b in spectra])
+    over = alpha.reshape(table.hurst.size, -1, 1)
+    return fitted_area(table.reduced_pressure.values, alpha=over, constants=tuple(constants))
+
+
+def fitted(table):
+    """Constants of the closed form by least squares over a table, and its relative distances."""
+    area = table.area.transpose("hurst", "bandwidth", "reduced_pressure").values
+
+    def misses(constants):
+        return (closed(table, constants) / area - 1)[np.isfinite(area)]
+
+    best = least_squares(misses, FIT).x
+    return best, misses(best)
+
+
 def test_the_closed_form_is_fitted_to_the_table_and_off_by_what_is_said():
     constants, distance = fitted(reference.table().sel(amplitudes="exact"))
     assert constants == pytest.approx(FIT, rel=2e-3)
     (said,) = re.findall(r"off by at most ([\d.]+) %", (DOCS / "reference_table.md").read_text("utf-8"))
-    assert 100 * float(abs(distance).max()) == pytest.approx(float(said), abs=0.051)
+    assert 100 * abs(distance).max() == pytest.approx(float(said), abs=0.051)
 
 
 def test_what_is_fitted_is_found_again():
     table = reference.table().sel(amplitudes="exact")
-    alpha = np.array(
-        [[nayak(hurst=float(h), bandwidth=float(b)) for b in table.bandwidth] for h in table.hurst]
-    )
     truth = (0.5, 0.05, 0.3, 1.2)
-    law = fitted_area(table.reduced_pressure.values, alpha=alpha[..., None], constants=truth)
+    law = closed(table, truth)
     constants, distance = fitted(table.assign(area=(("hurst", "bandwidth", "reduced_pressure"), law)))
     assert constants == pytest.approx(truth, rel=1e-4)
-    assert float(abs(distance).max()) < 1e-5
+    assert abs(distance).max() < 1e-5
     # Without excess it is Persson's theory.
     assert fitted_area(0.2, alpha=5.0, constants=(0.0, 0.0, 1.0, 1.0)) == pytest.approx(erf(0.2 * 2**0.5))
 
@@ -462,6 +535,10 @@ def test_the_surfaces_of_the_page_are_those_of_the_table_and_have_the_areas_that
             )
             heights = names["surface"](float(hurst), 4, int(seed), 36)
             scale = 1e-3 * case.field.rms_gradient
+            rolled = replace(case, surface=case.surface.model_copy(update={"rolloff": "plateau"}))
+            plateau = names["surface"](float(hurst), 4, int(seed), 36, plateau=True)
+            plateau *= 1e-3 * rolled.field.rms_gradient
+            assert_allclose(plateau, rolled.heights((36, 36)).heights, rtol=0, atol=1e-12 * scale)
             assert_allclose(scale * heights, case.heights((36, 36)).heights, rtol=0, atol=1e-12 * scale)
             assert_allclose(heights, shipped["heights"][k], rtol=0, atol=1e-12)
             grids = tuple(grid_for(case, n) for n in (4.0, 6.0, 8.0))
@@ -475,10 +552,15 @@ def test_the_surfaces_of_the_page_are_those_of_the_table_and_have_the_areas_that
             assert (shipped["area_error"][k] < 0.006 * shipped["area"][k]).all()
 
 
-@pytest.mark.parametrize("name", ["table", "wide"])
+@pytest.mark.parametrize("name", ["table", "wide", "plateau"])
 def test_the_table_says_what_it_is_and_its_csv_has_every_cell_that_was_made(name):
-    data, file = getattr(reference, name)(), FOLDER / f"{name}.csv"
-    assert ATTRIBUTES.items() <= data.attrs.items()
+    data = reference.table("plateau") if name == "plateau" else getattr(reference, name)()
+    file = FOLDER / f"{name}.csv"
+    spectrum = {"lowest": 16, "power": "q^(-2-2H), no roll-off"}
+    if name == "plateau":
+        spectrum = {"lowest": 1, "power": "max(q, 2 pi/lambda_long)^(-2-2H)"}
+    definition = ATTRIBUTES["definition"].format(**spectrum)
+    assert (ATTRIBUTES | {"definition": definition}).items() <= data.attrs.items()
     assert data.area.attrs["ancillary_variables"] == "area_error"
     assert all("units" in data[name].attrs for name in data.data_vars if data[name].dtype.kind == "f")
     shipped = file.read_text(encoding="utf-8")

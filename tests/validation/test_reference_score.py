@@ -8,12 +8,14 @@ import xarray as xr
 from commanding import output_of
 
 from persson import elastic
+from persson.spectrum import SelfAffine
 from validation import reference, study
 from validation.errors import UsageError
 from validation.reference import table
 from validation.report.estimates import total_error
 from validation.report.marks import draw
 from validation.studies import find_study
+from validation.theories import Rough, find_theory
 
 CELLS = table().sel(amplitudes="exact")
 
@@ -35,6 +37,19 @@ def test_persson_is_his_closed_form_in_every_cell():
     for name, expected in (("theory_excess", exact / CELLS.area - 1), ("z_score", z_score)):
         found = data[name].isel(theory=0).transpose(*CELLS.area.dims)
         np.testing.assert_allclose(found, expected.transpose(*CELLS.area.dims), rtol=1e-9)
+
+
+def test_theories_are_told_the_roll_off_and_scored_on_its_cells(tmp_path):
+    path = Path(reference.__file__).with_name("plateau.csv")
+    data = study("reference-score", theory=("greenwood-williamson",), csv=path, rolloff="plateau")
+    assert "120 of 120 cells of plateau.csv" in " ".join(find_study("reference-score").findings(data))
+    spectrum = SelfAffine.from_rms_gradient(
+        0.1, hurst=0.8, q_long=4.0, q_short=32.0, rolloff="plateau", q_min=1.0
+    )
+    rough = Rough(contact_modulus=1.0, moments=spectrum.moments(), spectrum=spectrum, waves=None)
+    area = find_theory("greenwood-williamson").area(np.array([0.005]), rough)
+    found = data.area_scored.sel(hurst=0.8, bandwidth=8.0, reduced_pressure=0.05)[0]
+    assert float(found) == pytest.approx(float(area[0]), rel=1e-6)
 
 
 def test_panels_of_a_distance_share_one_scale_and_one_bar_of_colours():

@@ -38,6 +38,14 @@ def reference(
             autocompletion=_of("surface", "spectrum"),
         ),
     ] = "surface",
+    rolloff: Annotated[
+        str,
+        typer.Option(
+            metavar="WORD",
+            help="C(q) of waves longer than lambda_long: none (sharp), or constant: plateau.",
+            autocompletion=_of("sharp", "plateau"),
+        ),
+    ] = "sharp",
     theory: Annotated[
         list[str] | None,
         typer.Option(
@@ -70,12 +78,13 @@ def reference(
     from validation.report.words import with_error
     from validation.studies import find_study
     from validation.studies._outputs import run_study
-    from validation.studies.reference_score import Options
 
     if theory or csv is not None:
         folder = prepare_folder(output or Path("results") / "reference-score")
-        options = Options(theory=tuple(",".join(theory or ()).split(",")) if theory else (), csv=csv)
-        outputs = run_study(find_study("reference-score"), options, folder, bench=Bench.at())
+        study = find_study("reference-score")
+        flags = ["--rolloff", rolloff, "--theory", ",".join(theory or ())]
+        options = study.parse(flags if csv is None else [*flags, "--csv", str(csv)])
+        outputs = run_study(study, options, folder, bench=Bench.at())
         print_outputs(outputs, as_json=as_json)
         return
     if hurst is None or bandwidth is None or reduced_pressure is None:
@@ -83,8 +92,8 @@ def reference(
             "reference: give --hurst, --bandwidth and --reduced-pressure; or a theory to score, --theory"
         )
     point = {"hurst": hurst, "bandwidth": bandwidth, "reduced_pressure": reduced_pressure}
-    values = lookup(**point, amplitudes=amplitudes, gradient=gradient)
-    persson = persson_theory(**point)
+    values = lookup(**point, amplitudes=amplitudes, gradient=gradient, rolloff=rolloff)
+    persson = persson_theory(**point, rolloff=rolloff)
     if as_json:
         print_json({name: {**asdict(value), "persson": persson.get(name)} for name, value in values.items()})
         return
@@ -104,7 +113,7 @@ def reference(
             rows=tuple(rows),
             left=frozenset({"quantity", "meaning"}),
             yielding=("interpolation [%]", "meaning"),
-            note=f"Means over surfaces with L/lambda_long = {table().attrs['periods']:g}; the interval has "
-            f"{parts} and interpolation{lacking}.",
+            note=f"Means over surfaces with L/lambda_long = {table(rolloff).attrs['periods']:g}; "
+            f"the interval has {parts} and interpolation{lacking}.",
         )
     )

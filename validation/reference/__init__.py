@@ -18,8 +18,10 @@ if TYPE_CHECKING:
 __all__ = ["ReferenceValue", "lookup", "persson_theory", "table", "wide"]
 
 
-def table() -> xr.Dataset:
+def table(rolloff: str = "sharp") -> xr.Dataset:
     """Return the table as `fem-contact study reference` made it; its attributes and `pairs` say how.
+
+    Surfaces with a roll-off, "plateau", have a table of their own: C(q) is constant beyond lambda_long.
 
     Over (amplitudes, hurst, bandwidth, reduced_pressure): each quantity, and its `_error` with the further
     dimension source: half widths of 95 % intervals (surfaces, grid, solver, and size of the sample, told for
@@ -30,7 +32,7 @@ def table() -> xr.Dataset:
     RunFailed
         For a table that is not the one that was shipped.
     """
-    return _shipped("table.nc")
+    return _shipped("table.nc" if rolloff == "sharp" else "plateau.nc")
 
 
 def wide() -> xr.Dataset:
@@ -56,6 +58,7 @@ def lookup(
     reduced_pressure: float,
     amplitudes: str = "exact",
     gradient: str = "surface",
+    rolloff: str = "sharp",
 ) -> Mapping[str, ReferenceValue]:
     r"""Look contact area and its companions up, between the nodes of the table by interpolation.
 
@@ -75,6 +78,8 @@ def lookup(
         Of the waves: sqrt(C(q)), or of that variance.
     gradient : {"surface", "spectrum"}
         Whose h'_rms p* has: that of each surface, or that of C(q).
+    rolloff : {"sharp", "plateau"}
+        C(q) of waves longer than lambda_long: none, or C(2 pi/lambda_long) up to the period, 4 lambda_long.
 
     Returns
     -------
@@ -94,13 +99,14 @@ def lookup(
     (True, True)
     """
     check = Checks(UsageError, least=0.0, greatest=1e300)
-    check.choice("amplitudes", amplitudes, ("exact", "gaussian"))
     check.choice("gradient", gradient, ("surface", "spectrum"))
+    check.choice("rolloff", rolloff, ("sharp", "plateau"))
+    data = table(rolloff)
+    check.choice("amplitudes", amplitudes, tuple(data.amplitudes.values.tolist()))
     point = {"hurst": hurst, "bandwidth": bandwidth, "reduced_pressure": reduced_pressure}
     point = {name: check.number(name, value) for name, value in point.items()}
-    data = table()
     lightest = data.reduced_pressure[0].item()
-    if point["bandwidth"] > data.bandwidth.max() or reduced_pressure < lightest:
+    if rolloff == "sharp" and (point["bandwidth"] > data.bandwidth.max() or reduced_pressure < lightest):
         # Not every H has the lighter load: where it is not asked for it takes no H away.
         data = wide().combine_first(data)
         if reduced_pressure >= lightest:

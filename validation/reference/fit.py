@@ -10,10 +10,10 @@ import scipy.optimize
 import scipy.special
 from numpy.typing import ArrayLike
 
-from persson.spectrum import SelfAffine
 from validation.arrays import Array
 from validation.errors import UsageError
 from validation.reference.interpolation import interpolated
+from validation.reference.theory import lowest_wave, table_spectrum
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,10 +22,9 @@ if TYPE_CHECKING:
 FIT = (0.5606, 0.05449, 0.1893, 1.0067)
 
 
-def nayak(*, hurst: float, bandwidth: float) -> float:
-    """Nayak parameter alpha of a self-affine C(q), from its integrals."""
-    spectrum = SelfAffine.from_rms_gradient(1.0, hurst=hurst, q_long=1.0, q_short=bandwidth)
-    return float(1.5 * spectrum.m0() * spectrum.m4() / spectrum.m2() ** 2)
+def nayak(*, hurst: float, bandwidth: float, lowest: float = 1.0) -> float:
+    """Nayak parameter alpha of a self-affine C(q) whose plateau goes from `lowest` to q_long = 1."""
+    return table_spectrum(hurst=hurst, bandwidth=bandwidth, lowest=lowest).moments().nayak
 
 
 def fitted_area(
@@ -58,32 +57,10 @@ def fitted_area(
     return np.asarray(scipy.special.erf(np.sqrt(2) * load * (1 + excess)))
 
 
-def fitted(table: xr.Dataset) -> tuple[tuple[float, ...], xr.DataArray]:
-    """Fit the closed form to a table of one kind of amplitudes: constants, relative distances."""
-    import xarray as xr
-
-    alpha = xr.DataArray(
-        [[nayak(hurst=float(h), bandwidth=float(b)) for b in table.bandwidth] for h in table.hurst],
-        dims=("hurst", "bandwidth"),
-    )
-
-    def distance(constants: Array) -> xr.DataArray:
-        law = fitted_area(
-            table.reduced_pressure.values, alpha=alpha.values[..., None], constants=tuple(constants)
-        )
-        areas: xr.DataArray = table.area.transpose("hurst", "bandwidth", "reduced_pressure")
-        return xr.DataArray(law, dims=areas.dims) / areas - 1
-
-    def misses(constants: Array) -> Array:
-        values = distance(constants).values
-        return np.asarray(values[np.isfinite(values)])
-
-    best = scipy.optimize.least_squares(misses, np.array(FIT)).x
-    return tuple(float(value) for value in best), distance(best)
-
-
-def bandwidth_at(*, hurst: float, alpha: float) -> float:
+def bandwidth_at(*, hurst: float, alpha: float, lowest: float = 1.0) -> float:
     """lambda_long/lambda_short of the self-affine C(q) that has a Nayak parameter, which grows with it.
+
+    A plateau goes from `lowest` to q_long = 1.
 
     Examples
     --------
@@ -92,7 +69,7 @@ def bandwidth_at(*, hurst: float, alpha: float) -> float:
     """
 
     def miss(logarithm: float) -> float:
-        return nayak(hurst=hurst, bandwidth=float(np.exp(logarithm))) - alpha
+        return nayak(hurst=hurst, bandwidth=float(np.exp(logarithm)), lowest=lowest) - alpha
 
     return float(np.exp(scipy.optimize.brentq(miss, 1e-3, np.log(1e4), xtol=1e-12)))
 
@@ -110,7 +87,8 @@ def at_equal_alpha(table: xr.Dataset, alphas: Sequence[float]) -> xr.Dataset:
     import xarray as xr
 
     hursts, loads = table.hurst.values, table.reduced_pressure.values
-    bandwidths = np.array([[bandwidth_at(hurst=h, alpha=a) for h in hursts] for a in alphas])
+    lowest = lowest_wave(**table.attrs)
+    bandwidths = np.array([[bandwidth_at(hurst=h, alpha=a, lowest=lowest) for h in hursts] for a in alphas])
     values = np.full((2, *bandwidths.shape, loads.size), np.nan)
     for (i, j, k), _ in np.ndenumerate(values[0]):
         point = {"hurst": hursts[j], "bandwidth": bandwidths[i, j], "reduced_pressure": loads[k]}

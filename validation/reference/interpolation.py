@@ -12,7 +12,7 @@ from scipy.interpolate import PchipInterpolator
 from persson import elastic
 from validation.arrays import Array
 from validation.errors import UsageError
-from validation.reference.theory import theory_at_nodes
+from validation.reference.theory import lowest_wave, theory_at_nodes
 from validation.report.estimates import total_error
 from validation.report.quantities import quantity
 
@@ -60,8 +60,9 @@ def interpolated(data: xr.Dataset, name: str, point: Mapping[str, float]) -> Ref
     _check_within(data, "reduced_pressure", point)  # of which not every spectrum has all
     values = data[name].transpose(*_AXES).values
     # Over a theory little is left that bends.
-    over = _theory(name, *(tuple(data[axis].values.tolist()) for axis in _AXES))
-    at = float(_theory(name, *((point[axis],) for axis in _AXES)).item())
+    lowest = lowest_wave(**data.attrs)
+    over = _theory(name, lowest, *(tuple(data[axis].values.tolist()) for axis in _AXES))
+    at = float(_theory(name, lowest, *((point[axis],) for axis in _AXES)).item())
     ratio = name == "area"
     shown = values / over if ratio else np.log(values / over)
     smooth = _smooth(data, shown, point)
@@ -120,13 +121,11 @@ def _around(nodes: Array, at: float) -> list[int]:
     return [above - 1, above]
 
 
-def _theory(
-    name: str, hursts: tuple[float, ...], bandwidths: tuple[float, ...], loads: tuple[float, ...]
-) -> Array:
+def _theory(name: str, lowest: float, *nodes: tuple[float, ...]) -> Array:
     """Return Persson's quantity over (hurst, bandwidth, load), or one where his theory has none."""
     if name == "area":
-        return np.asarray(elastic.contact_area(np.array(loads), stress_variance=0.25))
-    return theory_at_nodes(hursts, bandwidths, loads).get(name, np.ones(len(loads)))
+        return np.asarray(elastic.contact_area(np.array(nodes[2]), stress_variance=0.25))
+    return theory_at_nodes(*nodes, lowest=lowest).get(name, np.ones(len(nodes[2])))
 
 
 def _smooth(data: xr.Dataset, values: Array, point: Mapping[str, float]) -> float:

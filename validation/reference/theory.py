@@ -12,11 +12,26 @@ from persson.scale import Scale
 from persson.spectrum import SelfAffine
 from validation.arrays import Array
 
+#: L/lambda_long of the tables that are shipped.
+_PERIODS = 4.0
 #: p* at which the theory has full contact.
 _FULL = 1e3
 
 
-def persson_theory(*, hurst: float, bandwidth: float, reduced_pressure: float) -> Mapping[str, float]:
+def table_spectrum(*, hurst: float, bandwidth: float, lowest: float = 1.0) -> SelfAffine:
+    """Return C(q) of a cell with h'_rms = q_long = 1, its plateau from `lowest` to q_long; none from 1."""
+    size = {"q_long": 1.0, "q_short": bandwidth, "q_min": lowest}
+    return SelfAffine.from_rms_gradient(1.0, hurst=hurst, rolloff="plateau", **size)
+
+
+def lowest_wave(*, periods: float = _PERIODS, rolloff: str = "sharp", **_: object) -> float:
+    """Return q_min/q_long of surfaces, of those of a table by its attributes."""
+    return 1 / periods if rolloff == "plateau" else 1.0
+
+
+def persson_theory(
+    *, hurst: float, bandwidth: float, reduced_pressure: float, rolloff: str = "sharp"
+) -> Mapping[str, float]:
     """Return what Persson's theory says of the quantities of the table, for the same C(q), and of kappa.
 
     Examples
@@ -24,14 +39,15 @@ def persson_theory(*, hurst: float, bandwidth: float, reduced_pressure: float) -
     >>> persson_theory(hurst=0.8, bandwidth=8, reduced_pressure=1e-3)["kappa"]  # (8/pi)^(1/2)
     1.595...
     """
-    values = theory_at_nodes((hurst,), (bandwidth,), (reduced_pressure,))
+    lowest = lowest_wave(rolloff=rolloff)
+    values = theory_at_nodes((hurst,), (bandwidth,), (reduced_pressure,), lowest)
     theory = {name: float(value[0, 0, 0]) for name, value in values.items()}
     return {"area": theory["area"], "kappa": theory["area"] / reduced_pressure, **theory}
 
 
 @functools.lru_cache(maxsize=16)
 def theory_at_nodes(
-    hursts: tuple[float, ...], bandwidths: tuple[float, ...], loads: tuple[float, ...]
+    hursts: tuple[float, ...], bandwidths: tuple[float, ...], loads: tuple[float, ...], lowest: float = 1.0
 ) -> Mapping[str, Array]:
     """Return the same over (hurst, bandwidth, reduced_pressure)."""
     pressures = np.array(loads)
@@ -40,8 +56,7 @@ def theory_at_nodes(
         for name in ("area", "gap", "compliance", "energy_ratio")
     }
     for place in np.ndindex(len(hursts), len(bandwidths)):
-        hurst, bandwidth = hursts[place[0]], bandwidths[place[1]]
-        spectrum = SelfAffine.from_rms_gradient(1.0, hurst=hurst, q_long=1.0, q_short=bandwidth)
+        spectrum = table_spectrum(hurst=hursts[place[0]], bandwidth=bandwidths[place[1]], lowest=lowest)
         scale = Scale(spectrum=spectrum, contact_modulus=1.0)
         height = float(spectrum.m0()) ** 0.5
         *stored, full = separation.elastic_energy(np.array([*loads, _FULL]), scale=scale)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 import xarray as xr
@@ -71,18 +71,18 @@ class Options(StudyOptions):
     """those at which samples of twice the periods are solved as well, a quarter as many, on the coarsest grid"""
     larger_bandwidths: RisingOrNone = (4.0, 8.0, 16.0, 32.0)
     """and the bandwidths of these"""
+    rolloff: Literal["sharp", "plateau"] = "sharp"
+    """C(q) of waves longer than lambda_long: none, or C(2 pi/lambda_long) up to the period"""
     shifts: int = Field(default=1, ge=1, le=8)
     """sub-grid shifts along each axis"""
     seed: Seed = 2006
 
     @model_validator(mode="after")
     def _pairs_for_each_grid(self) -> Self:
-        if len(self.pairs) != len(self.points_per_wave):
-            raise wrong(f"pairs has {len(self.pairs)} numbers: needs one for each of points_per_wave")
-        if len(self.wide_pairs) < len(self.points_per_wave):
-            raise wrong(
-                f"wide_pairs has {len(self.wide_pairs)} numbers: needs one for each of points_per_wave"
-            )
+        grids, pairs, wide = map(len, (self.points_per_wave, self.pairs, self.wide_pairs))
+        if pairs != grids or wide < grids:
+            name, count = ("wide_pairs", wide) if pairs == grids else ("pairs", pairs)
+            raise wrong(f"{name} has {count} numbers: needs one for each of points_per_wave")
         return self
 
     def ladder_of(self, bandwidth: float) -> tuple[float, ...]:
@@ -139,7 +139,7 @@ def spectra(options: Options, amplitudes: str) -> dict[tuple[float, float], Samp
     sampled = {}
     for hurst, bandwidth in itertools.product(options.hursts, options.bandwidths):
         sharp = options.self_affine(hurst=hurst, bandwidth=bandwidth)
-        surface = sharp.model_copy(update={"amplitudes": amplitudes})
+        surface = sharp.model_copy(update={"amplitudes": amplitudes, "rolloff": options.rolloff})
         sampled[hurst, bandwidth] = SampledSpectrum(
             base=base_case(surface, reduced_pressure=options.reduced_pressures[0]),
             loads=options.reduced_pressures,
@@ -161,7 +161,7 @@ def _means(options: Options, amplitudes: str, bench: Bench) -> xr.Dataset:
         at: spectrum.reduced({c: measured[at, c] for c in spectrum.cases}) for at, spectrum in sampled.items()
     }
     data = gather(cells, "hurst", "bandwidth")
-    attributes = options.model_dump(include={"periods", "unsolved", "seed"})
+    attributes = options.model_dump(include={"periods", "unsolved", "seed", "rolloff"})
     return data.expand_dims(amplitudes=[amplitudes]).assign_attrs(
         study="reference", methods="bem", tolerance=_TOLERANCE, **attributes
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from validation import reference
 from validation.arrays import Array
 from validation.errors import UsageError
 from validation.measurements.theory import Waves
+from validation.reference.theory import lowest_wave
 from validation.report.estimates import derive, total_error
 from validation.report.views import Figure, Finding, Image, Table, Views, against, finding, panels_along
 from validation.studies._options import StudyOptions
@@ -36,6 +37,8 @@ class Options(StudyOptions):
 
     theory: tuple[str, ...] = ("persson", "yang-persson", "wang-mueser", "xu")
     """theories by name, or your own, my_module:area; none to score numbers alone"""
+    rolloff: Literal["sharp", "plateau"] = "sharp"
+    """C(q) of waves longer than lambda_long: none, or constant up to the period"""
     csv: Path | None = None
     """areas of your own, a table with the columns hurst, bandwidth, reduced_pressure, area, and area_error
     (95 %) if you have it; cells without a row are left out"""
@@ -47,7 +50,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Over (theory, hurst, bandwidth, reduced_pressure): the table's ``area``, ``area_scored``, their relative
     distance ``theory_excess`` and ``z_score``, the distance over the standard error of the table.
     """
-    data = reference.table().sel(amplitudes="exact", drop=True)[["area", "area_error"]]
+    data = reference.table(options.rolloff).sel(amplitudes="exact", drop=True)[["area", "area_error"]]
     theories = [find_theory(name) for name in options.theory]
     scored = {theory.label: _areas(theory, data) for theory in theories}
     errors = {label: np.zeros(areas.shape) for label, areas in scored.items()}
@@ -101,14 +104,13 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
 
 
 def _areas(theory: Theory, data: xr.Dataset) -> Array:
-    areas = np.full(data.area.shape, np.nan)
+    areas, lowest = np.full(data.area.shape, np.nan), lowest_wave(**data.attrs)
     for i, hurst in enumerate(data.hurst.values):
         for j, bandwidth in enumerate(data.bandwidth.values):
-            spectrum = SelfAffine.from_rms_gradient(
-                _SLOPE, hurst=float(hurst), q_long=_Q_LONG, q_short=float(bandwidth) * _Q_LONG
-            )
-            moments, waves = spectrum.moments(), Waves.of_spectrum(spectrum)
-            rough = Rough(contact_modulus=_MODULUS, moments=moments, spectrum=spectrum, waves=waves)
+            waves = {"q_min": lowest * _Q_LONG, "q_long": _Q_LONG, "q_short": float(bandwidth) * _Q_LONG}
+            spectrum = SelfAffine.from_rms_gradient(_SLOPE, hurst=float(hurst), rolloff="plateau", **waves)
+            moments, energy = spectrum.moments(), Waves.of_spectrum(spectrum)
+            rough = Rough(contact_modulus=_MODULUS, moments=moments, spectrum=spectrum, waves=energy)
             areas[i, j] = theory.area(data.reduced_pressure.values * _MODULUS * moments.rms_gradient, rough)
     return areas
 
