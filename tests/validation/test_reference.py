@@ -147,6 +147,8 @@ def test_surfaces_with_a_roll_off_have_cells_and_a_theory_of_their_own():
         reference.lookup(**asked | {"bandwidth": 64.0}, rolloff="plateau")
     with pytest.raises(UsageError, match=r"rolloff = 'smooth': must be 'sharp' or 'plateau'"):
         reference.lookup(**asked, rolloff="smooth")
+    with pytest.raises(UsageError, match=r"rolloff = 'smooth'"):
+        reference.persson_theory(**asked, rolloff="smooth")
     with pytest.raises(UsageError, match=r"amplitudes = 'gaussian': must be 'exact'$"):
         reference.lookup(**asked, rolloff="plateau", amplitudes="gaussian")
 
@@ -251,6 +253,8 @@ def test_parts_are_joined_and_what_is_missing_stays_open():
     assert whole.pairs.values.tolist() == [["25 on 3", ""], ["25 on 3", "6 on 3"]]
     with pytest.raises(UsageError, match=r"periods = 4\.0, 8\.0"):
         joined([part(0.8, 16.0), part(0.3, 4.0, periods=8.0)])
+    with pytest.raises(UsageError, match="rolloff = plateau, sharp: the parts"):
+        joined([part(0.8, 16.0), part(0.3, 4.0, rolloff="plateau")])
 
 
 def test_the_size_of_the_sample_is_the_change_that_is_seen_or_the_least_that_would_be():

@@ -185,8 +185,8 @@ def joined(parts: Sequence[xr.Dataset]) -> xr.Dataset:
 
     The parts are of `fem-contact study reference`; UsageError where they were not made alike.
     """
-    for name in ("study", "periods", "tolerance"):
-        values = sorted({str(part.attrs.get(name)) for part in parts})
+    for name in ("study", "periods", "tolerance", "rolloff"):
+        values = sorted({str(({"rolloff": "sharp"} | part.attrs).get(name)) for part in parts})
         if len(values) != 1:
             raise UsageError(f"{name} = {', '.join(values)}: the parts of a table have one")
     table = xr.merge([part.drop_attrs(deep=False) for part in parts], join="outer", compat="no_conflicts")

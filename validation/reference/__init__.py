@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from importlib import resources
 from typing import TYPE_CHECKING
 
-from contact_checks import Checks
 from validation.errors import RunFailed, UsageError
 from validation.reference.interpolation import QUANTITIES, ReferenceValue, interpolated
-from validation.reference.theory import persson_theory
+from validation.reference.theory import CHECK, persson_theory
 from validation.report.quantities import quantity
 
 if TYPE_CHECKING:
@@ -29,9 +28,10 @@ def table(rolloff: str = "sharp") -> xr.Dataset:
 
     Raises
     ------
-    RunFailed
-        For a table that is not the one that was shipped.
+    UsageError, RunFailed
+        For another word; for a table that is not the one that was shipped.
     """
+    CHECK.choice("rolloff", rolloff, ("sharp", "plateau"))
     return _shipped("table.nc" if rolloff == "sharp" else "plateau.nc")
 
 
@@ -98,13 +98,11 @@ def lookup(
     >>> 0.105 < found.value < 0.115, found.uncertainty < 0.002
     (True, True)
     """
-    check = Checks(UsageError, least=0.0, greatest=1e300)
-    check.choice("gradient", gradient, ("surface", "spectrum"))
-    check.choice("rolloff", rolloff, ("sharp", "plateau"))
+    CHECK.choice("gradient", gradient, ("surface", "spectrum"))
     data = table(rolloff)
-    check.choice("amplitudes", amplitudes, tuple(data.amplitudes.values.tolist()))
+    CHECK.choice("amplitudes", amplitudes, tuple(data.amplitudes.values.tolist()))
     point = {"hurst": hurst, "bandwidth": bandwidth, "reduced_pressure": reduced_pressure}
-    point = {name: check.number(name, value) for name, value in point.items()}
+    point = {name: CHECK.number(name, value) for name, value in point.items()}
     lightest = data.reduced_pressure[0].item()
     if rolloff == "sharp" and (point["bandwidth"] > data.bandwidth.max() or reduced_pressure < lightest):
         # Not every H has the lighter load: where it is not asked for it takes no H away.

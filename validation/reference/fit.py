@@ -58,9 +58,7 @@ def fitted_area(
 
 
 def bandwidth_at(*, hurst: float, alpha: float, lowest: float = 1.0) -> float:
-    """lambda_long/lambda_short of the self-affine C(q) that has a Nayak parameter, which grows with it.
-
-    A plateau goes from `lowest` to q_long = 1.
+    """lambda_long/lambda_short of the C(q) that has a Nayak parameter, which grows with it; as for `nayak`.
 
     Examples
     --------

@@ -7,11 +7,15 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from contact_checks import Checks
 from persson import elastic, separation
 from persson.scale import Scale
 from persson.spectrum import SelfAffine
 from validation.arrays import Array
+from validation.errors import UsageError
 
+#: What refuses a question to the table.
+CHECK = Checks(UsageError, least=0.0, greatest=1e300)
 #: L/lambda_long of the tables that are shipped.
 _PERIODS = 4.0
 #: p* at which the theory has full contact.
@@ -26,6 +30,7 @@ def table_spectrum(*, hurst: float, bandwidth: float, lowest: float = 1.0) -> Se
 
 def lowest_wave(*, periods: float = _PERIODS, rolloff: str = "sharp", **_: object) -> float:
     """Return q_min/q_long of surfaces, of those of a table by its attributes."""
+    CHECK.choice("rolloff", rolloff, ("sharp", "plateau"))
     return 1 / periods if rolloff == "plateau" else 1.0
 
 
@@ -39,8 +44,7 @@ def persson_theory(
     >>> persson_theory(hurst=0.8, bandwidth=8, reduced_pressure=1e-3)["kappa"]  # (8/pi)^(1/2)
     1.595...
     """
-    lowest = lowest_wave(rolloff=rolloff)
-    values = theory_at_nodes((hurst,), (bandwidth,), (reduced_pressure,), lowest)
+    values = theory_at_nodes((hurst,), (bandwidth,), (reduced_pressure,), lowest_wave(rolloff=rolloff))
     theory = {name: float(value[0, 0, 0]) for name, value in values.items()}
     return {"area": theory["area"], "kappa": theory["area"] / reduced_pressure, **theory}
 
