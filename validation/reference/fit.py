@@ -24,7 +24,8 @@ FIT = (0.5606, 0.05449, 0.1893, 1.0067)
 
 def nayak(*, hurst: float, bandwidth: float, lowest: float = 1.0) -> float:
     """Nayak parameter alpha of a self-affine C(q) whose plateau goes from `lowest` to q_long = 1."""
-    return table_spectrum(hurst=hurst, bandwidth=bandwidth, lowest=lowest).moments().nayak
+    moments = table_spectrum(hurst=hurst, bandwidth=bandwidth, lowest=lowest).moments()
+    return 1.5 * moments.m0 * moments.m4 / moments.m2**2
 
 
 def fitted_area(
