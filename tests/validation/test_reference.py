@@ -319,10 +319,14 @@ def test_the_table_that_is_shipped_is_whole_and_says_how_it_was_made():
     assert np.all((data.pairs.values != "") == made.all(axis=3))
 
 
-def test_the_documentation_prints_the_areas_of_the_table_that_is_shipped():
-    data = reference.table().sel(amplitudes="exact", bandwidth=[4.0, 8.0, 32.0])
+@pytest.mark.parametrize(
+    ("rolloff", "title", "hursts"),
+    [("sharp", "The area", [0.1, 0.3, 0.5, 0.8, 1.0]), ("plateau", "With a roll-off", [0.8])],
+)
+def test_the_documentation_prints_the_areas_of_the_table_that_is_shipped(rolloff, title, hursts):
+    data = reference.table(rolloff).sel(amplitudes="exact", hurst=hursts, bandwidth=[4.0, 8.0, 32.0])
     page = (DOCS / "reference_table.md").read_text(encoding="utf-8")
-    lines = page.partition("## The area")[2].splitlines()
+    lines = page.partition(f"## {title}")[2].partition("\n## ")[0].splitlines()
     header = next(line for line in lines if "| H |" in line)
     data = data.sel(reduced_pressure=[float(load) for load in re.findall(r"= ([\d.]+)", header)])
     rows = [
@@ -510,6 +514,19 @@ def test_the_closed_form_is_fitted_to_the_table_and_off_by_what_is_said():
     assert constants == pytest.approx(FIT, rel=2e-3)
     (said,) = re.findall(r"off by at most ([\d.]+) %", (DOCS / "reference_table.md").read_text("utf-8"))
     assert 100 * abs(distance).max() == pytest.approx(float(said), abs=0.051)
+
+
+def test_of_surfaces_with_a_roll_off_alpha_is_what_matters_as_far_as_is_said():
+    sharp, rolled = (reference.table(name).sel(amplitudes="exact") for name in ("sharp", "plateau"))
+    off = closed(rolled, FIT, lowest=0.25) / rolled.area.transpose("hurst", "bandwidth", "reduced_pressure")
+    said = re.search(r"off by -([\d.]+) to \+([\d.]+) %", (DOCS / "reference_table.md").read_text("utf-8"))
+    least, most = map(float, said.groups())
+    assert [100 * float(1 - off.min()), 100 * float(off.max() - 1)] == pytest.approx([least, most], abs=0.051)
+    light = {"hurst": rolled.hurst, "reduced_pressure": [0.01, 0.02, 0.05]}
+    one, other = (data.sel(light) for data in (sharp, rolled))
+    joint = np.hypot(*(total_error(data, "area_equal") for data in (one, other)))
+    apart = abs(one.area_equal - other.area_equal)
+    assert int(apart.notnull().sum()) == int((apart <= joint).sum()) == 33
 
 
 def test_what_is_fitted_is_found_again():

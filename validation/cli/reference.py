@@ -12,8 +12,11 @@ from validation.cli.options import JsonOption, OutputOption, named_by, print_jso
 from validation.errors import UsageError
 
 
-def _of(*choices: str) -> Any:
-    return lambda incomplete: [word for word in choices if word.startswith(incomplete)]
+def _word(what: str, *choices: str) -> Any:
+    def completed(incomplete: str) -> list[str]:
+        return [word for word in choices if word.startswith(incomplete)]
+
+    return typer.Option(metavar="WORD", help=what, autocompletion=completed)
 
 
 def reference(
@@ -24,27 +27,12 @@ def reference(
     reduced_pressure: Annotated[
         float | None, typer.Option("--reduced-pressure", metavar="P", help="p* = p0 / (E* h'_rms).")
     ] = None,
-    amplitudes: Annotated[
-        str,
-        typer.Option(
-            metavar="WORD", help="Of the waves: exact, gaussian.", autocompletion=_of("exact", "gaussian")
-        ),
-    ] = "exact",
+    amplitudes: Annotated[str, _word("Of the waves: exact, gaussian.", "exact", "gaussian")] = "exact",
     gradient: Annotated[
-        str,
-        typer.Option(
-            metavar="WORD",
-            help="Whose h'_rms p* has: of each surface, or of C(q): spectrum.",
-            autocompletion=_of("surface", "spectrum"),
-        ),
+        str, _word("Whose h'_rms p* has: of each surface, or of C(q): spectrum.", "surface", "spectrum")
     ] = "surface",
     rolloff: Annotated[
-        str,
-        typer.Option(
-            metavar="WORD",
-            help="C(q) of waves longer than lambda_long: none (sharp), or constant: plateau.",
-            autocompletion=_of("sharp", "plateau"),
-        ),
+        str, _word("C(q) beyond lambda_long: none (sharp), or constant: plateau.", "sharp", "plateau")
     ] = "sharp",
     theory: Annotated[
         list[str] | None,

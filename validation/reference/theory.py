@@ -22,10 +22,12 @@ _PERIODS = 4.0
 _FULL = 1e3
 
 
-def table_spectrum(*, hurst: float, bandwidth: float, lowest: float = 1.0) -> SelfAffine:
-    """Return C(q) of a cell with h'_rms = q_long = 1, its plateau from `lowest` to q_long; none from 1."""
-    size = {"q_long": 1.0, "q_short": bandwidth, "q_min": lowest}
-    return SelfAffine.from_rms_gradient(1.0, hurst=hurst, rolloff="plateau", **size)
+def table_spectrum(
+    *, hurst: float, bandwidth: float, lowest: float = 1.0, rms_gradient: float = 1.0, q_long: float = 1.0
+) -> SelfAffine:
+    """Return C(q) of a cell, its plateau from `lowest` times q_long to q_long; none from 1."""
+    waves = {"q_long": q_long, "q_short": bandwidth * q_long, "q_min": lowest * q_long}
+    return SelfAffine.from_rms_gradient(rms_gradient, hurst=hurst, rolloff="plateau", **waves)
 
 
 def lowest_wave(*, periods: float = _PERIODS, rolloff: str = "sharp", **_: object) -> float:

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from persson.spectrum import SelfAffine
 from validation import reference
 from validation.arrays import Array
 from validation.errors import UsageError
 from validation.measurements.theory import Waves
-from validation.reference.theory import lowest_wave
+from validation.reference.theory import lowest_wave, table_spectrum
 from validation.report.estimates import derive, total_error
 from validation.report.views import Figure, Finding, Image, Table, Views, against, finding, panels_along
 from validation.studies._options import StudyOptions
@@ -107,10 +106,10 @@ def _areas(theory: Theory, data: xr.Dataset) -> Array:
     areas, lowest = np.full(data.area.shape, np.nan), lowest_wave(**data.attrs)
     for i, hurst in enumerate(data.hurst.values):
         for j, bandwidth in enumerate(data.bandwidth.values):
-            waves = {"q_min": lowest * _Q_LONG, "q_long": _Q_LONG, "q_short": float(bandwidth) * _Q_LONG}
-            spectrum = SelfAffine.from_rms_gradient(_SLOPE, hurst=float(hurst), rolloff="plateau", **waves)
-            moments, energy = spectrum.moments(), Waves.of_spectrum(spectrum)
-            rough = Rough(contact_modulus=_MODULUS, moments=moments, spectrum=spectrum, waves=energy)
+            cell = {"hurst": float(hurst), "bandwidth": float(bandwidth), "lowest": lowest}
+            spectrum = table_spectrum(**cell, rms_gradient=_SLOPE, q_long=_Q_LONG)
+            moments, waves = spectrum.moments(), Waves.of_spectrum(spectrum)
+            rough = Rough(contact_modulus=_MODULUS, moments=moments, spectrum=spectrum, waves=waves)
             areas[i, j] = theory.area(data.reduced_pressure.values * _MODULUS * moments.rms_gradient, rough)
     return areas
 
