@@ -99,6 +99,13 @@ def fields(points=12, load=0.1):
     return told.press(surface=0, reduced_pressure=load, grid=(points, points))
 
 
+class Foretold(Numbers):
+    """Numbers that are foretold to take as many seconds as their seed says."""
+
+    def predict(self, *, pair_seconds=0.5e-3):
+        return Prediction(seconds=self.seed, peak_bytes=1, unknowns=1)
+
+
 class Slow(Numbers):
     """Numbers that take their time."""
 

@@ -11,6 +11,7 @@ from accuracy_coverage import Case, judged
 from refusing import refused
 from small_scene import GRIDS, ONE_BODY
 
+from validation.cli.options import chosen_accuracy
 from validation.comparison import accuracy_search
 from validation.comparison.accuracy import parse_accuracy, reach
 from validation.comparison.accuracy_search import Metered, Search
@@ -63,6 +64,13 @@ def test_an_accuracy_is_a_share_or_a_percentage(text, value):
 def test_what_is_no_accuracy_is_refused_in_one_line(text):
     with refused(UsageError, r"must be a share such as 1% or 0\.01"):
         parse_accuracy(text)
+
+
+def test_an_accuracy_is_asked_for_with_its_time():
+    how = {"dry_run": False, "execution": Execution()}
+    asked = chosen_accuracy("2 %", time_limit="10 min", **how)
+    assert asked == {"target": pytest.approx(0.02), "time_limit": 600.0}
+    assert chosen_accuracy("2 %", time_limit=None, **how)["time_limit"] is None
 
 
 def test_a_plain_number_that_may_mean_per_cent_is_asked_about():
@@ -243,6 +251,37 @@ def test_what_solves_took_foretells_those_of_their_kind_alone(scene, bench):
     taken = metered.solve([small]).made()[0].seconds
     assert metered.seconds(small) == pytest.approx(plain[small] * (0.1 + taken) / (0.1 + plain[small]))
     assert metered.seconds(finer) == plain[finer]
+
+
+def test_workers_share_what_solves_take(read_scene, bench, monkeypatch):
+    scene, notes = read_scene(), []
+    metered = Metered(
+        store=bench.store,
+        execution=Execution(workers=4),
+        progress=SimpleNamespace(plan=notes.append),
+        pair=1e-3,
+        time_limit=100.0,
+        wanted="1 %",
+    )
+    assert metered.affordable(390.0)
+    assert not metered.affordable(410.0)
+    fem = [solve for solve in solves_of(scene, realise(scene)) if solve.method == "fem"]
+    search = Search.__new__(Search)
+    search.bench, search.others = metered, {"fem": fem}
+    search.reserve()
+    alone = sum(metered.seconds(solve) for solve in fem)
+    assert metered.account.reserved == pytest.approx(alone / 4)
+    done = SimpleNamespace(solves=fem, made=lambda: [SimpleNamespace(seconds=1.0)] * len(fem))
+    monkeypatch.setattr(Bench, "solve", lambda self, wanted, **how: done)
+    metered.solve(fem)
+    assert metered.account.predicted == pytest.approx(alone / 4)
+    search._foretell("all", 40.0)
+    least, most = map(float, re.search(r"all, (\S+) to (\S+) s", notes[0]).groups())
+    assert least < 10 < most < 40
+    assert least * most == pytest.approx(100, rel=0.5)
+    # It is seconds that have to be left, not surfaces.
+    search._watch(SimpleNamespace(surfaces=800), ())
+    assert "800 surfaces for the mean" in notes[-1]
 
 
 def test_finite_elements_that_do_not_fit_are_refused_before_anything_is_solved(read_scene, tmp_path):

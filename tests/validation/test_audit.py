@@ -23,7 +23,7 @@ from validation.audit.dataset import Result
 from validation.audit.ledger import Ledger, printed
 from validation.audit.limits import limit_over
 from validation.audit.reading import judge_fields, judge_surfaces
-from validation.audit.runs import Run, _cases, audit_run, yielded_areas
+from validation.audit.runs import Run, _cases, _of_solves, audit_run, yielded_areas
 from validation.comparison.accuracy import run_accurate
 from validation.comparison.run import run_sweep
 from validation.errors import RunFailed, UsageError
@@ -345,7 +345,12 @@ def test_what_a_run_to_an_accuracy_claims_follows_from_its_fields(read_scene, tm
     scene = read_scene(
         ("[methods.theory]", "[ensemble]\nrealisations = 2\ngrids = [[12, 8], [24, 16]]\n\n[methods.theory]")
     )
-    run_accurate(scene, tmp_path / "results", target=0.3, report=False)
+    outputs = run_accurate(scene, tmp_path / "results", target=0.3, report=False)
+    spent = re.search(r"It cost \d+ solves, .*?(\S+) s \(", outputs.more[-1])[1]
+    assert outputs.data.wall_seconds.item() == pytest.approx(float(spent), rel=0.06)
+    (card,) = [card for card in outputs.page.answers if card.question == "What did it cost?"]
+    assert float(card.answer.split()[0]) == pytest.approx(float(spent), rel=0.06)
+    assert card.basis.startswith("with all that was tried; ")
     ledger = sound(tmp_path / "results")
     assert "area_own_error of source 1" in {entry.name for entry in ledger.entries}
     wrong = _changed(tmp_path / "results", lambda d: d.assign(area_own_error=d.area_own_error / 2))
@@ -358,6 +363,13 @@ def test_a_number_agrees_within_its_tolerance_and_no_further():
         ledger.number("here", "a number", 1 + part * 1e-9, 1.0)
         ledger.number("here", "an array", np.array([1.0, 2 + part * 2e-9]), np.array([1.0, 2.0]))
     assert [entry.agrees for entry in ledger.entries] == [True, True, False, False]
+
+
+def test_a_grid_whose_solve_is_not_stored_is_named(small_run):
+    run = _run(small_run.folder)
+    run.solves = {key: solve for key, solve in run.solves.items() if key[:2] != ("bem", (24, 16))}
+    with pytest.raises(LookupError, match=r"^no stored solve of bem on 24 x 16$"):
+        list(_of_solves(run))
 
 
 def test_fields_that_break_their_own_definitions_are_found(small_run):

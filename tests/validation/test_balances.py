@@ -1,25 +1,32 @@
 """What adds up does: seconds, counts and dates of solves, shares of area, load and error."""
 
 import json
+import os
 import re
+import time
 from datetime import UTC, datetime
 
 import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
+from processes import run_python
 from small_scene import scene_in, small_scene
 
+from fem_contact import HeightField, Solid
 from validation.comparison.run import run_scene
+from validation.effects.base import ContactModel
 from validation.execution.bench import Bench
 from validation.execution.store import check_store
 from validation.measurements.common import base_surface
 from validation.measurements.control_variates import unsolved_pairs
+from validation.measurements.grid_roughness import grid_roughness
 from validation.measurements.measurement import press_on_grids
 from validation.measurements.pairs import area_pairs
 from validation.report.estimates import shown_sources, total_error
 from validation.scenes.problem import ContactProblem
 from validation.scenes.tables import Load, SolidSpec
+from validation.solvers import find_solver
 
 
 @pytest.fixture(scope="module")
@@ -52,12 +59,32 @@ def test_each_solve_is_counted_once(fresh):
 
 
 def test_the_seconds_of_the_rows_are_those_of_the_solves(fresh):
-    outputs, solves, _ = fresh
+    outputs, solves, (began, ended) = fresh
     spent = sum(solve["wall"] for solve in solves.values())
     assert_allclose(outputs.data.seconds.sum(), spent, rtol=1e-9)
     assert_allclose(outputs.data.seconds_total, spent, rtol=1e-9)
-    # A solve is within what was done about it.
+    # A solve is within what was done about it, and all that was done within the run.
     assert all(solve["wall"] <= solve["made"].seconds for solve in solves.values())
+    assert sum(solve["made"].seconds for solve in solves.values()) <= (ended - began).total_seconds()
+
+
+@pytest.mark.parametrize("method", ["bem", "fem", "tamaas", "contact_mechanics", "calculix"])
+def test_what_a_solver_says_that_it_took_is_within_what_passed(method):
+    solver = find_solver(method)
+    if (missing := solver.available()) is not None:
+        pytest.skip(missing)
+    x, y = np.arange(12)[:, None] / 12, np.arange(8)[None, :] / 8
+    field = HeightField(heights=0.01 * (np.cos(2 * np.pi * x) + np.cos(2 * np.pi * y)), lengths=(1.5, 1.0))
+    run_python("-c", "pass")  # whose time is not the solver's
+    began, clock = time.perf_counter(), sum(os.times()[:4])
+    cost = solver.pressed(field, ContactModel(solid=Solid(young=1.0, poisson=0.3)), 0.01).cost
+    assert 0 < cost.wall_seconds <= time.perf_counter() - began
+    # Of a process that goes on, the system has told nothing yet.
+    taken = os.cpu_count() * cost.wall_seconds if method in {"tamaas", "contact_mechanics"} else 0.02
+    assert 0 <= cost.cpu_seconds <= sum(os.times()[:4]) - clock + taken
+    assert cost.unknowns >= field.heights.size
+    assert (cost.iterations > 0) == (method not in {"tamaas", "calculix"}), "told by no other"
+    assert (cost.peak_bytes > 0) == (method != "calculix"), "of another program it is not known"
 
 
 def test_the_seconds_that_a_measurement_keeps_are_within_those_of_its_solve(tmp_path):
@@ -71,6 +98,7 @@ def test_the_seconds_that_a_measurement_keeps_are_within_those_of_its_solve(tmp_
         press_on_grids(shifts=2, **pressed),
         area_pairs(first=3, count=2, **pressed),
         unsolved_pairs(problem=problem, grid=(32, 32), first=3, count=2),
+        grid_roughness(problem=problem, grid=(24, 24)),
     ]
     results = Bench.at(tmp_path).solve(cases)
     for case, made in zip(cases, results.made(), strict=True):

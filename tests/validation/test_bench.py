@@ -1,5 +1,6 @@
 """Many independent solves: the same tables wherever they run, whatever is killed, full or damaged."""
 
+import contextlib
 import dataclasses
 import importlib.util
 import itertools
@@ -13,6 +14,7 @@ import sys
 import time
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import psutil
@@ -25,9 +27,8 @@ from validation.errors import RunFailed, UsageError
 from validation.execution import pool
 from validation.execution.attempt import Progress
 from validation.execution.bench import Bench, Execution, PlannedOnly
-from validation.execution.cost import available_memory
 from validation.execution.store import Store
-from validation.files import prepare_folder
+from validation.files import available_memory, prepare_folder
 from validation.studies import Study, area, find_study, studies
 from validation.studies._outputs import run_study
 
@@ -208,10 +209,19 @@ def test_cases_that_do_not_fit_together_wait_and_one_that_never_fits_is_refused(
     bench = bench_at(tmp_path / "narrow", Watch(), workers=2, memory=int(1.2 * largest))
     bench.solve(solves)
     assert max(most) <= 1.2 * largest
+    # Of the memory, workers without a solve take their part.
+    monkeypatch.setattr(pool, "_IDLE_BYTES", largest)
+    for memory, beside in ((3.9 * largest, False), (4.1 * largest, True)):
+        with contextlib.closing(pool._Processes(bench.store, 2, memory=int(memory))) as processes:
+            biggest = max(solves, key=lambda solve: solve.predict().peak_bytes)
+            assert processes.room(biggest, [biggest]) == beside
+            assert not processes.room(biggest, [biggest] * 2)
+            assert processes.room(biggest, [])
     with pytest.raises(UsageError, match=r"BEM 20x20: needs about .* raise the limit with --memory"):
         bench_at(tmp_path / "refused", memory=largest // 2).solve(solves)
     assert not (tmp_path / "refused").exists()
-    assert available_memory() > 0
+    monkeypatch.setattr("psutil.virtual_memory", lambda: SimpleNamespace(available=1000))
+    assert available_memory() == 900
 
 
 def test_a_bench_that_only_plans_solves_nothing(tmp_path):
@@ -296,6 +306,7 @@ def test_ctrl_c_ends_the_workers_and_keeps_what_is_finished(tmp_path):
 @pytest.mark.parametrize("where", ["begin", "submit", "done", "do"])
 def test_an_interruption_anywhere_ends_the_workers_and_keeps_what_is_finished(tmp_path, monkeypatch, where):
     store, progress, calls = Store(folder=tmp_path), Notes(), itertools.count(1)
+    others = workers_of(os.getpid())  # of the tests before, in which files are read
     place = {"submit": pool.ThreadPoolExecutor, "do": Slow}.get(where, progress)
     real = getattr(place, where)
 
@@ -309,10 +320,21 @@ def test_an_interruption_anywhere_ends_the_workers_and_keeps_what_is_finished(tm
     with pytest.raises(KeyboardInterrupt):
         solve_all(solves, store, progress=progress, workers=1 if where == "do" else 2)
     assert time.monotonic() - began < 120
-    assert workers_of(os.getpid()) == []
+    assert workers_of(os.getpid()) == others
     assert len(progress.finished) >= 1
     assert set(progress.finished) <= {solve.key for solve in solves if store.read(solve)}
     assert not list(tmp_path.glob(".*")), "half-written files"
+
+
+def test_results_are_held_in_no_more_memory_than_allowed(serial, monkeypatch):
+    solves = solves_of(**CASES)[:3]
+    sizes = [Store(folder=serial[0]).read(solve).size for solve in solves]
+    for room, held in ((3 * sizes[0] - 1, 0), (3 * sum(sizes[:2]), 2), (3 * sum(sizes), 3)):
+        monkeypatch.setattr("validation.execution.bench._HELD_BYTES", room)
+        results = bench_at(serial[0]).solve(solves)
+        for _ in range(2):
+            assert all(results.read(solve) for solve in solves)
+        assert len(results._held) == held
 
 
 @pytest.mark.benchmark

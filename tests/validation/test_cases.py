@@ -4,6 +4,7 @@
 """
 
 import json
+import time
 from pathlib import Path
 
 import numpy as np
@@ -89,6 +90,7 @@ def _raises():
 
 
 def test_a_case_that_raises_or_checks_nothing_has_failed_and_the_others_go_on():
+    began = time.monotonic()
     found = list(
         run_cases(
             [
@@ -100,6 +102,7 @@ def test_a_case_that_raises_or_checks_nothing_has_failed_and_the_others_go_on():
     )
     assert [verdict.passed for verdict in found] == [False, False, True]
     assert found[0].error == "RuntimeError: broken"
+    assert 0 < sum(verdict.seconds for verdict in found) <= time.monotonic() - began
 
 
 def test_validate_exits_with_1_and_names_what_failed(monkeypatch, capsys):
@@ -114,6 +117,7 @@ def test_validate_exits_with_1_and_names_what_failed(monkeypatch, capsys):
             main()
         assert (exit_.value.code or 0) == code
         printed = capsys.readouterr()
+        assert ("passed  right  (" in printed.err) == ("--json" not in arguments)
         if code:
             assert "1 of 2 cases failed: wrong" in printed.err
     assert [row["passed"] for row in json.loads(printed.out)] == [True, False]

@@ -1,6 +1,7 @@
 """`fem-contact run --mpi` with threads in place of processes: its numbers, its file, its refusals."""
 
 import json
+import re
 import sys
 import threading
 from dataclasses import asdict
@@ -59,7 +60,9 @@ def test_the_command_presses_the_surface_of_the_scene_and_uses_finished_grids_ag
     path.write_bytes(whole)
     monkeypatch.setattr("fem_contact.bem.solve", None)
     assert answer_of(command) == found
-    assert f"{found['limit']['value']:.6g}" in output_of(command)
+    said = output_of(command)
+    assert f"{found['limit']['value']:.6g}" in said
+    assert re.search(r"A/A0 counted.*located.*pairs.*seconds.*MiB of a process", said)
 
 
 def test_all_threads_write_one_file_and_the_first_speaks(tmp_path, read_scene, monkeypatch, capsys):

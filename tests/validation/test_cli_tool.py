@@ -245,6 +245,10 @@ def test_explain_says_what_runs_and_what_is_left_out_and_solves_nothing(done, tm
     assert list(tmp_path.iterdir()) == []
     data = json.loads(done("explain quickstart --json"))
     assert {grid["method"] for grid in data["grids"]} == {"bem", "fem"}
+    assert data["seconds"] == pytest.approx(sum(grid["seconds"] for grid in data["grids"]))
+    assert data["peak_bytes"] == max(grid["peak_bytes"] for grid in data["grids"])
+    (heads,) = [line for line in out.splitlines() if "unknowns" in line]
+    assert heads.index("solves") < heads.index("seconds") < heads.index("peak")
 
 
 def test_keys_of_a_scene_are_listed_with_unit_meaning_and_default(done):
@@ -289,10 +293,15 @@ def test_a_failed_solve_and_ctrl_c_have_exit_codes_and_a_sentence(tool, monkeypa
 def test_a_dry_run_lists_solves_and_does_none(done, tmp_path):
     out = done("run quickstart --dry-run")
     assert len(out.splitlines()) <= 10
-    *kinds, last = out.splitlines()[1:]
+    heads, *kinds, last = out.splitlines()
+    assert heads.split()[-4:] == ["solves", "stored", "seconds", "MiB"]
     assert sum(int(line.split()[-4]) for line in kinds) == 57
     assert last.startswith("57 of 57 solves are to be done")
+    foretold = sum(float(line.split()[-2]) for line in kinds)
+    assert float(re.search(r"in about (\S+) s", last)[1]) == pytest.approx(foretold, rel=0.06)
     rows = json.loads(done("run quickstart --dry-run --json"))
+    largest = max(row["peak_bytes"] for row in rows) / 2**20
+    assert max(float(line.split()[-1]) for line in kinds) == pytest.approx(largest, rel=0.06)
     assert len(rows) == 57
     assert all(row["seconds"] > 0 and row["peak_bytes"] > 0 and not row["stored"] for row in rows)
     plan = json.loads(done("study area --seed 5 --surfaces 2 --dry-run --json"))

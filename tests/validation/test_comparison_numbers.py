@@ -179,10 +179,21 @@ def test_grids_that_disagree_end_the_search_where_they_resolve_the_surface(monke
         assert search.own_surface().area == limit.value
 
 
+def test_a_ladder_takes_the_seconds_of_all_its_shifts(monkeypatch):
+    search, known = _search(monkeypatch), made_areas(0.2, 64, 0.02)
+    search.bench.pair = 1e-3
+    one, more = (search._planned(((24, 16), (48, 32)), shifts, known) for shifts in (1, 3))
+    assert one.seconds == sum(search.costs[grid].seconds for grid in one.grids) > 0
+    assert more.seconds == pytest.approx(9 * one.seconds)
+    assert more.peak_bytes == one.peak_bytes == search.costs[(48, 32)].peak_bytes
+
+
 def test_the_mean_over_surfaces_is_asked_of_finer_grids_until_it_is_known(monkeypatch):
     ladders = [
         Ladder(grids=((n, n),), shifts=1, error=0.02, seconds=float(n), peak_bytes=0) for n in (128, 192, 256)
     ]
+    # What takes no longer is no finer, either.
+    alike = dataclasses.replace(ladders[0], grids=((120, 120),))
 
     def mean(half, grid):
         value = SimpleNamespace(value=0.2)
@@ -206,7 +217,7 @@ def test_the_mean_over_surfaces_is_asked_of_finer_grids_until_it_is_known(monkey
         return min((one for one in ladders if one.grids not in tried), key=lambda one: one.seconds)
 
     monkeypatch.setattr(accuracy_search, "mean_area", answered)
-    monkeypatch.setattr(Search, "_chains", lambda self, known: ladders)
+    monkeypatch.setattr(Search, "_chains", lambda self, known: [*ladders, alike])
     monkeypatch.setattr(Search, "_cheapest", cheapest)
     search.bench.affordable = lambda seconds, peak: True
     single = SimpleNamespace(finest=None)
@@ -259,6 +270,13 @@ def test_the_mean_over_surfaces_claims_their_interval_the_grids_whole_error_and_
     told = np.cos(np.arange(64.0))[:, None]
     times = [pressed.seconds.values[:, None] for pressed in ending]
     samples = ensemble.Chained(unsolved=told[:32], further=told, unsolved_seconds=1.0, seconds=times)
+    # What the next pair costs, on each grid and without a solve: slopes of 2 on what is told, of 3 on the
+    # coarse grid.
+    both = dataclasses.replace(samples, further=np.hstack([told, 0 * told]))
+    slopes = ((2.0, 0.0), 0.3), ((3.0,), 0.1)
+    chain = [SimpleNamespace(coefficients=np.array(slope), left=left) for slope, left in slopes]
+    costs = [(9 * 0.3, 2 + 1 / 96), (0.1, 2.0), (9 * 4 * np.var(told, ddof=1), 1 / 96)]
+    assert np.array(both.parts(chain)) == pytest.approx(np.array(costs), rel=1e-12)
     grids = ((32, 32), (64, 64))
     found = ensemble._estimated(ending, samples, grids=grids, tolerance=1e-3)
     limits, errors = area_limits(fine)

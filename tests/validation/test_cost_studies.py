@@ -34,6 +34,26 @@ def test_every_way_has_a_time_a_memory_and_an_error(costs):
     assert abs(fine.area_deviation_each).max() < abs(coarse.area_deviation_each).max()
 
 
+def test_ways_of_one_surface_are_of_the_grids_and_shifts_they_are_named_by(monkeypatch):
+    load, grid, shift = np.ogrid[:1, :3, :4]
+    areas = {name: 100.0 * k + 10 * grid + shift + load for k, name in enumerate(ways.AREAS)}
+    costs = {"seconds": 1.0 + grid + 0 * shift, "peak_bytes": 2.0 ** (10 + grid) + 0 * shift}
+    dims = ("load", "grid", "shift")
+    measured = xr.Dataset(
+        {name: (dims, values + 0 * load) for name, values in (areas | costs).items()},
+        coords={"points_per_wave": ("grid", [3.0, 4.0, 6.0])},
+    )
+    monkeypatch.setattr(ways, "area_limits", lambda some: [[float(some.pixel.mean())]])
+    told = {
+        way.way: (float(way.area_each[0]), float(way.seconds), float(way.peak_bytes))
+        for way in ways.ways_of_bem({0: measured})
+    }
+    assert told["BEM pixel, 4 per wave"] == (10.0, 2.0, 2.0**11)
+    assert told["BEM pixel, 4 per wave, 4 shifts"] == (11.5, 8.0, 2.0**11)
+    assert told["BEM limit, 4 to 6 per wave"] == (15.0, 5.0, 2.0**12)
+    assert told["BEM limit, 3 to 6 per wave, 4 shifts"] == (11.5, 24.0, 2.0**12)
+
+
 def test_a_front_in_time_and_one_in_memory_hold_no_beaten_way(costs):
     error = costs.area_deviation_rms.values
     for cost in ("seconds", "peak_bytes"):
@@ -50,6 +70,9 @@ def test_the_fastest_and_the_leanest_way_are_named_where_the_reference_tells_the
     assert float(loose.seconds_fastest) == pytest.approx(float(costs.seconds.values[good].min()))
     assert float(loose.peak_bytes_leanest) == pytest.approx(float(costs.peak_bytes.values[good].min()))
     plain = costs.drop_dims(["target", "front_seconds", "front_peak_bytes"])
+    against = ways.chosen_ways(plain.assign(seconds=1e6 / plain.peak_bytes)).isel(target=0)
+    assert float(against.seconds_fastest) == pytest.approx(1e6 / plain.peak_bytes.values[good].max())
+    assert float(against.peak_bytes_leanest) == float(loose.peak_bytes_leanest)
     unknown = ways.chosen_ways(plain.assign(reference_rms=0.02))
     assert str(unknown.way_fastest[-1].item()).startswith("not determinable")
     known = plain.assign(reference_rms=0.0)
@@ -80,6 +103,7 @@ def test_a_peer_is_held_against_the_same_area_and_the_same_measure_of_memory(cos
         both.assign_attrs(peers="tamaas", absent="", measured_by="tamaas 2, fem_contact 1")
     )
     *_, peer, how = accuracy_cost.views(both).findings
+    assert peer.kind == "cost"
     told = {name: value.value for name, value in peer.values.items()}
     assert (told["code"], told["way"], told["seconds"]) == ("tamaas", "pixel, 6 per wave", 9.0)
     assert told["ratio_twin"] == pytest.approx(1 / 3, rel=2e-3)

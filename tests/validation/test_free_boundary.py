@@ -1,5 +1,7 @@
 """One patch instead of a period in a scene: a ball, a measured patch with its edges, and who refuses it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -44,6 +46,7 @@ def checked(**changed):
 def test_a_ball_almost_without_roughness_is_hertzian():
     asked = scene()
     (solve,) = solves_of(asked)
+    assert solve.predict().peak_bytes > replace(solve, effects=()).predict().peak_bytes
     result = solve.do().contact
     modulus = realise(asked).contact_modulus
     a = (3 * 1e-3 * 1e-3 / (4 * modulus)) ** (1 / 3)

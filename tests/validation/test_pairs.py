@@ -11,7 +11,7 @@ from validation.effects.hardness import Hardness
 from validation.execution.press import Press
 from validation.measurements.common import base_surface
 from validation.measurements.control_variates import statistics_of_pair, unsolved_pairs
-from validation.measurements.measurement import area_limits, limit_over
+from validation.measurements.measurement import area_limits, limit_over, press_on_grids
 from validation.measurements.pairs import area_pairs
 from validation.scenes.problem import ContactProblem
 from validation.scenes.tables import Load, SolidSpec
@@ -73,3 +73,5 @@ def test_the_name_of_a_block_tells_loads_effects_and_surfaces_apart():
     ]
     assert len({usual.key, *(other.key for other in others)}) == 1 + len(others)
     assert 2 * usual.predict().seconds == pytest.approx(usual.but(count=4).predict().seconds)
+    one = press_on_grids(problem=problem, grids=GRIDS, effects=(), shifts=1)
+    assert usual.predict().seconds == pytest.approx(2 * 2 * one.predict().seconds)

@@ -386,6 +386,21 @@ def test_the_total_is_the_root_of_the_squares_of_surfaces_grid_size_and_solver(s
     assert_allclose(data.interval_worst, (total / data.area).max(("hurst", "bandwidth")), rtol=1e-12)
 
 
+@pytest.mark.parametrize("looked", ["coarsest", "further"])
+def test_what_is_saved_is_told_by_all_the_time_that_was_taken(small, looked):
+    options, bench, data = small
+    spectrum = study.spectra(options, "exact")[0.8, 8.0]
+    solved = bench.solve(spectrum.cases.values())
+    measured = {name: solved[case] for name, case in spectrum.cases.items()}
+    saving = spectrum.reduced(measured).saving
+    assert_allclose(saving, data.saving.sel(amplitudes="exact", hurst=0.8, bandwidth=8.0), rtol=1e-12)
+    spent = sum(one.attrs["seconds"] for name, one in measured.items() if len(name) == 1)
+    spent += sum(one.seconds.sum(("grid", "shift")) for name, one in measured.items() if len(name) > 1)
+    slower = measured[looked,].assign_attrs(seconds=measured[looked,].attrs["seconds"] + 100.0)
+    less = spectrum.reduced({**measured, (looked,): slower}).saving
+    assert_allclose(saving.values / less.values, (spent.values + 100) / spent.values, rtol=1e-9)
+
+
 def test_exact_amplitudes_have_one_gradient_and_the_two_loads_differ_by_its_ratio(small):
     options, bench, data = small
     exact = data.sel(amplitudes="exact", hurst=0.8, bandwidth=8.0)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from validation.errors import UsageError
-from validation.sandbox import Child, OutOfBounds
+from validation.sandbox import Child, OutOfBounds, _limited
 from validation.scenes.topography.formats import read_plain
 
 
@@ -81,10 +81,21 @@ def test_an_array_larger_than_is_taken_back_is_not_read():
         child.call(np.ones, 2**20, seconds=60, most_bytes=2**20)
 
 
+def test_a_call_may_use_the_processor_for_all_its_time():
+    resource = pytest.importorskip("resource")
+    used = sum(resource.getrusage(resource.RUSAGE_SELF)[:2])
+    before = resource.getrlimit(resource.RLIMIT_CPU)
+    with _limited(1000.0, None):
+        assert used + 1000 < resource.getrlimit(resource.RLIMIT_CPU)[0] < used + 1020
+    assert resource.getrlimit(resource.RLIMIT_CPU) == before
+
+
 def test_a_crash_is_said_with_its_signal():
     with Child() as child:
+        assert not child.begun
         with pytest.raises(OutOfBounds, match=r"crashed its process \(SIGSEGV\)"):
             child.call(signal.raise_signal, int(signal.SIGSEGV), seconds=20)
+        assert child.begun
         assert child.call(math.gcd, 4, 6, seconds=20) == 2
 
 

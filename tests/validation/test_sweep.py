@@ -243,8 +243,11 @@ def test_a_zip_has_its_keys_along_one_dimension(small_scene, tmp_path):
 
 def test_solves_that_cases_share_are_done_once(small_scene):
     sweep = load_asked(small_scene, ["sweep.methods.bem.grids=[[12, 24], [12, 24, 48]]"])
-    explained = explain_sweep(sweep).summary()
+    explanation = explain_sweep(sweep)
+    explained, costs = explanation.summary(), explanation.costs
     assert (explained["solves"], explained["asked"]) == (12, 20)
+    assert explained["seconds"] == pytest.approx(sum(cost.seconds for cost in costs))
+    assert explained["peak_bytes"] == max(cost.peak_bytes for cost in costs)
     assert len(solves_of_sweep(sweep, problems_of(sweep))) == 12
 
 
@@ -260,6 +263,8 @@ def test_a_surface_of_many_points_is_told_by_its_spectrum_only_where_it_is_not_p
     monkeypatch.setattr("validation.scenes.surfaces.SURVEYED_POINTS", 1)
     assert [problem.drawn for problem in problems_of(load_sweep)] == [True] * 4
     assert [problem.drawn for problem in problems_of(load_sweep, surveyed=True)] == [False] * 4
+    monkeypatch.setattr("validation.scenes.surfaces.sampled", None)
+    assert len(explain_sweep(load_sweep).cases) == 4
 
 
 def test_a_sweep_of_the_theory_alone_has_its_areas(tmp_path):

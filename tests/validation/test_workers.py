@@ -3,6 +3,7 @@
 import contextlib
 import errno
 import itertools
+import math
 import re
 import shutil
 import socket
@@ -20,6 +21,7 @@ from refusing import refused
 from solving import (
     Deadly,
     DiesAtStart,
+    Foretold,
     Held,
     Killing,
     Notes,
@@ -45,6 +47,12 @@ def tally(tmp_path):
         return str(path)
 
     return write
+
+
+def test_the_longest_solves_are_begun_first(tmp_path):
+    progress, solves = Notes(), {seconds: Foretold(seconds) for seconds in (2, 5, 3)}
+    solve_all(solves.values(), tmp_path / "s", progress=progress, workers=2)
+    assert progress.begun == [solves[seconds].key for seconds in (5, 3, 2)]
 
 
 @pytest.mark.nightly
@@ -128,6 +136,20 @@ def cluster(tmp_path):
         with distributed.Client(made[0], set_as_default=False) as client:
             client.wait_for_workers(2, timeout=120)
         yield made
+
+
+def test_workers_of_a_cluster_have_their_own_memory_and_one_thread():
+    from validation.execution.cluster import _memory_limits
+
+    def asked(*threads):
+        limits = ({"nthreads": count, "memory_limit": 2**30 * k} for k, count in enumerate(threads))
+        told = {"workers": dict(zip("ab", limits, strict=False))}
+        client = types.SimpleNamespace(status="running", scheduler_info=lambda n_workers: told)
+        return _memory_limits(client, "tcp://a")
+
+    assert asked(1, 1) == {"a": math.inf, "b": 2**30}
+    with refused(UsageError, "worker b has 2 threads"):
+        asked(1, 2)
 
 
 def test_a_look_longer_than_the_patience_is_told_and_followed_by_another(tmp_path, monkeypatch):

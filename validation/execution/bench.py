@@ -13,11 +13,11 @@ from typing import Any
 
 from validation.errors import RunFailed, SolvesFailed, UsageError
 from validation.execution.attempt import Outcome, Progress, attempt, warm_up
-from validation.execution.cost import available_memory, too_large
+from validation.execution.cost import too_large
 from validation.execution.provenance import Made
 from validation.execution.solve import Solve
 from validation.execution.store import Store, Stored
-from validation.files import prepare_folder, sync_folder
+from validation.files import available_memory, prepare_folder, sync_folder
 
 #: Where studies keep their solves unless told otherwise: one folder for all of them, so that they share
 #: cases.

@@ -23,13 +23,6 @@ def transform_seconds() -> float:
     return sorted(timeit.repeat(lambda: irfft2(rfft2(field), s=field.shape), number=1, repeat=5))[2]
 
 
-def available_memory() -> int:
-    """Bytes that solves may take on this machine: nine tenths of what is free now."""
-    import psutil
-
-    return int(0.9 * psutil.virtual_memory().available)
-
-
 def memory_words(size: float) -> str:
     """Return an amount of memory in words.
 

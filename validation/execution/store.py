@@ -16,10 +16,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from fem_contact.contact import ContactResult
 from validation.errors import RunFailed, UsageError
 from validation.execution.checksum import Damaged, Sealed, seal, unseal
-from validation.execution.cost import available_memory
 from validation.execution.provenance import Made
 from validation.execution.solve import Solve
-from validation.files import read_whole, reason, write_whole
+from validation.files import available_memory, read_whole, reason, write_whole
 from validation.netcdf import dataset_bytes, read_dataset
 
 if TYPE_CHECKING:

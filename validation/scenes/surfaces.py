@@ -14,6 +14,7 @@ import numpy as np
 from fem_contact.surface import HeightField, RandomWaves, random_waves
 from validation.arrays import Grid, Pair
 from validation.errors import UsageError
+from validation.files import available_memory
 from validation.report.quantities import as_length
 from validation.scenes.tables import (
     CapillarySurface,
@@ -197,7 +198,7 @@ SURVEYED_POINTS = 2**24
 def check_memory(surface: RandomSurface) -> None:
     """Refuse to resolve a surface that does not fit into memory, before anything of it is made."""
     grid = surface.resolving_grid
-    least = surface.lambda_short * math.sqrt(_BYTES_PER_POINT * math.prod(grid) / _free_bytes())
+    least = surface.lambda_short * math.sqrt(_BYTES_PER_POINT * math.prod(grid) / available_memory())
     check_fits(
         grid,
         f"surface.lambda_short = {as_length(surface.lambda_short)}: resolving it",
@@ -207,18 +208,12 @@ def check_memory(surface: RandomSurface) -> None:
 
 def check_fits(grid: Grid, what: str, *, remedy: str) -> None:
     """Refuse a grid whose heights alone do not fit into memory."""
-    needed, free = _BYTES_PER_POINT * math.prod(grid), _free_bytes()
+    needed, free = _BYTES_PER_POINT * math.prod(grid), available_memory()
     if needed > free:
         raise UsageError(
             f"{what} takes {grid[0]} x {grid[1]} points and {needed / 2**30:.3g} GiB, of which "
             f"{free / 2**30:.3g} are free; {remedy}"
         )
-
-
-def _free_bytes() -> float:
-    import psutil
-
-    return 0.9 * float(psutil.virtual_memory().available)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -18,6 +18,7 @@ from pydantic import Field, model_validator
 from validation.arrays import Grid
 from validation.execution.bench import Bench
 from validation.execution.measurement import measurement
+from validation.files import available_memory
 from validation.measurements.common import RisingGrids, base_case
 from validation.measurements.flow import located_area
 from validation.measurements.limits import read_off
@@ -86,8 +87,6 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Costs and located area (points, surface); the exponent of each cost in N, what one decade more costs, and how
     far the memory that was free and an hour reach.
     """
-    from validation.execution.cost import available_memory
-
     taken = {"area_located_each": "area"} | {f"{name}_each": name for name in _COSTS}
     cases = {}
     for n, k in itertools.product(options.grids, range(options.surfaces)):
