@@ -1,5 +1,6 @@
 """What accuracy costs: external_codes, memory, scaling with the grid, levels of grids."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ from gold.asked import STUDIES
 
 from fem_contact import HalfSpace, NotConverged, bem, contact_areas
 from validation.execution.results import Result
-from validation.measurements import external_codes, ways
+from validation.measurements import by_solver, external_codes, ways
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.theory import RANKED
@@ -73,6 +74,9 @@ def test_the_fastest_and_the_leanest_way_are_named_where_the_reference_tells_the
     against = ways.chosen_ways(plain.assign(seconds=1e6 / plain.peak_bytes)).isel(target=0)
     assert float(against.seconds_fastest) == pytest.approx(1e6 / plain.peak_bytes.values[good].max())
     assert float(against.peak_bytes_leanest) == float(loose.peak_bytes_leanest)
+    # Of ways that take as long, the leaner is named.
+    tied = ways.chosen_ways(plain.assign(seconds=0 * plain.seconds + 1.0)).isel(target=0)
+    assert float(tied.peak_bytes_fastest) == float(loose.peak_bytes_leanest)
     unknown = ways.chosen_ways(plain.assign(reference_rms=0.02))
     assert str(unknown.way_fastest[-1].item()).startswith("not determinable")
     known = plain.assign(reference_rms=0.0)
@@ -107,6 +111,9 @@ def test_a_peer_is_held_against_the_same_area_and_the_same_measure_of_memory(cos
     told = {name: value.value for name, value in peer.values.items()}
     assert (told["code"], told["way"], told["seconds"]) == ("tamaas", "pixel, 6 per wave", 9.0)
     assert told["ratio_twin"] == pytest.approx(1 / 3, rel=2e-3)
+    best = both.sel(way=told["best"])
+    assert float(best.area_deviation_rms) <= told["off"]
+    assert told["ratio"] == pytest.approx(float(best.seconds) / 9.0)
     assert how.values["it"].value == "tamaas 2, fem_contact 1"
     # Arrays and processes are never ranked together.
     names = both.way.values[ways.pareto_front(both, "peak_bytes")]
@@ -134,6 +141,22 @@ def test_a_peer_is_solved_no_further_than_its_grid_deserves():
     loose, exact = (peer(external_codes.THIS_CODE, grid_share=share).do() for share in (100.0, 0.0))
     assert 1e-2 == float(loose.tolerance) > float(exact.tolerance)
     assert abs(float(loose.pixel - loose.pixel_bem)) > float(exact.pixel - exact.pixel_bem) == 0.0
+
+
+def test_the_memory_of_a_peer_is_that_of_all_its_tries(monkeypatch):
+    own, asked, ended = peer(external_codes.THIS_CODE)["problem"], [], []
+    field = own.heights((24, 24))
+    ours = bem.solve(field, HalfSpace(solid=own.elastic), mean_pressure=own.pressure).checked()
+    monkeypatch.setattr(by_solver.sandbox, "end", lambda: ended.append(len(asked)))
+
+    def solved(tolerance):
+        asked.append(tolerance)
+        return replace(ours, cost=replace(ours.cost, peak_bytes=int(1e9 * tolerance)))
+
+    found = by_solver._as_good_as_its_grid(solved, ours, -1.0)
+    first, *tries = asked
+    assert (first, len(tries), ended) == (max(tries), len(set(tries)), [0])
+    assert found.cost.peak_bytes == int(1e9 * max(tries))
 
 
 def test_a_peer_that_fails_is_a_sentence():

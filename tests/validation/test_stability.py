@@ -106,6 +106,7 @@ def test_an_outcome_is_right_only_for_a_small_error_of_a_converged_solve(monkeyp
     monkeypatch.setattr(stability, "CASES", (case,))
     data = turned(methods=("bem",))
     assert data.attrs["methods"] == "bem"
+    np.testing.assert_array_equal(np.ravel(data.residual), math.nan)  # none was told
     assert list(outcomes(data)) == [outcome]
     first, *others = stability.views(data).findings
     assert first.values["wrong"].value == (outcome == "WRONG")

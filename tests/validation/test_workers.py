@@ -50,9 +50,11 @@ def tally(tmp_path):
 
 
 def test_the_longest_solves_are_begun_first(tmp_path):
-    progress, solves = Notes(), {seconds: Foretold(seconds) for seconds in (2, 5, 3)}
+    solves, beside = {seconds: Foretold(seconds) for seconds in (2, 5, 3)}, []
+    progress = Killing(1, lambda: beside.extend(progress.begun))
     solve_all(solves.values(), tmp_path / "s", progress=progress, workers=2)
     assert progress.begun == [solves[seconds].key for seconds in (5, 3, 2)]
+    assert len(beside) == 2
 
 
 @pytest.mark.nightly

@@ -177,11 +177,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         data = claim_shares(data, "kappa", **spectral)
     data = data.assign(kappa_bgt=KAPPA_BGT, kappa_persson_light=KAPPA_PERSSON)
     data = data.merge(published("kappa")) if options.literature else data
-    seconds = sum(float(result.seconds.sum()) for result in measured.values())
     cited = dict.fromkeys(chosen_solver(name)[0].name for name in options.others)
     papers = papers_of(*(["kappa"] if options.literature else []), "kappa_ratio")
     methods = " ".join([RANKED, *cited, papers])
-    return data.assign_attrs(methods=methods, periods=options.periods, seconds=seconds)
+    return data.assign_attrs(methods=methods, periods=options.periods)
 
 
 def _of_spectra(options: Options, cases: Mapping[_Case, Call], measured: Measured) -> xr.Dataset:
