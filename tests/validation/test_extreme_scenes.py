@@ -208,6 +208,15 @@ def test_a_surface_too_large_to_be_looked_at_is_told_by_its_spectrum():
     assert facts["bandwidth"] == "L/lambda_long = 1, lambda_long/lambda_short = 5e+03"
 
 
+def test_a_surface_that_does_not_fit_into_memory_is_refused_before_it_is_made(monkeypatch):
+    monkeypatch.setattr(surfaces, "available_memory", lambda: 2**20)
+    monkeypatch.setattr(surfaces, "sampled", None)
+    with refused(
+        UsageError, r"^surface\.lambda_short = .*: resolving it takes 20001 x 10001 points and 11.2 GiB"
+    ):
+        _ = realise(LARGE).field
+
+
 def test_what_the_spectrum_tells_is_near_what_a_surface_has(monkeypatch):
     surface = LARGE.surface.model_copy(update={"lambda_long": 1e-6, "lambda_short": 5e-8})
     field = height_field(surface)
