@@ -137,6 +137,17 @@ def test_a_study_whose_solver_fails_is_that_of_the_others(own_module, bench, whe
             studied(name, raising)
 
 
+def test_of_the_methods_of_a_scene_a_study_keeps_those_that_are_named_by_their_solver(own_module):
+    table = '[methods.own]\nsolver = "my_module:solve"\ngrids = [16]\n'
+    Path("mine.toml").write_text(SCENE + table, encoding="utf-8")
+    options = find_study("refinement").parse(["--surfaces", "2"], scene=load_scene("mine.toml"))
+    kept, left = (
+        options._with_methods(names).scene.methods for names in (("bem", "my_module:solve"), ("bem",))
+    )
+    assert kept.own.solver == "my_module:solve"
+    assert left.own is None
+
+
 #: Options of a study of a second.
 FEW = ("--surfaces", "2", "--bandwidth", "2", "--method-points-per-wave", "3,4")
 

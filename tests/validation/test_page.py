@@ -29,7 +29,7 @@ from validation.execution.results import read_results, record_of
 from validation.report.figure import new_figure, readable_ticks, save_figure
 from validation.report.findings import note
 from validation.report.marks import Figure, Line, Panel, draw, panels_along
-from validation.report.page import Page, render, write_page
+from validation.report.page import Page, Placed, render, write_page
 from validation.report.table import ResultTable, WordTable, shown, write_dataset
 from validation.report.views import Card, Views
 from validation.report.words import mathematics
@@ -127,6 +127,19 @@ def test_a_table_of_many_columns_and_few_rows_is_turned(columns, rows):
     assert ("scroll turned" in page) == ((columns, rows) == (13, 3))
     names, lines = page_tables(page)["Wide"]
     assert (len(names), len(lines), {len(line) for line in lines}) == (columns, rows, {columns})
+
+
+def test_half_a_page_holds_a_table_of_76_characters():
+    def narrow(*widths, turned=False):
+        across = tuple("y" * width for width in widths)
+        rows = tuple(("x", cell) for cell in across) if turned else (across,)
+        return Placed(WordTable(columns=tuple("abcd"[: len(rows[0])]), rows=rows), turned).narrow
+
+    assert narrow(17, 17, 17, 17)
+    assert not narrow(17, 17, 17, 18)
+    assert narrow(36, 50), "long cells break"
+    assert narrow(12, 12, 12, 12, turned=True)
+    assert not narrow(12, 12, 12, 13, turned=True)
 
 
 def test_what_was_measured_nowhere_takes_no_column_and_is_named_below():

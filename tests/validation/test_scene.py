@@ -27,6 +27,7 @@ from validation.scenes.mistakes import problems
 from validation.scenes.problem import realise
 from validation.scenes.scene import Scene, builtin_scenes, load_scene
 from validation.scenes.sweep import load_asked
+from validation.solvers import find_method
 
 WRONG = [
     # what is replaced, by what, words of the message
@@ -174,6 +175,17 @@ def test_grids_that_nobody_names_have_4_8_and_16_points_on_the_shortest_wave(wri
     # An oblong period has cells of one size; the shortest wave of a sweep is that of each case.
     swept = load_asked(path, ["length=['10 um', '20 um']", "sweep.lambda_short=['2.5 um', '1 um']"])
     assert [s.methods.bem.grids[0] for s in swept.scenes] == [(16, 32), (40, 80)]
+
+
+def test_a_grid_of_finite_elements_that_carries_no_wave_is_told_so(write_scene):
+    scene = load_scene(str(write_scene()))
+    problem, coarse = realise(scene), scene.methods.fem.model_copy(update={"grids": ((2, 2), (24, 16))})
+    told = dict(find_method("fem").facts(coarse, problem))
+    cells = problem.longest / max(problem.spacing((2, 2)))
+    assert told["finite elements, 2 x 2"] == (
+        f"carry no wave of this surface, whose longest is {cells:.3g} cells long"
+    )
+    assert not told["finite elements, 24 x 16"].startswith("carry no wave")
 
 
 def test_a_method_is_given_the_grids_that_it_can_afford_or_asks_for_some(write_scene):

@@ -154,6 +154,22 @@ def test_workers_of_a_cluster_have_their_own_memory_and_one_thread():
         asked(1, 2)
 
 
+def test_a_file_of_a_worker_is_waited_for(tmp_path, monkeypatch):
+    from validation.execution import cluster as module
+
+    path, waits = tmp_path / "solve.nc", []
+
+    def sleep(seconds):
+        waits.append(seconds)
+        if len(waits) == 3:
+            path.touch()
+
+    monkeypatch.setattr(module, "time", types.SimpleNamespace(sleep=sleep))
+    assert module._visible(path)
+    assert len(waits) == 3
+    assert not module._visible(tmp_path / "other.nc")
+
+
 def test_a_look_longer_than_the_patience_is_told_and_followed_by_another(tmp_path, monkeypatch):
     from validation.execution import cluster as module
 

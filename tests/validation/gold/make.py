@@ -5,6 +5,7 @@
 
 import json
 import lzma
+import re
 from fnmatch import fnmatch
 from importlib.metadata import version
 from pathlib import Path
@@ -82,8 +83,23 @@ def compute(name, bench, folder, *, known=None):
         record |= _of_dataset(f"figure.{drawing.name}", drawing.data)
         odd += misdrawn(drawing, data)
     odd += [f"no sentence: {text}" for text in page.findings if not text.endswith(".")]
+    odd += _ill_said(page.summary["findings"])
     record |= _of_words("findings", page.findings)
     return {**_steady(name, record), **of_page(name, page, odd)}, data
+
+
+def _ill_said(findings):
+    """Say which forms begin like another's, run two sentences together, or leave out what decides."""
+    said = [(found["form"], found["kind"]) for found in findings]
+    for form, kind in said:
+        if any(form.startswith(other[0]) for other in said if other != (form, kind)):
+            yield f"begins like another: {form}"
+        if re.search(r"\}?\.(?=[^\W\d])", form):
+            yield f"sentences that run together: {form}"
+    for found in findings:
+        empty = "{each}" in found["form"] and not found.get("rows")
+        if found.get("by") and not empty and "{verdict}" not in found["form"] + found["item"]:
+            yield f"says no verdict: {found['form']}"
 
 
 def of_page(name, page, odd):
