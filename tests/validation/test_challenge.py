@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from commanding import answer_of, invoke
 
-from validation.cases.scorecard import challenge
+from validation.cases.scorecard import challenge, ladder
 from validation.cases.scorecard.challenge import export, score_folder
+from validation.cases.scorecard.subject import Subject
 from validation.errors import UsageError
 
 #: Rows that ask for more than a pressure under a load on the half-space.
@@ -83,6 +84,15 @@ def test_what_is_not_answered_is_left_out_and_said_so(answered, tmp_path):
     assert set(card.left_out) == {"odd-axes"} | BEYOND
     assert "has no answer" in card.left_out["odd-axes"]
     assert not card.failed
+
+
+def test_each_grid_whose_cost_is_told_is_a_problem(tmp_path):
+    problems = challenge._problems(tmp_path, 32, 1e-6)
+    recorder = challenge._Recorder(32)
+    costs = ladder.cost(Subject(name="recorder", solver=recorder, settings={}, seconds=math.inf))
+    assert len(costs) == len(recorder.jobs) == 3
+    asked = {job.field.heights.tobytes() for job in recorder.jobs.values()}
+    assert asked <= {job.field.heights.tobytes() for job in problems.values()}
 
 
 def test_problems_say_everything_but_what_they_are(problems):

@@ -13,7 +13,7 @@ import numpy as np
 from fem_contact.contact import Cost
 from validation.arrays import Grid
 from validation.cases import NotJudged
-from validation.cases.scorecard import Scorecard, rows, score
+from validation.cases.scorecard import Scorecard, ladder, rows, score
 from validation.cases.scorecard.subject import Subject
 from validation.errors import UsageError
 from validation.files import atomic_path, read_record, write_json, write_record
@@ -134,6 +134,7 @@ def _problems(folder: Path, points: int, tolerance: float) -> dict[Path, Job]:
     for row in rows(subject):
         with contextlib.suppress(NotJudged):
             tuple(row.run())
+    ladder.cost(subject)
     jobs = list(recorder.jobs.values())
     order = np.random.default_rng(_ORDER_SEED).permutation(len(jobs))
     return {folder / f"problem-{number:03d}": jobs[k] for number, k in enumerate(order, start=1)}
