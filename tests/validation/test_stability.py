@@ -3,6 +3,7 @@
 import itertools
 import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from fem_contact import InvalidInput, Status
 from validation.errors import UsageError
 from validation.execution.bench import Bench
 from validation.execution.store import Store
+from validation.measurements import hard_cases
 from validation.measurements.hard_cases import HardCase, Measured
 from validation.studies import find_study, stability
 
@@ -113,6 +115,18 @@ def test_an_outcome_is_right_only_for_a_small_error_of_a_converged_solve(monkeyp
     # The largest deviation is that of the right ones: .05 of .1.
     (worst,) = [one.values["worst"].value for one in others if "worst" in one.values]
     np.testing.assert_allclose(worst, 0.5 if outcome == "right" else math.nan)
+
+
+@pytest.mark.parametrize("ended", [Status.CONVERGED, Status.STAGNATED])
+def test_a_path_is_as_good_as_the_worst_of_its_solves(monkeypatch, ended):
+    def found(worst, status=Status.CONVERGED):
+        residuals = SimpleNamespace(worst=worst)
+        return SimpleNamespace(pressure=np.ones((4, 2)), status=status, residuals=residuals)
+
+    path = [found(1e-9), found(2e-9, ended), found(3e-9)]
+    monkeypatch.setattr(hard_cases.bem, "solve_path", lambda *_, **__: path)
+    measured = hard_cases._path(10.0)
+    assert (measured.status, measured.residual) == (ended, 3e-9 if ended is Status.CONVERGED else 2e-9)
 
 
 def test_a_hang_is_wrong(monkeypatch):

@@ -98,7 +98,7 @@ def _ill_said(findings):
             yield f"sentences that run together: {form}"
     for found in findings:
         empty = "{each}" in found["form"] and not found.get("rows")
-        if found.get("by") and not empty and "{verdict}" not in found["form"] + found["item"]:
+        if found.get("by") and not empty and "{verdict}" not in found["form"] + found.get("item", ""):
             yield f"says no verdict: {found['form']}"
 
 
