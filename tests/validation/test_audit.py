@@ -30,6 +30,7 @@ from validation.errors import RunFailed, UsageError
 from validation.execution.press import Press
 from validation.execution.results import read_results, write_results
 from validation.scenes.problem import realise
+from validation.units import Duration, read_quantity
 from validation.scenes.sweep import load_asked
 
 
@@ -349,7 +350,8 @@ def test_what_a_run_to_an_accuracy_claims_follows_from_its_fields(read_scene, tm
     spent = re.search(r"It cost \d+ solves, .*?(\S+) s \(", outputs.more[-1])[1]
     assert outputs.data.wall_seconds.item() == pytest.approx(float(spent), rel=0.06)
     (card,) = [card for card in outputs.page.answers if card.question == "What did it cost?"]
-    assert float(card.answer.split()[0]) == pytest.approx(float(spent), rel=0.06)
+    told = read_quantity(Duration, card.answer, card.question)
+    assert told == pytest.approx(outputs.data.wall_seconds.item(), rel=0.01)
     assert card.basis.startswith("with all that was tried; ")
     ledger = sound(tmp_path / "results")
     assert "area_own_error of source 1" in {entry.name for entry in ledger.entries}

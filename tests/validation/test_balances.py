@@ -79,8 +79,8 @@ def test_what_a_solver_says_that_it_took_is_within_what_passed(method):
     began, clock = time.perf_counter(), sum(os.times()[:4])
     cost = solver.pressed(field, ContactModel(solid=Solid(young=1.0, poisson=0.3)), 0.01).cost
     assert 0 < cost.wall_seconds <= time.perf_counter() - began
-    # Of a process that goes on, the system has told nothing yet.
-    taken = os.cpu_count() * cost.wall_seconds if method in {"tamaas", "contact_mechanics"} else 0.02
+    # Of a process that goes on the system has told nothing yet; four counts are of hundredths of a second.
+    taken = os.cpu_count() * cost.wall_seconds if method in {"tamaas", "contact_mechanics"} else 0.04
     assert 0 <= cost.cpu_seconds <= sum(os.times()[:4]) - clock + taken
     assert cost.unknowns >= field.heights.size
     assert (cost.iterations > 0) == (method not in {"tamaas", "calculix"}), "told by no other"
