@@ -30,8 +30,8 @@ from validation.errors import RunFailed, UsageError
 from validation.execution.press import Press
 from validation.execution.results import read_results, write_results
 from validation.scenes.problem import realise
-from validation.units import Duration, read_quantity
 from validation.scenes.sweep import load_asked
+from validation.units import Duration, read_quantity
 
 
 @pytest.fixture
