@@ -208,15 +208,6 @@ def test_a_surface_too_large_to_be_looked_at_is_told_by_its_spectrum():
     assert facts["bandwidth"] == "L/lambda_long = 1, lambda_long/lambda_short = 5e+03"
 
 
-def test_a_surface_that_does_not_fit_into_memory_is_refused_before_it_is_made(monkeypatch):
-    monkeypatch.setattr(surfaces, "available_memory", lambda: 2**20)
-    monkeypatch.setattr(surfaces, "sampled", None)
-    with refused(
-        UsageError, r"^surface\.lambda_short = .*: resolving it takes 20001 x 10001 points and 11.2 GiB"
-    ):
-        _ = realise(LARGE).field
-
-
 def test_what_the_spectrum_tells_is_near_what_a_surface_has(monkeypatch):
     surface = LARGE.surface.model_copy(update={"lambda_long": 1e-6, "lambda_short": 5e-8})
     field = height_field(surface)
@@ -234,10 +225,11 @@ def test_what_the_spectrum_tells_is_near_what_a_surface_has(monkeypatch):
     assert 0.25 * told.first_moment == pytest.approx(full_contact_energy(field, modulus=1.0), rel=0.05)
 
 
-def test_a_surface_that_does_not_fit_into_memory_is_refused_in_one_line(monkeypatch):
+@pytest.mark.parametrize("make", [lambda: height_field(LARGE.surface), lambda: realise(LARGE).field])
+def test_a_surface_that_does_not_fit_into_memory_is_refused_in_one_line(monkeypatch, make):
     import psutil
 
     free = psutil.virtual_memory()._replace(available=2**30)
     monkeypatch.setattr(psutil, "virtual_memory", lambda: free)
     with refused(UsageError, r"20001 x 10001 points and 11\.2 GiB, .* take a lambda_short above 3.* nm"):
-        height_field(LARGE.surface)
+        make()

@@ -94,7 +94,7 @@ def _ill_said(findings):
     for form, kind in said:
         if any(form.startswith(other[0]) for other in said if other != (form, kind)):
             yield f"begins like another: {form}"
-        if re.search(r"\}?\.(?=[^\W\d])", form):
+        if re.search(r"\.[^\W\d]", form):
             yield f"sentences that run together: {form}"
     for found in findings:
         empty = "{each}" in found["form"] and not found.get("rows")
