@@ -14,6 +14,7 @@ from fem_contact.area import TRAITS
 from persson import SelfAffine, elastic
 from validation.comparison import accuracy_search
 from validation.comparison.accuracy_search import Ladder, Search
+from validation.comparison.numbers import _value_of
 from validation.comparison.reductions import Reading
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import ContactModel, Roughness, TheoryInputs
@@ -159,6 +160,13 @@ def test_an_accuracy_claims_twice_the_standard_error_of_the_grids_and_the_tolera
     found = search.own_surface()
     assert found.area == pytest.approx(limit.value, rel=1e-12)
     assert found.error == pytest.approx(2 * limit.uncertainty / limit.value + 7 * search.tolerance, rel=1e-12)
+
+
+@pytest.mark.parametrize(("points", "told"), [((16,), True), ((16, 32), False)])
+def test_an_area_of_a_few_points_is_told_of_one_grid_and_not_where_finer_ones_were_asked(points, told):
+    read = _value_of([made_areas(12 / n**2, n, 0.01) for n in points], tolerance=1e-8)
+    np.testing.assert_allclose(read.area, 12 / 16**2 if told else math.nan)
+    assert read.why.item()  # there is no limit
 
 
 @pytest.mark.parametrize("resolved", [False, True])

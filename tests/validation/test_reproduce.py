@@ -201,6 +201,9 @@ def test_the_page_lists_what_fails_and_what_has_no_verdict(tmp_path):
     page = paper_page(result, figures=True)
     columns = {column["name"] for column in page.summary["tables"]["table"]["columns"]}
     assert columns == {name for name, v in result.data.variables.items() if v.dims == ("claim",)}
+    told = ("stated", "stated_low", "stated_high", "stated_basis")
+    shown = [list(result.data[name].values) for name in told]
+    assert shown == [list(one) for one in zip(*(row.stated for row in judge(TOY)), strict=True)]
     assert (page.summary["kind"], page.summary["name"]) == (result.kind, result.name)
     assert page.findings[0].startswith("1 of 5 numbers follow from the text as it stands, 2 under the set")
     assert page.findings[1].startswith("Not reproduced: toy: c (1: ")

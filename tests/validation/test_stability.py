@@ -51,7 +51,8 @@ def test_no_quick_case_gives_a_silent_wrong_number(name):
 
 @pytest.mark.parametrize("case", [c for c in stability.CASES if c.name not in QUICK], ids=lambda c: c.name)
 def test_no_other_case_is_wrong_where_it_is_easy(case):
-    assert case.measure(case.values[0]).error <= case.bound
+    # The easiest value of all asks too little: a sphere that hardly sticks does not tell its law.
+    assert case.measure(case.values[1]).error <= case.bound
 
 
 @pytest.mark.slow

@@ -183,6 +183,17 @@ def test_a_look_longer_than_the_patience_is_told_and_followed_by_another(tmp_pat
     assert ["waiting for up to 4 s" in note for note in progress.notes] == [True]
 
 
+@pytest.mark.filterwarnings("default")  # of dask's own threads and sockets
+def test_what_a_scheduler_hands_out_is_solved_and_stored(tmp_path):
+    distributed = pytest.importorskip("distributed", reason="LOUD: no Dask installed, no cluster is tested")
+    store, solves = Store(folder=tmp_path / "s"), [Numbers(k) for k in range(3)]
+    inside = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": None}
+    with distributed.LocalCluster(**inside) as made:
+        done = solve_all(solves, store, scheduler=made.scheduler_address)
+    assert (done.solved, done.failures) == (3, {})
+    assert all(store.read(solve) is not None for solve in solves)
+
+
 @pytest.mark.filterwarnings("default")  # of dask's own threads and sockets when a worker is killed
 @pytest.mark.nightly
 def test_without_workers_a_cluster_is_waited_for_within_bounds_and_told(tmp_path, cluster, monkeypatch):

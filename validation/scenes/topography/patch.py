@@ -174,7 +174,7 @@ class Topography:
         words = f"waves shorter than {as_length(shortest, 4)} taken out"
         return self._with(words, heights=np.fft.ifft2(waves).real)
 
-    def made_periodic(self, edges: Edges | None, *, margin: float = 0.1) -> Topography:
+    def made_periodic(self, edges: Edges | None, *, margin: float) -> Topography:
         """Bring opposite edges together by a taper, or take the patch as one period, or with its edges."""
         if edges is None:
             return self
