@@ -55,12 +55,12 @@ class HertzInPeriod:
         """Approach of the apex over the period, without the mean displacement."""
         return self.radius**2 + self.load / self.contact_modulus * LATTICE_MADELUNG / math.pi
 
-    def distance(self, n: int, shift: Pair) -> Array:
+    def distance(self, n: int, shift: Pair = (0.0, 0.0)) -> Array:
         """Distance of n x n points from the apex, which lies `shift` cells beside a point."""
         x, y = (places(n, part) for part in shift)
         return np.hypot(x[:, None], y[None, :])
 
-    def surface(self, n: int, shift: Pair) -> HeightField:
+    def surface(self, n: int, shift: Pair = (0.0, 0.0)) -> HeightField:
         """Return the paraboloid on n x n points."""
         curvature = 1 - self.load / self.contact_modulus * LATTICE_CUBE / (2 * math.pi)
         return periodic(-(self.distance(n, shift) ** 2) * curvature / 2)

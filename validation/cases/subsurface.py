@@ -28,9 +28,9 @@ def _hertz() -> Checks:
     """The stress below a paraboloid is Huber's within .1 % of the peak, and yields first at .48 a."""
     n, a = 256, 0.1  # nodes across the period, 1, and radius of the contact
     hertz = HertzInPeriod(radius=a, contact_modulus=_HALF_SPACE.contact_modulus)
-    result = bem.solve(hertz.surface(n, (0.0, 0.0)), _HALF_SPACE, mean_pressure=hertz.load).checked()
+    result = bem.solve(hertz.surface(n), _HALF_SPACE, mean_pressure=hertz.load).checked()
     x = places(n, 0.0)
-    inside = hertz.distance(n, (0.0, 0.0)) < 2 * a
+    inside = hertz.distance(n) < 2 * a
     # The images are known up to (a/L)^3 of the peak; a cell is a/26.
     for plane in planes_below(result, _HALF_SPACE, depths=[0.3 * a, 0.5 * a, a]):
         exact = hertz.stress(x[:, None], x[None, :], plane.depth, poisson=_NU)
