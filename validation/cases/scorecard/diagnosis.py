@@ -13,16 +13,8 @@ import numpy as np
 
 from fem_contact.errors import NotConverged
 from validation.arrays import Array
-from validation.cases.scorecard.elementary import (
-    WAVES,
-    Transfer,
-    contact_set,
-    full_contact_transfer,
-    honesty,
-    repeatable,
-    residuals_fall,
-    solves,
-)
+from validation.cases.scorecard import elementary
+from validation.cases.scorecard.elementary import WAVES, Transfer, full_contact_transfer, solves
 from validation.cases.scorecard.subject import Subject
 from validation.report.values import Value
 
@@ -47,24 +39,19 @@ def diagnose(subject: Subject) -> str:
     Its time may be used up: then only what it answered is read.
     """
     try:
-        return _diagnosed(subject)
+        if not all(np.isfinite(pressed.pressure).all() for _, _, pressed in solves(subject)):
+            return "pressures are no finite numbers"
+        if not all(check.passed for check in elementary.repeatable.run(subject)):
+            return "the same question has different answers"
+        transfer = full_contact_transfer(subject)
+        cause = _of_full_contact(transfer)
+        if cause is None:
+            return _of_rough(subject)
+        return cause or _of_response(subject, transfer)
     except NotConverged as failure:
         return f"it gives no answer: {failure}"
     except Exception:  # what it raises, or what was not asked of it, a row says
         return ""
-
-
-def _diagnosed(subject: Subject) -> str:
-    pressed = solves(subject)
-    if not all(np.isfinite(pressed_once.pressure).all() for _, _, pressed_once in pressed):
-        return "pressures are no finite numbers"
-    if not all(check.passed for check in repeatable.run(subject)):
-        return "the same question has different answers"
-    transfer = full_contact_transfer(subject)
-    cause = _of_full_contact(transfer)
-    if cause is not None:
-        return cause or _of_response(subject, transfer)
-    return _of_rough(subject)
 
 
 # ---- full contact: the answer is known -----------------------------------------------------------------
@@ -144,9 +131,9 @@ def _of_rough(subject: Subject) -> str:
         return f"the load is {Value(value=float(shares.mean()))} times the one asked for" if alike else ""
     if np.mean(pressure > highest * (1 - 1e-9)) > _PLATEAU:
         return "the highest pressures are cut off"
-    if not all(check.passed for check in honesty.run(subject)):
-        return "the iteration ends before its tolerance is met" if residuals_fall(subject) else ""
-    missed = [check for check in contact_set.run(subject) if not check.passed]
+    if not all(check.passed for check in elementary.honesty.run(subject)):
+        return "the iteration ends before its tolerance is met" if elementary.residuals_fall(subject) else ""
+    missed = [check for check in elementary.contact_set.run(subject) if not check.passed]
     if missed and all(check.computed > 1 for check in missed):
         return "points are called contact that carry no load"
     if missed and all(check.computed < 1 for check in missed):
