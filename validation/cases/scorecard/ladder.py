@@ -57,7 +57,7 @@ class CostRow:
 
 def bandwidths(subject: Subject) -> tuple[int, ...]:
     """lambda_long / lambda_short of the surfaces that its grids resolve; the first one always."""
-    most = (4 if subject.quick else 8) * subject.points
+    most = subject.most_points
     return tuple(width for width in (4, 8, 16) if width == 4 or _WAVES * width * _POINTS[-1] <= most)
 
 
@@ -132,11 +132,10 @@ def rough_surface(subject: Subject, *, width: int) -> Checks:
 def cost(subject: Subject) -> tuple[CostRow, ...]:
     """Return what each grid of one rough surface took and the error of its area, as long as time allows."""
     values, errors = _reference(PRICED)
-    most = (4 if subject.quick else 8) * subject.points
     rows = []
     for points in (4, 8, 16, 32):
         n = _WAVES * PRICED * points
-        if n > most:
+        if n > subject.most_points:
             break
         surface = _surface(PRICED, points)
         try:

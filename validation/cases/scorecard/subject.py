@@ -72,6 +72,11 @@ class Subject:
         """Points along a side of the coarsest grid of a ladder."""
         return self.solver.score_points
 
+    @property
+    def most_points(self) -> int:
+        """Points along a side of the finest grid that it is asked for."""
+        return (4 if self.quick else 8) * self.points
+
     @cached_property
     def rough(self) -> HeightField:
         """A rough surface on the middle grid of a full ladder."""
