@@ -17,7 +17,6 @@ from validation.cases._closed_forms import EGG_BOX_DEPTH, EGG_BOX_FLAT, egg_box
 from validation.cases.scorecard.subject import rough
 
 _SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
-_JOHNSON = "[johnson1985]"
 
 
 @case(
@@ -47,7 +46,7 @@ def _punch() -> Checks:
     yield order("its observed order", sizes, errors, expected=1, tolerance=0.05)
 
 
-@case("bem-egg-box-light", source=_JOHNSON, tolerance="estimate")
+@case("bem-egg-box-light", source="[johnson1985]", tolerance="estimate")
 def _egg_box_light() -> Checks:
     """An egg box under light load touches like isolated spheres.
 

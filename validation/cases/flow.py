@@ -52,7 +52,6 @@ def _spots() -> Checks:
 
 
 def _grooved(n: int, phase: Array) -> Array:
-    """Return a gap 1 + .6 cos(phase) on n x n points."""
     return 1 + 0.6 * np.cos(phase) + np.zeros((n, n))
 
 

@@ -19,9 +19,7 @@ from validation.measurements.theory import wave_powers
 #: Of the rough cases: Poisson ratio and h'_rms.
 _POISSON, _GRADIENT = 0.3, 0.1
 
-_SOURCE = "[hunter1961]"
 _RESPONSE = "linear viscoelasticity: K. L. Johnson, Contact Mechanics, Sec. 6.5"
-_FRICTION = "[persson2001]"
 
 
 def _standard(ratio: float, poisson: float = _POISSON) -> PronySolid:
@@ -68,7 +66,7 @@ def _hunter(load: float, *, ratio: float, drift: float) -> tuple[float, float, f
     return a, centre, moment / load
 
 
-@case("sliding-cylinder", source=_SOURCE, tolerance="grid")
+@case("sliding-cylinder", source="[hunter1961]", tolerance="grid")
 def _cylinder() -> Checks:
     """A cylinder on a standard solid has Hunter's friction within 1 %, and his contact to a cell."""
     n, elastic = 2048, 0.02
@@ -100,7 +98,7 @@ def _twice() -> Checks:
     yield below("E_inf/E_0 = 1000: difference, n = 128 over 64", apart[1] / apart[0], 0.5)
 
 
-@case("sliding-full", source=_FRICTION, tolerance="solver")
+@case("sliding-full", source="[persson2001]", tolerance="solver")
 def _full() -> Checks:
     """In full contact solver and theory give the friction that the waves add up to."""
     result = _slid(32, 50.0, 0.02, reduced=60.0)

@@ -166,9 +166,8 @@ def _write(folder: Path, number: int, job: Job, tolerance: float) -> None:
 
 
 def _answer(folder: Path) -> Path | None:
-    return next(
-        (folder / name for name in ("pressure.npy", "pressure.txt") if (folder / name).is_file()), None
-    )
+    files = (folder / "pressure.npy", folder / "pressure.txt")
+    return next(filter(Path.is_file, files), None)
 
 
 def _claim(folder: Path, shape: Grid) -> Claim:

@@ -14,14 +14,11 @@ from validation.cases.scorecard.elementary import judge_residuals
 from validation.cases.scorecard.known import mean_inside, strip
 from validation.cases.scorecard.subject import Subject, rough
 
-_JOHNSON = "[johnson1985]"
-_WESTERGAARD = "[westergaard1939]"
-
 _LIGHT, _NEAR_FULL = 0.05, 1.6
 _FEW = 2
 
 
-@case("near-full", source=_JOHNSON, tolerance="grid")
+@case("near-full", source="[johnson1985]", tolerance="grid")
 def near_full(subject: Subject) -> Checks:
     """Full contact just above and below the flattening load."""
     n = subject.ladder[-1]
@@ -48,13 +45,13 @@ def one_cell(subject: Subject) -> Checks:
     """A load that one point carries is carried by one point."""
     n = 2 * subject.points
     load = 0.02 / n
-    pressed = subject.press(HertzInPeriod(radius=1e-3).surface(n, (0.0, 0.0)), load / n**2)
+    pressed = subject.press(HertzInPeriod(radius=1e-3).surface(n), load / n**2)
     share = pressed.pressure.max() / load
     yield relative("largest pressure over the load", share, 1.0, 10 * subject.tolerance)
     yield near("points that touch", np.count_nonzero(pressed.result.in_contact), 1.0, 0.0)
 
 
-@case("elongated", source=_WESTERGAARD, tolerance="grid")
+@case("elongated", source="[westergaard1939]", tolerance="grid")
 def elongated(subject: Subject) -> Checks:
     """Long periods and long cells change nothing."""
     n = 2 * subject.points

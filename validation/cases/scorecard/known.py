@@ -24,7 +24,6 @@ from validation.measurements.statistics import relative_distance
 from validation.solvers.bem import Bem
 
 _HERTZ = "[hertz1882]; [johnson_book], Sec. 4.2"
-_LAYER = "[johnson_book], Sec. 5.8"
 _WESTERGAARD = "[westergaard1939]"
 
 #: Where the apex falls in a cell moves the count of one solve by more than the trend; not the mean over
@@ -63,8 +62,8 @@ def hertz(subject: Subject) -> Checks:
     """A paraboloid carries Hertz's pressure."""
     errors, worst, exact = [], 0.0, _hertz(subject)
     for n in subject.ladder:
-        pressed = subject.press(exact.surface(n, (0.0, 0.0)), exact.load)
-        r = exact.distance(n, (0.0, 0.0))
+        pressed = subject.press(exact.surface(n), exact.load)
+        r = exact.distance(n)
         # The same points on every grid: what lies nearer to the edge than a coarse cell is another question.
         inside = r < exact.radius - 1.5 / subject.points
         off = np.abs(pressed.pressure - exact.pressure(r)) / exact.peak
@@ -166,7 +165,7 @@ def westergaard(subject: Subject) -> Checks:
     yield from _observed(subject, "p(x)", errors, expected=2, tolerance=1)
 
 
-@case("layer", source=_LAYER, tolerance="grid")
+@case("layer", source="[johnson_book], Sec. 5.8", tolerance="grid")
 def layer(subject: Subject) -> Checks:
     """On a bonded layer each wave is pressed flat by h / C(q)."""
     subject.needs(effect=Thickness)
