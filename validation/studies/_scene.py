@@ -175,6 +175,13 @@ class PressedOptions(StudyOptions):
             return grids_for(self.first, per_wave)
         return tuple(sorted(table.grids, key=self.first.points_per_wave))
 
+    def block(
+        self, element: str, per_wave: Sequence[float], *, method: str = "reduced", name: str = ""
+    ) -> SolverRequest:
+        """Return a block of finite elements one period deep, with so many points per wave."""
+        settings, grids = (("method", method), ("element", element)), grids_for(self.first, per_wave)
+        return SolverRequest(name=name or element, method="fem", settings=settings, grids=grids)
+
     def others(
         self, per_wave: Sequence[float], *, without: Sequence[str] | None = None
     ) -> tuple[SolverRequest, ...]:

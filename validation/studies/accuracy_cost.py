@@ -79,14 +79,11 @@ _Case = tuple[str, str, int]
 
 def _solvers(options: Options) -> Iterator[tuple[str, SolverRequest]]:
     """Yield, with its part, each solver that gives an area by every definition on a single grid."""
-    first = options.first
     for element in _ELEMENTS if "fem" in options.methods else ():
-        mesh = (("method", "reduced"), ("element", element))
-        grids = grids_for(first, options.fem_points_per_wave)
-        yield "FEM", SolverRequest(name=f"FEM {element}", method="fem", settings=mesh, grids=grids)
+        yield "FEM", options.block(element, options.fem_points_per_wave, name=f"FEM {element}")
     for code in options.peers:
         method, settings = asked_of(code)
-        grids = grids_for(first, options.peer_points_per_wave)
+        grids = grids_for(options.first, options.peer_points_per_wave)
         yield "peers", SolverRequest(name=code, method=method, settings=settings, grids=grids)
     for solver in options.others(options.method_points_per_wave):
         settings = tuple({"tolerance": _TOLERANCE, **dict(solver.settings)}.items())

@@ -13,7 +13,6 @@ from validation.execution.bench import Bench
 from validation.measurements.by_solver import beside_bem
 from validation.measurements.common import Rising, RisingOrNone
 from validation.measurements.limits import read_off
-from validation.measurements.measurement import grids_for
 from validation.report.estimates import derive, each, mean, power_law, reduce
 from validation.report.views import Figure, Table, Views, against, finding
 from validation.scenes.problem import ContactProblem
@@ -62,8 +61,7 @@ def _legs(options: Options) -> Iterator[SolverRequest]:
     blocks: list[tuple[str, Element, tuple[float, ...]]] = [("full", "Hex1", options.full_points_per_wave)]
     blocks += [("reduced", element, options.reduced_points_per_wave) for element in options.elements]
     for method, element, per_wave in blocks if "fem" in options.methods else ():
-        settings, grids = (("method", method), ("element", element)), grids_for(options.first, per_wave)
-        yield SolverRequest(name=f"{method} {element}", method="fem", settings=settings, grids=grids)
+        yield options.block(element, per_wave, method=method, name=f"{method} {element}")
     yield from options.others(options.method_points_per_wave)
 
 

@@ -106,9 +106,7 @@ class Options(PressedOptions):
     @property
     def beside(self) -> tuple[SolverRequest, ...]:
         """Blocks and methods beside boundary elements; on a scene the finite elements as its table has them."""
-        grids = grids_for(self.first, self.fem_points_per_wave) if self.blocks else ()
-        meshes = {element: (("method", "reduced"), ("element", element)) for element in self.blocks}
-        blocks = (SolverRequest(name=e, method="fem", settings=s, grids=grids) for e, s in meshes.items())
+        blocks = (self.block(element, self.fem_points_per_wave) for element in self.blocks)
         return (*blocks, *self.others(self.method_points_per_wave))
 
     @property
