@@ -224,18 +224,17 @@ def _bare(kind: Any) -> Any:
 
 
 def _kind_words(field: FieldInfo) -> str:
-    kind = _bare(field.annotation)
-    names = {int: "a whole number", float: "a number", str: "a text"}
-    if typing.get_origin(kind) is typing.Literal:
-        return "one of " + ", ".join(map(str, typing.get_args(kind)))
-    if typing.get_origin(kind) is not tuple:
-        return names.get(kind, "a text")
-    item = typing.get_args(kind)[0]
-    while hasattr(item, "__metadata__"):
-        item = item.__origin__
+    item = _bare(field.annotation)
+    several = typing.get_origin(item) is tuple
+    if several:
+        item = typing.get_args(item)[0]
+        while hasattr(item, "__metadata__"):
+            item = item.__origin__
     if typing.get_origin(item) is typing.Literal:
-        return "some of " + ", ".join(map(str, typing.get_args(item))) + ", with commas"
-    return names.get(item, "a text").removeprefix("a ") + "s with commas"
+        words = ", ".join(map(str, typing.get_args(item)))
+        return f"some of {words}, with commas" if several else f"one of {words}"
+    words = {int: "a whole number", float: "a number"}.get(item, "a text")
+    return words.removeprefix("a ") + "s with commas" if several else words
 
 
 def _unit_of(field: FieldInfo) -> str:
