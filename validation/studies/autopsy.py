@@ -77,8 +77,7 @@ class Options(StudyOptions):
     @property
     def ends(self) -> tuple[float, ...]:
         """Magnifications at which the rings end."""
-        per_octave = self.steps_per_octave
-        ends = ring_ends(periods=self.periods, bandwidth=self.bandwidth, steps_per_octave=per_octave)
+        ends = ring_ends(**self.model_dump(include={"periods", "bandwidth", "steps_per_octave"}))
         return tuple(float(end) for end in ends)
 
     @property
@@ -132,9 +131,8 @@ def _chains(options: Options, bench: Bench) -> xr.Dataset:
 
 
 def _probes(options: Options, bench: Bench, zeta: float) -> xr.Dataset:
-    hursts, loads = options.hursts, options.reduced_pressures
-    surfaces, grids = range(options.probe_surfaces), options.probe_points_per_wave
-    places = list(itertools.product(hursts, loads, surfaces))
+    surfaces = range(options.probe_surfaces)
+    places = list(itertools.product(options.hursts, options.reduced_pressures, surfaces))
     cases = {
         (*place, n): probe(
             # The waves do not depend on where the spectrum is cut, but for their common scale.
@@ -143,8 +141,7 @@ def _probes(options: Options, bench: Bench, zeta: float) -> xr.Dataset:
             magnification=zeta,
             steps=options.variance_steps,
         )
-        for place in places
-        for n in grids
+        for place, n in itertools.product(places, options.probe_points_per_wave)
     }
     there = {place: options.problem(*place, bandwidth=zeta) for place in places}
     along, per_wave = ("hurst", "load", "probe_surface"), options.slope_points_per_wave

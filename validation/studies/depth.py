@@ -90,9 +90,8 @@ def views(data: xr.Dataset) -> Views:
     def lines(varied: str) -> list[Line]:
         return [
             Line(name, where={"varied": varied, "element": element}, label=f"{element}, {what}", look=look)
-            for (name, what), (element, look) in itertools.product(
-                zip(names, ("half-space", "layer"), strict=True), zip(elements, _LOOKS, strict=False)
-            )
+            for name, what in zip(names, ("half-space", "layer"), strict=True)
+            for element, look in zip(elements, _LOOKS, strict=False)
         ]
 
     return Views(

@@ -98,8 +98,9 @@ def _checked(near: xr.Dataset, usual: xr.Dataset) -> dict[str, Any]:
             "path_work_check": (stored - stored[0]) / path,
             "stiffness_check": np.diff(load, axis=1)[:, 0]
             * (near.attrs["rms_height"] / fall / middle / contact.stiffness.values),
+            "energy_ratio_first": stored,
+            "gap_first": numbers["gap"].values,
         }
-    checks |= {"energy_ratio_first": stored, "gap_first": numbers["gap"].values}
     return {name: ("load", values) for name, values in checks.items()}
 
 
@@ -116,11 +117,10 @@ def _path_work(contact: xr.Dataset, attributes: Mapping[str, float]) -> Array:
 def _left(checks: Mapping[Any, xr.Dataset]) -> dict[str, Any]:
     *looser, strictest = (reduced_numbers(checks[t].isel(grid=0, shift=0)) for t in _STRICT)
     with np.errstate(divide="ignore", invalid="ignore"):
-        changes = {
-            f"left_{name}": np.abs([numbers[name] / best - 1 for numbers in looser])
+        return {
+            f"left_{name}": (("tolerance", "load"), np.abs([numbers[name] / best - 1 for numbers in looser]))
             for name, best in strictest.items()
         }
-    return {name: (("tolerance", "load"), change) for name, change in changes.items()}
 
 
 def views(data: xr.Dataset) -> Views:

@@ -68,13 +68,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         coords={"reduced_wave": q, "modulus_ratio": ratios},
         attrs={"methods": "theory bem", "poisson": options.poisson},
     )
-    mild = "felt_modulus_profile.where(grading < 1)"
-    worst = {"felt_error_profile": "felt_modulus_profile", "felt_error_coating": "felt_modulus_coating"}
-    for name, of in (worst | {"felt_error_mild": mild}).items():
-        data = derive(
-            data, **{name: f"({of} - 1).isel(reduced_wave=abs({of} - 1).fillna(0).argmax('reduced_wave'))"}
-        )
-    return data.drop_vars([n for n in data.coords if n not in ("reduced_wave", "modulus_ratio")])
+    of = {name: f"felt_modulus_{name}" for name in ("profile", "coating")}
+    of["mild"] = "felt_modulus_profile.where(grading < 1)"
+    worst = "({0} - 1).isel(reduced_wave=abs({0} - 1).fillna(0).argmax('reduced_wave'))"
+    return derive(data, **{f"felt_error_{name}": worst.format(felt) for name, felt in of.items()})
 
 
 def _profile(ratio: float, options: Options, q: Array) -> Array:

@@ -114,7 +114,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
                 for n in (options.ladder if case.varied else options.ladder[-1:])
             )
     solved = bench.solve([solve for several in solves.values() for solve in several])
-    areas = {(c, k): _areas(several, options, solved) for (c, k), several in solves.items() if c.varied}
+    areas = {(c, k): _areas(several, solved) for (c, k), several in solves.items() if c.varied}
     smoothed = {
         k: _smoothed(several[0], options, solved) for (c, k), several in solves.items() if not c.varied
     }
@@ -135,7 +135,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     return data.assign_attrs(methods="theory bem", **asked)
 
 
-def _areas(solves: tuple[Press, ...], options: Options, solved: Solves) -> xr.Dataset:
+def _areas(solves: tuple[Press, ...], solved: Solves) -> xr.Dataset:
     yields = [yielded(solved[solve].checked()) for solve in solves]
     theory = predict(solves[0].problem, solves[0].effects)
     assert theory.plastic is not None
@@ -147,7 +147,7 @@ def _areas(solves: tuple[Press, ...], options: Options, solved: Solves) -> xr.Da
             "area_elastic_persson_each": theory.area - theory.plastic,
             "solve": ("grid", [solve.key for solve in solves]),
         },
-        coords={"points": ("grid", list(options.ladder))},
+        coords={"points": ("grid", [solve.grid[0] for solve in solves])},
     )
 
 

@@ -135,13 +135,10 @@ def design(options: Options) -> dict[_Case, Call]:
 def _by_solver(options: Options) -> dict[_Case, Call]:
     """Return what several solvers press: "solver", its name, H, surface, and points per wave but of boundary elements."""
     cases: dict[_Case, Call] = {}
-    loads, count = (
-        (options.method_reduced_pressure,),
-        {"pairs": options.method_pairs, "shifts": options.shifts},
-    )
+    loads, count = (options.method_reduced_pressure,), {"pairs": options.method_pairs}
     for hurst in sorted(set(options.hursts)):
         surface = options.self_affine(hurst=hurst, bandwidth=options.method_bandwidth)
-        solves = pressed_pairs(surface, loads, options.points_per_wave, **count)
+        solves = pressed_pairs(surface, loads, options.points_per_wave, shifts=options.shifts, **count)
         cases |= {("solver", "bem", hurst, k): solve for k, solve in enumerate(solves)}
         for name, (k, solve), n in itertools.product(
             options.others, enumerate(solves), options.method_points_per_wave

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
     from validation.execution.bench import Bench
 
-__all__ = ["Options", "run", "views"]
-
 #: E* [Pa], and smallest wavevector [1/m] and rms slope of the surfaces: no dimensionless area depends on them.
 _MODULUS, _Q_LONG, _SLOPE = 1e9, 2 * np.pi / 1e-4, 0.1
 _CELL = ("hurst", "bandwidth", "reduced_pressure")

@@ -77,13 +77,12 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     if bench.plan_only:
         bench.solve([])
-    rows = {
-        k: _outcome(case, value, options.slowest).assign(case=case.name, turn=turn)
-        for k, (case, turn, value) in enumerate(
-            (case, turn, value) for case in options.chosen for turn, value in enumerate(case.values, start=1)
-        )
-    }
-    data = gather(rows, "row").set_coords(["case", "turn"])
+    rows = [
+        _outcome(case, value, options.slowest).assign(case=case.name, turn=turn)
+        for case in options.chosen
+        for turn, value in enumerate(case.values, start=1)
+    ]
+    data = gather(dict(enumerate(rows)), "row").set_coords(["case", "turn"])
     data["deviation_ratio"] = np.maximum(data.deviation / data.bound, _LEAST).where(data.deviation.notnull())
     data["bound_ratio"] = 1.0
     used = [chosen_solver(name)[0].name for name in options.methods] or ["bem", "fem", "theory"]
@@ -173,9 +172,7 @@ def _of(data: xr.Dataset, method: str) -> list[str]:
 
 
 def _counted(data: xr.Dataset, method: str) -> Finding:
-    counts: dict[str, Any] = {
-        outcome.replace(" ", "_"): int((data.outcome == outcome).sum()) for outcome in OUTCOMES
-    }
+    counts: dict[str, Any] = {name.replace(" ", "_"): int((data.outcome == name).sum()) for name in OUTCOMES}
     right = data.isel(row=(data.outcome == "right").values)
     worst = float((right.deviation / right.bound).max()) if right.sizes["row"] else math.nan
     form = "{name}, {cases} parameters: right at {right} of {all} values (largest deviation {worst:%} of what is "

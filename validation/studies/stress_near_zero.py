@@ -74,10 +74,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         case: start_of_pressure(data, spacing=spacing[case[0]][case[2]], **windows)
         for case, data in measured.items()
     }
-    names = list(spacing)
     data = gather(starts, "method", "surface", "grid")
     data = data.drop_vars("grid").assign_coords(
-        spacing=(("method", "grid"), [spacing[name] for name in names]),
+        spacing=(("method", "grid"), [*spacing.values()]),
         stress=("bin", next(iter(measured.values())).stress.values),
         reduced_pressure=options.reduced_pressure,
     )
