@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Self
+from typing import Self
 
 from pydantic import Field, model_validator
 
@@ -47,7 +47,7 @@ class RubberOptions(StudyOptions):
 
     def prony(self) -> PronySolid:
         """Return the solid."""
-        solid: dict[str, Any] = {"relaxed": self.relaxed, "poisson": self.poisson}
+        solid = {"relaxed": self.relaxed, "poisson": self.poisson}
         if self.moduli:
             return PronySolid(moduli=self.moduli, times=self.times, **solid)
         return PronySolid.standard(unrelaxed=self.unrelaxed, time=self.time, **solid)

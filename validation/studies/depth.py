@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
 import xarray as xr
 from pydantic import Field
@@ -64,8 +64,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     cases = {}
     for (name, values), element in itertools.product(varied.items(), options.elements):
         for value in values:
-            parameter: dict[str, Any] = {name: value}
-            block = Block(varied=name, element=element, **parameter)
+            block = Block(varied=name, element=element, **{name: value})
             solid = SolidSpec(young=BASE_SOLID.young, poisson=block.poisson)
             pressed = base_case(surface, reduced_pressure=options.reduced_pressure, solid=solid)
             grid = grid_for(pressed, options.points_per_wave)
