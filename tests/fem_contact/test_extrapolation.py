@@ -7,12 +7,7 @@ import pytest
 from made_results import made_areas
 from surfaces import SOFT
 
-from fem_contact import (
-    HeightField,
-    contact_areas,
-    located_limit,
-    perimeter_limit,
-)
+from fem_contact import HeightField, contact_areas, located_limit, perimeter_limit
 from fem_contact.bem import solve
 from fem_contact.extrapolation import PlannedGrid, predicted_uncertainty, too_small
 

@@ -284,12 +284,7 @@ def test_a_coated_solid_is_judged_by_the_modulus_of_its_coating(audited, tmp_pat
 
 
 def test_a_sweep_is_read_case_by_case(write_scene, tmp_path):
-    scene = str(
-        write_scene(
-            (f"{GRIDS}\nshifts = 2", GRIDS),
-            fem=False,
-        )
-    )
+    scene = str(write_scene((f"{GRIDS}\nshifts = 2", GRIDS), fem=False))
     sweep = load_asked(
         scene,
         ["sweep.load.pressure=['5 kPa', '10 kPa']", "sweep.effects.hardness.hardness=['200 kPa', 60e3]"],

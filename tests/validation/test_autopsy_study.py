@@ -10,13 +10,7 @@ from scipy.special import ndtr
 
 from persson import elastic, solve_diffusion
 from validation.measurements import diffusion, limits, rings
-from validation.measurements.budgets import (
-    Memory,
-    Pressed,
-    budget,
-    composed_inflow,
-    diffused_area,
-)
+from validation.measurements.budgets import Memory, Pressed, budget, composed_inflow, diffused_area
 from validation.measurements.common import base_case, base_surface
 from validation.measurements.rings import ring_ends
 from validation.studies import autopsy

@@ -173,10 +173,7 @@ def test_names_and_options_are_completed(line, completed):
         ("scenes show quikstart", "no such scene; did you mean 'quickstart'?"),
         ("explain quickstart --set 'yung=3 GPa'", "did you mean 'solid.young'?"),
         ("run quickstart --memory '4 kg'", "--memory = '4 kg': is not a memory size"),
-        (
-            "run quickstart --workers 2 --scheduler tcp://x:1",
-            "not together with --scheduler",
-        ),
+        ("run quickstart --workers 2 --scheduler tcp://x:1", "not together with --scheduler"),
         ("run quickstart --memory '1 MiB'", "raise the limit with --memory"),
         ("run quickstart --memory 3", "raise the limit with --memory"),
         ("run pyrex --accuracy 1%", "--accuracy"),
@@ -193,10 +190,7 @@ def test_names_and_options_are_completed(line, completed):
         ("study adhesion --grids 64", "--grids = 64: must have at least 2 values"),
         ("study area --hurts 1", "unknown option '--hurts'; did you mean '--hurst"),
         ("study depth quickstart", "takes no scene: its surface is the one"),
-        (
-            "study area --set seed=3",
-            "--set seed=3: sets a key of a scene; name one after the study",
-        ),
+        ("study area --set seed=3", "--set seed=3: sets a key of a scene; name one after the study"),
         (
             "run quickstart --set sweep.seed=[1] --set sweep.hurst=.5",
             "surface.hurst = 0.5: must be a list of",
@@ -213,15 +207,9 @@ def test_names_and_options_are_completed(line, completed):
         ("validate --method bem hertz", "by all rows; leave out hertz"),
         ("report nowhere", "holds no results (result.json)"),
         ("surface inspect nowhere.npy", "cannot be read"),
-        (
-            "surface generate quickstart rough.docx",
-            "the suffix must be one of .npy, .txt, .nc, .x3p",
-        ),
+        ("surface generate quickstart rough.docx", "the suffix must be one of .npy, .txt, .nc, .x3p"),
         ("surface generate quickstart no/where.npy", "not written"),
-        (
-            "run quickstart --store /proc/nothing",
-            "--store = '/proc/nothing': cannot be written to",
-        ),
+        ("run quickstart --store /proc/nothing", "--store = '/proc/nothing': cannot be written to"),
     ],
 )
 def test_a_mistake_is_one_line_on_stderr_and_exit_code_2(tool, line, words):

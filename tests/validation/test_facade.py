@@ -297,10 +297,7 @@ loaded = partial(pressed, pressure=1e6)
         (lambda: CONTACT.against("bem"), "another method"),
         (lambda: CONTACT.against([]), "another method"),
         (lambda: CONTACT.plot("heat"), "one of: 'pressure'"),
-        (
-            lambda: pressed(reduced_pressure=0.08, method="fem", grid=18).stiffness,
-            "follows from",
-        ),
+        (lambda: pressed(reduced_pressure=0.08, method="fem", grid=18).stiffness, "follows from"),
     ],
 )
 def test_what_is_wrong_is_said_in_one_line(wrong, words):

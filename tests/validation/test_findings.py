@@ -102,10 +102,7 @@ def test_the_yielded_area_stands_on_a_card(solved):
 
 
 def test_an_under_resolved_grid_is_named_and_in_no_limit(read_scene):
-    scene = read_scene(
-        (f"{GRIDS}\nshifts = 2", "grids = [6, 16, 32]\nunder_resolved = true"),
-        fem=False,
-    )
+    scene = read_scene((f"{GRIDS}\nshifts = 2", "grids = [6, 16, 32]\nunder_resolved = true"), fem=False)
     results = {solve: solve.do().contact for solve in solves_of(scene)}
     data = scene_data(scene, realise(scene), results)
     assert "6 x 6" in _found(data, "Under-resolved").text

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
-from planted import STUDENT, THREE, PlantedBench, measurement
+from planted import STUDENT, THREE, PlantedBench, made_of, measurement
 
 from fem_contact import HalfSpace, bem, contact_areas, flow_conductance, frozen_contact, open_gap
 from validation.measurements import flow
@@ -176,8 +176,7 @@ def reduced(gap_density, thresholds=(0.3, 0.4, 0.5)):
             coords={"area": list(solve["areas"]), "axis": ["x", "y"]},
         )
 
-    options = leak.Options(areas=(0.1, 0.35), bandwidths=(4.0, 8.0), surfaces=3, seed=17)
-    return leak.run(options, bench=PlantedBench(answer))
+    return made_of(leak, answer, areas=(0.1, 0.35), bandwidths=(4.0, 8.0), surfaces=3, seed=17)
 
 
 FLOW = ("located", "conductance", "closed", "effective_medium", "constriction", "balance")

@@ -70,14 +70,7 @@ def places(tree, path=""):
 
 PLACES = [
     place
-    for place in [
-        *places(TREE),
-        *places(ALONE),
-        "load.pressure",
-        "methods.fem",
-        "run",
-        "surface.path",
-    ]
+    for place in [*places(TREE), *places(ALONE), "load.pressure", "methods.fem", "run", "surface.path"]
     if not re.search(r"\d\.\d+$", place)
 ]
 
@@ -130,10 +123,7 @@ def test_a_changed_scene_is_a_scene_of_finite_numbers_or_a_refusal_in_words(tree
     assert scene is None or finite(scene.model_dump())
 
 
-@settings(
-    max_examples=150,
-    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
-)
+@settings(max_examples=150, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
 @given(place=st.integers(0, len(BASE)), cut=st.integers(0, 12), text=st.binary(max_size=8))
 @example(0, len(BASE), "[surface\n\u0085".encode())
 def test_a_file_of_damaged_text_is_read_or_refused(tmp_path, place, cut, text):
@@ -165,10 +155,7 @@ WORDS_OF_THE_COMMAND = (
 )
 
 
-@settings(
-    max_examples=40,
-    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
-)
+@settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture])
 @given(st.lists(st.sampled_from(WORDS_OF_THE_COMMAND.split(" ")), max_size=4))
 def test_the_command_line_ends_with_an_exit_code_and_no_traceback(tmp_path, arguments):
     if "run" in arguments and "quickstart" in arguments:

@@ -15,6 +15,7 @@ from planted import (
     column,
     decided,
     located,
+    made_of,
     measurement,
     realisation,
 )
@@ -30,6 +31,7 @@ from validation.studies import find_study, hurst, refinement, theory_verdict
 # hurst: kappa of pairs, ladders ------------------------------------------------------------------------
 
 PAIR = np.array([0.03, -0.03, 0.05, -0.01])  # +h and -h of two pairs: means 0 and 0.02
+FEW = {"hursts": (0.2, 0.6), "reduced_pressures": (0.05, 0.1), "periods": 2.0, "pairs": 2, "seed": 61}
 
 
 def _kappa_of(solve):
@@ -63,22 +65,10 @@ def _kappa_of(solve):
 
 @pytest.fixture(scope="module")
 def exponents():
-    options = hurst.Options(
-        methods=("bem",),
-        hursts=(0.2, 0.6),
-        bandwidths=(2.0,),
-        reduced_pressures=(0.05, 0.1),
-        pairs=2,
-        seed=61,
-        periods=2.0,
-        points_per_wave=(4.0, 6.0, 8.0),
-        ladder_hursts=(0.2,),
-        ladder_bandwidths=(2.0, 3.0, 4.0),
-        ladder_periods=(1.5, 2.0),
-        ladder_pairs=2,
-        shifts=1,
-    )
-    return hurst.run(options, bench=PlantedBench(_kappa_of))
+    own = {"methods": ("bem",), "bandwidths": (2.0,), "points_per_wave": (4.0, 6.0, 8.0), "shifts": 1}
+    ladders = {"hursts": (0.2,), "bandwidths": (2.0, 3.0, 4.0), "periods": (1.5, 2.0), "pairs": 2}
+    told = {f"ladder_{name}": value for name, value in ladders.items()}
+    return made_of(hurst, _kappa_of, **FEW, **own, **told)
 
 
 def test_hurst_finds_the_planted_kappa(exponents):
@@ -88,9 +78,8 @@ def test_hurst_finds_the_planted_kappa(exponents):
 
 
 def test_hurst_draws_every_bandwidth_that_was_pressed_and_says_which():
-    few = {"hursts": (0.2, 0.6), "reduced_pressures": (0.05, 0.1), "periods": 2.0, "shifts": 1, "pairs": 2}
-    options = hurst.Options(methods=("bem",), bandwidths=(2.0, 4.0), ladders=False, seed=61, **few)
-    exponents = hurst.run(options, bench=PlantedBench(_kappa_of))
+    own = {"methods": ("bem",), "bandwidths": (2.0, 4.0), "ladders": False, "shifts": 1}
+    exponents = made_of(hurst, _kappa_of, **FEW, **own)
     (figure,) = (one for one in hurst.views(exponents).figures if one.name == "kappa-against-hurst")
     limits = [line for line in draw(figure, exponents).drawn if line.mark.y == "kappa"]
     assert [line.label for line in limits] == [
@@ -137,16 +126,9 @@ def test_hurst_decides_whether_kappa_changes_with_the_exponent_by_the_interval_o
 
 
 def test_hurst_has_kappa_by_each_solver_on_its_own_grids_and_its_distance_from_boundary_elements():
-    few = {
-        "hursts": (0.2, 0.6),
-        "bandwidths": (2.0,),
-        "reduced_pressures": (0.05,),
-        "periods": 2.0,
-        "pairs": 2,
-    }
+    few = FEW | {"bandwidths": (2.0,), "reduced_pressures": (0.05,), "ladders": False}
     leg = {"method_bandwidth": 2.0, "method_pairs": 2, "method_points_per_wave": (4.0, 6.0, 8.0)}
-    options = hurst.Options(**few, **leg, ladders=False, seed=61)
-    exponents = hurst.run(options, bench=PlantedBench(_kappa_of))
+    exponents = made_of(hurst, _kappa_of, **few, **leg)
     assert exponents.solver.values.tolist() == ["bem", "fem"]
     assert "surface_by_solver" not in exponents.coords  # surfaces have no names of their own
     planted = [[2.03, 2.07], [1.01 * 2.03, 1.01 * 2.07]]
@@ -228,16 +210,8 @@ def _refined(solve):
 
 @pytest.fixture(scope="module")
 def refined():
-    options = refinement.Options(
-        surfaces=3,
-        grid_scale_grids=(24,),
-        ladders=False,
-        elements=("Hex1",),
-        fem_points_per_wave=(4.0, 6.0, 8.0),
-        seed=61,
-        **SMALL,
-    )
-    return refinement.run(options, bench=PlantedBench(_refined))
+    beside = {"elements": ("Hex1",), "fem_points_per_wave": (4.0, 6.0, 8.0), "grid_scale_grids": (24,)}
+    return made_of(refinement, _refined, surfaces=3, ladders=False, **beside, **SMALL)
 
 
 def test_refinement_finds_by_how_much_counting_exceeds_the_limit(refined):
@@ -352,16 +326,8 @@ def scored():
         own = THREE[solve["problem"].realisation]
         return measurement(solve, lambda p: 1.2 * float(persson_area(p)) * own)
 
-    options = theory_verdict.Options(
-        surfaces=3,
-        shifts=2,
-        reduced_pressures=(0.02, 0.1, 0.2),
-        edge=False,
-        ladder_reduced_pressures=(),
-        seed=61,
-        **SMALL,
-    )
-    return theory_verdict.run(options, bench=PlantedBench(answer))
+    asked = {"reduced_pressures": (0.02, 0.1, 0.2), "ladder_reduced_pressures": (), "edge": False}
+    return made_of(theory_verdict, answer, surfaces=3, shifts=2, **asked, **SMALL)
 
 
 def test_the_verdict_scores_the_planted_ratio(scored):

@@ -20,6 +20,7 @@ from planted import (
     decided,
     edge_data,
     located,
+    made_of,
     measurement,
 )
 
@@ -58,8 +59,7 @@ def grown():
 
     patched = pytest.MonkeyPatch()
     patched.setattr(limits, "areas_of_solve", lambda solve, result: result)
-    options = area.Options(grids=(16, 32, 48), reduced_pressures=(0.05, 0.2), surfaces=3, seed=61)
-    data = area.run(options, bench=PlantedBench(answer))
+    data = made_of(area, answer, grids=(16, 32, 48), reduced_pressures=(0.05, 0.2), surfaces=3, seed=61)
     patched.undo()
     return data
 
@@ -105,10 +105,8 @@ def _falling(solve):
 
 @pytest.fixture(scope="module")
 def pressed():
-    options = pressure.Options(
-        surfaces=3, shifts=2, reduced_pressures=(0.02, 0.05, 0.1, 0.3), seed=61, **SMALL
-    )
-    return pressure.run(options, bench=PlantedBench(_falling))
+    loads = (0.02, 0.05, 0.1, 0.3)
+    return made_of(pressure, _falling, surfaces=3, shifts=2, reduced_pressures=loads, **SMALL)
 
 
 def test_pressure_gives_the_planted_kappa(pressed):
@@ -170,9 +168,9 @@ def test_pressure_shares_are_of_the_nominal_area_and_do_not_move_where_nothing_m
 
 def test_the_theory_of_pressure_is_at_full_contact_where_every_gap_is_closed():
     """U/U_full is 1, and the gap 0, with all variants; nothing is compared there but the area."""
-    options = pressure.Options(surfaces=2, shifts=2, reduced_pressures=(8.0, 16.0), seed=61, **SMALL)
     full = {"mean_gap": lambda p, n: 0.0, "stiffness": lambda p, n: np.inf}
-    data = pressure.run(options, bench=PlantedBench(lambda solve: measurement(solve, lambda p: 1.0, **full)))
+    loads = {"surfaces": 2, "shifts": 2, "reduced_pressures": (8.0, 16.0)}
+    data = made_of(pressure, lambda solve: measurement(solve, lambda p: 1.0, **full), **loads, **SMALL)
     assert_allclose(data.energy_ratio_predicted, 1.0, rtol=1e-6)
     assert_allclose(data.gap_predicted, 0.0, atol=1e-6)
     assert_allclose(data.area_predicted, 1.0, rtol=1e-9)
@@ -190,10 +188,8 @@ def test_magnification_prints_the_planted_ratio_to_the_theory_of_the_waves_that_
         own = THREE[solve["problem"].realisation]
         return measurement(solve, lambda p: 1.1 * float(persson_area(p * 0.1 / rough)) * own)
 
-    options = magnification.Options(
-        reduced_pressures=(0.05, 0.1), magnifications=(1.5, 2.0), surfaces=3, seed=61, **SMALL
-    )
-    data = magnification.run(options, bench=PlantedBench(answer))
+    asked = {"reduced_pressures": (0.05, 0.1), "magnifications": (1.5, 2.0), "surfaces": 3}
+    data = made_of(magnification, answer, **asked, **SMALL)
     assert_allclose(data.area_ratio, 1.1, rtol=1e-9)
     table = magnification.views(data).table.of(data)
     assert column(table, "zeta") == [1.5, 2.0, 1.5, 2.0]
@@ -216,17 +212,9 @@ def yielded_lines(monkeypatch):
         own = {"plastic_area": load * (1 + 3 / n), "elastic_area": load / 2 * (1 - 2 / n)}
         return contact(parts=SimpleNamespace(**own))
 
-    options = hardness.Options(
-        reduced_pressures=(0.1, 0.2),
-        magnifications=(2.5,),
-        smoothing_reduced_pressure=0.1,
-        surfaces=3,
-        seed=61,
-        grids=(32, 48, 96),
-        periods=1.6,
-        bandwidth=2.5,
-    )
-    return hardness.run(options, bench=PlantedBench(answer))
+    asked = {"reduced_pressures": (0.1, 0.2), "magnifications": (2.5,), "smoothing_reduced_pressure": 0.1}
+    rough = {"surfaces": 3, "seed": 61, "grids": (32, 48, 96), "periods": 1.6, "bandwidth": 2.5}
+    return made_of(hardness, answer, **asked, **rough)
 
 
 def test_hardness_takes_limits_linear_in_the_spacing(yielded_lines):
@@ -322,7 +310,7 @@ def test_adhesion_gains_the_work_less_half_of_p_u_at_full_contact(silent):
 
 def test_adhesion_adds_the_scatter_of_its_surfaces_to_the_step_of_their_grids(silent, monkeypatch):
     monkeypatch.setattr(adhesive, "interface_energy", lambda contact, law: 0.0)
-    data = adhesion.run(adhesion.Options(**STUCK), bench=PlantedBench(_counted))
+    data = made_of(adhesion, _counted, **STUCK)
     assert_allclose(data.area, 0.5, rtol=1e-12)
     assert_allclose(data.area_gain, 1.25, rtol=1e-12)
     error = data.area_error
@@ -345,7 +333,7 @@ def test_areas_with_adhesion_end_at_one(silent, monkeypatch):
     def answer(solve):
         return contact(in_contact=np.array([1 - 3 / solve.grid[0] ** 2]), at_bound=np.array([0.0]))
 
-    data = adhesion.run(adhesion.Options(**STUCK), bench=PlantedBench(answer))
+    data = made_of(adhesion, answer, **STUCK)
     assert_array_equal(data.area, 1.0)
 
 
@@ -359,15 +347,8 @@ def test_cross_says_by_how_much_finite_elements_are_above_and_the_planted_order(
             pixel=0.12, pixel_bem=0.1, perimeter=0.11, perimeter_bem=0.1, pressure_half_space=off, gap=-0.2
         )
 
-    options = cross.Options(
-        surfaces=2,
-        periods=1.0,
-        bandwidth=2.0,
-        full_points_per_wave=(4.0, 8.0, 16.0),
-        reduced_points_per_wave=(4.0,),
-        elements=("Hex1",),
-    )
-    data = cross.run(options, bench=PlantedBench(answer))
+    grids = {"full_points_per_wave": (4.0, 8.0, 16.0), "reduced_points_per_wave": (4.0,)}
+    data = made_of(cross, answer, surfaces=2, periods=1.0, bandwidth=2.0, elements=("Hex1",), **grids)
     full = data.sel(leg="full Hex1")
     assert_allclose(full.area_difference, 0.2, rtol=1e-12)
     assert_allclose(full.area_difference_perimeter, 0.1, rtol=1e-12)
@@ -386,10 +367,8 @@ def test_depth_tells_the_bottom_from_the_mesh():
         bottom = {0.25e-3: 0.08, 1e-3: 0.001}[dict(solve["settings"])["depth"]]
         return block(pressure_half_space=0.02 + bottom, pressure_layer=0.02, pixel=0.11, pixel_bem=0.1)
 
-    options = depth.Options(
-        points_per_wave=4.0, depths=(0.25, 1.0), growths=(1.1, 1.2), elements=("Hex1",), poissons=(0.3,)
-    )
-    data = depth.run(options, bench=PlantedBench(answer))
+    meshes = {"points_per_wave": 4.0, "depths": (0.25, 1.0), "growths": (1.1, 1.2), "elements": ("Hex1",)}
+    data = made_of(depth, answer, poissons=(0.3,), **meshes)
     assert_allclose(data.area_difference, 0.1, rtol=1e-9)
     assert_allclose(data.pressure_difference_layer, 0.02, rtol=1e-12)
     assert_allclose(data.pressure_difference[:2], [0.1, 0.021], rtol=1e-12)
@@ -407,8 +386,7 @@ def test_scaling_has_the_planted_exponents_and_what_they_allow(monkeypatch):
         cost = {"seconds": 2e-6 * number**1.1, "fft_pairs": 40.0, "peak_bytes": 64.0 * number, "area": 0.1}
         return xr.Dataset({name: ((), value) for name, value in cost.items()})
 
-    options = scaling.Options(grids=(128, 256, 512, 1024), surfaces=2, seed=61)
-    data = scaling.run(options, bench=PlantedBench(answer))
+    data = made_of(scaling, answer, grids=(128, 256, 512, 1024), surfaces=2, seed=61)
     assert_allclose(data.exponent_seconds, 1.1, rtol=1e-9)
     # The root of what rounding leaves of 1 - r^2.
     assert float(total_error(data, "exponent_seconds")) < 1e-7
@@ -429,7 +407,7 @@ def test_graded_says_the_planted_error_inside_and_outside_the_range_of_the_claim
     monkeypatch.setattr(graded, "_profile", lambda ratio, options, q: np.array([1.3, 0.95, 1.04]))
     monkeypatch.setattr(graded, "_coating", lambda ratio, options, q: np.array([1.1, 0.6, 1.0]))
     monkeypatch.setattr(graded, "_grading", lambda ratio, q: np.array([5.0, 0.9, 0.1]))
-    data = graded.run(graded.Options(ratios=(0.5,), waves=3), bench=PlantedBench(None))
+    data = made_of(graded, None, ratios=(0.5,), waves=3)
     (found,) = graded.views(data).findings
     said = {**found.values, **found.rows[0]}
     assert said["felt_error_mild"].value == pytest.approx(-0.05, rel=1e-12)

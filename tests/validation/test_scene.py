@@ -78,26 +78,10 @@ WRONG = [
     ),
     ('lambda_short = "2.5 um"', 'lambda_short = "6 um"', "lambda_short = 6 um", "must be below"),
     ('lambda_long = "5 um"', "lambda_long = 11.1234567e-6", "lambda_long = 11.1235 um", "must not exceed"),
-    (
-        GRIDS,
-        "grids = [8, 24]",
-        "methods.bem.grids = [8, 8]",
-        "at least [9, 5]",
-        "under_resolved",
-    ),
+    (GRIDS, "grids = [8, 24]", "methods.bem.grids = [8, 8]", "at least [9, 5]", "under_resolved"),
     (GRIDS, "grids = []", "methods.bem.grids", "at least 1"),
-    (
-        GRIDS,
-        "grids = [12.5]",
-        "methods.bem.grids (item 1) = 12.5",
-        "whole number",
-    ),
-    (
-        GRIDS,
-        "grids = 48",
-        "methods.bem.grids = 48",
-        "must be a list of grids such as [48]",
-    ),
+    (GRIDS, "grids = [12.5]", "methods.bem.grids (item 1) = 12.5", "whole number"),
+    (GRIDS, "grids = 48", "methods.bem.grids = 48", "must be a list of grids such as [48]"),
     (
         'length = ["10 um", "5 um"]',
         "length = 100",
@@ -160,13 +144,7 @@ def test_settings_that_contradict_each_other_are_refused(write_scene, settings, 
 
 
 def test_grids_that_nobody_names_have_4_8_and_16_points_on_the_shortest_wave(write_scene):
-    path = str(
-        write_scene(
-            (GRIDS, ""),
-            ("[load]", "[ensemble]\nrealisations = 2\n[load]"),
-            fem=False,
-        )
-    )
+    path = str(write_scene((GRIDS, ""), ("[load]", "[ensemble]\nrealisations = 2\n[load]"), fem=False))
     scene = load_scene(path)
     assert scene.methods.bem.grids == usual_grids(scene.surface.length, scene.surface.lambda_short)
     assert scene.ensemble.grids == scene.methods.bem.grids[:2]

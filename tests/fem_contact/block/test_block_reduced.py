@@ -6,14 +6,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from surfaces import rough_surface
 
 from fem_contact import HeightField, InsufficientMemory, Solid, Status, bem
-from fem_contact.block import (
-    ELEMENTS,
-    BlockResponse,
-    plan_mesh,
-    solve,
-    solve_displacement,
-    solve_path,
-)
+from fem_contact.block import ELEMENTS, BlockResponse, plan_mesh, solve, solve_displacement, solve_path
 from fem_contact.block.solution import ArraySource
 
 SOLID = Solid(young=3e9, poisson=0.3)
