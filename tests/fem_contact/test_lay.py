@@ -13,9 +13,9 @@ def ground(qx, qy):
     return np.where((q >= Q_LONG) & (q <= Q_SHORT), STRETCH * np.maximum(q, 1.0) ** -3.6, 0.0)
 
 
-def surface(n, **other):
-    said = {"q_short": Q_SHORT, "lengths": (1.0, 1.0), "shape": (n, n), "seed": 7, "isotropic": False}
-    return random_surface(ground, **said | other)
+def surface(n, spectrum=ground, *, isotropic=False):
+    said = {"q_short": Q_SHORT, "lengths": (1.0, 1.0), "shape": (n, n), "seed": 7}
+    return random_surface(spectrum, **said, isotropic=isotropic)
 
 
 def test_nested_grids_agree_at_their_common_points():
@@ -33,34 +33,16 @@ def test_slopes_across_the_lay_are_steeper_by_the_stretch():
 
 def test_an_isotropic_function_of_both_components_makes_the_same_surface():
     both = surface(128)
-    same = random_surface(
-        lambda q: ground(q / STRETCH, 0 * q), q_short=Q_SHORT, lengths=(1.0, 1.0), shape=(128, 128), seed=7
-    )
-    as_components = random_surface(
-        lambda qx, qy: ground(np.hypot(qx, qy) / STRETCH, 0 * qx),
-        q_short=Q_SHORT,
-        lengths=(1.0, 1.0),
-        shape=(128, 128),
-        seed=7,
-        isotropic=False,
-    )
+    same = surface(128, lambda q: ground(q / STRETCH, 0 * q), isotropic=True)
+    as_components = surface(128, lambda qx, qy: ground(np.hypot(qx, qy) / STRETCH, 0 * qx))
     np.testing.assert_array_equal(as_components.heights, same.heights)
     assert measured_lay(same).ratio == pytest.approx(1, abs=0.02)
     assert not np.allclose(both.heights, same.heights)
 
 
 def test_a_turned_lay_is_found_where_it_lies():
-    angle = 0.4
-    turned = random_surface(
-        lambda qx, qy: ground(
-            qx * np.cos(angle) + qy * np.sin(angle), qy * np.cos(angle) - qx * np.sin(angle)
-        ),
-        q_short=Q_SHORT,
-        lengths=(1.0, 1.0),
-        shape=(160, 160),
-        seed=7,
-        isotropic=False,
-    )
+    angle, cos, sin = 0.4, np.cos(0.4), np.sin(0.4)
+    turned = surface(160, lambda qx, qy: ground(qx * cos + qy * sin, qy * cos - qx * sin))
     lay = measured_lay(turned)
     assert lay.direction == pytest.approx(angle, abs=0.02)
     assert lay.ratio == pytest.approx(STRETCH, rel=0.05)

@@ -370,31 +370,33 @@ def test_a_logarithmic_axis_of_few_decades_carries_plain_numbers_and_two_at_leas
     assert any("10" in text and text != "10" for text in words) == any("⁻" in text for text in shown)
 
 
+def logarithmic(low, high, base=10):
+    """A logarithmic axis from its lower to its upper end."""
+    _, (axes,) = new_figure(5.0, 3.7, 1)
+    axes.set_xscale("log", base=base)
+    axes.set_xlim(low, high)
+    return axes.xaxis
+
+
 @pytest.mark.parametrize(("low", "high"), [(1.55, 1.9), (0.39, 1.7), (1.1, 2.9)])
 def test_an_axis_of_powers_of_two_has_two_labels_at_least(low, high):
-    _, (axes,) = new_figure(5.0, 3.7, 1)
-    axes.set_xscale("log", base=2)
-    axes.set_xlim(low, high)
-    readable_ticks(axes.xaxis)
-    assert sum(low <= tick <= high for tick in axes.xaxis.get_majorticklocs()) > 1
+    axis = logarithmic(low, high, base=2)
+    readable_ticks(axis)
+    assert sum(low <= tick <= high for tick in axis.get_majorticklocs()) > 1
 
 
 def test_an_axis_of_powers_of_two_over_many_decades_keeps_its_powers():
-    _, (axes,) = new_figure(5.0, 3.7, 1)
-    axes.set_xscale("log", base=2)
-    axes.set_xlim(1, 1e4)
-    labelled = axes.xaxis.get_major_formatter()
-    readable_ticks(axes.xaxis)
-    assert axes.xaxis.get_major_formatter() is labelled
+    axis = logarithmic(1, 1e4, base=2)
+    labelled = axis.get_major_formatter()
+    readable_ticks(axis)
+    assert axis.get_major_formatter() is labelled
 
 
 @pytest.mark.parametrize(("low", "high"), [(1e5, 1.5e6), (0.7e6, 1e7)])
 def test_labels_at_the_ends_of_an_axis_count(low, high):
-    _, (axes,) = new_figure(5.0, 3.7, 1)
-    axes.set_xscale("log")
-    axes.set_xlim(low, high)
-    readable_ticks(axes.xaxis)
-    ticks = axes.xaxis.get_majorticklocs()
+    axis = logarithmic(low, high)
+    readable_ticks(axis)
+    ticks = axis.get_majorticklocs()
     assert list(ticks[(low <= ticks) & (ticks <= high)]) == sorted(10 ** np.round(np.log10([low, high])))
 
 

@@ -38,70 +38,48 @@ def line(drawing, k):
     return drawing.drawn[k].artist.lines[0]
 
 
-def moved(drawing):
-    line(drawing, 0).set_ydata(1.001 * line(drawing, 0).get_ydata())
+def label(drawing, labels):
+    """Say other labels of some marks."""
+    for k, words in labels.items():
+        object.__setattr__(drawing.drawn[k], "label", words)
 
 
-def swapped_lines(drawing):
+def in_nanometres(words):
+    return words.replace("[um]", "[nm]")
+
+
+def swap_lines(drawing):
     first, second = line(drawing, 0), line(drawing, 1)
     a, b = first.get_ydata(), second.get_ydata()
     first.set_ydata(b)
     second.set_ydata(a)
 
 
-def theory_under_another_name(drawing):
-    object.__setattr__(drawing.drawn[2], "label", "Xu et al. 2024")
-
-
-def reversed_labels(drawing):
-    labels = [drawing.drawn[k].label for k in (1, 0)]
-    for k, label in enumerate(labels):
-        object.__setattr__(drawing.drawn[k], "label", label)
-
-
-def no_bars(drawing):
-    artist = drawing.drawn[0].artist
-    artist.lines = (artist.lines[0], (), ())
-
-
-def standard_errors_for_intervals(drawing):
+def draw_standard_errors(drawing):
     (bars,) = drawing.drawn[0].artist.lines[2]
     bars.set_segments([(seg.mean(axis=0) + (seg - seg.mean(axis=0)) / 1.96) for seg in bars.get_segments()])
 
 
-def metres_under_micrometres(drawing):
-    line(drawing, 3).set_ydata(np.array([3e-6, 2e-6, 1e-6]))
-
-
-def another_unit(drawing):
-    axes = drawing.drawn[3].axes
-    axes.set_ylabel(axes.get_ylabel().replace("[um]", "[nm]"))
-
-
-def axis_without_a_name(drawing):
-    drawing.drawn[0].axes.set_xlabel("")
+MISTAKES = {
+    "moved": lambda f: line(f, 0).set_ydata(1.001 * line(f, 0).get_ydata()),
+    "lines swapped": swap_lines,
+    "theory under another name": lambda f: label(f, {2: "Xu et al. 2024"}),
+    "labels reversed": lambda f: label(f, {0: f.drawn[1].label, 1: f.drawn[0].label}),
+    "no bars": lambda f: setattr(f.drawn[0].artist, "lines", (line(f, 0), (), ())),
+    "standard errors for intervals": draw_standard_errors,
+    "metres under micrometres": lambda f: line(f, 3).set_ydata(np.array([3e-6, 2e-6, 1e-6])),
+    "another unit": lambda f: f.drawn[3].axes.set_ylabel(in_nanometres(f.drawn[3].axes.get_ylabel())),
+    "axis without a name": lambda f: f.drawn[0].axes.set_xlabel(""),
+}
 
 
 def test_a_figure_of_the_kit_shows_what_it_says(drawing, data):
     assert list(misdrawn(drawing, data)) == []
 
 
-@pytest.mark.parametrize(
-    "mistake",
-    [
-        moved,
-        swapped_lines,
-        theory_under_another_name,
-        reversed_labels,
-        no_bars,
-        standard_errors_for_intervals,
-        metres_under_micrometres,
-        another_unit,
-        axis_without_a_name,
-    ],
-)
+@pytest.mark.parametrize("mistake", MISTAKES)
 def test_a_mistake_in_a_picture_is_noticed(drawing, data, mistake):
-    mistake(drawing)
+    MISTAKES[mistake](drawing)
     assert list(misdrawn(drawing, data))
 
 
@@ -118,18 +96,18 @@ def test_a_map_of_the_kit_shows_what_it_says(map_drawing):
     assert list(misdrawn(*map_drawing)) == []
 
 
-@pytest.mark.parametrize("mistake", ["transposed", "of another solver", "in another unit", "rows in another"])
+MISTAKES_IN_A_MAP = {
+    "transposed": lambda one: one.artist.set_array(one.artist.get_array().T),
+    "of another solver": lambda one: one.artist.set_array(one.artist.get_array() + 9),
+    "in another unit": lambda one: object.__setattr__(one, "label", one.label.replace("MPa", "GPa")),
+    "rows in another": lambda one: one.axes.set_ylabel(in_nanometres(one.axes.get_ylabel())),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES_IN_A_MAP)
 def test_a_mistake_in_a_map_is_noticed(map_drawing, mistake):
     drawing, data = map_drawing
-    (one,) = drawing.drawn
-    if mistake == "transposed":
-        one.artist.set_array(one.artist.get_array().T)
-    elif mistake == "of another solver":
-        one.artist.set_array(one.artist.get_array() + 9)
-    elif mistake == "rows in another":
-        one.axes.set_ylabel(one.axes.get_ylabel().replace("[um]", "[nm]"))
-    else:
-        object.__setattr__(one, "label", one.label.replace("MPa", "GPa"))
+    MISTAKES_IN_A_MAP[mistake](*drawing.drawn)
     assert list(misdrawn(drawing, data))
 
 
