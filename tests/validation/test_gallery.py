@@ -7,9 +7,7 @@ from pathlib import Path
 import pytest
 from matplotlib.image import imread
 
-from validation.execution.bench import Bench
-from validation.studies import find_study, studies
-from validation.studies._outputs import run_study
+from validation.studies import studies
 
 GALLERY = Path(__file__).parents[2] / "docs" / "gallery"
 
@@ -33,14 +31,12 @@ def test_the_gallery_shows_what_its_command_makes_and_stays_small(make):
     assert sum(path.stat().st_size for path in pictures) < 25_000 * len(pictures)
 
 
-def test_the_gallery_is_drawn_again_from_the_datasets_that_are_there(make, tmp_path, monkeypatch, capsys):
+def test_the_gallery_is_drawn_again_from_the_datasets_that_are_there(
+    make, left, tmp_path, monkeypatch, capsys
+):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(make, "SHOWN", {"area": ("kappa",)})
-    folder = tmp_path / "results" / "area"
-    folder.mkdir(parents=True)
-    area = find_study("area")
-    options = area.options(reduced_pressures=(0.1, 0.5), surfaces=2, grids=(16, 24), bandwidth=2.0)
-    run_study(area, options, folder, bench=Bench.at())
+    left("area", tmp_path / "results" / "area")
     make.main(["area", "--redraw", "--output", str(tmp_path)])
     assert imread(tmp_path / "kappa.png").shape[1] > 300
     assert "kappa.png" in capsys.readouterr().out
