@@ -90,15 +90,6 @@ def test_the_sentence_says_what_is_wrong(tmp_path, name):
         reading.file_says(path)
 
 
-def test_a_larger_file_has_more_time_and_no_file_hours(monkeypatch):
-    given = []
-    monkeypatch.setattr(reading.sandbox, "call", lambda *_, seconds, **__: given.append(seconds))
-    for size in (1, 2**20, 2**30):
-        reading._read("a map", size, (size,))
-    assert 0 < given[0] < given[1] < given[2] < 3600
-    reading._read.cache_clear()
-
-
 def swept(folder, seeds):
     """Damage good files at random; count those that are read and those that are refused."""
     counts: Counter[str] = Counter()

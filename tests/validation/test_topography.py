@@ -389,14 +389,15 @@ def test_one_length_for_a_map_that_is_not_square_is_refused_and_oblong_cells_are
     assert "oblong" not in read_topography(tmp_path / "scan.npy", lengths=(4.0, 3.0), unit=1.0).history[0]
 
 
-def test_a_larger_file_is_given_more_time_and_memory(monkeypatch):
+def test_a_larger_file_is_given_more_time_and_memory_and_no_file_hours(monkeypatch):
     given = []
     monkeypatch.setattr(reading.sandbox, "call", lambda *_, **bounds: given.append(bounds))
-    for size in (0, 2**30):
+    for size in (0, 2**20, 2**30):
         reading._read.__wrapped__("scan.txt", size)
-    assert given[1]["seconds"] > given[0]["seconds"] > 0
-    assert given[1]["memory"] > given[0]["memory"] + 2**30
-    assert given[1]["most_bytes"] == given[0]["most_bytes"]
+    small, middle, large = given
+    assert 0 < small["seconds"] < middle["seconds"] < large["seconds"] < 3600
+    assert large["memory"] > small["memory"] + 2**30
+    assert large["most_bytes"] == small["most_bytes"]
 
 
 def test_a_file_is_read_once_until_it_changes(tmp_path, monkeypatch):
