@@ -15,21 +15,11 @@ ROOT = Path(__file__).parents[1]
 PACKAGES = ("contact_checks", "persson", "fem_contact", "validation")
 
 #: Libraries that a computation, a picture or the command line needs, but never the bare import of a package.
-HEAVY = {
-    *(
-        "numba",
-        "llvmlite",
-        "skfem",
-        "pyamg",
-        "meshio",
-        "pyvista",
-        "vtkmodules",
-        "matplotlib",
-        "xarray",
-        "h5py",
-    ),
-    *("h5netcdf", "pandas", "dask", "pydantic", "pint", "typer", "rich", "jinja2", "psutil"),
-}
+_HEAVY = """
+numba llvmlite skfem pyamg meshio pyvista vtkmodules matplotlib xarray h5py h5netcdf pandas dask pydantic pint
+typer rich jinja2 psutil
+"""
+HEAVY = {*_HEAVY.split()}
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from gold.asked import STUDIES
 from gold.make import leave_study, new_numbers
-from small_scene import GRIDS, small_scene
+from small_scene import GRIDS, ensemble, small_scene
 
 from validation.comparison.run import run_scene
 from validation.execution.bench import Bench
@@ -26,9 +26,13 @@ depth = "5 um"
 """
 
 
-def _written(folder, *replacements, fem=True):
+def _written(folder, *changes, fem=True):
     text = _HEAD + (_FEM if fem else "")
-    for old, new in replacements:
+    for change in changes:
+        if isinstance(change, str):
+            text += f"\n{change}"
+            continue
+        old, new = change
         assert old in text, old
         text = text.replace(old, new)
     path = folder / "scene.toml"
@@ -51,26 +55,20 @@ def _figures(request):
 
 @pytest.fixture
 def write_scene(tmp_path):
-    """Write the small scene with pieces of its text replaced; `fem=False` leaves the finite elements out."""
-
-    def write(*replacements, fem=True):
-        return _written(tmp_path, *replacements, fem=fem)
-
-    return write
+    """Write the small scene with pieces of its text replaced, and tables added; `fem=False`: without fem."""
+    return lambda *changes, fem=True: _written(tmp_path, *changes, fem=fem)
 
 
 @pytest.fixture
 def read_scene(write_scene):
-    """Read the small scene with pieces of its text replaced."""
-    return lambda *replacements, fem=True: load_scene(str(write_scene(*replacements, fem=fem)))
+    """Read the small scene so changed."""
+    return lambda *changes, fem=True: load_scene(str(write_scene(*changes, fem=fem)))
 
 
 @pytest.fixture
 def solved(read_scene, tmp_path):
-    """Run the small scene of boundary elements with pieces of its text replaced, without a report."""
-    return lambda *replacements: run_scene(
-        read_scene(*replacements, fem=False), tmp_path / "results", report=False
-    )
+    """Run the small scene of boundary elements so changed, without a report."""
+    return lambda *changes: run_scene(read_scene(*changes, fem=False), tmp_path / "results", report=False)
 
 
 @pytest.fixture
@@ -136,3 +134,11 @@ def small_run(once, tmp_path_factory):
     """The small scene, run once."""
     folder = tmp_path_factory.mktemp("small")
     return once("small run", lambda: run_scene(load_scene(str(_written(folder))), folder / "results"))
+
+
+@pytest.fixture(scope="session")
+def ensemble_run(once, tmp_path_factory):
+    """The small scene of boundary elements on three surfaces, run once without a report."""
+    folder = tmp_path_factory.mktemp("ensemble")
+    scene = load_scene(str(_written(folder, ensemble(3), fem=False)))
+    return once("ensemble run", lambda: run_scene(scene, folder / "results", report=False))

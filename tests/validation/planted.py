@@ -117,24 +117,11 @@ def realisation(solve):
 
 def block(**numbers):
     """What `beside_bem` leaves of a block."""
-    usual = {
-        "pixel": 0.1,
-        "perimeter": 0.1,
-        "pixel_bem": 0.1,
-        "perimeter_bem": 0.1,
-        "pixel_layer": 0.1,
-        "pressure_half_space": 0.1,
-        "pressure_layer": 0.1,
-        "pressure_inside": 0.1,
-        "gap": 0.0,
-        "residual": 1e-9,
-        "seconds": 1.0,
-        "peak_bytes": 1e6,
-        "seconds_bem": 0.1,
-        "unknowns": 1e4,
-        "converged": 1.0,
-    } | numbers
-    return xr.Dataset({name: ((), float(value)) for name, value in usual.items()})
+    areas = ("pixel", "perimeter", "pixel_bem", "perimeter_bem", "pixel_layer")
+    pressures = ("pressure_half_space", "pressure_layer", "pressure_inside")
+    usual = dict.fromkeys((*areas, *pressures, "seconds_bem"), 0.1) | {"gap": 0.0, "residual": 1e-9}
+    usual |= {"seconds": 1.0, "peak_bytes": 1e6, "unknowns": 1e4, "converged": 1.0}
+    return xr.Dataset({name: ((), float(value)) for name, value in (usual | numbers).items()})
 
 
 def contact(**fields):

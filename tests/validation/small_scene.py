@@ -55,6 +55,16 @@ def changed(tree, place, value):
     return tree
 
 
+#: Tables that are added to it.
+HARD = '[[effects]]\nkind = "hardness"\nhardness = "60 kPa"\n'
+STICKY = '[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "0.2 um"\n'
+
+
+def ensemble(count, grids="[[12, 8], [24, 16]]"):
+    """The table of so many surfaces."""
+    return f"[ensemble]\nrealisations = {count}\ngrids = {grids}\n"
+
+
 #: Its grids in the fixtures of the tests.
 GRIDS = "grids = [[12, 8], [24, 16], [48, 32]]"
 #: What is replaced where edges are located, which takes square cells.

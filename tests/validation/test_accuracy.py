@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from accuracy_coverage import Case, judged
 from refusing import refused
-from small_scene import GRIDS, ONE_BODY
+from small_scene import GRIDS, ONE_BODY, STICKY
+from small_scene import ensemble as ensemble_of
 
 from validation.cli.options import chosen_accuracy
 from validation.comparison import accuracy_search
@@ -39,8 +40,7 @@ def scene(read_scene):
 
 @pytest.fixture
 def ensemble(read_scene):
-    extra = "shifts = 2\n\n[ensemble]\nrealisations = 2\ngrids = [12, 24]"
-    return read_scene(("shifts = 2", extra), fem=False)
+    return read_scene(ensemble_of(2, "[12, 24]"), fem=False)
 
 
 @pytest.fixture
@@ -188,8 +188,7 @@ def test_a_scatter_that_too_few_surfaces_can_average_is_refused_with_what_is_kno
 
 
 def test_an_effect_without_a_law_of_error_is_refused_by_name(read_scene, bench):
-    sticky = "[[effects]]\nkind = 'adhesion'\nwork = '0.1 mJ/m^2'\nreach = '200 nm'\n\n[solid]"
-    scene = read_scene(("[solid]", sticky), fem=False)
+    scene = read_scene(STICKY, fem=False)
     with pytest.raises(UsageError, match=r"\[\[effects\]\] 1 kind = 'adhesion'"):
         reach(scene, bench, target=0.01)
 
@@ -198,8 +197,7 @@ def test_an_effect_without_a_law_of_error_is_refused_by_name(read_scene, bench):
     "effect", ["'hardness'\nhardness = '60 kPa'", "'coating'\nyoung = '4 MPa'\nthickness = '1 um'"]
 )
 def test_with_an_effect_the_corrected_area_is_claimed(effect, read_scene, bench):
-    listed = f"[[effects]]\nkind = {effect}\n\n[solid]"
-    scene = read_scene(("[solid]", listed), ONE_BODY, fem=False)
+    scene = read_scene(f"[[effects]]\nkind = {effect}\n", ONE_BODY, fem=False)
     reached = reach(scene, bench, target=0.05)
     assert not reached.located
     assert reached.error <= 0.05

@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from commanding import invoke, output_of
-from small_scene import GRIDS, ONE_BODY, SQUARE_CELLS
+from small_scene import GRIDS, HARD, ONE_BODY, SQUARE_CELLS, STICKY, ensemble
 
 from fem_contact import ContactAreas, contact_areas, located_limit, perimeter_limit
 from fem_contact.area import EDGE_CONSTANTS, EDGE_MAPS, TRAITS
@@ -66,7 +66,7 @@ def test_every_number_of_the_small_run_follows_from_its_fields(small_run):
     ledger = sound(small_run.folder)
     assert len(ledger.entries) > 700
     names = {line.removeprefix("data.nc: ").partition(",")[0] for line in ledger.unread if "data.nc" in line}
-    assert names == _LISTED - {"area_located_error", "area_located_shift"}
+    assert names == {*_LISTED.split()} - {"area_located_error", "area_located_shift"}
 
 
 def test_every_number_of_located_edges_follows_from_the_fields(audited):
@@ -87,37 +87,28 @@ def test_an_edge_of_neither_pressure_nor_gap_lies_where_the_solver_has_it(read_s
 
 
 #: What is not computed again of a run of the half-space, and listed.
-_LISTED = {
-    *("area_cheapest_off", "area_limit_error", "area_located_error", "area_located_shift"),
-    *("area_perimeter_difference_order", "area_perimeter_finest"),
-    *("area_pixel_difference_order", "area_pixel_error", "area_pixel_finest"),
-    *("density_at_zero_order", "density_near", "density_near_persson", "density_wide"),
-    *("density_wide_persson", "deviation_perimeter", "deviation_persson", "deviation_pixel", "heights"),
-    *(
-        "patches",
-        "patches_error",
-        "power_spectrum",
-        "power_spectrum_told",
-        "pressure_difference_order",
-        "pressure_map",
-    ),
-    *("pressure_map_difference", "residual_finest", "seconds_cheapest", "stiffness", "stiffness_error"),
-    *(
-        "stress_near",
-        "stress_near_exact",
-        "stress_variance",
-        "stress_wide",
-        "stress_wide_exact",
-        "surfaces",
-        "wave_long",
-    ),
-}
+_LISTED = """
+area_cheapest_off area_limit_error area_located_error area_located_shift
+area_perimeter_difference_order area_perimeter_finest area_pixel_difference_order
+area_pixel_error area_pixel_finest density_at_zero_order density_near density_near_persson
+density_wide density_wide_persson deviation_perimeter deviation_persson deviation_pixel heights
+patches patches_error power_spectrum power_spectrum_told pressure_difference_order pressure_map
+pressure_map_difference residual_finest seconds_cheapest stiffness stiffness_error stress_near
+stress_near_exact stress_variance stress_wide stress_wide_exact surfaces wave_long
+"""
 
 
 def _run(folder):
     """The stored solves of a results folder."""
     result = Result(folder)
     return Run(result.record["asked"]["scene"], partial(result.solve, read=stored.Stored), result.data)
+
+
+def wrong_of(judge, *judged):
+    """Names of what a part of the audit finds wrong."""
+    ledger = Ledger()
+    judge(*judged, ledger)
+    return [entry.name for entry in ledger.wrong]
 
 
 def _moved(variables, name, by):
@@ -133,7 +124,7 @@ def test_each_number_of_the_dataset_that_is_not_what_it_was_is_found_by_name(sma
     result, unnoticed = Result(small_run.folder), []
     whole = result.data
     for name, variable in whole.items():
-        kept = name in {*_LISTED, *variable.dims} or variable.dtype.kind != "f"
+        kept = name in {*_LISTED.split(), *variable.dims} or variable.dtype.kind != "f"
         if not kept and np.nansum(np.abs(variable.values)) > 0:
             result.data = _moved(whole, name, by)
             wrong = {entry.name for entry in audit_run(result)[0].wrong}
@@ -142,40 +133,31 @@ def test_each_number_of_the_dataset_that_is_not_what_it_was_is_found_by_name(sma
 
 
 def test_an_ensemble_with_a_coarse_grid_and_a_second_theory_agrees_throughout(audited):
-    ensemble = "[ensemble]\nrealisations = 3\ngrids = [16, 32]\n\n[methods.theory]"
     ledger = audited(
-        ("[methods.theory]", ensemble),
+        ensemble(3, "[16, 32]"),
         (f"{GRIDS}\nshifts = 2", "grids = [6, 16, 32]\nunder_resolved = true"),
         # Gaussian amplitudes and a pressure in Pa: each surface has its own gradient, and its own theory.
         ("seed = 77", 'seed = 77\namplitudes = "gaussian"'),
         ("reduced_pressure = 0.1", 'pressure = "11 kPa"'),
     )
     names = {entry.name for entry in ledger.entries}
-    assert {
-        "area_persson_each of surface 2",
-        "area_ratio_each at (0,)",
-        "area",
-        "area_error, surfaces",
-        "scatter",
-    } <= names
+    of_all = {"area_ratio_each at (0,)", "area", "area_error, surfaces", "scatter"}
+    assert of_all | {"area_persson_each of surface 2"} <= names
     assert "resolved of 6 x 6" in names
 
 
 def test_an_ensemble_is_read_without_the_shifts_of_its_first_surface(audited):
-    ensemble = "[ensemble]\nrealisations = 2\ngrids = [[12, 8], [24, 16]]\n\n[methods.theory]"
-    ledger = audited(("[methods.theory]", ensemble))
+    ledger = audited(ensemble(2))
     assert "area_each of surface 1" in {entry.name for entry in ledger.entries}
 
 
 #: What stands in place of the theory of the small scene.
-_HARD = '[[effects]]\nkind = "hardness"\nhardness = "60 kPa"\n[methods.theory]'
-_STICKY = '[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "0.2 um"\n[methods.theory]'
 _COAT = '[[effects]]\nkind = "coating"\nyoung = "5 MPa"\npoisson = 0.3\nthickness = "2 um"'
 _LAYER = '[[effects]]\nkind = "thickness"\nthickness = "3 um"'
 
 
 def test_with_a_hardness_areas_and_the_theory_of_one_hardness_are_judged(audited, tmp_path):
-    ledger = audited(("[methods.theory]", _HARD))
+    ledger = audited(HARD)
     names = {entry.name for entry in ledger.entries}
     assert {"area_plastic_persson", "area_persson_own", "area_ensemble"} <= names
     assert "area_plastic_pixel of bem 48 x 32" in names
@@ -186,26 +168,22 @@ def test_with_a_hardness_areas_and_the_theory_of_one_hardness_are_judged(audited
 
 
 def test_with_adhesion_tension_and_balance_are_judged_and_the_theory_is_listed(audited, tmp_path):
-    ledger = audited(("[methods.theory]", _STICKY))
+    ledger = audited(STICKY)
     names = {entry.name for entry in ledger.entries}
     assert {"residual, tension", "residual, complementarity", "residual of bem 48 x 32"} <= names
     run = _run(tmp_path / "results")
     one = run.solves["bem", (24, 16), (0.0, 0.0), 0]
     one.p[~one.contact] -= 0.1 * abs(one.p.min())
-    ledger = Ledger()
-    judge_fields(0, one, run, ledger)
-    assert {"residual, tension", "residual, complementarity"} <= {entry.name for entry in ledger.wrong}
+    assert {"residual, tension", "residual, complementarity"} <= {*wrong_of(judge_fields, 0, one, run)}
 
 
 def test_where_it_yields_under_attraction_the_bound_is_what_pushes_back(audited):
-    ledger = audited(("[methods.theory]", _STICKY.removesuffix("[methods.theory]") + _HARD))
+    ledger = audited(STICKY + HARD)
     assert "residual, complementarity" in {entry.name for entry in ledger.entries}
 
 
 def test_residuals_under_a_law_that_is_not_read_are_listed(audited):
-    ledger = audited(
-        ("[methods.theory]", _STICKY.replace('reach = "0.2 um"', 'reach = "0.2 um"\nlaw = "dugdale"'))
-    )
+    ledger = audited(STICKY + 'law = "dugdale"\n')
     assert "residuals under an attraction of another law than the exponential" in " ".join(ledger.unread)
     assert "residual, tension" not in {entry.name for entry in ledger.entries}
 
@@ -217,19 +195,15 @@ def test_where_no_grid_resolves_the_surface_all_count(audited):
 
 
 def test_an_infinite_conductance_is_nothing_in_json(audited):
-    heat = '[quantities.thermal]\nconductivity = "4 W/(m K)"\n[methods.theory]'
-    ledger = audited(("reduced_pressure = 0.1", "reduced_pressure = 4.0"), ("[methods.theory]", heat))
+    heat = '[quantities.thermal]\nconductivity = "4 W/(m K)"\n'
+    ledger = audited(("reduced_pressure = 0.1", "reduced_pressure = 4.0"), heat)
     assert "numbers: thermal_conductance" in {entry.name for entry in ledger.entries}
 
 
 def test_the_surfaces_of_an_ensemble_are_not_the_bodies_of_one_contact(audited):
-    ensemble = "[ensemble]\nrealisations = 2\ngrids = [[12, 8], [24, 16]]\n\n[methods.theory]"
     melt = 'temperature = "370 K"\nsurface_tension = "0.04 J/m^2"\nlambda_bend = "3 um"'
     ledger = audited(
-        ("[methods.theory]", ensemble),
-        ("self-affine", "capillary-waves"),
-        ("hurst = 0.7", melt),
-        ("rms_gradient = 0.05\n", ""),
+        ensemble(2), ("self-affine", "capillary-waves"), ("hurst = 0.7", melt), ("rms_gradient = 0.05\n", "")
     )
     assert "area_each of surface 1" in {entry.name for entry in ledger.entries}
 
@@ -268,9 +242,7 @@ def test_the_displacement_of_a_bonded_layer_is_judged(audited, tmp_path):
     one = run.solves["bem", (24, 16), (0.0, 0.0), 0]
     run.effects[0]["thickness"] *= 1.1
     run.__dict__.pop("depth", None)
-    ledger = Ledger()
-    judge_fields(0, one, run, ledger)
-    assert [entry.name for entry in ledger.wrong] == ["u against 2 p / (E* q)"]
+    assert wrong_of(judge_fields, 0, one, run) == ["u against 2 p / (E* q)"]
 
 
 def test_a_coated_solid_is_judged_by_the_modulus_of_its_coating(audited, tmp_path):
@@ -338,10 +310,7 @@ def test_a_case_of_a_sweep_that_is_not_at_its_place_is_found():
 
 
 def test_what_a_run_to_an_accuracy_claims_follows_from_its_fields(read_scene, tmp_path):
-    scene = read_scene(
-        ("[methods.theory]", "[ensemble]\nrealisations = 2\ngrids = [[12, 8], [24, 16]]\n\n[methods.theory]")
-    )
-    outputs = run_accurate(scene, tmp_path / "results", target=0.3, report=False)
+    outputs = run_accurate(read_scene(ensemble(2)), tmp_path / "results", target=0.3, report=False)
     spent = re.search(r"It cost \d+ solves, .*?(\S+) s \(", outputs.more[-1])[1]
     assert outputs.data.wall_seconds.item() == pytest.approx(float(spent), rel=0.06)
     (card,) = [card for card in outputs.page.answers if card.question == "What did it cost?"]
@@ -374,21 +343,15 @@ def test_fields_that_break_their_own_definitions_are_found(small_run):
     (one,) = [solve for key, solve in run.solves.items() if key[:2] == ("fem", (24, 16))]
     one.gap[0, 0] += 1e-9
     one.p[one.contact] *= 1.001
-    ledger = Ledger()
-    judge_fields(0, one, run, ledger)
-    assert {entry.name for entry in ledger.wrong} >= {
-        "gap less u - h + offset, over the height",
-        "mean pressure [Pa]",
-    }
+    broken = {"gap less u - h + offset, over the height", "mean pressure [Pa]"}
+    assert broken <= {*wrong_of(judge_fields, 0, one, run)}
 
 
 def test_surfaces_that_share_one_seed_are_found(small_run):
     run = _run(small_run.folder)
     key = ("bem", (24, 16), (0.0, 0.0), 0)
     run.solves[(*key[:3], 1)] = run.solves[key]
-    ledger = Ledger()
-    judge_surfaces(run, ledger)
-    assert [entry.name for entry in ledger.wrong] == ["surfaces that differ"]
+    assert wrong_of(judge_surfaces, run) == ["surfaces that differ"]
 
 
 def test_a_shift_in_the_other_direction_is_found(small_run):
@@ -397,9 +360,7 @@ def test_a_shift_in_the_other_direction_is_found(small_run):
     del run.solves["bem", (12, 8), (0.0, 0.0), 0]
     one = run.solves[("bem", (24, 16), (0.0, 0.5), 0)]
     one.h = np.roll(one.h, 1, axis=1)
-    ledger = Ledger()
-    judge_surfaces(run, ledger)
-    assert {entry.name for entry in ledger.wrong} == {"heights against those moved by the shift"}
+    assert {*wrong_of(judge_surfaces, run)} == {"heights against those moved by the shift"}
 
 
 def test_the_command_exits_with_one_where_a_number_disagrees(small_run, copied):
@@ -438,17 +399,9 @@ def test_a_hostile_folder_ends_in_a_line_within_seconds(copied, hostile):
         pytest.fail(f"{path.name}: no end")  # no Exception, which the command might take for one of a file
 
     before = signal.signal(signal.SIGALRM, late)
-    names = (
-        "result.json",
-        "data.nc",
-        "summary.json",
-        "table.csv",
-        "report.html",
-        "solves/*.nc",
-        "figures/*.nc",
-    )
+    names = "result.json data.nc summary.json table.csv report.html solves/*.nc figures/*.nc"
     try:
-        for name in names:
+        for name in names.split():
             path = sorted(copied.glob(name))[0]
             whole = path.read_bytes()
             path.unlink()

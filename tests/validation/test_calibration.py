@@ -11,7 +11,7 @@ from validation.execution.press import solves_of
 from validation.files import write_record
 from validation.solvers.base import example_field
 
-EFFECT = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n[solid]'
+EFFECT = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n'
 
 
 @pytest.fixture
@@ -42,7 +42,7 @@ def test_a_calibration_is_kept_and_used_and_named(cache, read_scene):
     assert all(value > 0 for value in found.factors.values())
     assert len(lines) == len(found.factors) + 1
     assert calibration.effect_costs() == found
-    scene = read_scene(("[solid]", EFFECT))
+    scene = read_scene(EFFECT)
     text = "\n".join(part for part in explain(scene).parts() if isinstance(part, str))
     assert f"hardness {found.factors['hardness']:.2g} times (measured on this machine" in text
 
@@ -50,7 +50,7 @@ def test_a_calibration_is_kept_and_used_and_named(cache, read_scene):
 def test_an_effect_that_hardly_matters_is_told_with_what_it_costs(cache, read_scene):
     cost = calibration.effect_costs().factors["hardness"]
     for hardness, told in (("40 kPa", False), ("4 GPa", True)):
-        plan = explain(read_scene(("[solid]", EFFECT.replace("40 kPa", hardness))))
+        plan = explain(read_scene(EFFECT.replace("40 kPa", hardness)))
         (judgement,) = plan.effects
         assert (f"it costs {cost:.2g} times the plain solve" in judgement.verdict) == told
 
@@ -62,7 +62,7 @@ def test_the_command_says_where_a_calibration_is_kept(cache, monkeypatch):
 
 
 def test_a_prediction_grows_with_the_factor_that_was_measured(cache, read_scene):
-    solve = solves_of(read_scene(("[solid]", EFFECT)))[0]
+    solve = solves_of(read_scene(EFFECT))[0]
     seconds = []
     for factor in (1.0, 1e4):
         cache.parent.mkdir(parents=True, exist_ok=True)

@@ -8,7 +8,7 @@ import pytest
 import typer
 from commanding import typed
 from rich.text import Text
-from small_scene import SQUARE_CELLS
+from small_scene import HARD, SQUARE_CELLS
 from solving import Numbers, solve_all
 from typer.testing import CliRunner
 
@@ -115,7 +115,7 @@ def test_no_word_of_a_help_text_is_taken_for_markup():
 
 
 def test_an_effect_that_does_not_fit_is_named_with_its_file(tool, write_scene):
-    path = write_scene(("[solid]", '[[effects]]\nkind = "hardness"\nhardness = "1 Pa"\n[solid]'))
+    path = write_scene(HARD.replace("60 kPa", "1 Pa"))
     for command in ("run", "explain"):
         code, _, err = tool(command, path)
         assert (code, err.count("\n")) == (2, 1)
@@ -310,9 +310,7 @@ def test_a_planned_study_says_what_may_be_left_out(tool):
 
 def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(write_scene, tool, done, tmp_path):
     path = write_scene(
-        ("[solid]", '[run]\noutput = "there"\nstore = "kept"\nquiet = true\npictures = false\n[solid]'),
-        SQUARE_CELLS,
-        fem=False,
+        '[run]\noutput = "there"\nstore = "kept"\nquiet = true\npictures = false\n', SQUARE_CELLS, fem=False
     )
     code, _, err = tool("run", path)
     assert code == 0, err
@@ -344,7 +342,7 @@ def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(write_s
 )
 def test_a_wrong_option_in_the_scene_is_named(write_scene, mistake, tmp_path, line, words):
     (tmp_path / "link").symlink_to(tmp_path.parent)
-    err = mistake("run", write_scene(("[solid]", f"[run]\n{line}\n[solid]")))
+    err = mistake("run", write_scene(f"[run]\n{line}\n"))
     assert words in err
 
 

@@ -113,11 +113,9 @@ def test_beside_a_result_without_an_interval_nothing_is_decided(results):
     assert total_error(side_by_side(pair), "area_apart").sel(result="other") > 0
 
 
-def test_a_difference_is_no_surer_than_what_it_is_of(results, tmp_path, solved):
+def test_a_difference_is_no_surer_than_what_it_is_of(results, tmp_path, ensemble_run):
     """A mean over surfaces, whose interval is wide, beside one surface, whose scatter nobody measured."""
-    ensemble = "[ensemble]\nrealisations = 3\ngrids = [[12, 8], [24, 16]]\n\n[methods.theory]"
-    several = solved(("[methods.theory]", ensemble))
-    page = compare_folders([results / "first", several.folder], tmp_path / "out").page
+    page = compare_folders([results / "first", ensemble_run.folder], tmp_path / "out").page
     data = read_results(tmp_path / "out").data.isel(result=1)
     own, apart = (data[f"{name}_error"].sel(source="surfaces") for name in ("area", "area_apart"))
     assert float(apart) == pytest.approx(float(own), rel=1e-12)
@@ -125,7 +123,7 @@ def test_a_difference_is_no_surer_than_what_it_is_of(results, tmp_path, solved):
     assert np.isnan(read_results(tmp_path / "out").data.area_error.sel(source="surfaces")[0])
     one, many = (
         read_results(folder).data.area_error.sel(source="grid")
-        for folder in (results / "first", several.folder)
+        for folder in (results / "first", ensemble_run.folder)
     )
     assert float(data.area_apart_error.sel(source="grid")) == pytest.approx(
         float(np.hypot(one, many)), rel=1e-12

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from commanding import answer_of, output_of
-from small_scene import small_scene
+from small_scene import HARD, ensemble, small_scene
 
 import fem_contact as fc
 from validation.audit.reading import audit
@@ -36,9 +36,9 @@ _DRAWN = re.compile(
 #: What is added to the scene.
 MORE = {
     "elastic": "",
-    "yielding": '[[effects]]\nkind = "hardness"\nhardness = "60 kPa"\n',
-    "several": "[ensemble]\nrealisations = 3\ngrids = [[24, 16], [36, 24]]\n"
-    '[quantities.leak]\nviscosity = "1 mPa s"\npressure_drop = "1 kPa"\n',
+    "yielding": HARD,
+    "several": ensemble(3, "[[24, 16], [36, 24]]")
+    + '[quantities.leak]\nviscosity = "1 mPa s"\npressure_drop = "1 kPa"\n',
 }
 OWN_SOLVER = """
 from fem_contact import HeightField, HalfSpace, Solid, bem

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from small_scene import HARD
 from solving import solve_all
 
 from fem_contact import Solid
@@ -66,8 +67,7 @@ def test_where_the_theory_has_no_answer_the_reason_is_kept():
 
 
 def test_a_scene_that_yields_is_set_beside_its_theory(read_scene, tmp_path):
-    effect = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n[solid]'
-    scene = read_scene(("[solid]", effect))
+    scene = read_scene(HARD.replace("60 kPa", "40 kPa"))
     problem = realise(scene)
     results = solve_all(solves_of(scene, problem), tmp_path)
     found = scene_data(scene, problem, results)

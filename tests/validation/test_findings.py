@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from small_scene import GRIDS
+from small_scene import GRIDS, HARD, STICKY
 
 from validation.comparison.numbers import scene_data
 from validation.comparison.run_views import run_views
@@ -59,22 +59,21 @@ def test_counting_is_said_to_err_to_the_side_to_which_it_does(small_run):
     assert all(row["area_pixel_off"].value < 0 for row in _found(under, "Counted points").rows)
 
 
-def test_an_ensemble_says_its_mean_and_a_plain_run_that_it_is_one_surface(small_run, solved):
+def test_an_ensemble_says_its_mean_and_a_plain_run_that_it_is_one_surface(small_run, ensemble_run):
     assert _found(small_run.data, "One surface").kind == "note"
-    ensemble = "[ensemble]\nrealisations = 3\ngrids = [[12, 8], [24, 16]]\n\n[methods.theory]"
-    outputs = solved(("[methods.theory]", ensemble))
-    data, found = outputs.data, _found(outputs.data, "the mean is A/A0")
+    data, page = ensemble_run.data, ensemble_run.page
+    found = _found(data, "the mean is A/A0")
     assert found.values["area"].value == float(data.area) == pytest.approx(float(data.area_each.mean()))
     assert found.values["surfaces"].value == 3
-    (card, *_) = outputs.page.answers
+    (card, *_) = page.answers
     assert card.basis.startswith("mean over 3 surfaces; this one ")
-    assert outputs.page.answers[-1].basis.endswith("unknowns; without those of the mean")
+    assert page.answers[-1].basis.endswith("unknowns; without those of the mean")
 
 
-@pytest.mark.parametrize(("pressure", "complete"), [("0.1", False), ("8.0", True)])
-def test_complete_contact_is_said_where_it_is(solved, pressure, complete):
-    outputs = solved(("reduced_pressure = 0.1", f"reduced_pressure = {pressure}"))
-    assert any("Contact is complete" in text for text in outputs.page.findings) is complete
+def test_complete_contact_is_said_where_it_is(small_run, solved):
+    runs = small_run, solved(("reduced_pressure = 0.1", "reduced_pressure = 8.0"))
+    said = [any("Contact is complete" in text for text in run.page.findings) for run in runs]
+    assert said == [False, True]
 
 
 def test_a_contact_of_one_point_has_no_area_in_the_limit(solved):
@@ -85,16 +84,14 @@ def test_a_contact_of_one_point_has_no_area_in_the_limit(solved):
 
 
 def test_pulled_points_are_in_the_distribution_with_adhesion_alone(solved):
-    sticky = '[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "0.2 um"\n[methods.theory]'
-    data = solved(("[methods.theory]", sticky)).data
+    data = solved(STICKY).data
     assert float(data.stress_near[0]) < 0
     assert np.isnan(data.density_at_zero).all()
     assert not any("P(sigma)" in one.form for one in run_views(data).findings)
 
 
 def test_the_yielded_area_stands_on_a_card(solved):
-    hard = '[[effects]]\nkind = "hardness"\nhardness = "60 kPa"\n[methods.theory]'
-    outputs = solved(("[methods.theory]", hard))
+    outputs = solved(HARD)
     (card,) = [card for card in outputs.page.answers if "yielded" in card.question]
     plastic = float(outputs.data.area_plastic_pixel.sel(solver="bem", grid="48 x 32"))
     assert card.answer == f"{plastic:.4g}"

@@ -4,7 +4,7 @@ import itertools
 
 import pytest
 from numpy.testing import assert_allclose
-from small_scene import OBLONG, scene_in
+from small_scene import HARD, OBLONG, ensemble, scene_in
 
 from fem_contact import HalfSpace, Solid, bem, block
 from persson import contact_area, stress_variance
@@ -18,7 +18,6 @@ from validation.scenes.problem import realise
 from validation.scenes.sweep import load_asked
 
 SOLID = Solid(young=2e6, poisson=0.3)
-YIELDS = '\n[[effects]]\nkind = "hardness"\nhardness = "60 kPa"\n'
 STICKS = '\n[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "20 nm"\n'
 
 
@@ -48,7 +47,7 @@ def test_a_force_is_the_pressure_over_the_nominal_area(scene):
 
 
 @pytest.mark.parametrize("key", ["mean_gap", "offset"])
-@pytest.mark.parametrize("more", ["", YIELDS], ids=["elastic", "yielding"])
+@pytest.mark.parametrize("more", ["", HARD], ids=["elastic", "yielding"])
 def test_the_distance_of_a_pressed_surface_gives_its_load_back(scene, key, more):
     pressed = finest(scene(more=more))
     distance = {"mean_gap": float(pressed.gap.mean()), "offset": pressed.offset}[key]
@@ -144,11 +143,7 @@ def test_two_elastic_bodies_are_the_half_space_of_their_composite_modulus(scene)
         ),
         ('offset = "40 nm"', "[methods.tamaas]\ngrids = [[16, 8]]\n", "held by: bem, fem"),
         ('mean_gap = "40 nm"', STICKS, "several states have the same; give load.offset"),
-        (
-            'mean_gap = "40 nm"',
-            "[ensemble]\nrealisations = 2\ngrids = [[24, 12], [48, 24]]\n",
-            "ensemble: is pressed",
-        ),
+        ('mean_gap = "40 nm"', ensemble(2, "[[24, 12], [48, 24]]"), "ensemble: is pressed"),
     ],
 )
 def test_a_load_that_cannot_be_is_refused_by_name(scene, monkeypatch, load, more, words):

@@ -21,7 +21,7 @@ from planted import (
 )
 
 from fem_contact import area_error
-from fem_contact.area import EDGE_CONSTANTS
+from fem_contact.area import EDGE_CONSTANTS, TRAITS
 from validation.measurements import references
 from validation.measurements.common import persson_area
 from validation.report.estimates import claim, total_error
@@ -51,14 +51,7 @@ def _kappa_of(solve):
             "subcell": np.nan,
             "edge_fraction": edges,
         }
-        numbers |= {
-            "edge_constant": 0.198,
-            "alignment": 0.0,
-            "anisotropy": 0.0,
-            "unresolved": 0.0,
-            "wavenumber": 0.0,
-            "seconds": 1.0,
-        }
+        numbers |= dict.fromkeys(TRAITS, 0.0) | {"edge_constant": 0.198, "seconds": 1.0}
         return xr.Dataset({name: ((), value) for name, value in numbers.items()})
     return measurement(solve, lambda p: p * (kappa + PAIR[own % 4]))
 

@@ -10,19 +10,10 @@ import numpy as np
 import pytest
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-FLAGS = [
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--hide-scrollbars",
-    "--enable-logging=stderr",
-    "--v=0",
-]
+FLAGS = (
+    "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking "
+    "--disable-component-update --disable-sync --hide-scrollbars --enable-logging=stderr --v=0"
+)
 needs_browser = pytest.mark.skipif(
     CHROMIUM is None,
     reason="LOUD: no Chromium (apt install chromium): the report was not looked at in a browser",
@@ -72,7 +63,7 @@ addEventListener("load", () => {
 
 def browse(page, folder, *, width, height, screenshot=None):
     """Open a page in a fresh browser; return its log and what it printed."""
-    command = [CHROMIUM, *FLAGS, f"--user-data-dir={folder}", f"--window-size={width},{height}"]
+    command = [CHROMIUM, *FLAGS.split(), f"--user-data-dir={folder}", f"--window-size={width},{height}"]
     command += [f"--screenshot={screenshot}"] if screenshot else ["--dump-dom"]
     done = subprocess.run([*command, page.as_uri()], capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
@@ -94,17 +85,8 @@ def pages(small_run, tmp_path_factory, left):
     [
         ("run", 1280),
         ("study", 1400),
-        *(
-            pytest.param(*page, marks=pytest.mark.nightly)
-            for page in (
-                ("run", 1920),
-                ("run", 1400),
-                ("run", 500),
-                ("study", 1920),
-                ("study", 1280),
-                ("study", 500),
-            )
-        ),
+        *(pytest.param("run", width, marks=pytest.mark.nightly) for width in (1920, 1400, 500)),
+        *(pytest.param("study", width, marks=pytest.mark.nightly) for width in (1920, 1280, 500)),
     ],
 )
 def test_the_report_is_whole_in_a_browser(pages, tmp_path, name, width):

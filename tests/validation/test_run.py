@@ -18,7 +18,7 @@ import meshio
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from small_scene import GRIDS, OBLONG, scene_in, scene_of
+from small_scene import GRIDS, OBLONG, ensemble, scene_in, scene_of
 from solving import solve_all
 
 from fem_contact import NotConverged, find_patches
@@ -237,7 +237,7 @@ def test_an_output_folder_that_cannot_be_written_is_refused_before_computing(
     ("change", "words"),
     [
         (
-            ("[solid]", '[[effects]]\nkind = "thickness"\nthickness = "5 um"\n\n[solid]'),
+            '[[effects]]\nkind = "thickness"\nthickness = "5 um"\n',
             r"\[\[effects\]\] 1 kind = 'thickness': method 'theory' does not handle it",
         ),
         (("poisson = 0.3", "poisson = 0.5"), r"solid\.poisson = 0\.5: method 'fem' locks above 0\.49"),
@@ -255,8 +255,7 @@ def test_a_failed_solve_is_a_row_of_the_report_which_is_made_of_the_others(
     write_scene, tmp_path, monkeypatch
 ):
     """In the table of grids and, for a surface of the ensemble, in that of surfaces, whose mean is none."""
-    path = write_scene()
-    path.write_text(path.read_text() + "\n[ensemble]\nrealisations = 3\ngrids = [[12, 8], [24, 16]]\n")
+    path = write_scene(ensemble(3))
     do = Press.do
 
     def failing(solve, threads=None):

@@ -144,7 +144,7 @@ def test_settings_that_contradict_each_other_are_refused(write_scene, settings, 
 
 
 def test_grids_that_nobody_names_have_4_8_and_16_points_on_the_shortest_wave(write_scene):
-    path = str(write_scene((GRIDS, ""), ("[load]", "[ensemble]\nrealisations = 2\n[load]"), fem=False))
+    path = str(write_scene((GRIDS, ""), "[ensemble]\nrealisations = 2\n", fem=False))
     scene = load_scene(path)
     assert scene.methods.bem.grids == usual_grids(scene.surface.length, scene.surface.lambda_short)
     assert scene.ensemble.grids == scene.methods.bem.grids[:2]

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from small_scene import OBLONG, scene_in
+from small_scene import HARD, OBLONG, ensemble, scene_in
 
 from fem_contact import HalfSpace, Solid, flow_conductance, frozen_contact, open_gap
 from validation.comparison.numbers import scene_data
@@ -19,7 +19,6 @@ from validation.scenes.sweep import load_asked
 ELECTRICAL = '[quantities.electrical]\nresistivity = ["17 nohm m", "0.4 uohm m"]\n'
 THERMAL = '[quantities.thermal]\nconductivity = "4 W/(cm K)"\n'
 LEAK = '[quantities.leak]\nviscosity = "2 mPa s"\npressure_drop = "3 kPa"\n'
-ENSEMBLE = "[ensemble]\nrealisations = 3\ngrids = [[24, 12], [32, 16]]\n"
 
 
 @pytest.fixture
@@ -62,7 +61,7 @@ def test_the_leak_is_a_volume_per_time_through_one_period_along_either_axis(writ
 
 
 def test_the_mean_is_that_of_the_surfaces_of_the_ensemble_on_its_finest_grid(written):
-    scene = load_scene(written(THERMAL + ENSEMBLE))
+    scene = load_scene(written(THERMAL + ensemble(3, "[[24, 12], [32, 16]]")))
     found, results = read_off(scene)
     solid = HalfSpace(solid=Solid(young=2e6, poisson=0.3))
     values = [frozen_contact(result, solid).stiffness for s, result in results.items() if s.grid == (32, 16)]
@@ -79,8 +78,7 @@ def test_the_mean_is_that_of_the_surfaces_of_the_ensemble_on_its_finest_grid(wri
 
 
 def test_yielded_points_conduct_too(written):
-    yields = '[[effects]]\nkind = "hardness"\nhardness = "60 kPa"\n'
-    found, results = read_off(load_scene(written(THERMAL + yields)))
+    found, results = read_off(load_scene(written(THERMAL + HARD)))
     finest = list(results.values())[-1]
     assert finest.at_bound.any()
     solid = HalfSpace(solid=Solid(young=2e6, poisson=0.3))
