@@ -49,8 +49,8 @@ def sound(folder):
 
 @pytest.fixture
 def audited(solved):
-    """Run the small scene with pieces of its text replaced, and read it back: nothing is wrong."""
-    return lambda *replacements: sound(solved(*replacements).folder)
+    """Run the small scene so changed, and read it back: nothing is wrong."""
+    return lambda *changes: sound(solved(*changes).folder)
 
 
 def _changed(folder, change):
