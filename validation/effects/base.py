@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
-from fem_contact.response import Response
+from fem_contact.response import HalfSpace, Response
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation.arrays import Array, Grid
@@ -60,11 +60,7 @@ class ContactModel:
     @property
     def felt_response(self) -> Response:
         """Return the response; that of the half-space if no effect changes it."""
-        if self.response is not None:
-            return self.response
-        from fem_contact.response import HalfSpace
-
-        return HalfSpace(solid=self.solid)
+        return HalfSpace(solid=self.solid) if self.response is None else self.response
 
 
 @dataclass(kw_only=True)
@@ -168,11 +164,10 @@ class Effect(Table):
     kind: str
     slot: ClassVar[SlotName]  # The slot of a solver that it fills
     meshed: ClassVar[bool] = True  # Whether a method that meshes the solid can be given it
-    #: Processor time of a boundary-element solve with it over that of a plain one, on the reference machine.
+    #: Processor time of a boundary-element solve with it over that of a plain one, on the reference machine,
+    #: and contacts that are solved until one is pressed, beyond what that measures.
     cost: ClassVar[float] = 1.0
-    solves: ClassVar[float] = (
-        1.0  # Contacts that are solved until one is pressed, beyond what `cost` measures
-    )
+    solves: ClassVar[float] = 1.0
     papers: ClassVar[tuple[str, ...]] = ()  # What to cite
 
     def fill(self, model: ContactModel) -> None:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Literal, Self
+from typing import Literal, Self
 
+from fem_contact.solid import Solid
 from validation.effects.base import ContactModel, Effect, Judgement, Roughness, TheoryInputs
 from validation.errors import UsageError
 from validation.units import Length, Number, Pressure, key
-
-if TYPE_CHECKING:
-    from fem_contact.solid import Solid
 
 #: q_short d below which a coating is not felt.
 _THIN = 0.1
@@ -31,18 +29,13 @@ class Coating(Effect):
     cost = 1.4
     papers = ("Coated solid: K. L. Johnson, Contact Mechanics (Cambridge, 1985), Sec. 5.8.",)
 
-    def _layer(self, solid: Solid) -> Solid:
-        from fem_contact.solid import Solid
-
-        return Solid(young=self.young, poisson=solid.poisson if self.poisson is None else self.poisson)
-
     def fill(self, model: ContactModel) -> None:
         """Set the response to that of the layer on the solid."""
         from fem_contact.graded import LayeredSolid
 
-        model.response = LayeredSolid(
-            layers=[self._layer(model.solid)], thicknesses=[self.thickness], base=model.solid
-        )
+        poisson = model.solid.poisson if self.poisson is None else self.poisson
+        layer = Solid(young=self.young, poisson=poisson)
+        model.response = LayeredSolid(layers=[layer], thicknesses=[self.thickness], base=model.solid)
 
     def theory(self, inputs: TheoryInputs) -> None:
         """Persson 2006, Sec. 5; the theory has one Poisson ratio for layer and solid."""

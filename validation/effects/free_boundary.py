@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Literal, Self
 
 import numpy as np
 
+from fem_contact.response import FreeHalfSpace
+from fem_contact.surface import HeightField, Patch
 from validation.arrays import Grid
 from validation.effects.base import ContactModel, Effect, Judgement, Roughness
 from validation.errors import UsageError
@@ -15,7 +17,6 @@ from validation.report.quantities import as_length
 from validation.units import Length, key
 
 if TYPE_CHECKING:
-    from fem_contact.surface import HeightField
     from validation.scenes.problem import ContactProblem
 
 
@@ -34,16 +35,12 @@ class FreeBoundary(Effect):
 
     def fill(self, model: ContactModel) -> None:
         """Give the half-space without images."""
-        from fem_contact.response import FreeHalfSpace
-
         model.response = FreeHalfSpace(solid=model.solid)
 
     def shaped(self, field: HeightField) -> HeightField:
         """Lay the roughness on a paraboloid whose apex is the middle of the patch."""
         if self.radius is None:
             return field
-        from fem_contact.surface import Patch
-
         # Points of a patch are the middles of its cells.
         half = 0.5 if isinstance(field, Patch) else 0.0
         x, y = (
@@ -54,8 +51,6 @@ class FreeBoundary(Effect):
 
     def check(self, problem: ContactProblem, grids: Sequence[Grid], *, model: ContactModel, key: str) -> None:
         """Refuse attraction, layers, a distance that is held, and a ball that would not fit on the patch."""
-        from fem_contact.response import FreeHalfSpace
-
         if model.gap_law is not None or not isinstance(model.response, FreeHalfSpace):
             other = "adhesion" if model.gap_law is not None else "a layer or graded solid"
             raise UsageError(f"{key} kind = {self.kind!r}: is not solved together with {other}")
@@ -68,18 +63,17 @@ class FreeBoundary(Effect):
             return
         force = problem.pressure * problem.lengths[0] * problem.lengths[1]
         contact = (3 * force * self.radius / (4 * problem.contact_modulus)) ** (1 / 3)
+        touches = f"the ball would touch over {as_length(contact, 3)} (Hertz)"
         if contact > self.radius:
             raise UsageError(
-                f"{key} radius = {as_length(self.radius)}: the ball would touch over "
-                f"{as_length(contact, 3)} (Hertz), where no paraboloid is a ball; take a larger "
-                "radius or a smaller load"
+                f"{key} radius = {as_length(self.radius)}: {touches}, where no paraboloid is a ball; take a "
+                "larger radius or a smaller load"
             )
-        if contact > 0.5 * min(problem.lengths):
+        edge = 0.5 * min(problem.lengths)
+        if contact > edge:
             raise UsageError(
-                f"{key} radius = {as_length(self.radius)}: the ball would touch over "
-                f"{as_length(contact, 3)} (Hertz), beyond the edge of the patch, "
-                f"{as_length(0.5 * min(problem.lengths), 3)} from its middle; take a larger "
-                "patch or a smaller load"
+                f"{key} radius = {as_length(self.radius)}: {touches}, beyond the edge of the patch, "
+                f"{as_length(edge, 3)} from its middle; take a larger patch or a smaller load"
             )
 
     def judge(self, rough: Roughness) -> Judgement:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _BY_SIZE = ("bem", "fem")
 
 #: Standard deviations of the full-contact stress beyond which points that yield are rare.
-_RARE = 4.0
+RARE = 4.0
 
 
 class Hardness(Effect):
@@ -102,7 +102,7 @@ class Hardness(Effect):
         number = (
             f"E* h'_rms / H = {ratio:.3g} (stress spread at full contact is half of it; Persson 2006, Sec. 6)"
         )
-        return self.judgement(number, matters=ratio / 2 > 1 / _RARE)
+        return self.judgement(number, matters=ratio / 2 > 1 / RARE)
 
     @classmethod
     def unlisted(cls, rough: Roughness) -> Judgement:
@@ -110,7 +110,7 @@ class Hardness(Effect):
         scale = rough.modulus * rough.gradient
         return cls.unknown(
             f"E* h'_rms = {in_prefixed_unit(scale, 'Pa')} (Persson 2006, Sec. 6)",
-            f"a hardness; negligible above {in_prefixed_unit(_RARE / 2 * scale, 'Pa', 3)}",
+            f"a hardness; negligible above {in_prefixed_unit(RARE / 2 * scale, 'Pa', 3)}",
         )
 
     @classmethod

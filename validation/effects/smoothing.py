@@ -7,11 +7,9 @@ from typing import Literal, Self
 from pydantic import model_validator
 
 from validation.effects.base import Effect, Judgement, Roughness, TheoryInputs
+from validation.effects.hardness import RARE
 from validation.report.quantities import in_prefixed_unit
 from validation.units import Pressure, key, wrong
-
-#: Standard deviations of the full-contact stress beyond which points that yield are rare.
-_RARE = 4.0
 
 
 class Smoothing(Effect):
@@ -45,7 +43,7 @@ class Smoothing(Effect):
         """Compare the spread of the stress with the hardness."""
         ratio = rough.modulus * rough.gradient / self.hardness
         number = f"E* h'_rms / H = {ratio:.3g} at the squeezing (Persson 2006, Sec. 10.2)"
-        return self.judgement(number, matters=ratio / 2 > 1 / _RARE)
+        return self.judgement(number, matters=ratio / 2 > 1 / RARE)
 
     @classmethod
     def example(cls, spacing: float) -> Self:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Literal, Self
 
+from fem_contact.response import BondedLayer, FrictionlessLayer
 from validation.effects.base import Body, ContactModel, Effect, Judgement, Roughness
 from validation.report.quantities import as_length
 from validation.units import Length, key
@@ -27,8 +28,6 @@ class Thickness(Effect):
 
     def fill(self, model: ContactModel) -> None:
         """Give the compliance of the layer; a mesh is clamped, so that only a bonded layer is a body."""
-        from fem_contact.response import BondedLayer, FrictionlessLayer
-
         kind = BondedLayer if self.base == "bonded" else FrictionlessLayer
         model.response = kind(solid=model.solid, thickness=self.thickness)
         model.body = Body(depth=self.thickness) if self.base == "bonded" else None

@@ -15,9 +15,12 @@ from types import MappingProxyType
 
 import platformdirs
 
+from fem_contact.solid import Solid
 from validation.effects import Effect, effect_kinds
+from validation.effects.base import ContactModel
 from validation.files import prepare_folder, read_record, write_record
 from validation.solvers import Solver, find_solver, methods
+from validation.solvers.base import example_field
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,10 +75,6 @@ def calibrate(
     All on one surface of so many `points` along a side, grid and load, on one thread; of the `repeats` of
     each solve after the first, which compiles, the fastest counts. `tell` is given a line for every effect.
     """
-    from fem_contact.solid import Solid
-    from validation.effects.base import ContactModel
-    from validation.solvers.base import example_field
-
     folder = prepare_folder(cache_file().parent, option="cache")
     field, solid, bem = example_field(points), Solid(young=1.0, poisson=0.0), find_solver("bem")
     cases: dict[str, tuple[Effect, ...]] = {"plain": ()}

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_contact.surface import HeightField, Patch
+from fem_contact.surface.spectra import estimate_spectrum
 from validation.errors import UsageError
 from validation.scenes.topography.patch import MOST_HOLES, REMOVABLE, Faults, Topography
 from validation.scenes.topography.reading import impossible, read_topography
@@ -126,7 +127,6 @@ class Measured:
 
         A patch that is one period needs no window; any other gets a Hann window, with its loss made up for.
         """
-        from fem_contact.surface.spectra import estimate_spectrum
         from persson.tabulated import Tabulated
 
         periodic, patch = self.surface.edges in (None, "periodic"), self.patch
