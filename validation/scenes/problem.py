@@ -274,5 +274,6 @@ def realise(scene: _Scene, *, like: ContactProblem | None = None, surveyed: bool
     if surveyed and not isinstance(scene.surface, FileSurface):
         drawn = drawn and math.prod(scene.surface.resolving_grid) <= surfaces.SURVEYED_POINTS
     made = ContactProblem(surface=scene.surface, solid=scene.solid, load=scene.load, drawn=drawn)
-    same = like is not None and replace(like, solid=made.solid, load=made.load) == made
-    return like.shared(made) if like is not None and same else made
+    if like is None or replace(like, solid=made.solid, load=made.load) != made:
+        return made
+    return like.shared(made)
