@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, overload
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -37,10 +37,6 @@ if TYPE_CHECKING:
     AnySpectrum: TypeAlias = SelfAffine | Stretched | CapillaryWaves | Tabulated
 
 
-@overload
-def spectrum_of(surface: SelfAffineSurface) -> SelfAffine | Stretched: ...
-@overload
-def spectrum_of(surface: RandomSurface) -> AnySpectrum: ...
 def spectrum_of(surface: RandomSurface) -> AnySpectrum:
     """C(q) of a random surface, as its scene says; with a lay, averaged over directions."""
     if isinstance(surface, SpectrumSurface):
