@@ -38,8 +38,8 @@ from validation.scenes.tables import (
 from validation.solvers import Method, Solver, methods
 from validation.units import MOST_POINTS, Table, as_written, sides_of, wrong
 
-#: Tables whose grids `run --accuracy` chooses, and the context in which they are then read.
-_CHOSEN, _GRIDS_CHOSEN = ("methods.bem", "ensemble"), {"grids": "chosen"}
+#: Tables whose grids `run --accuracy` chooses: the context in which a scene is then read.
+_GRIDS_CHOSEN = ("methods.bem", "ensemble")
 
 
 class MethodTables(Table):
@@ -55,7 +55,7 @@ class MethodTables(Table):
     @property
     def chosen(self) -> dict[str, Method]:
         """Methods whose table is present, by name, in the order of the registry."""
-        return {name: method for name, method in methods().items() if getattr(self, name, None) is not None}
+        return {name: method for name, method in methods().items() if self.options(name) is not None}
 
     @property
     def solvers(self) -> dict[str, Solver]:
@@ -113,7 +113,7 @@ class Scene(Title):
 
     @model_validator(mode="after")
     def _fits_together(self, info: ValidationInfo) -> Self:
-        problem = next(self._problems(_CHOSEN if info.context == _GRIDS_CHOSEN else ()), None)
+        problem = next(self._problems(info.context or ()), None)
         if problem is not None:
             raise wrong(problem)
         return self
