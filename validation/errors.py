@@ -45,14 +45,9 @@ class UsageError(Exception):
 
 
 class SceneError(UsageError):
-    """A scene that cannot be run.
+    """A scene that cannot be run: its file or name (`source`), and one line for each of its problems.
 
-    Parameters
-    ----------
-    source : str
-        File or name of the scene.
-    problems : sequence of str
-        One line each: key, value, what is allowed.
+    Each line says key, value and what is allowed.
     """
 
     def __init__(self, source: str, problems: Sequence[str]) -> None:

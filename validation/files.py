@@ -121,10 +121,7 @@ def atomic_path(path: Path, *, synced: bool = False, first: bool = False) -> Ite
     a block may have `synced` them itself, whose caller syncs the folder when it suits it. It replaces what
     has the name, unless the `first` is to stay.
 
-    Raises
-    ------
-    NotWritten
-        When the system refuses it: a full disk, a folder that is gone; finished files are untouched.
+    A NotWritten when the system refuses it: a full disk, a folder that is gone; finished files are untouched.
     """
     draft = _draft_of(path)
     try:

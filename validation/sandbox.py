@@ -43,10 +43,7 @@ class OutOfBounds(Exception):
 class Child:
     """A child process, started by the first call and anew after one that was ended.
 
-    Parameters
-    ----------
-    stderr : file or int
-        Where its standard error goes, as `subprocess` has it.
+    Its standard error goes to `stderr`, as `subprocess` has it.
 
     Examples
     --------
@@ -73,36 +70,16 @@ class Child:
         memory: int | None = None,
         most_bytes: int = 2**31,
     ) -> Any:
-        """Return what a function returns, computed in the child.
+        """Return what a function returns, computed in the child; arrays in it are read-only.
 
-        Parameters
-        ----------
-        function : callable
-            Found by module and name.
-        *arguments
-            Whatever pickle carries.
-        seconds : float
-            Wall-clock time the function may take; that of importing it is not counted.
-        memory : int, optional
-            Bytes of address space it may take beyond those of the idle child. Held on Linux; elsewhere time
-            alone is bounded.
-        most_bytes : int
-            Size of an array that is taken back.
+        The function is found by module and name; its arguments are whatever pickle carries. It may take so
+        many `seconds` of wall-clock time, that of importing it not counted, and so many bytes of `memory`,
+        address space beyond that of the idle child; that is held on Linux, elsewhere time alone is. An array
+        of up to `most_bytes` is taken back.
 
-        Returns
-        -------
-        object
-            Its arrays are read-only.
-
-        Raises
-        ------
-        OutOfBounds
-            When it took more, or crashed.
-        OSError
-            When no process can be started.
-        Exception
-            What the function raised, if it is built in or one of :mod:`validation.errors`; a RuntimeError
-            that names it otherwise.
+        An OutOfBounds when it took more, or crashed; an OSError when no process can be started. What the
+        function raised, if it is built in or one of :mod:`validation.errors`; a RuntimeError that names it
+        otherwise.
         """
         with self._lock:
             try:
@@ -220,13 +197,8 @@ class Child:
 
 #: One child for a whole process, since an interpreter takes a third of a second to start.
 _SHARED = Child()
-end = _SHARED.close
+call, end = _SHARED.call, _SHARED.close
 atexit.register(end)
-
-
-def call(function: Callable[..., Any], *arguments: Any, **bounds: Any) -> Any:
-    """Call a function in the child process that all share; see :meth:`Child.call`."""
-    return _SHARED.call(function, *arguments, **bounds)
 
 
 def _send(connection: Connection[Any, Any], value: Any) -> None:
