@@ -21,9 +21,8 @@ from solving import Numbers, fields, solve_all
 from validation import files
 from validation.errors import RunFailed
 from validation.execution.attempt import Progress, attempt
-from validation.execution.checksum import Damaged, seal, unseal
 from validation.execution.provenance import Made, made_words
-from validation.execution.store import Store, check_store, read_result
+from validation.execution.store import Damaged, Store, check_store, read_result, seal, unseal
 from validation.files import NotWritten, atomic_path
 
 MADE = Made.now(threads=1, seconds=0.5)
