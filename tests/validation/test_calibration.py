@@ -6,8 +6,8 @@ from commanding import answer_of, output_of
 
 from validation.comparison.explain import explain
 from validation.execution import calibration
-from validation.execution.cost import transform_seconds
 from validation.execution.press import solves_of
+from validation.execution.solve import transform_seconds
 from validation.files import write_record
 from validation.solvers.base import example_field
 

@@ -53,7 +53,7 @@ import importlib.util, json, pathlib, resource, sys, tempfile, time
 spec = importlib.util.spec_from_file_location("listed", sys.argv[1])
 listed = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(listed)
-from validation.execution.cost import transform_seconds
+from validation.execution.solve import transform_seconds
 from validation.execution.attempt import attempt
 from validation.execution.store import Store
 number = int(sys.argv[2])

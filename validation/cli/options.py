@@ -195,7 +195,7 @@ _MOST_GROUPS = 6
 
 def print_plan(solves: Sequence[Solve], store: Store, *, as_json: bool) -> None:
     """Print what would be solved in a few lines, alike solves together; for scripts each one."""
-    from validation.execution.cost import transform_seconds
+    from validation.execution.solve import transform_seconds
 
     pair = transform_seconds()
     rows: list[dict[str, Any]] = []

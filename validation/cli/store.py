@@ -37,8 +37,8 @@ def check(
 
     Exits with 1 where a file is damaged and not set aside, or cannot be read.
     """
-    from validation.execution.cost import memory_words
     from validation.execution.provenance import made_words
+    from validation.execution.solve import memory_words
     from validation.execution.store import check_store
 
     if not folder.is_dir():

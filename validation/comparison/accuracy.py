@@ -21,8 +21,8 @@ from validation.comparison.run import run_scene
 from validation.effects.base import effect_key
 from validation.errors import UsageError
 from validation.execution.bench import Bench
-from validation.execution.cost import memory_words
 from validation.execution.outputs import Outputs
+from validation.execution.solve import memory_words
 from validation.files import prepare_folder
 from validation.measurements.ensemble import MeanArea
 from validation.report.words import json_ready, percent, significant

@@ -20,10 +20,9 @@ from validation.comparison.reductions import grid_name
 from validation.errors import NoLimit, RunFailed, UsageError
 from validation.execution.attempt import warm_up
 from validation.execution.bench import Bench, Solves
-from validation.execution.cost import memory_words, transform_seconds
 from validation.execution.measurement import Call
 from validation.execution.press import Press, solves_of
-from validation.execution.solve import Prediction, Solve
+from validation.execution.solve import Prediction, Solve, memory_words, transform_seconds
 from validation.measurements.ensemble import MeanArea, mean_area
 from validation.measurements.measurement import (
     TOLERANCES_LEFT,

@@ -18,9 +18,8 @@ from validation.effects import effect_kinds
 from validation.effects.base import Judgement, Roughness, TheoryInputs
 from validation.errors import UsageError
 from validation.execution.calibration import effect_costs
-from validation.execution.cost import transform_seconds
 from validation.execution.press import Press, run_solves
-from validation.execution.solve import Prediction
+from validation.execution.solve import Prediction, transform_seconds
 from validation.measurements.measurement import has_square_cells
 from validation.report.quantities import as_length, in_prefixed_unit
 from validation.scenes.checks import check_scene

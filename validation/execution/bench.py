@@ -13,9 +13,8 @@ from typing import Any
 
 from validation.errors import RunFailed, SolvesFailed, UsageError
 from validation.execution.attempt import Outcome, Progress, attempt, warm_up
-from validation.execution.cost import too_large
 from validation.execution.provenance import Made
-from validation.execution.solve import Solve
+from validation.execution.solve import Solve, check_memory
 from validation.execution.store import Store, Stored
 from validation.files import available_memory, prepare_folder, sync_folder
 
@@ -148,9 +147,8 @@ class Bench:
         progress, folder = self.progress, self.store.folder
         missing = tuple(solve for solve in results if results.read(solve, on_damage=progress.note) is None)
         if missing:
-            largest, memory = max(missing, key=lambda solve: solve.predict().peak_bytes), self.memory
-            if self.execution.scheduler is None and largest.predict().peak_bytes > memory:
-                raise UsageError(too_large(largest, memory))
+            if self.execution.scheduler is None:
+                check_memory(missing, self.memory)
             prepare_folder(folder, option="--store")  # one that holds everything may be read-only
         progress.start(missing, len(results) - len(missing))
         failed: dict[str, str] = {}

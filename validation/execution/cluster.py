@@ -21,8 +21,8 @@ from typing import TYPE_CHECKING, Any
 
 from validation.errors import RunFailed, UsageError
 from validation.execution.attempt import Outcome, Progress, attempt_in_worker, warm_up
-from validation.execution.cost import too_large
 from validation.execution.pool import Again, Died, scheduled
+from validation.execution.solve import check_memory
 
 if TYPE_CHECKING:
     from validation.execution.solve import Solve
@@ -131,9 +131,7 @@ def solve_on_cluster(
     """
     with _connected(address) as client:
         cluster = _Cluster(client, address, replace(store, folder=store.folder.resolve()), progress, patience)
-        largest, least = max(solves, key=lambda s: s.predict().peak_bytes), min(cluster.limits.values())
-        if largest.predict().peak_bytes > least:
-            raise UsageError(too_large(largest, int(least), where="on the smallest worker"))
+        check_memory(solves, min(cluster.limits.values()), where="on the smallest worker")
         yield from scheduled(solves, cluster, progress=progress)
 
 

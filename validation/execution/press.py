@@ -14,9 +14,8 @@ from fem_contact.contact import ContactResult
 from fem_contact.settings import available_processors
 from validation.arrays import Grid
 from validation.effects.base import ContactModel
-from validation.execution.cost import dearer_by
 from validation.execution.fields import decode_result, fields_dataset
-from validation.execution.solve import PAIR_SECONDS, Compiled, Prediction, Solve
+from validation.execution.solve import PAIR_SECONDS, Compiled, Prediction, Solve, dearer_by
 from validation.files import atomic_path
 from validation.netcdf import dataset_bytes
 from validation.scenes.problem import ContactProblem, realise

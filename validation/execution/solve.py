@@ -4,15 +4,23 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
+import timeit
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from validation.errors import UsageError
 from validation.netcdf import dataset_bytes, read_dataset
 from validation.solvers import find_solver
+
+if TYPE_CHECKING:
+    from validation.effects.base import Effect
 
 #: A method, its settings and the effects that it is to be warmed up with.
 Compiled = tuple[tuple[str, Mapping[str, Any], tuple[Any, ...]], ...]
@@ -121,3 +129,41 @@ class Solve(ABC):
     def key(self) -> str:
         """Name on disk: readable, then the hash of the recipe."""
         return f"{self.prefix}-{hashlib.sha256(self.recipe_text.encode()).hexdigest()[:16]}"
+
+
+def check_memory(solves: Iterable[Solve], limit: float, *, where: str = "here") -> None:
+    """Refuse solves of which the largest is predicted to take more than so many bytes, by a UsageError."""
+    largest = max(solves, key=lambda solve: solve.predict().peak_bytes)
+    needed = largest.predict().peak_bytes
+    if needed > limit:
+        raise UsageError(
+            f"{largest.describe()}: needs about {memory_words(needed)} and {where} {memory_words(limit)} are "
+            "free for it; leave the grid out, run it on a larger machine, or raise the limit with --memory"
+        )
+
+
+def memory_words(size: float) -> str:
+    """Return an amount of memory in words.
+
+    >>> memory_words(3 * 2**20), memory_words(2**30), memory_words(2.5 * 2**30)
+    ('3 MiB', '1 GiB', '2.5 GiB')
+    """
+    return f"{size / 2**30:.3g} GiB" if size >= 2**30 else f"{size / 2**20:.3g} MiB"
+
+
+def transform_seconds() -> float:
+    """Median time of a pair of real 256 x 256 transforms on this machine, on one thread [s]."""
+    from scipy.fft import irfft2, rfft2
+
+    field = np.random.default_rng(5).random((256, 256))
+    return sorted(timeit.repeat(lambda: irfft2(rfft2(field), s=field.shape), number=1, repeat=5))[2]
+
+
+def dearer_by(effects: Sequence[Effect]) -> float:
+    """Time of a boundary-element solve with effects over that of a plain one, on this machine."""
+    if not effects:
+        return 1.0
+    from validation.execution.calibration import effect_costs
+
+    factors = effect_costs().factors
+    return math.prod(factors[effect.kind] * effect.solves for effect in effects)

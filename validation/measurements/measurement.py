@@ -22,9 +22,8 @@ from fem_contact.surface import HeightField, random_surface
 from validation.arrays import Array, Grid
 from validation.effects.base import ContactModel
 from validation.errors import UsageError
-from validation.execution.cost import dearer_by
 from validation.execution.measurement import measurement
-from validation.execution.solve import LOCATED_EDGES
+from validation.execution.solve import LOCATED_EDGES, dearer_by
 from validation.measurements.common import LEAST_POINTS_PER_WAVE, SHIFTS, reduced_load
 from validation.measurements.distributions import histograms_of
 from validation.scenes.problem import ContactProblem
