@@ -41,6 +41,7 @@ def spectrum_of(surface: RandomSurface) -> AnySpectrum:
     """C(q) of a random surface, as its scene says; with a lay, averaged over directions."""
     if isinstance(surface, SpectrumSurface):
         return spectrum_between(surface)
+    q_long, q_short = 2 * math.pi / surface.lambda_long, 2 * math.pi / surface.lambda_short
     if isinstance(surface, CapillarySurface):
         from persson.capillary import CapillaryWaves
 
@@ -48,8 +49,8 @@ def spectrum_of(surface: RandomSurface) -> AnySpectrum:
             temperature=surface.temperature,
             surface_tension=surface.surface_tension,
             q_bend=2 * math.pi / surface.lambda_bend,
-            q_min=2 * math.pi / surface.lambda_long,
-            q_short=2 * math.pi / surface.lambda_short,
+            q_min=q_long,
+            q_short=q_short,
             multiple=float(surface.surfaces**2),
         )
     assert isinstance(surface, SelfAffineSurface)
@@ -64,8 +65,8 @@ def spectrum_of(surface: RandomSurface) -> AnySpectrum:
     straight = build(
         size,
         hurst=surface.hurst,
-        q_long=2 * math.pi / surface.lambda_long,
-        q_short=2 * math.pi / surface.lambda_short,
+        q_long=q_long,
+        q_short=q_short,
         rolloff=surface.rolloff,
         q_min=None if surface.rolloff == "sharp" else 2 * math.pi / max(surface.length),
     )
