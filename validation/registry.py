@@ -89,7 +89,6 @@ _PATIENCE = 20.0
 
 @functools.cache
 def _warn(words: str) -> None:
-    """Say once what is left out."""
     with contextlib.suppress(OSError, ValueError, AttributeError):
         sys.stderr.write(f"fem-contact: {harmless(words)}\n")
 
@@ -128,5 +127,4 @@ def _within(seconds: float) -> Iterator[None]:
 
 
 def _name(kind: Any) -> str:
-    """Return by which name a class is listed."""
     return str(kind.kind_name() if hasattr(kind, "kind_name") else getattr(kind, "name", kind.__qualname__))

@@ -180,7 +180,6 @@ class Bench:
         return results
 
     def _outcomes(self, solves: tuple[Solve, ...]) -> Iterator[tuple[Solve, Outcome]]:
-        """Do solves; yield each with how it ended."""
         execution, progress, store = self.execution, self.progress, self.store
         if solves and execution.scheduler is not None:
             from validation.execution.cluster import solve_on_cluster

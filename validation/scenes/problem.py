@@ -29,8 +29,6 @@ class ContactProblem:
     random surface that is not `drawn`, for the theory alone, has the h'_rms of C(q). `variation` names what
     of the treatment of a measured surface is another than its scene says.
 
-    Notes
-    -----
     What is derived stays with the value and does not travel with it: another process makes it anew.
     """
 

@@ -190,7 +190,6 @@ def _found_key(key: str, data: Mapping[str, Any]) -> str:
 
 
 def _present(key: str, data: Mapping[str, Any]) -> bool:
-    """Whether a scene has the table of a key."""
     table, *rest = key.split(".")
     if table == "methods":
         return rest[0] in (data["methods"] if isinstance(data.get("methods"), dict) else ())
