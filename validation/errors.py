@@ -19,11 +19,9 @@ def harmless(text: object) -> str:
     plain = str(text)
     if plain.replace("\n", "").isprintable():
         return plain
-    # C: control, direction, halves of characters, what no font knows; Zl, Zp: ends of lines and paragraphs.
+    # Spaces of any width (Zs) do not count as printable, but harm nobody.
     return "".join(
-        c
-        if c == "\n" or (unicodedata.category(c)[0] != "C" and unicodedata.category(c) not in ("Zl", "Zp"))
-        else ascii(c)[1:-1]
+        c if c == "\n" or c.isprintable() or unicodedata.category(c) == "Zs" else ascii(c)[1:-1]
         for c in plain
     )
 
