@@ -236,19 +236,6 @@ def effect_key(index: int, key: str) -> str:
     return f"[[effects]] {index + 1} {key}".rstrip()
 
 
-def clash(effects: Sequence[Effect]) -> str | None:
-    """Say which two effects fill the same slot; None if each has its own."""
-    filled: dict[str, str] = {}
-    for effect in effects:
-        if effect.slot in filled:
-            return (
-                f"effects: {filled[effect.slot]!r} and {effect.kind!r} both fill the slot '{effect.slot}'; "
-                "list one of them"
-            )
-        filled[effect.slot] = effect.kind
-    return None
-
-
 def __getattr__(name: str) -> object:
     new = {"Slots": "ContactModel", "Told": "TheoryInputs"}.get(name)
     if new is not None:

@@ -56,13 +56,13 @@ def check_scene(scene: Scene, problem: ContactProblem) -> None:
 def _check_control(scene: Scene) -> None:
     """Refuse methods that cannot hold a distance, bodies that sink differently, a second body on a layer."""
     solvers, key = scene.methods.solvers, scene.load.key
-    layered = next((effect.kind for effect in scene.effects if effect.slot == "response"), None)
+    filled = {effect.slot: effect.kind for effect in scene.effects}
+    layered, patch = filled.get("response"), filled.get("boundary")
     if scene.solid.second_young is not None and layered is not None:
         raise UsageError(
             f"solid.second_young: effect {layered!r} changes one body alone, and two bodies are solved as "
             "one half-space; leave one of them out"
         )
-    patch = next((effect.kind for effect in scene.effects if effect.slot == "boundary"), None)
     if getattr(scene.surface, "edges", None) == "free" and patch is None:
         raise UsageError(
             "surface.edges = 'free': has no period, which everything but the effect 'free-boundary' needs; "

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeAlias
 from pydantic import Field, TypeAdapter, ValidationError, ValidationInfo, create_model, model_validator
 
 from validation.effects import effect_kinds
-from validation.effects.base import Effect, clash
+from validation.effects.base import Effect
 from validation.errors import SceneError, UsageError, did_you_mean
 from validation.report.quantities import as_length
 from validation.scenes.grids import with_usual_grids
@@ -121,9 +121,14 @@ class Scene(Title):
     def _problems(self, chosen: tuple[str, ...]) -> Iterator[str]:
         """Yield what does not fit together; grids of the chosen tables are not looked at."""
         surface, load, ensemble, solvers = self.surface, self.load, self.ensemble, list(self.methods.solvers)
-        clashing = clash(self.effects)
-        if clashing is not None:
-            yield clashing
+        filled: dict[str, str] = {}
+        for effect in self.effects:
+            if effect.slot in filled:
+                yield (
+                    f"effects: {filled[effect.slot]!r} and {effect.kind!r} both fill the slot "
+                    f"'{effect.slot}'; list one of them"
+                )
+            filled[effect.slot] = effect.kind
         if load.held and not solvers:
             yield f"load.{load.key}: the theory is told a load; add a method that presses, which finds it"
         if load.held and ensemble is not None:
@@ -135,8 +140,7 @@ class Scene(Title):
                 f"load.{load.key} = {listed!r}: method {solvers[0]!r} presses with one load above 0; "
                 "lists, and 0 with adhesion, belong to [methods.theory] alone"
             )
-        sticky = any(effect.slot == "gap law" for effect in self.effects)
-        if not load.held and min(load.values) == 0 and not sticky:
+        if not load.held and min(load.values) == 0 and "gap law" not in filled:
             yield f"load.{load.key}: 0 needs the effect 'adhesion'; without it nothing touches"
         if self.quantities is not None and not solvers:
             yield "quantities: are read off a contact; add the table of a method that presses"
