@@ -178,9 +178,7 @@ def unit_of(annotation: object) -> str:
     >>> unit_of(Lengths), unit_of(Pressure | None), unit_of(int)
     ('m', 'Pa', '1')
     """
-    readers = (part.func for part in _within(annotation) if isinstance(part, WrapValidator))
-    units = (str(read.keywords["unit"]) for read in readers if isinstance(read, functools.partial))
-    return next(units, "1")
+    return _told(annotation).get("unit", "1")
 
 
 def example_of(info: FieldInfo) -> str:
@@ -192,19 +190,22 @@ def example_of(info: FieldInfo) -> str:
     named = _EXAMPLE.search(info.description or "")
     if named is not None:
         return named[1]
-    kinds = list(_within(info))
-    for kind in kinds:
-        if isinstance(kind, WrapValidator) and isinstance(kind.func, functools.partial):
-            return f'"{kind.func.keywords["example"]}"'
-        if typing.get_origin(kind) is typing.Literal:
-            return f'"{choices_of(kind)[-1]}"'
-    return "true" if bool in kinds else str(info.default)
+    told, choices = _told(info), choices_of(info)
+    if told or choices:
+        return f'"{told["example"] if told else choices[-1]}"'
+    return "true" if bool in _within(info) else str(info.default)
 
 
 def choices_of(annotation: object) -> tuple[Any, ...]:
     """Return the values that a field allows, if it lists them."""
     kinds = (kind for kind in _within(annotation) if typing.get_origin(kind) is typing.Literal)
     return typing.get_args(next(kinds, None))
+
+
+def _told(annotation: object) -> Mapping[str, str]:
+    """Return what `quantity` was told of the values that a field holds; nothing for plain numbers."""
+    readers = (part.func for part in _within(annotation) if isinstance(part, WrapValidator))
+    return next((read.keywords for read in readers if isinstance(read, functools.partial)), {})
 
 
 def _within(annotation: object) -> Iterator[object]:
