@@ -17,7 +17,7 @@ from reading_back import misdrawn
 
 from validation.execution.results import Result, read_results
 from validation.paper import pmma, reproduce, rim
-from validation.paper.claims import Application, Claim, Convention, Stated, application, judge, written
+from validation.paper.claims import Application, Claim, Stated, application, judge, written
 from validation.paper.figures import FIGURES
 from validation.paper.page import paper_dataset, paper_page
 from validation.paper.pmma import PMMA
@@ -37,7 +37,7 @@ def of_best(application):
     """An application under its best convention alone, with the notes left out."""
     conventions = application.conventions
     if application.name in JOINT:
-        conventions = tuple(c for c in conventions if c.name == JOINT[application.name])
+        conventions = {JOINT[application.name]: conventions[JOINT[application.name]]}
     claims = (replace(c, note="") for c in application.claims)
     return replace(application, conventions=conventions, claims=tuple(claims))
 
@@ -51,7 +51,7 @@ def test_spectra_cross_where_it_is_said():
 @pytest.mark.parametrize(("area", "words"), [(0.3, "leaks"), (0.4, "not decided"), (0.6, "seals")])
 def test_a_rim_seals_above_all_thresholds_and_leaks_below_all(monkeypatch, area, words):
     pressed = SimpleNamespace(pressed=SimpleNamespace(real_area=area))
-    monkeypatch.setattr(rim, "_READINGS", (Convention(name="one", value=pressed),))
+    monkeypatch.setattr(rim, "_READINGS", {"one": pressed})
     assert rim._seals().endswith(f"one {area:.4f}: {words}")
 
 
@@ -71,7 +71,7 @@ def claim(text, low, high, value, **more):
 
 TOY = Application(
     name="toy",
-    conventions=(Convention(name="one", value=1.0), Convention(name="two", value=2.0)),
+    conventions={"one": 1.0, "two": 2.0},
     claims=(
         claim("a [nm]", 1.9, 2.1, lambda x: x),
         claim("b", 3.9, 4.1, lambda x: 2 * x),
@@ -153,11 +153,11 @@ def test_every_curve_has_its_numbers(figure):
 
 
 def test_the_joint_convention_of_the_rim_is_the_literal_one():
-    assert RIM.conventions[0].name == JOINT["tire rim"]
+    assert next(iter(RIM.conventions)) == JOINT["tire rim"]
 
 
 def test_pmma_does_not_follow_the_load_with_the_printed_parameters():
-    wide = PMMA.conventions[1].value
+    _, wide = PMMA.conventions.values()
     (area,) = (claim for claim in PMMA.claims if claim.text.startswith("figure of the area"))
     assert area.value(wide) > 100
 
@@ -187,7 +187,7 @@ def test_everything_is_recomputed_written_and_shown(tmp_path):
     assert [line["verdict"] for line in written] == data.paper_verdict.values.tolist()
     for system in reproduce.APPLICATIONS:
         of_it = data.isel(claim=[c.startswith(f"{system.name}: ") for c in data.claim.values])
-        best = JOINT.get(system.name, system.conventions[0].name)
+        best = JOINT.get(system.name, next(iter(system.conventions)))
         assert set(of_it.paper_convention.values) - {"as stated"} == {best} - {""}
     assert files[0] == folder / "report.html"
     for figure in FIGURES:

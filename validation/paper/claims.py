@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import resources
 from typing import Any, NamedTuple
 
@@ -50,14 +50,6 @@ def _stated(row: dict[str, Any]) -> Stated:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Convention:
-    """One joint set of conventions of an application: its name, and what its claims are computed with."""
-
-    name: str
-    value: Any
-
-
-@dataclass(frozen=True, kw_only=True)
 class Claim:
     """A number in the paper."""
 
@@ -78,11 +70,12 @@ class Claim:
 
 @dataclass(frozen=True, kw_only=True)
 class Application:
-    """What the paper computes for one system, and the conventions it leaves open, the literal one first."""
+    """What the paper computes for one system."""
 
     name: str
     claims: tuple[Claim, ...]
-    conventions: tuple[Convention, ...] = (Convention(name="", value=None),)
+    #: The joint sets of conventions it leaves open by name, the literal one first, as claims are told them.
+    conventions: Mapping[str, Any] = field(default_factory=lambda: {"": None})
 
 
 def written() -> dict[str, dict[str, Any]]:
@@ -96,7 +89,7 @@ def application(
     fixed: Mapping[str, Callable[[], float]],
     under: Mapping[str, Callable[[Any], float]] | None = None,
     more: Mapping[str, Mapping[str, Any]] | None = None,
-    **conventions: tuple[Convention, ...],
+    **conventions: Mapping[str, Any],
 ) -> Application:
     """Join the claims of a system with how they are computed, by their keys in claims.toml.
 
@@ -142,7 +135,7 @@ def judge(application: Application, *, tell: Callable[[str], None] | None = None
         if claim.fixed:
             values.append([float(claim.value())] * len(conventions))
         else:
-            values.append([float(claim.value(convention.value)) for convention in conventions])
+            values.append([float(claim.value(told)) for told in conventions.values()])
     agree = [[claim.agrees(value) for value in known] for claim, known in zip(claims, values, strict=True)]
     scores = [sum(column) for column in zip(*agree, strict=True)]
     best, rows = scores.index(max(scores)), []
@@ -165,7 +158,7 @@ def judge(application: Application, *, tell: Callable[[str], None] | None = None
             stated=claim.stated,
             computed=known[best],
             literal=known[0],
-            convention=("" if claim.fixed else conventions[best].name) or "as stated",
+            convention=("" if claim.fixed else [*conventions][best]) or "as stated",
             verdict=verdict,
             reason=reason,
             note="; ".join(filter(None, (literally, note))),

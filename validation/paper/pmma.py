@@ -10,7 +10,7 @@ from persson.adhesion import Interface, detachment_stress
 from persson.capillary import CapillaryWaves
 from persson.sliding import adhesional_pressure, local_shear_stress, slip_energy
 from validation.paper import systems as s
-from validation.paper.claims import Convention, application
+from validation.paper.claims import application
 
 #: meV per square angstrom in J/m^2.
 _MEV = 1e-3 * 1.602176634e-19 / 1e-20
@@ -44,10 +44,10 @@ def _crossing() -> float:
 
 PMMA = application(
     "PMMA",
-    conventions=(
-        Convention(name="printed parameters", value=None),
-        Convention(name="C(q) scaled to the 0.6 nm of the caption (C x 1.74)", value=0.6),
-    ),
+    conventions={
+        "printed parameters": None,
+        "C(q) scaled to the 0.6 nm of the caption (C x 1.74)": 0.6,
+    },
     fixed={
         "work": lambda: 2 * math.sqrt(0.04 * 0.02),
         "detachment": lambda: (

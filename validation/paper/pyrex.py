@@ -20,7 +20,7 @@ from persson.squeezed_spheres import (
 )
 from persson.tabulated import Tabulated
 from validation.paper import systems as s
-from validation.paper.claims import Convention, application
+from validation.paper.claims import application
 from validation.paper.rim import EnergyName
 
 #: Radius of the sphere [m] and the force of the text [N].
@@ -136,7 +136,7 @@ def _line() -> str:
 
 PYREX = application(
     "Pyrex",
-    conventions=tuple(Convention(name=one.name, value=one) for one in _SETS),
+    conventions={one.name: one for one in _SETS},
     fixed={
         "rms": lambda: _rms(1e6),
         "amplitude": lambda: 10 * _rms(1e6),

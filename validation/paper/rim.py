@@ -15,7 +15,7 @@ from persson.limits import critical_roughness
 from persson.percolation import COMPUTED_THRESHOLDS, SITE_THRESHOLD
 from persson.spectrum import area_factor
 from validation.paper import systems as s
-from validation.paper.claims import Convention, Stated, application
+from validation.paper.claims import Stated, application
 
 EnergyName = Literal["improved", "old", "as_printed"]
 AreaName = Literal["star", "projected"]
@@ -71,19 +71,19 @@ def _seals() -> str:
     """Say of each reading whether the rim seals; the thresholds are those of contacts without adhesion."""
     low, high = COMPUTED_THRESHOLDS
     verdicts = []
-    for reading in _READINGS:
-        area = reading.value.pressed.real_area
+    for name, reading in _READINGS.items():
+        area = reading.pressed.real_area
         verdict = "seals" if area > high else "leaks" if area < low else "not decided"
-        verdicts.append(f"{reading.name} {area:.4f}: {verdict}")
+        verdicts.append(f"{name} {area:.4f}: {verdict}")
     return f"thresholds of {low:g} to {high:g}, without adhesion; " + ", ".join(verdicts)
 
 
 #: The literal reading first.
-_READINGS: tuple[Convention, ...] = tuple(
-    Convention(name=f"{words}, {formula}", value=Rim(energy=energy, area=area))
+_READINGS = {
+    f"{words}, {formula}": Rim(energy=energy, area=area)
     for area, words in _AREAS.items()
     for energy, formula in _ENERGIES.items()
-)
+}
 
 
 RIM = application(
@@ -111,7 +111,7 @@ RIM = application(
     more={
         "area": {
             "note": lambda: (
-                "each reading: " + ", ".join(f"{c.name} {c.value.pressed.real_area:.4f}" for c in _READINGS)
+                "each reading: " + ", ".join(f"{n} {r.pressed.real_area:.4f}" for n, r in _READINGS.items())
             )
         },
         "free_work": {"note": lambda: f"without load contact is lost from h/h_0 = {_critical():.2f} on"},
