@@ -168,12 +168,8 @@ def with_effects(
     bare = replace(bare, note=theory_words(inputs, options))
     try:
         if inputs.work is None and not callable(inputs.hardness):
-            from persson.hardness import constant_hardness
-
-            assert inputs.hardness is not None
-            parts = constant_hardness(pressure, stress_variance=variance, yield_stress=inputs.hardness)
-            plastic = float(parts.plastic)
-            return replace(bare, area=float(parts.elastic) + plastic, plastic=plastic)
+            area, plastic = _in_closed_form(pressure, inputs.hardness, variance)
+            return replace(bare, area=float(area), plastic=float(plastic))
         assert spectrum is not None
         scale = _scale(spectrum, inputs)
         answer = _answer(inputs, pressure, options, scale=scale)
@@ -188,6 +184,17 @@ def with_effects(
             other = math.nan
     yielded = None if inputs.hardness is None else float(answer.area_plastic[-1])
     return replace(bare, area=float(answer.area[-1]), plastic=yielded, other=other)
+
+
+def _in_closed_form(pressure: float, hardness: float | None, variance: float | Array) -> tuple[Array, Array]:
+    """A/A0, yielded area included, and A_pl/A0, without adhesion and of one hardness if any."""
+    if hardness is None:
+        area = elastic.contact_area(pressure, stress_variance=variance)
+        return area, np.zeros_like(area)
+    from persson.hardness import constant_hardness
+
+    parts = constant_hardness(pressure, stress_variance=variance, yield_stress=hardness)
+    return parts.elastic + parts.plastic, parts.plastic
 
 
 def adhesive_contact(
@@ -307,17 +314,11 @@ def _answer(inputs: TheoryInputs, pressure: float, options: TheoryOptions, *, sc
     # The first wave that counts: below it contact is complete.
     q = np.geomspace(scale.q_min * (1 + 1e-3), scale.q_short, 200)
     hardness, error = inputs.hardness, 0.0
-    if hardness is None:
-        area = elastic.contact_area(pressure, stress_variance=scale.variance(q))
-        plastic = np.zeros_like(q)
-    elif callable(hardness):
+    if callable(hardness):
         from persson.hardness import size_dependent_hardness
 
         solved = size_dependent_hardness(scale, pressure=pressure, yield_stress=hardness, wavevectors=q)
         area, plastic, error = solved.checked().area, solved.area_plastic, solved.error_estimate
     else:
-        from persson.hardness import constant_hardness
-
-        parts = constant_hardness(pressure, stress_variance=scale.variance(q), yield_stress=hardness)
-        area, plastic = parts.elastic + parts.plastic, parts.plastic
+        area, plastic = _in_closed_form(pressure, hardness, scale.variance(q))
     return Answer(pressure=pressure, wavevectors=q, area=area, area_plastic=plastic, error_estimate=error)
