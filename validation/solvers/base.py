@@ -125,16 +125,6 @@ class Claim:
     cost: contact.Cost  # What it took; 0 iterations where it does not say
     converged: bool | None = None  # Whether it says that it met its tolerance; None where it says nothing
 
-    @classmethod
-    def of(cls, contact: ContactResult) -> Claim:
-        """Return what a result says."""
-        return cls(
-            pressure=contact.pressure,
-            in_contact=contact.in_contact,
-            cost=contact.cost,
-            converged=contact.status is Status.CONVERGED,
-        )
-
 
 class Method(ABC):
     """A way to answer a scene: its table ``[methods.NAME]``, and what it can be given."""
@@ -224,7 +214,13 @@ class Solver(Method):
 
     def claim(self, job: Job) -> Claim:
         """Return what it says, unjudged; `settings` and `load` may have what `controls` names."""
-        return Claim.of(self.solve(job).contact)
+        contact = self.solve(job).contact
+        return Claim(
+            pressure=contact.pressure,
+            in_contact=contact.in_contact,
+            cost=contact.cost,
+            converged=contact.status is Status.CONVERGED,
+        )
 
     def score_settings(self, points: int) -> dict[str, float | str]:
         """Return what its scorecard tells it on a grid, so that refining the grid refines all of it."""

@@ -26,6 +26,7 @@ from fem_contact.area import EDGE_CONSTANTS
 from fem_contact.contact import ContactResult, Status, measure_residuals
 from fem_contact.errors import NotConverged
 from fem_contact.response import BondedLayer, Response
+from fem_contact.surface.heights import wavevectors
 from validation import sandbox
 from validation.arrays import Array
 from validation.effects.base import Effect
@@ -89,13 +90,6 @@ class ExternalSolver(Solver):
         """Return the function as ``module:name``; ``solve`` beside the class, unless one says else."""
         return f"{type(self).__module__}:solve"
 
-    def source(self, settings: Mapping[str, Any]) -> Settings:
-        """Return what tells one version of the solver from another."""
-        try:
-            return () if self.package is None else (("version", metadata.version(self.package)),)
-        except metadata.PackageNotFoundError:
-            return ()
-
     def handles(self, effect: type[Effect]) -> bool:
         """Whether the slot is one of its own; of the solids with a slot, it knows the layer."""
         return super().handles(effect) and (effect.slot != "response" or effect.kind_name() == "thickness")
@@ -115,7 +109,10 @@ class ExternalSolver(Solver):
     def settings(self, options: Any) -> Settings:
         """Return what was said, and which version of the solver is told so."""
         settings = super().settings(options)
-        return settings + self.source(dict(settings))
+        if self.package is not None:
+            with contextlib.suppress(metadata.PackageNotFoundError):
+                settings += (("version", metadata.version(self.package)),)
+        return settings
 
     def claim(self, job: Job) -> Claim:
         """Return what the solver says, unjudged; the settings bound its ``seconds`` and ``memory`` [bytes].
@@ -215,9 +212,7 @@ def verified(
     pressure, modulus = claim.pressure, response.contact_modulus
     source = "pressure and displacement" if displacement is not None else "pressure alone"
     if displacement is None:
-        (nx, ny), (lx, ly) = field.shape, field.lengths
-        qx: Array = np.asarray(2 * np.pi * np.fft.fftfreq(nx, lx / nx), dtype=np.float64)
-        qy: Array = np.asarray(2 * np.pi * np.fft.rfftfreq(ny, ly / ny), dtype=np.float64)
+        qx, qy = wavevectors(field.shape, field.lengths)
         compliance = response.compliance(qx[:, None], qy[None, :])
         displacement = np.fft.irfft2(compliance * np.fft.rfft2(pressure), s=field.shape)
     at_bound = np.zeros(pressure.shape, dtype=bool) if bound is None else pressure >= bound * (1 - tolerance)

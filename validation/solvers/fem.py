@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from fem_contact.contact import ContactResult
 from fem_contact.response import Response
 from validation.arrays import Array
-from validation.effects.base import ContactModel, Effect, effect_key
+from validation.effects.base import Effect, effect_key
 from validation.errors import UsageError
 from validation.report.quantities import as_length
 from validation.solvers.base import Blocks, Cost, Job, Size, Solved, Solver, check_bodies, example_job
@@ -139,7 +139,7 @@ class Fem(BlockSolver):
 
         press = block.solve if "mean_pressure" in job.load else block.solve_displacement
         model, solutions = job.model, []
-        arguments = {"method": "full", **job.load, **job.settings, **_mesh(job.settings, model)}
+        arguments = {"method": "full", **job.load, **job.settings, **_mesh(job)}
         if model.body is not None and model.body.modulus is not None:
             arguments["modulus"] = model.body.modulus
         if model.pressure_bound is not None:
@@ -198,11 +198,11 @@ def unknowns_of(size: Size, method: str) -> int:
     return estimate(size.grid, size.lengths, method=method, **mesh).unknowns  # type: ignore[arg-type]
 
 
-def _mesh(settings: Mapping[str, Any], model: ContactModel | None) -> dict[str, Any]:
+def _mesh(job: Job) -> dict[str, Any]:
     """Return depth and growth of the layers, where they are said; an effect may say the depth."""
-    mesh = {name: settings[name] for name in ("depth", "growth") if name in settings}
-    if model is not None and model.body is not None and model.body.depth is not None:
-        mesh["depth"] = model.body.depth
+    mesh = {name: job.settings[name] for name in ("depth", "growth") if name in job.settings}
+    if job.model.body is not None and job.model.body.depth is not None:
+        mesh["depth"] = job.model.body.depth
     return mesh
 
 
@@ -210,4 +210,4 @@ def planned(job: Job) -> BlockMesh:
     """Return the mesh of a job."""
     from fem_contact.block import plan_mesh
 
-    return plan_mesh(job.field.shape, job.field.lengths, **_mesh(job.settings, job.model))
+    return plan_mesh(job.field.shape, job.field.lengths, **_mesh(job))
