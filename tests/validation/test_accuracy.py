@@ -20,9 +20,8 @@ from validation.errors import RunFailed, SceneError, UsageError
 from validation.execution.bench import Bench, Execution
 from validation.execution.press import solves_of
 from validation.measurements.common import base_surface
-from validation.measurements.ensemble import mean_area
+from validation.measurements.ensemble import area_pairs, mean_area
 from validation.measurements.measurement import area_limits, grids_for, limit_over
-from validation.measurements.pairs import area_pairs
 from validation.measurements.statistics import pair_means
 from validation.report.estimates import mean_of
 from validation.report.words import percent

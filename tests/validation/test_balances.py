@@ -20,9 +20,9 @@ from validation.execution.bench import Bench
 from validation.execution.store import check_store
 from validation.measurements.common import base_surface
 from validation.measurements.control_variates import unsolved_pairs
+from validation.measurements.ensemble import area_pairs
 from validation.measurements.grid_roughness import grid_roughness
 from validation.measurements.measurement import press_on_grids
-from validation.measurements.pairs import area_pairs
 from validation.report.estimates import shown_sources, total_error
 from validation.scenes.problem import ContactProblem
 from validation.scenes.tables import Load, SolidSpec

@@ -11,8 +11,8 @@ from validation.effects.hardness import Hardness
 from validation.execution.press import Press
 from validation.measurements.common import base_surface
 from validation.measurements.control_variates import statistics_of_pair, unsolved_pairs
+from validation.measurements.ensemble import area_pairs
 from validation.measurements.measurement import area_limits, limit_over, press_on_grids
-from validation.measurements.pairs import area_pairs
 from validation.scenes.problem import ContactProblem
 from validation.scenes.tables import Load, SolidSpec
 

@@ -23,7 +23,7 @@ from validation.execution.bench import Bench, Solves
 from validation.execution.measurement import Call
 from validation.execution.press import Press, solves_of
 from validation.execution.solve import Prediction, Solve, memory_words, transform_seconds
-from validation.measurements.ensemble import MeanArea, mean_area
+from validation.measurements.ensemble import MeanArea, area_pairs, mean_area
 from validation.measurements.measurement import (
     TOLERANCES_LEFT,
     areas_of_solve,
@@ -31,7 +31,6 @@ from validation.measurements.measurement import (
     limit_over,
     no_limit,
 )
-from validation.measurements.pairs import area_pairs
 from validation.report.words import percent, significant
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Methods, Scene

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
+import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -15,12 +16,12 @@ import xarray as xr
 from validation.arrays import Array, Grid
 from validation.errors import NoLimit
 from validation.execution.bench import Bench
-from validation.execution.measurement import Call
+from validation.execution.measurement import Call, measurement
+from validation.execution.solve import PAIR_SECONDS, Prediction
 from validation.measurements.control_variates import unsolved_pairs
 from validation.measurements.controlled import Controlled, Known, allocation, chained_mean
 from validation.measurements.limits import solved
-from validation.measurements.measurement import TOLERANCES_LEFT, area_limits
-from validation.measurements.pairs import area_pairs
+from validation.measurements.measurement import TOLERANCES_LEFT, area_limits, press_on_grids
 from validation.measurements.statistics import pair_means
 from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import EffectSpec
@@ -41,6 +42,54 @@ _GRID_SHARE = 0.9
 _Name = tuple[str, int, int]
 
 
+def _predicted(
+    problem: ContactProblem,
+    grids: tuple[Grid, ...],
+    count: int,
+    effects: tuple[EffectSpec, ...],
+    pair_seconds: float,
+) -> Prediction:
+    surface = press_on_grids(problem=problem, grids=grids, effects=effects, shifts=1).predict()
+    return replace(surface, seconds=2 * count * surface.seconds * pair_seconds / PAIR_SECONDS)
+
+
+@measurement(
+    "pairs-{size}",
+    kind="AreaPairs",
+    words="{count} pairs of surfaces, to",
+    located=True,
+    version=1,
+    recipe=lambda made, problem, first: made | problem.further(first).recipe,
+    left_out=("first",),
+    predict=_predicted,
+    compiled=lambda tolerance, effects: (("bem", {"tolerance": tolerance}, effects),),
+)
+def area_pairs(
+    *,
+    problem: ContactProblem,
+    grids: tuple[Grid, ...],
+    first: int,
+    count: int,
+    tolerance: float,
+    effects: tuple[EffectSpec, ...],
+) -> xr.Dataset:
+    """Press `count` pairs +h, -h from the first realisation on, one sign after the other, on ascending grids.
+
+    What `press_on_grids` keeps of each, with surfaces in the place of loads, and the processor time of each
+    on all grids (load). Each meets the load as a scene says it. With effects, edges are not located, and the
+    corrected area stands for the area.
+    """
+    made = []
+    for k, mirrored in itertools.product(range(first, first + count), (False, True)):
+        drawn, began = problem.further(k), time.process_time()
+        surface = replace(drawn, inverted=drawn.inverted != mirrored)
+        areas = press_on_grids(
+            problem=surface, grids=grids, effects=effects, shifts=1, tolerance=tolerance
+        ).do()
+        made.append(areas.assign(seconds=("load", [time.process_time() - began])))
+    return xr.concat(made, "load", combine_attrs="drop")
+
+
 @dataclass(frozen=True, kw_only=True)
 class Chained:
     """Surfaces of one spectrum, in pairs +h, -h, some of which end with each grid."""
@@ -48,9 +97,8 @@ class Chained:
     unsolved: Array  # (n, k): Statistics without a solve of the pairs that end with the coarsest grid
     further: Array  # (m, k): The same of pairs that are not solved at all
     unsolved_seconds: float  # Processor time of the statistics of all these
-    seconds: Sequence[
-        Array
-    ]  # (surface, load): That of the solves, by the last grid of a surface, coarsest first
+    #: (surface, load): That of the solves, by the last grid of a surface, coarsest first.
+    seconds: Sequence[Array]
 
     def chains(self, values: Callable[[int, int], Array]) -> list[tuple[Controlled, ...]]:
         """Return the controlled means of a quantity on all grids, for each load; the last is the one that counts.
