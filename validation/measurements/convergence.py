@@ -96,10 +96,7 @@ def fitted_line(samples: Iterable[ArrayLike], x: ArrayLike, *, common: bool = Fa
 
 
 def _least_squares(samples: Sequence[Array], x: Array, *, common: bool) -> tuple[Array, Array]:
-    """Intercept and slope of the means of groups at x, and half widths of their 95 % intervals by scatter.
-
-    A group has one value a surface. With `common` ones sample k is the same surface in every group.
-    """
+    """Intercept and slope of the means of groups at x, and half widths of their 95 % intervals by scatter."""
     errors = np.array([group.std(ddof=1) / np.sqrt(group.size) for group in samples])
     # Groups of common surfaces scatter together: there equal weights lose nothing.
     # A group without scatter must not take all the weight.

@@ -16,8 +16,7 @@ from persson import elastic
 from validation.execution.bench import Bench
 from validation.execution.measurement import Call
 from validation.measurements.limits import ABSENT, solved, stored_variables, two_grid_limit, value_at_zero
-from validation.measurements.measurement import area_limits
-from validation.measurements.rings import AREAS
+from validation.measurements.measurement import AREAS, area_limits
 from validation.report.estimates import NORMAL, bare, claim, derive, error_of, gather, mean, nearest
 
 #: d ln A / d ln V of the theory from which on the contact is not full.

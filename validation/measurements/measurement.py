@@ -19,6 +19,7 @@ from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.stress import density_at_zero, elastic_energy, window_slope
 from fem_contact.surface import HeightField, random_surface
+from fem_contact.surface.heights import wavevectors
 from validation.arrays import Array, Grid
 from validation.effects.base import ContactModel
 from validation.errors import UsageError
@@ -41,9 +42,9 @@ if TYPE_CHECKING:
 _SQUARE = 0.05
 
 #: What areas are made of, and what is read off every solve: pressures in Pa, lengths in m, costs in s and bytes.
-_AREAS = ("pixel", "perimeter", "subcell", "edge_fraction")
+AREAS = ("pixel", "perimeter", "subcell", "edge_fraction")
 QUANTITIES = (
-    *(*_AREAS, *TRAITS, "density_at_zero", "patches", "patch_size", "cells_per_patch", "mean_gap", "energy"),
+    *(*AREAS, *TRAITS, "density_at_zero", "patches", "patch_size", "cells_per_patch", "mean_gap", "energy"),
     *("residual", "seconds", "peak_bytes"),
 )
 
@@ -297,10 +298,8 @@ def truncated_heights(
 
 def without_waves_beyond(field: HeightField, last: float) -> HeightField:
     """Return a surface without its waves shorter than 2 pi / `last`, on the same points."""
-    nx, ny = field.shape
-    dx, dy = field.spacing
-    q = np.hypot(2 * np.pi * np.fft.fftfreq(nx, dx)[:, None], 2 * np.pi * np.fft.rfftfreq(ny, dy)[None, :])
-    waves = np.where(q <= last * (1 + 1e-9), np.fft.rfft2(field.heights), 0)
+    qx, qy = wavevectors(field.shape, field.lengths)
+    waves = np.where(np.hypot(qx[:, None], qy) <= last * (1 + 1e-9), np.fft.rfft2(field.heights), 0)
     return HeightField(heights=np.fft.irfft2(waves, s=field.shape), lengths=field.lengths)
 
 
@@ -337,7 +336,7 @@ def _stiffness(result: ContactResult, problem: ContactProblem, *, tolerance: flo
 def areas_read(areas: ContactAreas) -> dict[str, float]:
     """Return the numbers that `stored_areas` takes; the located area is NaN where there is none."""
     subcell = math.nan if areas.subcell is None else areas.subcell
-    return {name: getattr(areas, name) for name in (*_AREAS, *TRAITS)} | {"subcell": subcell}
+    return {name: getattr(areas, name) for name in (*AREAS, *TRAITS)} | {"subcell": subcell}
 
 
 def areas_of_solve(solve: Press, result: ContactResult) -> ContactAreas:
@@ -373,7 +372,7 @@ def areas_of(dataset: xr.Dataset, load: int) -> list[ContactAreas]:
     """
     keep = np.flatnonzero(dataset.points_per_wave.values >= LEAST_POINTS_PER_WAVE)
     points, cells = dataset.points.values, dataset.cells.values
-    read = {name: dataset[name].values[:, :, load] for name in (*_AREAS, *TRAITS) if name in dataset}
+    read = {name: dataset[name].values[:, :, load] for name in (*AREAS, *TRAITS) if name in dataset}
     return [
         stored_areas(
             {name: values[i, j] for name, values in read.items()},
@@ -394,7 +393,7 @@ def stored_areas(
     ``pixel``, ``perimeter``, ``edge_fraction``; ``subcell`` and `fem_contact.area.TRAITS` where they were
     measured.
     """
-    known = {name: float(numbers[name]) for name in (*_AREAS, *TRAITS) if name in numbers}
+    known = {name: float(numbers[name]) for name in (*AREAS, *TRAITS) if name in numbers}
     subcell = known.pop("subcell", math.nan)
     return ContactAreas(
         **known,

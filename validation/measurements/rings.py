@@ -17,13 +17,10 @@ from validation.arrays import Array
 from validation.execution.measurement import measurement
 from validation.measurements.budgets import Memory, Pressed, budget, diffused_area
 from validation.measurements.common import reduced_load
-from validation.measurements.measurement import press_elastic
+from validation.measurements.measurement import AREAS, press_elastic
 from validation.scenes import surfaces
 from validation.scenes.problem import ContactProblem
 from validation.scenes.tables import SelfAffineSurface
-
-#: What limits of the area are made of, as `validation.measurements.measurement` has them.
-AREAS = ("pixel", "perimeter", "edge_fraction", "subcell")
 
 #: Relative slack when a wave stands at the end of a ring.
 _EDGE = 1e-9
