@@ -140,10 +140,12 @@ GENERAL = application(
 )
 
 
+#: Where macroasperities are looked for.
+_STEEL = {"contact_modulus": s.STEEL_MODULUS, "q_reference": 1e5}
+
+
 def _pressure(load: float) -> float:
-    return macroasperity_pressure(
-        s.steel(smooth=True), pressure=load, contact_modulus=s.STEEL_MODULUS, q_reference=1e5
-    )
+    return macroasperity_pressure(s.steel(smooth=True), pressure=load, **_STEEL)
 
 
 STEEL = application(
@@ -151,10 +153,7 @@ STEEL = application(
     fixed={
         "roads": lambda: 2 * math.pi / 1000 * 100,
         "magnification": lambda: macroasperity_magnification(
-            s.steel(smooth=True),
-            pressure=s.STEEL_PRESSURE,
-            contact_modulus=s.STEEL_MODULUS,
-            q_reference=1e5,
+            s.steel(smooth=True), pressure=s.STEEL_PRESSURE, **_STEEL
         ),
         "area_share": lambda: s.STEEL_PRESSURE / _pressure(s.STEEL_PRESSURE),
         "pressure_share": lambda: _pressure(10e6) / _pressure(1e6),
