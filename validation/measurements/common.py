@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import AfterValidator, Field, ValidationInfo
 
 from persson import elastic
+from validation.arrays import Array
 from validation.errors import UsageError
 from validation.scenes.problem import ContactProblem
 from validation.scenes.surfaces import spectrum_of
 from validation.scenes.tables import Load, SelfAffineSurface, SolidSpec
 from validation.units import Positive, wrong
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
 
 #: Grids coarser than this, as lambda_short/dx, are left out of every limit.
 LEAST_POINTS_PER_WAVE = 3.0 * (1 - 1e-9)
@@ -120,7 +118,7 @@ RisingGrids = Annotated[Counts, AfterValidator(_given), AfterValidator(in_rising
 Ladder = Annotated[Rising, AfterValidator(_of_a_limit)]
 
 
-def persson_area(reduced_pressure: ArrayLike) -> NDArray[np.float64]:
+def persson_area(reduced_pressure: ArrayLike) -> Array:
     """A/A0 of Persson's theory at p* = p0/(E* h'_rms): erf(sqrt(2) p*).
 
     >>> bool(abs(persson_area(0.001) / 0.001 - np.sqrt(8 / np.pi)) < 1e-5)

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from importlib import resources
-from typing import TYPE_CHECKING
+
+import xarray as xr
 
 from validation.errors import RunFailed, UsageError
 from validation.reference.interpolation import QUANTITIES, ReferenceValue, interpolated
 from validation.reference.theory import CHECK, persson_theory
 from validation.report.quantities import quantity
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["ReferenceValue", "lookup", "persson_theory", "table", "wide"]
 

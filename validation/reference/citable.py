@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import xarray as xr
 
 from validation.reference.interpolation import QUANTITIES
 from validation.report.estimates import total_error
 from validation.report.papers import cited
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Attributes of the file, by the Climate and Forecast conventions, which have no standard names for contact.
 ATTRIBUTES: dict[str, Any] = {

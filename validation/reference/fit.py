@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.optimize
 import scipy.special
+import xarray as xr
 from numpy.typing import ArrayLike
 
 from validation.arrays import Array
 from validation.errors import UsageError
 from validation.reference.interpolation import interpolated
 from validation.reference.theory import lowest_wave, table_spectrum
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: c_0, c_1, p_1 and n of `fitted_area`: least squares of the relative distance from the table.
 FIT = (0.5606, 0.05449, 0.1893, 1.0067)
@@ -83,8 +80,6 @@ def at_equal_alpha(table: xr.Dataset, alphas: Sequence[float]) -> xr.Dataset:
     table : xarray.Dataset
         Of one kind of amplitudes, over (hurst, bandwidth, reduced_pressure).
     """
-    import xarray as xr
-
     hursts, loads = table.hurst.values, table.reduced_pressure.values
     lowest = lowest_wave(**table.attrs)
     bandwidths = np.array([[bandwidth_at(hurst=h, alpha=a, lowest=lowest) for h in hursts] for a in alphas])

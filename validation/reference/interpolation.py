@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 from scipy.interpolate import PchipInterpolator
 
 from persson import elastic
@@ -15,9 +15,6 @@ from validation.errors import UsageError
 from validation.reference.theory import lowest_wave, theory_at_nodes
 from validation.report.estimates import total_error
 from validation.report.quantities import quantity
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: What the table has.
 QUANTITIES = ("area", "gap", "compliance", "energy_ratio", "density_slope", "patch_density")

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from persson.spectrum import Moments, Spectrum
 from validation.arrays import Array
 from validation.measurements.theory import Waves
-
-if TYPE_CHECKING:
-    from validation.scenes.problem import ContactProblem
+from validation.scenes.problem import ContactProblem
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

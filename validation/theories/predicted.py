@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from persson.spectrum import Moments
 from validation.arrays import Array
@@ -16,9 +17,6 @@ from validation.report.estimates import derive
 from validation.report.values import Value, value_of
 from validation.scenes.problem import ContactProblem
 from validation.theories.base import Rough, Theory
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 #: Step in ln p0 by which a theory is differentiated.
 _STEP = 0.01
@@ -39,8 +37,6 @@ def predictions(
     ``compliance_predicted`` (p0/(K h_rms) = -d gap/d ln p0 / h_rms), told each realised surface; and the
     same with ``_spectral``, told C(q) alone.
     """
-    import xarray as xr
-
     loads = np.asarray(reduced_pressures, dtype=float)
     # Without scatter of the amplitudes every surface has the same waves; no theory knows of phases.
     several = getattr(pressed[0].surface, "amplitudes", "") == "gaussian"
