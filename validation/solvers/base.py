@@ -179,6 +179,29 @@ class Solver(Method):
         """Whether the slot of the effect is one of its own."""
         return effect.slot in self.slots
 
+    def check_bodies(
+        self, problem: ContactProblem, effects: Sequence[Effect], *, depth: float | None = None
+    ) -> None:
+        """Refuse an effect that makes the solid something else than a body on a clamped base.
+
+        `depth` [m] is what the options of the method say of it.
+        """
+        for k, effect in enumerate(effects):
+            if effect.slot != "response":
+                continue
+            body = ContactModel.filled(problem.elastic, [effect]).body
+            if body is None:
+                raise UsageError(
+                    f"{effect_key(k, 'kind')} = {effect.kind!r}: as it stands it is no body on a clamped "
+                    f"base, which is what method {self.name!r} solves; change it, or leave "
+                    f"[methods.{self.name}] out"
+                )
+            if body.depth is not None and depth is not None:
+                raise UsageError(
+                    f"methods.{self.name}.depth: {effect_key(k, effect.kind)} says the depth; "
+                    "leave one of them out"
+                )
+
     def places(self, options: Any) -> Iterator[tuple[Grid, Shift]]:
         """Yield the grids and sub-grid shifts that a scene asks for, coarse grids first."""
         for grid in sorted(options.grids):
@@ -257,26 +280,6 @@ def check_effects_handled(
                     f"{effect_key(k, 'kind')} = {effect.kind!r}: method {name!r} does not handle it; "
                     f"handled by: {', '.join(able) or 'none'}"
                 )
-
-
-def check_bodies(name: str, solid: Solid, effects: Sequence[Effect], *, depth: float | None = None) -> None:
-    """Refuse an effect that makes the solid something else than a body on a clamped base.
-
-    `depth` [m] is what the options of the method say of it.
-    """
-    for k, effect in enumerate(effects):
-        if effect.slot != "response":
-            continue
-        body = ContactModel.filled(solid, [effect]).body
-        if body is None:
-            raise UsageError(
-                f"{effect_key(k, 'kind')} = {effect.kind!r}: as it stands it is no body on a clamped base, "
-                f"which is what method {name!r} solves; change it, or leave [methods.{name}] out"
-            )
-        if body.depth is not None and depth is not None:
-            raise UsageError(
-                f"methods.{name}.depth: {effect_key(k, effect.kind)} says the depth; leave one of them out"
-            )
 
 
 def example_field(points: int) -> HeightField:

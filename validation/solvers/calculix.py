@@ -24,7 +24,7 @@ from fem_contact import contact
 from fem_contact.errors import NotConverged
 from validation.arrays import Array
 from validation.effects.base import Effect
-from validation.solvers.base import Blocks, Claim, Cost, Job, Size, Solved, check_bodies
+from validation.solvers.base import Blocks, Claim, Cost, Job, Size, Solved
 from validation.solvers.bem import FIXED_BYTES, FIXED_PAIRS
 from validation.solvers.external import verified
 from validation.solvers.fem import BlockSolver, planned, unknowns_of
@@ -80,7 +80,7 @@ class Calculix(BlockSolver):
 
     def check(self, options: CalculixOptions, problem: ContactProblem, effects: Sequence[Effect]) -> None:
         """Refuse a layer that is not bonded to its base, and two depths."""
-        check_bodies(self.name, problem.elastic, effects, depth=options.depth)
+        self.check_bodies(problem, effects, depth=options.depth)
 
     def cost(self, size: Size) -> Cost:
         """Predict from the unknowns of the mesh."""

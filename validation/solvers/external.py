@@ -30,18 +30,7 @@ from fem_contact.surface.heights import wavevectors
 from validation import sandbox
 from validation.arrays import Array
 from validation.effects.base import Effect
-from validation.solvers.base import (
-    Claim,
-    Cost,
-    Gridded,
-    Job,
-    Settings,
-    Size,
-    Solved,
-    Solver,
-    check_bodies,
-    example_job,
-)
+from validation.solvers.base import Claim, Cost, Gridded, Job, Settings, Size, Solved, Solver, example_job
 from validation.solvers.bem import FIXED_BYTES, FIXED_PAIRS
 from validation.units import Duration, Memory, Table, key
 
@@ -96,7 +85,7 @@ class ExternalSolver(Solver):
 
     def check(self, options: Any, problem: ContactProblem, effects: Sequence[Effect]) -> None:
         """Refuse a layer that is not bonded to its base."""
-        check_bodies(self.name, problem.elastic, effects)
+        self.check_bodies(problem, effects)
 
     def controlled(self, settings: Mapping[str, Any]) -> frozenset[str]:
         """Return which controls its function takes; none where it cannot be imported."""

@@ -13,7 +13,7 @@ from validation.arrays import Array
 from validation.effects.base import Effect, effect_key
 from validation.errors import UsageError
 from validation.report.quantities import as_length
-from validation.solvers.base import Blocks, Cost, Job, Size, Solved, Solver, check_bodies, example_job
+from validation.solvers.base import Blocks, Cost, Job, Size, Solved, Solver, example_job
 from validation.solvers.bem import BYTES_PER_POINT, FIXED_BYTES, FIXED_PAIRS
 from validation.units import key
 
@@ -106,7 +106,7 @@ class Fem(BlockSolver):
                     f"{effect_key(k, 'kind')} = {effect.kind!r}: method 'fem' yields under a load only; "
                     "give one in place of load.offset, or leave [methods.fem] out"
                 )
-        check_bodies(self.name, problem.elastic, effects, depth=options.depth)
+        self.check_bodies(problem, effects, depth=options.depth)
 
     def variant(self, settings: Mapping[str, Any]) -> str:
         """Full or reduced."""
