@@ -9,6 +9,7 @@ import scipy.fft
 import xarray as xr
 
 from fem_contact.surface import HeightField
+from fem_contact.surface.heights import wavevectors
 from validation.arrays import Array, Grid
 from validation.execution.measurement import measurement
 from validation.scenes.problem import ContactProblem
@@ -57,9 +58,9 @@ def statistics_of_pair(field: HeightField) -> dict[str, float]:
 
 
 def _unit_fields(field: HeightField) -> tuple[Array, Array, Array]:
-    shape, (dx, dy) = field.shape, field.spacing
+    shape = field.shape
     waves = scipy.fft.rfft2(field.heights - field.heights.mean())
-    qx, qy = 2 * np.pi * np.fft.fftfreq(shape[0], dx)[:, None], 2 * np.pi * np.fft.rfftfreq(shape[1], dy)
+    qx, qy = np.ix_(*wavevectors(shape, field.lengths))
     along_x, along_y = (scipy.fft.irfft2(1j * q * waves, s=shape) for q in (qx, qy))
     slope = along_x**2 + along_y**2
     height, pressure = (scipy.fft.irfft2(w, s=shape).ravel() for w in (waves, np.hypot(qx, qy) * waves))

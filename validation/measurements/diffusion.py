@@ -343,11 +343,8 @@ def _with_profiles(data: xr.Dataset) -> xr.Dataset:
         keep = np.flatnonzero((lower >= low * (1 - 1e-9)) & (data.upper.values <= high * (1 + 1e-9)))
         sums = pooled.isel(bin=keep).sum("bin")
         points = sums.bin_contact_probe_each.where(sums.bin_contact_probe_each > 0) * steps
-        between = {
-            f"mean_drift_{name}_each": sums.bin_change_probe_each / points,
-            f"diffusivity_{name}_each": sums.bin_change_square_probe_each / points,
-        }
-        data = _added(data, **between)
+        drift, spread = sums.bin_change_probe_each / points, sums.bin_change_square_probe_each / points
+        data = _added(data, **{f"mean_drift_{name}_each": drift, f"diffusivity_{name}_each": spread})
     return data
 
 

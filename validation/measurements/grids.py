@@ -85,8 +85,8 @@ def with_distances(data: xr.Dataset, *, theory: bool) -> xr.Dataset:
     # Above the last pressure at which the coarse grid has more, it must have less: the load is the same.
     coarse, fine = (f"stress_density.isel(grid={k})" for k in (first, -1))
     low, high = (f"where(stress {sign} {SMALL}, 0).sum('stress_bin')" for sign in ("<", ">="))
-    bare = derive(
-        data[["stress_density"]],
+    data = derive(
+        data,
         small_stress_part=f"({coarse} - {fine}).{low} / ({coarse} - {fine}).sum('stress_bin')",
         large_stress_change=f"{coarse}.{high} / {fine}.{high} - 1",
     )
@@ -94,8 +94,6 @@ def with_distances(data: xr.Dataset, *, theory: bool) -> xr.Dataset:
     law = pressure_distribution(data.stress.values, pressure=load, stress_variance=variance)
     close = np.flatnonzero(resolved & (data.distance_pixel_size.values < _CLOSE))
     return data.assign(
-        small_stress_part=bare.small_stress_part,
-        large_stress_change=bare.large_stress_change,
         stress_density_persson=("stress_bin", law * (1.0 if theory else np.nan)),
         points_per_wave_close=float(data.points_per_wave[close[0]]) if close.size else np.nan,
         cells_per_patch_close=float(data.cells_per_patch[close[0]]) if close.size else np.nan,
@@ -214,13 +212,7 @@ PROTOCOL_METHODS: tuple[Literal["bem", "fem"], ...] = ("bem", "fem")
 _PROTOCOL = "kappa_protocol_by_solver"
 
 
-def protocol_of_solvers(
-    rough: Measured,
-    fine: Measured,
-    data: xr.Dataset,
-    *,
-    points: int,
-) -> xr.Dataset:
+def protocol_of_solvers(rough: Measured, fine: Measured, data: xr.Dataset, *, points: int) -> xr.Dataset:
     """Reduce the protocol by solver, H and surface, beside the converged kappa of the same surfaces, by H and surface."""
     counted = {case: one[["kappa"]].rename(kappa=f"{_PROTOCOL}_each") for case, one in rough.items()}
     there = ("hurst_protocol", "surface")

@@ -129,8 +129,7 @@ def limit_of(solved: Mapping[Press, ContactResult]) -> xr.Dataset:
 def resolved_grids(first: ContactProblem, grids: Sequence[Grid], *, located: bool) -> tuple[Grid, ...]:
     """Return the grids of at least 3 points per shortest wave.
 
-    UsageError where they give no limit: two are needed where edges are `located` on square cells, else
-    three.
+    UsageError where they give no limit: two are needed where edges are `located` on square cells, else three.
     """
     fine = tuple(
         dict.fromkeys(grid for grid in grids if first.points_per_wave(grid) >= LEAST_POINTS_PER_WAVE)

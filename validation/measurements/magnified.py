@@ -126,9 +126,7 @@ def at_magnification(zeta: Array, area: Array, at: float) -> float:
     >>> round(at_magnification(np.array([1.0, 4.0]), np.array([0.4, 0.1]), 2.0), 12)
     0.2
     """
-    if not zeta[0] <= at <= zeta[-1]:
-        return float("nan")
-    return float(np.exp(np.interp(np.log(at), np.log(zeta), np.log(area))))
+    return float(np.exp(np.interp(np.log(at), np.log(zeta), np.log(area), left=np.nan, right=np.nan)))
 
 
 def with_macroasperities(data: xr.Dataset, *, theory: Sequence[float], same: float) -> xr.Dataset:

@@ -167,8 +167,7 @@ def press_on_grids(
 ) -> xr.Dataset:
     """Press one surface, at ascending loads, on nested grids, each on `shifts`^2 sub-grid shifts.
 
-    What `quantities_of` lists over (grid, shift, load); histograms (grid, load, bin), means over the
-    shifts.
+    What `quantities_of` lists over (grid, shift, load); histograms (grid, load, bin), means over the shifts.
 
     Parameters
     ----------
@@ -272,11 +271,7 @@ def press_elastic(
 
 
 def truncated_heights(
-    problem: ContactProblem,
-    grid: Grid,
-    shift: tuple[float, float] = (0.0, 0.0),
-    *,
-    truncation: float | None,
+    problem: ContactProblem, grid: Grid, shift: tuple[float, float] = (0.0, 0.0), *, truncation: float | None
 ) -> HeightField:
     """Return the heights of a surface on a grid, without its waves beyond a wavevector [1/m]."""
     if truncation is None:
@@ -383,10 +378,7 @@ def areas_of(dataset: xr.Dataset, load: int) -> list[ContactAreas]:
 
 
 def stored_areas(
-    numbers: Mapping[str, Any] | xr.Dataset,
-    *,
-    grid: Grid,
-    edge_constant: float = EDGE_CONSTANTS["bem"],
+    numbers: Mapping[str, Any] | xr.Dataset, *, grid: Grid, edge_constant: float = EDGE_CONSTANTS["bem"]
 ) -> ContactAreas:
     """Return the areas of one solve from stored numbers, as limits take them, on periods of 1.
 

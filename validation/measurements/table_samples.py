@@ -125,8 +125,7 @@ class SampledSpectrum:
         """Reduce the results of `cases`: the controlled mean of each quantity over (reduced_pressure), with its errors.
 
         ``saving`` is the time of plain means of the same interval over the time spent;
-        ``area_by_spectrum_reading`` what the interpolation to these loads leaves, a part of the grids'
-        error.
+        ``area_by_spectrum_reading`` what the interpolation to these loads leaves, a part of the grids' error.
         """
         coarsest, further = measured["coarsest",], measured["further",]
         ending = [

@@ -110,8 +110,7 @@ def ensemble_stress_variance(spectrum: Spectrum | None, rms_gradients: ArrayLike
 
     .. math:: V_k = \frac{m_2[C]}{4} \frac{h'^2_k}{\langle h'^2 \rangle}
 
-    Their scatter is that of the realised gradients. NaN where there is no C(q) but that of a measured
-    period.
+    Their scatter is that of the realised gradients. NaN where there is no C(q) but that of a measured period.
     """
     squares = np.square(np.asarray(rms_gradients, dtype=float))
     if spectrum is None:
