@@ -70,17 +70,14 @@ class Theory(Method):
 class Prediction:
     """What the theory says of one surface of a scene."""
 
-    #: A/A0 conditional on the realised gradient of this surface, yielded contact included; NaN where the
-    #: theory has no answer.
+    #: A/A0 conditional on the realised gradient of this surface, yielded contact included; NaN: no answer.
     area: float
     ensemble_area: float | None  # A/A0 from C(q) alone; None where there is no C(q)
     stress_variance: float  # V [Pa^2] of the realised surface at full contact
     plastic: float | None = None  # A_pl/A0 with a hardness
-    #: A/A0 with another reading of the elastic energy (Eq. 43; Eqs. 44-49 where that was asked for), with
-    #: adhesion.
+    #: A/A0 with adhesion, the energy read otherwise: by Eq. 43, by Eqs. 44-49 where Eq. 43 was asked for.
     other: float | None = None
-    #: Which part of the theory, where it is not that of elastic contact without adhesion; or why `area` is
-    #: NaN.
+    #: Which part of the theory, where not that of elastic contact without adhesion; or why `area` is NaN.
     note: str = ""
 
     @property
