@@ -96,7 +96,7 @@ def _outcome(case: HardCase, value: float, slowest: float) -> xr.Dataset:
         measured = case.measure(value)
     except (FemContactError, PerssonError) as refusal:
         message = f"{type(refusal).__name__}: {refusal}"
-        outcome = "refused" if case.refusable(value) else "WRONG"
+        outcome = "refused" if value in case.refusable else "WRONG"
     except Exception as crash:  # whatever it is, it is what this study looks for
         outcome, message = "WRONG", f"{type(crash).__name__}: {crash}"
     else:
