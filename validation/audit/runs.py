@@ -14,7 +14,7 @@ from validation.audit.dataset import Result, Variables
 from validation.audit.ledger import Ledger
 from validation.audit.limits import LEAST_POINTS, limit_over
 from validation.audit.reductions import NORMAL
-from validation.audit.stored import Grid, Pair, Stored
+from validation.audit.stored import Grid, Moments, Pair, Stored
 from validation.audit.values import judge_dataset
 
 #: What a solve leaves of the located area, in tolerances (docs/bem.md).
@@ -117,11 +117,10 @@ class Run:
         self.shortest = None if wave is None else float(wave)
         #: Whether a mean gap or an offset was held in place of a load.
         self.holds_distance = bool({"mean_gap", "offset"} & set(scene["load"]))
-        kinds = [effect["kind"] for effect in self.effects]
-        self.bare, self.adhesive = not kinds, "adhesion" in kinds
+        self.kinds = [effect["kind"] for effect in self.effects]
+        self.adhesive = "adhesion" in self.kinds
         #: [Pa], where there is one and no other effect.
-        by_size = any("size_wavelength" in effect for effect in self.effects)
-        single = kinds == ["hardness"] and not by_size
+        single = self.kinds == ["hardness"] and "size_wavelength" not in self.effects[0]
         self.hardness = float(self.effects[0]["hardness"]) if single else None
         keys = (v.values.flat for name, v in data.items() if name == "solve" or name.startswith("solve_"))
         named = " ".join(map(str, itertools.chain.from_iterable(keys)))
@@ -137,7 +136,7 @@ class Run:
             {key: value for key, value in recipe[of].items() if value is not None}
             for of in ("surface", "solid", "load")
         )
-        asked, k = dict(self.surface), 0
+        asked = dict(self.surface)
         # The recipe of a `ContactProblem` holds the digest of a file in place of its path.
         surface |= {key: asked[key] for key in ("path", "second_path") if key in asked and key in surface}
         if self.measured:
@@ -159,9 +158,8 @@ class Run:
     @cached_property
     def depth(self) -> float | None:
         """Depth [m] at which the solid is bonded to a rigid base: inf of a half-space, None of others."""
-        layers = {effect["kind"]: effect for effect in self.effects}
-        for kind in ("hardness", "adhesion", "smoothing"):
-            layers.pop(kind, None)
+        no_layers = ("hardness", "adhesion", "smoothing")
+        layers = {effect["kind"]: effect for effect in self.effects if effect["kind"] not in no_layers}
         if list(layers) == ["thickness"] and layers["thickness"].get("base", "bonded") == "bonded":
             return float(layers["thickness"]["thickness"])
         return None if layers else math.inf
@@ -170,7 +168,7 @@ class Run:
         """Whether lambda_short > 2 dx."""
         return self.shortest is None or self.shortest > 2 * max(solve.spacing) * (1 + 1e-12)
 
-    def moments(self, k: int = 0) -> tuple[float, float, float] | None:
+    def moments(self, k: int = 0) -> Moments | None:
         """(m0, m2, m4) of one realisation, from its finest grid that resolves it."""
         solves = [solve for key, solve in self.solves.items() if key[3] == k and self.resolved(solve)]
         if not solves or self.measured:
@@ -217,10 +215,9 @@ class Run:
         resolved = [solve for solve in there if self.resolved(solve)] or there
         return sorted(resolved, key=lambda solve: -max(solve.spacing))
 
-    @cached_property
-    def reduced_pressure(self) -> float | None:
-        """p* = p0 / (E* h'_rms), E* of the surface."""
-        pressure, moments = self.pressure(), self.moments()
+    def reduced_pressure(self, k: int = 0) -> float | None:
+        """p* = p0 / (E* h'_rms) of one realisation, E* of the surface."""
+        pressure, moments = self.pressure(k), self.moments(k)
         if pressure is None or moments is None:
             return None
         return pressure / (self.surface_modulus * math.sqrt(moments[1]))
@@ -271,7 +268,7 @@ class Run:
 
     def theory(self, m2: float | None, pressure: float | None) -> Pair:
         """A/A0 and A_pl/A0 with V = E*^2 m2 / 4, elastic or with one hardness; NaN with other effects."""
-        known = (self.bare or self.hardness is not None) and "theory" in self.options
+        known = (not self.kinds or self.hardness is not None) and "theory" in self.options
         if not known or m2 is None or pressure is None:
             return math.nan, math.nan
         variance = 0.25 * self.modulus**2 * m2
@@ -377,7 +374,7 @@ def _of_solves(run: Run) -> Expected:
         if not solves:
             raise LookupError(f"no stored solve of {method} on {grid[0]} x {grid[1]}")
         means = {"density_at_zero": "density_at_zero"}
-        if "hardness" in {effect["kind"] for effect in run.effects}:
+        if "hardness" in run.kinds:
             means["area_plastic_pixel"] = "plastic"
         row: dict[str, float | None]
         row = {name: math.fsum(getattr(s, of) for s in solves) / len(solves) for name, of in means.items()}
@@ -389,7 +386,7 @@ def _of_solves(run: Run) -> Expected:
             "unknowns": solves[0].cost["unknowns"],
         }
         if not run.measured:
-            load, residual = run.reduced_pressure or math.nan, max(run.residual(solve) for solve in solves)
+            load, residual = run.reduced_pressure() or math.nan, max(run.residual(solve) for solve in solves)
             if run.holds_distance:
                 carried = math.fsum(solve.mean_pressure for solve in solves) / len(solves)
                 load *= carried / (run.pressure() or math.nan)
@@ -454,13 +451,14 @@ def _of_ensemble(run: Run) -> Expected:
     areas = [run.limit("bem", k, grids)[0] for k in range(count)]
     for k, area in enumerate(areas):
         yield "area_each", area, {"surface": k}
-        numbers, moments = dict[str, float](), run.moments(k)
-        if moments is not None and not run.holds_distance:
-            numbers["rms_gradient_each"] = gradient = math.sqrt(moments[1])
-            numbers["reduced_pressure_each"] = (run.pressure(k) or math.nan) / (
-                run.surface_modulus * gradient
-            )
-            numbers["area_persson_each"] = run.own_theory(k)[0]
+        moments = run.moments(k)
+        if moments is None or run.holds_distance:
+            continue
+        numbers = {
+            "rms_gradient_each": math.sqrt(moments[1]),
+            "reduced_pressure_each": run.reduced_pressure(k) or math.nan,
+            "area_persson_each": run.own_theory(k)[0],
+        }
         yield from ((name, value, {"surface": k}) for name, value in numbers.items() if not math.isnan(value))
     mean = math.fsum(areas) / count
     yield "scatter", math.sqrt(math.fsum((a - mean) ** 2 for a in areas) / (count - 1)) / mean, {}

@@ -18,6 +18,8 @@ from validation.netcdf import read_dataset
 Array = NDArray[Any]
 Grid = tuple[int, int]
 Pair = tuple[float, float]
+#: (m0, m2, m4) of heights.
+Moments = tuple[float, float, float]
 
 #: Excess of the counted area per edge and cell, by the element that the result names.
 EDGE_CONSTANTS = {
@@ -54,7 +56,7 @@ def wavevectors(shape: tuple[int, ...], lengths: Pair) -> Array:
     return np.sqrt(qx[:, None] ** 2 + qy[None, :] ** 2)
 
 
-def moments(heights: Array, lengths: Pair) -> tuple[float, float, float]:
+def moments(heights: Array, lengths: Pair) -> Moments:
     """(m0, m2, m4): sums of q^0, q^2, q^4 times the power of each wave of the interpolant but the mean."""
     power = np.abs(np.fft.fft2(heights)) ** 2 / heights.size**2
     power[0, 0] = 0.0
@@ -104,6 +106,8 @@ class Stored:
         self.bound = fields["at_bound"] == 1
         self.weights = fields.get("weights", np.ones(self.p.shape))
         self.method = str(self.recipe["method"])
+        #: Whether its surroundings are free, not periodic.
+        self.free = self.provenance.get("method", "").endswith("free surroundings")
         #: Points along x and y, their number, the spacing [m], and the shift in parts of a cell.
         self.grid: Grid = (self.p.shape[0], self.p.shape[1])
         self.cells = int(self.p.size)
@@ -111,15 +115,15 @@ class Stored:
         self.shift = (float(self.recipe["shift"][0]), float(self.recipe["shift"][1]))
 
     @cached_property
-    def moments(self) -> tuple[float, float, float]:
+    def moments(self) -> Moments:
         """(m0, m2, m4) of the heights."""
         return moments(self.h, self.lengths)
 
     @cached_property
-    def roughness(self) -> tuple[float, float, float]:
+    def roughness(self) -> Moments:
         """(m0, m2, m4) of the heights without the ball they lie on."""
-        free = (effect for effect in self.recipe["effects"] if effect["kind"] == "free-boundary")
-        radius = next((effect.get("radius") for effect in free), None)
+        effects = {effect["kind"]: effect for effect in self.recipe["effects"]}
+        radius = effects.get("free-boundary", {}).get("radius")
         if not radius:
             return self.moments
         x, y = ((np.arange(n) - n / 2) * d for n, d in zip(self.grid, self.spacing, strict=True))
@@ -134,15 +138,12 @@ class Stored:
     def edges(self) -> float:
         """Cell edges between contact and none, over the number of cells."""
         c = self.contact
-        along_x = np.sum(c[:-1] != c[1:]) + np.sum(c[-1] != c[0])
-        along_y = np.sum(c[:, :-1] != c[:, 1:]) + np.sum(c[:, -1] != c[:, 0])
-        return float((along_x + along_y) / c.size)
+        return float(sum(np.sum(c != np.roll(c, 1, axis)) for axis in (0, 1)) / c.size)
 
     @property
     def edge_constant(self) -> float:
         """The constant that belongs to the discretisation."""
-        points = "bem free" if self.provenance.get("method", "").endswith("free surroundings") else "bem"
-        return EDGE_CONSTANTS[self.provenance.get("element", points)]
+        return EDGE_CONSTANTS[self.provenance.get("element", "bem free" if self.free else "bem")]
 
     @property
     def perimeter(self) -> float:
@@ -268,8 +269,7 @@ class Stored:
     @cached_property
     def _waves(self) -> tuple[Array, Array, Array, Array]:
         """Power of the heights, wavevectors along x and y, and which of them have less than four points."""
-        free = self.provenance.get("method", "").endswith("free surroundings")
-        window = np.outer(np.hanning(self.grid[0]), np.hanning(self.grid[1])) if free else 1.0
+        window = np.outer(*map(np.hanning, self.grid)) if self.free else 1.0
         power = np.abs(np.fft.fft2((self.h - np.mean(self.h)) * window)) ** 2
         x, y = (np.fft.fftfreq(n) for n in self.grid)
         beyond = np.sqrt((4 * x[:, None]) ** 2 + (4 * y[None, :]) ** 2) > 1 + 1e-9
