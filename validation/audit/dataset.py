@@ -39,6 +39,11 @@ def numbers_in(recipe: Any, name: str) -> Iterator[float]:
             yield from numbers_in(part, name)
 
 
+def solves_in(data: Variables) -> dict[str, xr.Variable]:
+    """Return the variables that name stored solves, by their keys."""
+    return {str(name): variable for name, variable in data.items() if name.startswith("solve")}
+
+
 class Result:
     """A results folder of a study."""
 
@@ -93,8 +98,8 @@ class Result:
     def gradients(self) -> dict[float, float]:
         """h'_rms of the surface with all its waves, by the pressure that it and its parts are given."""
         gradients: dict[float, float] = {}
-        named = (v.values for name, v in self.data.items() if name.startswith("solve"))
-        for key in {one for values in named for text in values.ravel() for one in str(text).split()}:
+        named = (text for solves in solves_in(self.data).values() for text in solves.values.ravel())
+        for key in {key for text in named for key in str(text).split()}:
             solve = self.solve(key)
             if solve is not None and "heights" in solve:
                 x, y = solve.attrs["lengths"]

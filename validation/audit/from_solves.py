@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from validation.audit.dataset import Result, numbers_in, ordered
+from validation.audit.dataset import Result, numbers_in, ordered, solves_in
 from validation.audit.expressions import value_of
 from validation.audit.limits import TRAITS, limit_over
 from validation.audit.stored import Array, Pair, Stored
@@ -25,11 +25,8 @@ _LEAST_POINTS = 3.0
 
 def _places(result: Result, variable: xr.Variable) -> Iterator[tuple[Any, str]]:
     """Yield index and keys of the solves of a variable: those named along most of its dimensions."""
-    named = [
-        solves
-        for name, solves in result.data.items()
-        if name.startswith("solve") and set(solves.dims) <= set(variable.dims)
-    ]
+    every = solves_in(result.data).values()
+    named = [solves for solves in every if set(solves.dims) <= set(variable.dims)]
     if named:
         solves = max(named, key=lambda solves: solves.ndim)
         for place, key in np.ndenumerate(solves.values):
@@ -163,8 +160,7 @@ def _asked(result: Result, solve: xr.Dataset, name: str) -> Any:
 
 
 def _said_by_all(result: Result, variable: xr.Variable, read: Callable[[xr.Dataset], Any]) -> Array | None:
-    named = result.data
-    for solves in (named[name] for name in sorted(named) if name.startswith("solve")):
+    for _, solves in sorted(solves_in(result.data).items()):
         found, seen = np.full(variable.values.shape, np.nan), np.zeros(variable.values.shape, dtype=bool)
         for place, key in np.ndenumerate(solves.values):
             solve = result.solve(str(key).split()[0]) if key else None

@@ -17,7 +17,7 @@ import xarray as xr
 from scipy.special import stdtrit
 
 from validation.audit import from_solves
-from validation.audit.dataset import Result, Variables, ordered
+from validation.audit.dataset import Result, Variables, ordered, solves_in
 from validation.audit.expressions import value_of
 from validation.audit.stored import Array
 
@@ -63,17 +63,16 @@ def errors_of(result: Result, name: str) -> dict[str, Array]:
 
 def _samples(result: Result, variable: xr.Variable) -> tuple[Array, Array]:
     """Return the single values, surfaces last, and which of them were solved."""
-    over = str(variable.attrs["over"])
     each = result.data[str(variable.attrs["of"])]
-    dims = (*variable.dims, over)
-    return ordered(each, dims).astype(float), _there(result, each, dims, over)
+    dims = (*variable.dims, str(variable.attrs["over"]))
+    return ordered(each, dims).astype(float), _there(result, each, dims)
 
 
-def _there(result: Result, each: xr.Variable, dims: tuple[Any, ...], over: str) -> Array:
-    """Return which values were solved, along these dimensions."""
-    shape = ordered(each, dims).shape
-    for name, named in result.data.items():
-        if name.startswith("solve") and over in named.dims and set(named.dims) <= set(each.dims):
+def _there(result: Result, each: xr.Variable, dims: tuple[Any, ...]) -> Array:
+    """Return which values were solved, along these dimensions, the last of which counts samples."""
+    shape, over = ordered(each, dims).shape, dims[-1]
+    for named in solves_in(result.data).values():
+        if over in named.dims and set(named.dims) <= set(each.dims):
             return np.broadcast_to(ordered(named, dims).astype(str) != "", shape)
     count = result.data.get("surfaces")  # a case of a sweep may have fewer than others
     if over != "surface" or count is None or not set(count.dims) <= set(each.dims):
@@ -156,7 +155,7 @@ def _expression_errors(result: Result, variable: xr.Variable) -> dict[str, Array
 # ---- what is fitted, and shares --------------------------------------------------------------------------
 
 
-def _power(result: Result, variable: xr.Variable) -> tuple[Array, Array, Array]:
+def _power(result: Result, variable: xr.Variable) -> Array:
     """Exponent, half of its 95 % interval and factor of a power, by normal equations."""
     attrs = variable.attrs
     of, x = result.data[str(attrs["of"])], result.data[str(attrs["x"])]
@@ -178,7 +177,7 @@ def _power(result: Result, variable: xr.Variable) -> tuple[Array, Array, Array]:
         if free:
             half = float(stdtrit(free, 0.975)) * math.sqrt(float(rest @ rest) / free / spread)
         found[:, *place] = slope, half, math.exp(v.mean() - slope * u.mean())
-    return found[0], found[1], found[2]
+    return found
 
 
 def _share(result: Result, name: str, variable: xr.Variable) -> Array:
@@ -195,7 +194,7 @@ def _line(result: Result, name: str, variable: xr.Variable) -> Array:
     each = result.data[str(attrs["of"])]
     values = ordered(each, (*dims, along, over))
     x = np.broadcast_to(ordered(result.data[str(attrs["x"])], (*dims, along)), values.shape[:-1])
-    there = _there(result, each, (*dims, along, over), over)
+    there = _there(result, each, (*dims, along, over))
     found = np.full((2, *values.shape[:-2]), np.nan)
     for place in np.ndindex(values.shape[:-2]):
         groups = [row[kept] for row, kept in zip(values[place], there[place], strict=True)]
@@ -203,11 +202,9 @@ def _line(result: Result, name: str, variable: xr.Variable) -> Array:
             groups = [(group[0::2] + group[1::2]) / 2 for group in groups]
         means = np.array([group.mean() for group in groups])
         error = np.array([math.sqrt(np.sum((g - g.mean()) ** 2) / (g.size - 1) / g.size) for g in groups])
-        w = (
-            np.ones(means.size)
-            if int(attrs["common"])
-            else 1 / np.maximum(error, 1e-3 * error.max() + 1e-300)
-        )
+        if int(attrs["common"]):
+            error = np.ones(means.size)
+        w = 1 / np.maximum(error, 1e-3 * error.max() + 1e-300)
         w = w**2 / np.sum(w**2)
         at = x[place]
         middle = float(w @ at)
