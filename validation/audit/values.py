@@ -60,13 +60,11 @@ def judge_dataset(result: Result, ledger: Ledger, judged: Collection[str] = ()) 
         if variable.values.dtype.kind not in "fiub" or name == "source" or name.endswith("_error"):
             continue
         expected = None if name in judged else recomputed(result, name)
-        if expected is None and (name in judged or name in variable.dims):
-            pass  # a position, or what was asked for
-        elif expected is None:
-            ledger.unread.append(f"data.nc: {name}")
-        else:
+        if expected is not None:
             loose = {"rtol": 1e-6, "atol": 1e-9} if variable.attrs.get("reduction") in _FITTED else {}
             ledger.number("data.nc", name, variable.values, expected, **loose)
+        elif name not in {*judged, *variable.dims}:  # neither judged nor a position
+            ledger.unread.append(f"data.nc: {name}")
         if f"{name}_error" in result.data and f"{name}_error" not in judged:
             _errors(result, name, ledger)
 
@@ -76,24 +74,21 @@ _FITTED = ("limit", "drift", "line limit", "line slope", "polynomial limit", "po
 
 
 def _errors(result: Result, name: str, ledger: Ledger) -> None:
-    error = result.data[f"{name}_error"]
-    expected = errors_of(result, name)
-    value = result.data[name].values.astype(float)
+    error, variable = result.data[f"{name}_error"], result.data[name]
+    # Where there is no value, its errors say nothing.
+    nowhere = np.isnan(variable.values.astype(float))
+    expected = {s: np.where(nowhere, 0.0, share) for s, share in errors_of(result, name).items()}
     for k, source in enumerate(SOURCES):
-        # Where there is no value, its errors say nothing.
-        errors = ordered(error.isel(source=k), result.data[name].dims)
-        errors = np.broadcast_to(errors, value.shape)
-        part = np.where(np.isnan(value), 0.0, errors)
-        expected = {s: np.where(np.isnan(value), 0.0, share) for s, share in expected.items()}
+        where = f"{name}_error, {source}"
+        part = np.where(nowhere, 0.0, ordered(error.isel(source=k), variable.dims))
         if source in error.attrs:
             none = np.where(np.isnan(part), np.nan, 0.0)
-            ledger.number("data.nc", f"{name}_error, {source} does not enter", part, none)
+            ledger.number("data.nc", f"{where} does not enter", part, none)
         elif source in expected and source not in str(error.attrs.get("claimed", "")).split():
-            scale = float(np.fmax.reduce(np.abs(result.data[name].values), axis=None, initial=0.0))
-            where, errors = f"{name}_error, {source}", expected[source]
-            ledger.number("data.nc", where, part, errors, rtol=1e-5, atol=1e-11 * scale)
+            scale = float(np.fmax.reduce(np.abs(variable.values), axis=None, initial=0.0))
+            ledger.number("data.nc", where, part, expected[source], rtol=1e-5, atol=1e-11 * scale)
         elif np.isfinite(part).any():
-            ledger.unread.append(f"data.nc: {name}_error, {source}")
+            ledger.unread.append(f"data.nc: {where}")
 
 
 # ---- what is shown ---------------------------------------------------------------------------------------
@@ -236,12 +231,11 @@ def judge_budget(result: Result, ledger: Ledger) -> None:
                 "for this spectrum and period [%]": math.hypot(*entering),
             }
             for source, share in zip(SOURCES, shares, strict=True):
-                words = "does not enter" if source in error.attrs else "not measured"
-                cells[f"{source} [%]"] = words if source in error.attrs or math.isnan(share) else share
+                told = "not measured" if math.isnan(share) else share
+                cells[f"{source} [%]"] = "does not enter" if source in error.attrs else told
             if "treatment_spread" in result.data and name in ("area", "area_own"):
-                spread = result.data["treatment_spread"]
-                of_map = 100 * float(spread.values[tuple(at[dim] for dim in spread.dims)])
-                cells["treatment [%]"] = of_map
+                spread = result.data["treatment_spread"].isel(at, missing_dims="ignore")
+                cells["treatment [%]"] = of_map = 100 * float(spread.values)
                 measured = [share for share in entering if not math.isnan(share)]
                 cells["with treatment [%]"] = math.hypot(of_map, *measured)
             rows.append(cells)
