@@ -10,7 +10,7 @@ import numpy as np
 from validation.audit.dataset import Result
 from validation.audit.ledger import Ledger
 from validation.audit.runs import Run, audit_run
-from validation.audit.stored import Grid, Stored, wavevectors
+from validation.audit.stored import Stored, wavevectors
 from validation.audit.values import judge_shown, value_ledger
 
 
@@ -106,10 +106,9 @@ def judge_surfaces(run: Run, ledger: Ledger) -> None:
             moved = np.fft.ifft2(np.fft.fft2(still.h) * x[:, None] * y[None, :]).real
             misfit = float(np.max(np.abs(solve.h - moved))) / (float(np.ptp(solve.h)) or 1.0)
             ledger.number(place, "heights against those moved by the shift", misfit, 0.0, atol=1e-8)
-    alike: dict[tuple[str, Grid], list[bytes]] = {}
+    alike: dict[str, list[bytes]] = {}
     for (method, grid, shift, _), solve in run.solves.items():
         if shift == (0.0, 0.0):
-            alike.setdefault((method, grid), []).append(solve.h.tobytes())
-    for (method, grid), heights in alike.items():
-        place = f"{method} {grid[0]}x{grid[1]}"
+            alike.setdefault(f"{method} {grid[0]}x{grid[1]}", []).append(solve.h.tobytes())
+    for place, heights in alike.items():
         ledger.same(place, "surfaces that differ", len(set(heights)), len(heights))
