@@ -121,20 +121,18 @@ class Finding:
         sources = {value.sources for value in printed}
         once = len(printed) > 1 and len(sources) == 1 and "" not in sources
 
-        def plain(values: Mapping[str, Value]) -> dict[str, Any]:
-            return {n: replace(v, sources="") if once else v for n, v in values.items()}
+        def said(values: Mapping[str, Value]) -> dict[str, Any]:
+            plain = {n: replace(v, sources="") if once else v for n, v in values.items()}
+            return plain | ({"verdict": self._verdict(values[self.by])} if self.by in values else {})
 
-        whole = plain(self.values)
-        if self.by in self.values:
-            whole["verdict"] = self._verdict(self.values[self.by])
+        whole = said(self.values)
         # A verdict that rows begin with is said once, with the words up to their first number.
         shared = re.match(r"\{verdict\}([^{]*,|[^{(]*(?=\())?|", self.item)
         assert shared is not None
         cases: dict[str, list[str]] = {}
         for row in self.rows:
-            verdict = {"verdict": self._verdict(row[self.by])} if self.by in row else {}
-            printed_row = self.item.format(**{**whole, **plain(row), **verdict})
-            lead = shared[0].format(**verdict)
+            here = whole | said(row)
+            printed_row, lead = (form.format(**here) for form in (self.item, shared[0]))
             case = cases.setdefault(lead, [])
             case.append(printed_row.removeprefix(lead).lstrip() if case else printed_row)
         rows = [row for case in cases.values() for row in case]
@@ -152,11 +150,8 @@ class Finding:
     def outcomes(self) -> tuple[str, ...]:
         """Outcome of the rule: of the finding, or of each row; empty where nothing is decided."""
         rule = KINDS[self.kind][0]
-        if rule is None or not self.by:
-            return ()
-        if self.by in self.values:
-            return (rule(self.values[self.by]),)
-        return tuple(rule(row[self.by]) for row in self.rows)
+        decided = (self.values,) if self.by in self.values else self.rows
+        return tuple(rule(values[self.by]) for values in decided) if rule and self.by else ()
 
     def _verdict(self, value: Value) -> str:
         rule, words = KINDS[self.kind]
@@ -201,20 +196,18 @@ def finding(
     each of their places. Of `more` values plain numbers are exact. A part of the form in brackets is left
     out where a value that it names is not there.
     """
-    over: tuple[str, ...] = ()
+    data = xr.Dataset() if data is None else data
     in_rows = _names(item) | {by}
-    if data is not None:
-        named = [v for n, v in data.variables.items() if item and n in in_rows]
-        along = dict.fromkeys(str(dim) for variable in named for dim in variable.dims)
-        over = tuple(dim for dim in along if data.sizes[dim] != 1) or tuple(along)[:1]
-        data = data.squeeze([dim for dim, n in data.sizes.items() if n == 1 and dim not in over])
-    said = {} if data is None else {n: v for n, v in data.attrs.items() if n not in data.variables}
-    values = {n: _exact(v) for n, v in said.items() if n in _names(form, item)}
-    values |= {n: _exact(v) for n, v in more.items()}
+    named = [v for n, v in data.variables.items() if item and n in in_rows]
+    along = dict.fromkeys(str(dim) for variable in named for dim in variable.dims)
+    over = tuple(dim for dim in along if data.sizes[dim] != 1) or tuple(along)[:1]
+    data = data.squeeze([dim for dim, n in data.sizes.items() if n == 1 and dim not in over])
+    said = {n: v for n, v in data.attrs.items() if n in _names(form, item) and n not in data.variables}
+    values = {n: _exact(v) for n, v in (said | more).items()}
     form = _OPTIONAL.sub(lambda part: _said(part[1], data, values), form)
     asked = _names(form, item)
     values = {n: value for n, value in values.items() if known(value.value) or n in {*asked, by}}
-    here = {} if data is None else values_of(data, {*asked, by}.__contains__)
+    here = values_of(data, {*asked, by}.__contains__)
     if kind not in KINDS or ("verdict" in asked and not (by and KINDS[kind][0])):
         raise UsageError(
             f"finding {form!r}: the kind {kind!r} says no verdict, or 'by' names no value that decides"
@@ -225,7 +218,7 @@ def finding(
                 f"finding {one!r}: a bracket is not closed, or a part of the sentence is missing"
             )
     rows: list[dict[str, Value]] = []
-    if data is not None and item:
+    if item:
         # The rest need not be sliced at every place.
         shown = [n for n in data.data_vars if str(n).removesuffix("_error") in in_rows]
         for place in each(data[shown], *over):
@@ -250,15 +243,12 @@ def finding(
 _OPTIONAL = re.compile(r"\[([^][]*\{[^][]*)\]")
 
 
-def _said(part: str, data: xr.Dataset | None, values: Mapping[str, Value]) -> str:
+def _said(part: str, data: xr.Dataset, values: Mapping[str, Value]) -> str:
     for name in _names(part):
-        if name in values:
-            there = known(values[name].value)
-        elif there := data is not None and name in data.variables:
-            there = known(data[name].item())
-        else:
+        if name not in values and name not in data.variables:
             quantity(name)  # what is no quantity at all is refused
-        if not there:
+            return ""
+        if not known(values[name].value if name in values else data[name].item()):
             return ""
     return part
 
