@@ -62,9 +62,10 @@ def gather(cases: Mapping[Any, xr.Dataset], *along: str, **dims: Sequence[Any]) 
     >>> data.area.values.tolist(), data.pressure.dims
     ([[0.1, 0.2], [0.1, 0.2], [nan, nan]], ('poisson', 'load'))
     """
+    several = len(along or dims) > 1
+    named = {place if several else (place,): case for place, case in cases.items()}
     if along:
-        several = [place if len(along) > 1 else (place,) for place in cases]
-        dims = {dim: list(dict.fromkeys(place[k] for place in several)) for k, dim in enumerate(along)}
+        dims = {dim: list(dict.fromkeys(place[k] for place in named)) for k, dim in enumerate(along)}
     first = next(iter(cases.values()))
     alike = set(first.sizes.items()) | set(first.variables)
     for place, case in cases.items():
@@ -73,7 +74,6 @@ def gather(cases: Mapping[Any, xr.Dataset], *along: str, **dims: Sequence[Any]) 
             raise UsageError(f"cases to be gathered differ in {words}, as at {place}")
     sizes = {dim: len(values) for dim, values in dims.items()}
     places = dict(zip(itertools.product(*dims.values()), np.ndindex(*sizes.values()), strict=True))
-    named = {place if len(dims) > 1 else (place,): case for place, case in cases.items()}
     there = {places[place]: case for place, case in named.items() if place in places}
 
     def of_all(name: str) -> dict[Any, xr.DataArray]:
@@ -85,9 +85,9 @@ def gather(cases: Mapping[Any, xr.Dataset], *along: str, **dims: Sequence[Any]) 
     for name in map(str, first.coords):
         values, left = of_all(name), sizes
         for dim in dims:
-            fewer = {other: n for other, n in left.items() if other != dim}
             kept = _without(values, list(left).index(dim))
-            values, left = (values, left) if kept is None else (kept, fewer)
+            if kept is not None:
+                values, left = kept, {other: n for other, n in left.items() if other != dim}
         single = any(dim.endswith("surface") for dim in left)
         if left and name in first.dims:
             raise UsageError(f"{name!r} differs between the cases along {', '.join(left)}: gather it alike")
@@ -308,13 +308,8 @@ def mean(
         if drift is not None:
             moved = _mean(_alike(drift, values), axis, solved)
             sources["grid"] = np.hypot(sources.get("grid", 0.0), moved)
-        made = {
-            "reduction": "mean",
-            "of": f"{name}_each",
-            "over": over,
-            "pairs": int(pairs),
-            "alike": int(alike),
-        }
+        made: dict[str, Any] = {"reduction": "mean", "of": f"{name}_each", "over": over}
+        made |= {"pairs": int(pairs), "alike": int(alike)}
         # An error that rounding explains is none.
         least = _ROUNDING * abs(middle)
         sources = {source: np.where(half < least, 0.0, half) for source, half in sources.items()}
@@ -427,8 +422,7 @@ def derive(data: xr.Dataset, **expressions: str) -> xr.Dataset:
             _of(data, absent, f"{name} = {expression}")
         value = _at(expression, point)
         value = value.transpose(*(dim for dim in data.sizes if dim in value.dims))
-        made = {"reduction": "expression", "expression": expression}
-        added = {name: bare(value, **made)}
+        added = {name: bare(value, reduction="expression", expression=expression)}
         errors = {n: data[f"{n}_error"] for n in point if f"{n}_error" in data}
         if errors:
             shifts = [
@@ -484,22 +478,16 @@ def power_law(data: xr.Dataset, name: str, *, of: str, x: str, along: Sequence[s
         student = float(scipy.special.stdtrit(free, 0.975)) if free else math.nan
         return float(line.slope), student * float(line.stderr), float(np.exp(line.intercept))
 
-    values = _of(data, of, f"power law {name!r}")
+    values, at = (_of(data, one, f"power law {name!r}") for one in (of, x))
     exponent, half, factor = xr.apply_ufunc(
         fit,
         values,
-        _of(data, x, f"power law {name!r}").broadcast_like(values),
+        at.broadcast_like(values),
         input_core_dims=[list(along), list(along)],
         output_core_dims=[[], [], []],
         vectorize=True,
     )
     made = {"reduction": "power law", "of": of, "x": x, "along": " ".join(along)}
-    return data.assign(
-        {
-            name: exponent.assign_attrs(made),
-            f"{name}_error": error_of(exponent, surfaces=half).assign_attrs(
-                {HOLDS: "scatter around the fit"}
-            ),
-            f"{name}_factor": factor.assign_attrs(made),
-        }
-    )
+    exponent, factor = (fitted.assign_attrs(made) for fitted in (exponent, factor))
+    error = error_of(exponent, surfaces=half).assign_attrs({HOLDS: "scatter around the fit"})
+    return data.assign({name: exponent, f"{name}_error": error, f"{name}_factor": factor})
