@@ -7,6 +7,7 @@ its 95 % interval).
 
 from __future__ import annotations
 
+import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -77,9 +78,7 @@ def quantity(name: str) -> Quantity:
     parts = name.split("_")
     for cut in range(len(parts), 0, -1):
         start = "_".join(parts[:cut])
-        if start not in known:
-            continue
-        qualified = _qualifiers("_".join(parts[cut:]), qualifiers)
+        qualified = _qualifiers("_".join(parts[cut:]), qualifiers) if start in known else None
         if qualified is not None:
             named = [qualifiers[qualifier] for qualifier in qualified]
             look = {key: value for one in named for key, value in one.get("look", {}).items()}
@@ -148,10 +147,13 @@ def shown_unit(variable: xr.DataArray, unit: str, largest: float) -> tuple[float
     return written_unit(variable) or prefixed_unit(unit, largest)
 
 
-def in_shown_unit(number: xr.DataArray) -> str:
-    """Return one number of a dataset with four digits, in the unit in which it is shown."""
+def in_shown_unit(number: xr.DataArray, unit: str = "") -> str:
+    """Return one number of a dataset with four digits, in the unit in which it is shown.
+
+    Its SI unit is that of the registry, unless it is given.
+    """
     value = float(number)
-    factor, unit = shown_unit(number, quantity(str(number.name)).unit, abs(value))
+    factor, unit = shown_unit(number, unit or quantity(str(number.name)).unit, abs(value))
     return four_digits(value * factor) + ("" if unit == "1" else f" {unit}")
 
 
@@ -167,8 +169,6 @@ def prefixed_unit(unit: str, largest: float) -> tuple[float, str]:
     >>> prefixed_unit("m", 3e-6), prefixed_unit("1/m", 4e7), prefixed_unit("1/m^2", 9e13)
     ((1000000.0, 'um'), (1e-06, '1/um'), (1e-12, '1/um^2'))
     """
-    import math
-
     if unit in ("m^2", "1/m^2") and math.isfinite(largest) and largest > 0:
         factor, named = prefixed_unit(unit.removesuffix("^2"), math.sqrt(largest))
         return factor**2, f"{named}^2"
@@ -215,12 +215,11 @@ def place_words(here: xr.Dataset, dim: str, data: xr.Dataset) -> str:
     names = [dim] if dim in data.coords else along
     if not names:
         return ""
-    item = here[names[0]].item()
-    if isinstance(item, str):
-        return str(named_at(here, names[0]).get("words", item))
+    place = here[names[0]]
+    if isinstance(place.item(), str):
+        return str(named_at(here, names[0]).get("words", place.item()))
     what = quantity_of(data, names[0])
-    factor, unit = shown_unit(data[names[0]], what.unit, abs(float(item)))
-    return f"{what.symbol} = {four_digits(float(item) * factor)}" + ("" if what.unit == "1" else f" {unit}")
+    return f"{what.symbol} = {in_shown_unit(place, what.unit)}"
 
 
 def glossary() -> str:
