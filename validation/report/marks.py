@@ -11,7 +11,6 @@ import itertools
 import re
 import tempfile
 import textwrap
-from collections import ChainMap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field, replace
 from pathlib import Path
@@ -36,6 +35,7 @@ from validation.report.quantities import (
     written_unit,
 )
 from validation.report.table import write_dataset
+from validation.report.values import values_of
 from validation.report.words import mathtext
 
 if TYPE_CHECKING:
@@ -198,14 +198,12 @@ def draw(figure: Figure, data: xr.Dataset, *, axes: Axes | None = None) -> Drawi
         canvas.colorbar(line.artist, ax=list(places) if common else line.axes, label=mathtext(line.label))
     if axes is None:
         _legend(canvas, list(places))
+        if images:  # squares of equal scale leave their labels too little place
+            canvas.set_layout_engine("constrained", w_pad=0.15)
     elif axes.get_legend_handles_labels()[0]:
         axes.legend(fontsize=7)
-    if axes is None and images:
-        # Squares of equal scale leave their labels too little place.
-        canvas.set_layout_engine("constrained", w_pad=0.15)
-    names = list(
-        dict.fromkeys(n for line in drawn for n in (line.mark.y, line.x, getattr(line.mark, "high", "")) if n)
-    )
+    named = ((one.mark.y, one.x, getattr(one.mark, "high", "")) for one in drawn)
+    names = list(dict.fromkeys(itertools.chain.from_iterable(named)))
     names += [f"{n}_error" for n in names if f"{n}_error" in data]
     # What was asked, without attributes of the machine and of the place in the whole.
     attrs = {name: value for name, value in data.attrs.items() if name not in ("at", "solves_made")}
@@ -386,8 +384,8 @@ def _look(mark: _Mark, here: xr.Dataset, k: int, *, several: bool) -> dict[str, 
         options["ls"] = STYLES[k % 4]
     fixed = {n: v for n, v in quantity(mark.y).look.items() if not (several and n == "color")}
     named = [c.item() for c in here.coords.values() if c.ndim == 0 and c.dtype.kind in "OU"]
-    looks = [q.get("look", {}) for q in registry()["qualifiers"].values() if q["words"] in named]
-    place = dict(ChainMap(*reversed(looks)))
+    looks = (q.get("look", {}) for q in registry()["qualifiers"].values() if q["words"] in named)
+    place = {key: value for look in looks for key, value in look.items()}
     return {"color": COLOURS[k % 8], "marker": SYMBOLS[k % 8], **place, **options, **fixed}
 
 
@@ -396,8 +394,6 @@ def _by(mark: _Mark) -> tuple[str, ...]:
 
 
 def _label(mark: _Mark, here: xr.Dataset, data: xr.Dataset) -> str:
-    from validation.report.values import values_of
-
     if mark.label is not None:
         form = mark.label
         return form.format(**dict(values_of(here, lambda name: f"{{{name}" in form)))

@@ -142,22 +142,21 @@ def write_page(page: Page, folder: Path, *, numbers_only: bool) -> tuple[Path, .
     if numbers_only:
         clear_page(folder, keep=(*written, _seal(folder, written)))
         return tuple(written)
-    figures = folder / "figures"
-    if page.figures or page.pictures:
+    figures, report = folder / "figures", folder / "report.html"
+    illustrated = bool(page.figures or page.pictures)
+    if illustrated:
         figures.mkdir(exist_ok=True)
-        written.append(figures)
-    for picture in page.pictures:
-        with atomic_path(figures / f"{picture.name}.png") as draft:
+    pictures = [figures / f"{picture.name}.png" for picture in page.pictures]
+    for path, picture in zip(pictures, page.pictures, strict=True):
+        with atomic_path(path) as draft:
             draft.write_bytes(picture.png)
     drawn = [_embedded(drawing, write_drawing(drawing, figures)) for drawing in page.figures]
-    report = folder / "report.html"
     with atomic_path(report) as draft:
         draft.write_text(render(page, drawn), encoding="utf-8")
     drawings = [folder / file for figure in drawn for file, _ in figure["files"]]
-    pictures = [figures / f"{picture.name}.png" for picture in page.pictures]
-    outputs = [report, *(path for path in written if path != figures), *drawings, *pictures]
+    outputs = [report, *written, *drawings, *pictures]
     clear_page(folder, keep=(*outputs, _seal(folder, outputs)))
-    return (report, *written)
+    return (report, *written, *[figures] * illustrated)
 
 
 def _seal(folder: Path, files: Collection[Path]) -> Path:

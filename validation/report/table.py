@@ -75,7 +75,7 @@ class Table:
         A UsageError for a name that the registry does not know, and for two of one title.
         """
         every = (_place(column, data) for column in self.columns)
-        made = [(name, title, at) for name, title, at in every if name in data.variables]
+        made = [one for one in every if one[0] in data.variables]
         named: dict[str, str] = {}
         for name, title, _ in made:
             if named.setdefault(title, name) != name:
@@ -101,8 +101,9 @@ class Table:
         there: list[dict[str, Any]] = []
         for name, _, at in (_place(column, data) for column in self.columns):
             place = {dim: k % data.sizes[dim] for dim, k in at.items() if dim in data.dims}
-            if name in data.variables and {"name": name, "at": place} not in there:
-                there.append({"name": name, "at": place})
+            column = {"name": name, "at": place}
+            if name in data.variables and column not in there:
+                there.append(column)
         coordinates = sorted(str(name) for name in data.coords if not str(name).startswith("_"))
         attrs = {"sparse": True} if self.sparse else {}
         return {"rows": list(self.rows), "columns": there, "coordinates": coordinates, **attrs}
@@ -182,12 +183,12 @@ def budget_table(data: xr.Dataset, names: Sequence[str]) -> ResultTable:
                 "for any [%]": combined(*shares.values()),
             }
             for source, share in shares.items():
-                words = _ENTERS_NOT if source in error.attrs else _UNMEASURED
-                row[f"{source} [%]"] = words if source in error.attrs or math.isnan(share) else share
+                measured = _UNMEASURED if math.isnan(share) else share
+                row[f"{source} [%]"] = _ENTERS_NOT if source in error.attrs else measured
             if "treatment_spread" in data and name in ("area", "area_own"):
                 row[TREATMENT] = spread = 100 * float(here["treatment_spread"])
-                measured = (share for share in entering if not math.isnan(share))
-                row["with treatment [%]"] = combined(spread, *measured)
+                known_shares = (share for share in entering if not math.isnan(share))
+                row["with treatment [%]"] = combined(spread, *known_shares)
             rows.append(row)
     return ResultTable.of_rows(rows)
 
@@ -362,7 +363,7 @@ def _with_interval(value: float | str, error: float | str | None, factor: float)
 
 
 def _cell(value: Any) -> str:
-    if isinstance(value, float):
-        whole = value == round(value) if math.isfinite(value) else False
-        return "" if math.isnan(value) else f"{value:.0f}" if whole and abs(value) < 1e9 else f"{value:.5g}"
-    return str(value)
+    if not isinstance(value, float):
+        return str(value)
+    digits = ".0f" if value.is_integer() and abs(value) < 1e9 else ".5g"
+    return "" if math.isnan(value) else f"{value:{digits}}"
