@@ -9,19 +9,27 @@ import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
+from rich.table import Table
 
+from fem_contact import bem
 from fem_contact.area import ContactAreas
+from fem_contact.bem import parallel
 from fem_contact.errors import FemContactError, NotConverged
+from validation.cli.options import print_json, say, show
+from validation.effects.base import ContactModel, Effect
 from validation.errors import RunFailed, UsageError
+from validation.execution.press import Press, solves_of
 from validation.files import read_record, write_record
-
-if TYPE_CHECKING:
-    from validation.execution.press import Press
-    from validation.scenes.scene import Scene
-    from validation.scenes.sweep import Sweep
+from validation.measurements.measurement import limit_over
+from validation.scenes.checks import check_scene
+from validation.scenes.problem import realise
+from validation.scenes.scene import Scene
+from validation.scenes.surfaces import waves_drawn
+from validation.scenes.sweep import Sweep
+from validation.scenes.tables import FileSurface
 
 #: Where Open MPI, MPICH and Slurm say which process this is, should MPI itself be missing.
 _RANKS = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "SLURM_PROCID")
@@ -32,11 +40,8 @@ def run_parallel(scene: Scene | Sweep, folder: Path, *, as_json: bool, unfit: Ma
 
     Finished grids found in the folder are used again. Every process calls this, the first one speaks.
     """
-    from fem_contact.bem.parallel import communicator
-    from validation.scenes.sweep import Sweep
-
     try:
-        comm = communicator()
+        comm = parallel.communicator()
     except FemContactError as error:
         if any(os.environ.get(name, "0") != "0" for name in _RANKS):
             raise typer.Exit(2) from None
@@ -72,11 +77,6 @@ def _together(comm: Any) -> Iterator[None]:
 
 
 def _solves(scene: Scene) -> list[Press]:
-    from validation.effects.base import Effect
-    from validation.execution.press import solves_of
-    from validation.scenes.checks import check_scene
-    from validation.scenes.problem import realise
-
     # No process has the whole surface: what is checked are the moments of its C(q).
     problem = replace(realise(scene), drawn=False)
     check_scene(scene, problem)
@@ -94,11 +94,6 @@ def _solves(scene: Scene) -> list[Press]:
 
 
 def _solved(solve: Press, folder: Path, comm: Any) -> dict[str, Any]:
-    from fem_contact import bem
-    from validation.effects.base import ContactModel
-    from validation.scenes.surfaces import waves_drawn
-    from validation.scenes.tables import FileSurface
-
     path = folder / f"{solve.key}.h5"
     stored: dict[str, Any] | None = comm.bcast(_finished(solve, path) if comm.rank == 0 else None)
     if stored is not None:
@@ -145,8 +140,6 @@ def _solved(solve: Press, folder: Path, comm: Any) -> dict[str, Any]:
 
 
 def _finished(solve: Press, path: Path) -> dict[str, Any] | None:
-    from validation.cli.options import say
-
     record = path.with_suffix(".json")
     try:
         stored = read_record(record)
@@ -160,11 +153,6 @@ def _finished(solve: Press, path: Path) -> dict[str, Any] | None:
 
 
 def _print(rows: list[dict[str, Any]], folder: Path, processes: int, *, as_json: bool) -> None:
-    from rich.table import Table
-
-    from validation.cli.options import print_json, show
-    from validation.measurements.measurement import limit_over
-
     areas = [row["areas"] | {"spacing": tuple(row["areas"]["spacing"])} for row in rows]
     limit = limit_over([ContactAreas(**area) for area in areas])
     if as_json:

@@ -5,13 +5,15 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.progress import BarColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import Progress as RichProgress
+from rich.table import Column
 
 from validation.errors import harmless
 from validation.execution.attempt import Progress
-
-if TYPE_CHECKING:
-    from validation.execution.solve import Solve
+from validation.execution.solve import Solve
 
 #: Seconds between two lines of a log.
 _BETWEEN_LINES = 10.0
@@ -29,11 +31,6 @@ class Bar(Progress, contextlib.AbstractContextManager["Bar"]):
     """
 
     def __init__(self, *, quiet: bool) -> None:
-        from rich.console import Console
-        from rich.progress import BarColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-        from rich.progress import Progress as RichProgress
-        from rich.table import Column
-
         self._console = Console(stderr=True, highlight=False)
         self._quiet = quiet
         self._logs = not quiet and not self._console.is_terminal
@@ -51,9 +48,6 @@ class Bar(Progress, contextlib.AbstractContextManager["Bar"]):
             disable=quiet or self._logs,
             speed_estimate_period=600,
         )
-        self._weights: dict[str, float] = {}
-        self._done = 0
-        self._told = -float("inf")
 
     def __exit__(self, *exc: object) -> None:
         if self._progress.tasks and not self._progress.disable:  # rich ends a bar nobody saw with a line
@@ -107,8 +101,6 @@ class Bar(Progress, contextlib.AbstractContextManager["Bar"]):
 @contextlib.contextmanager
 def under_way(what: str, *, quiet: bool) -> Iterator[Callable[[str], None]]:
     """Say on a terminal what is under way; yields what says the next."""
-    from rich.console import Console
-
     console = Console(stderr=True, highlight=False)
     if quiet or not console.is_terminal:
         yield lambda step: None
