@@ -119,9 +119,6 @@ def main() -> None:
     with refusals_in_words():
         try:
             app(prog_name="fem-contact")
-        except UsageError as error:
+        except (UsageError, RunFailed) as error:
             say(error)
-            sys.exit(2)
-        except RunFailed as error:
-            say(error)
-            sys.exit(1)
+            sys.exit(2 if isinstance(error, UsageError) else 1)

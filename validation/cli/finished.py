@@ -41,10 +41,9 @@ def audit(
             options.show(str(entry))
         for line in dict.fromkeys(ledger.unread):
             options.show(f"not judged: {line}")
-        agreeing = Counter(entry.place for entry in ledger.entries if entry.agrees)
-        files = {place: n for place, n in agreeing.items() if re.search(r"\.(json|csv|nc|html)\b", place)}
-        rest = sum(agreeing.values()) - sum(files.values())
-        for place, count in {**files, **({"fields of the solves": rest} if rest else {})}.items():
+        agreeing = (entry.place for entry in ledger.entries if entry.agrees)
+        files = (p if re.search(r"\.(json|csv|nc|html)\b", p) else "fields of the solves" for p in agreeing)
+        for place, count in Counter(files).items():
             options.show(f"{place}: {count} agree")
     if ledger.wrong:
         raise RunFailed(

@@ -142,7 +142,7 @@ def _list_studies(known: Mapping[str, Study], *, as_json: bool) -> None:
     further = {name: study.question for name, study in known.items() if name not in listed}
     for title, group in (*GROUPS.items(), ("Of other packages", further)):
         if group:
-            typer.echo(f"{title}")
+            typer.echo(title)
         for name, words in group.items():
             star = "*" if known[name].options.takes_scene() else " "
             typer.echo(f" {star} {name:23s} {words}")
