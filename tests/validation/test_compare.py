@@ -87,7 +87,7 @@ def test_whether_results_differ_is_decided_by_the_intervals_of_both(error, outco
     pair = {"a": _planted([0.1, 0.2], error), "b": _planted([0.1, 0.21], error)}
     data = side_by_side(pair)
     assert data.area_apart.sel(result="b").values == pytest.approx([0, 0.01])
-    found = [one for one in _findings(data, pair) if one.kind == "agreement"]
+    found = [one for one in _findings(data, differing(pair)) if one.kind == "agreement"]
     assert [one.outcomes for one in found] == [(outcome,)]
 
 

@@ -5,6 +5,7 @@ Nothing here solves, and nothing but records and datasets is read.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -50,8 +51,9 @@ def compare_folders(folders: Sequence[Path], output: Path, *, report: bool = Tru
     # A record that cannot be read may be that of a run.
     if (output / RECORD).exists() and record_of(output).get("kind") != "compare":
         raise UsageError(f"--output {output}: holds results of its own; name another folder")
-    data, differ, first = side_by_side(results), differing(results), next(iter(results.values()))
+    data, differ = side_by_side(results), differing(results)
     settings = {label: dict(result.settings) for label, result in results.items()}
+    label, first = next(iter(results.items()))
     kind = _KINDS.get(first.kind, f"results of the {_question(first)}")
     table = _table(data)
     short = ResultTable.of(table.columns, table.rows[:_ROWS])
@@ -61,22 +63,19 @@ def compare_folders(folders: Sequence[Path], output: Path, *, report: bool = Tru
         columns, rows = ("setting", *results), tuple((key, *values) for key, values in differ.items())
         title = "Settings that differ"
         tables.append(WordTable(title=title, columns=columns, rows=rows, left=frozenset(columns)))
-    flat = {label: _flat_settings(result) for label, result in results.items()}
-    seeds = (
-        f"{label}: {one.get('surface.seed') or one.get('seed') or 'none'}" for label, one in flat.items()
-    )
-    labelled_folders = dict(zip(_labels(folders), map(str, folders), strict=True))
+    flat = {name: _flat_settings(result) for name, result in results.items()}
+    seeds = (f"{name}: {one.get('surface.seed') or one.get('seed') or 'none'}" for name, one in flat.items())
     page = page_of(
         data,
         Views(
-            figures=tuple(_figures(data)),
-            findings=(*_findings(data, results), *map(note, left_out)),
-            cards=tuple(_cards(data, results)),
+            figures=tuple(itertools.islice(_figures(data), _FIGURES)),
+            findings=(*_findings(data, differ), *map(note, left_out)),
+            cards=tuple(_cards(data, differ)),
         ),
         figures=report,
         title=" beside ".join(results),
         lead=f"{len(results)} {kind}. What differs in what was asked, and in what came out; differences are "
-        f"from {next(iter(results))}",
+        f"from {label}",
         tables=tuple(tables),
         settings=settings,
         seeds="; ".join(seeds),
@@ -85,7 +84,7 @@ def compare_folders(folders: Sequence[Path], output: Path, *, report: bool = Tru
         data=None,  # table.csv has all numbers
         summary={
             "kind": "compare",
-            "results": {label: labelled_folders[label] for label in results},
+            "results": {name: str(folder) for name, folder in _labels(folders).items() if name in results},
             "differing": {key: list(values) for key, values in differ.items()},
             "not_compared": list(left_out),
         },
@@ -99,7 +98,7 @@ def _read(folders: Sequence[Path]) -> tuple[dict[str, Result], tuple[str, ...]]:
         raise UsageError("compare: needs at least two results folders, each named once")
     results: dict[str, Result] = {}
     left_out = []
-    for folder, label in zip(folders, _labels(folders), strict=True):
+    for label, folder in _labels(folders).items():
         try:
             result = read_results(folder)
         except UsageError as error:
@@ -124,14 +123,13 @@ def _question(result: Result) -> str:
     return words.get(result.kind, result.kind)
 
 
-def _labels(folders: Sequence[Path]) -> list[str]:
-    """Name folders by as much of their paths as tells them apart."""
-    parts = [folder.resolve().parts for folder in folders]
-    for length in range(1, max(map(len, parts)) + 1):
-        names = ["/".join(each[-length:]) for each in parts]
-        if len(set(names)) == len(names):
-            return names
-    return [str(folder) for folder in folders]
+def _labels(folders: Sequence[Path]) -> dict[str, Path]:
+    """Name folders, no two of which are the same, by as much of their paths as tells them apart."""
+    for length in itertools.count(1):
+        names = {"/".join(folder.resolve().parts[-length:]): folder for folder in folders}
+        if len(names) == len(folders):
+            break
+    return names
 
 
 def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
@@ -167,16 +165,16 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     data = xr.concat(parts, dim="result", combine_attrs=common, join="exact")
     data = data.assign_coords(result=list(results))
     values = [str(name) for name in names if not str(name).endswith("_error")]
-    errors = [f"{name}_error" for name in values if f"{name}_error" in data]
+    errors = {name: data[f"{name}_error"] for name in values if f"{name}_error" in data}
     # A source that some of them measured is in all differences: none is surer than what it is of.
     known = data
-    for name in errors:
-        own: Any = total_error(data, name.removesuffix("_error"))
-        gap = data[name].isnull() & data[name].notnull().any("result") & own.notnull()
-        known = known.assign({name: data[name].where(~gap, 0.0)})
+    for name, half in errors.items():
+        own: Any = total_error(data, name)
+        gap = half.isnull() & half.notnull().any("result") & own.notnull()
+        known = known.assign({f"{name}_error": half.where(~gap, 0.0)})
     first = known.isel(result=0, drop=True)
     beside = {f"{name}_first": first[name] for name in values}
-    beside |= {f"{name.removesuffix('_error')}_first_error": first[name] for name in errors}
+    beside |= {f"{name}_first_error": first[f"{name}_error"] for name in errors}
     made = derive(known.assign(beside), **{f"{name}_apart": f"{name} - {name}_first" for name in values})
     # The first is no further from itself than nothing.
     apart = [name for name in made.data_vars if name not in data and name not in beside]
@@ -220,17 +218,19 @@ def _word(value: Any) -> str:
 def _flat_settings(result: Result) -> dict[str, str]:
     settings = {key: value for key, value in result.settings.items() if key not in ("written", "cases")}
     scene = {k: v for k, v in settings.pop("scene", {}).items() if k not in ("name", "title", "run")}
-    options = dict(_flat({**scene, **settings}))
-    for key in [k["key"] for k in settings.get("sweep", {}).get("keys", ())]:
-        options.pop(key, None)
+    swept = [key["key"] for key in settings.get("sweep", {}).get("keys", ())]
     # Of an accuracy what was reached is no setting.
-    return {k: v for k, v in options.items() if not k.startswith("accuracy.") or k == "accuracy.target"}
+    return {
+        k: v
+        for k, v in _flat({**scene, **settings})
+        if k not in swept and (not k.startswith("accuracy.") or k == "accuracy.target")
+    }
 
 
 def differing(results: Mapping[str, Result]) -> dict[str, tuple[str, ...]]:
     """Return the settings that differ, each with its value in every result; "" where it has none."""
     every = [_flat_settings(result) for result in results.values()]
-    keys = dict.fromkeys(key for settings in every for key in settings)
+    keys = dict.fromkeys(itertools.chain(*every))
     values = {key: tuple(settings.get(key, "") for settings in every) for key in keys}
     return {key: value for key, value in values.items() if len(set(value)) > 1}
 
@@ -254,7 +254,7 @@ def _places(data: xr.Dataset, name: str) -> Iterator[tuple[str, xr.Dataset]]:
     dims = [str(dim) for dim in data[name].dims if dim != "result"]
     names = [n for n in (name, f"{name}_error", f"{name}_apart", f"{name}_apart_error") if n in data]
     for here in each(data[names], *dims):
-        if bool(here[name].notnull().all()):
+        if here[name].notnull().all():
             yield ", ".join(filter(None, (_place(here, dim, data) for dim in dims))), here
 
 
@@ -275,23 +275,22 @@ def _table(data: xr.Dataset) -> ResultTable:
     return ResultTable.of_rows(rows)
 
 
-def _cards(data: xr.Dataset, results: Mapping[str, Result]) -> Iterator[Card]:
-    keys = list(differing(results))
+def _cards(data: xr.Dataset, differ: Mapping[str, Sequence[str]]) -> Iterator[Card]:
+    keys = list(differ)
     shown_keys = ", ".join(keys[:3]) + (", ..." if len(keys) > 3 else "")
     count = f"{len(keys)} setting{'' if len(keys) == 1 else 's'}"
     yield Card("What differs in what was asked?", shown_keys or "nothing", count)
     if "area" not in data or data.area.dims != ("result",):
         return
-    for k, label in enumerate(results):
+    for k, label in enumerate(data.result.values):
         here = data.isel(result=k)
         basis = finding("value", "{area_apart:+} from it", here) if k else _FIRST
         yield Card(f"A/A0, {label}", finding("value", "{area}", here), basis)
 
 
-def _findings(data: xr.Dataset, results: Mapping[str, Result]) -> Iterator[Finding]:
-    differences = differing(results)
-    if differences:
-        words = [f"{key} ({'; '.join(v or 'none' for v in values)})" for key, values in differences.items()]
+def _findings(data: xr.Dataset, differ: Mapping[str, Sequence[str]]) -> Iterator[Finding]:
+    if differ:
+        words = [f"{key} ({'; '.join(v or 'none' for v in values)})" for key, values in differ.items()]
         more = f", and {len(words) - 6} more settings" if len(words) > 6 else ""
         # As a value, whatever braces are in it.
         yield note("{settings}", settings=f"They differ in {', '.join(words[:6])}{more}.")
@@ -305,7 +304,7 @@ def _findings(data: xr.Dataset, results: Mapping[str, Result]) -> Iterator[Findi
         yield note("No number that they share has an interval: how far they are apart cannot be judged.")
     draws = ("surface.seed", "seed", "surface.hurst", "surface.lambda", "ensemble.")
     single = data.get("surfaces", xr.DataArray([])) == 1
-    if bool(single.any()) and (not bool(single.all()) or any(key.startswith(draws) for key in differences)):
+    if single.any() and (not single.all() or any(key.startswith(draws) for key in differ)):
         yield note(
             "Their surfaces differ, and an interval of one surface is that of the grids: another draw of the "
             "same spectrum would differ, too, by how much an [ensemble] in every scene tells."
@@ -353,18 +352,16 @@ def _farthest(data: xr.Dataset, name: str, k: int) -> Finding:
 
 
 def _figures(data: xr.Dataset) -> Iterator[Figure]:
-    made = 0
     for name in _compared(data):
         dims = [str(dim) for dim in data[name].dims if dim != "result"]
         numeric = [dim for dim in dims if dim in data.coords and data[dim].dtype.kind in "fiu"]
         axes = [dim for dim in numeric if data.sizes[dim] > 1]
-        if made >= _FIGURES or f"{name}_error" not in data or len(dims) > 2 or (dims and not axes):
+        if f"{name}_error" not in data or len(dims) > 2 or (dims and not axes):
             continue
         rest = {dim: data.sizes[dim] // 2 for dim in dims if dim != axes[0]} if axes else {}
         place = ", ".join(_place(data.isel({dim: k}), dim, data) for dim, k in rest.items())
         marks = [Line(name, by="result" if axes else (), at=rest, joined=bool(axes))]
         x = axes[0] if axes else "result"
-        made += 1
         yield Figure(
             name.replace("_", "-"),
             f"Of every result: {quantity_of(data, name).meaning}{place and f' ({place})'}.",
