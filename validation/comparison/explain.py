@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from fem_contact.surface import HeightField
+    from persson.spectrum import Moments
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +61,7 @@ class Explanation:
     grids: tuple[PlannedGrid, ...]
     effects: tuple[Judgement, ...]
     left_out: tuple[Judgement, ...]
-    costs: str = ""
+    costs: str
 
     @property
     def seconds(self) -> float:
@@ -118,7 +119,7 @@ def explain(scene: Scene, problem: ContactProblem | None = None) -> Explanation:
         groups: dict[tuple[str, Grid], list[Press]] = {}
         for solve in run_solves(scene, problem):
             groups.setdefault((solve.method, solve.grid), []).append(solve)
-        pair, facts = transform_seconds(), _facts(scene, problem)
+        pair, facts = transform_seconds(), tuple(_facts(scene, problem))
         grids = []
         for (method, grid), solves in sorted(groups.items()):
             cost, waves = solves[0].predict(pair_seconds=pair), problem.points_per_wave(grid)
@@ -144,10 +145,6 @@ def explain(scene: Scene, problem: ContactProblem | None = None) -> Explanation:
     )
 
 
-#: What checks of a scene, and making its surface, refuse.
-_UNFIT = (UsageError, fem_errors.InvalidInput, persson_errors.InvalidInput)
-
-
 def problems_of(sweep: Sweep, *, surveyed: bool = False) -> tuple[ContactProblem, ...]:
     """Return what each scene asks for, each surface made once, and refuse what cannot be run.
 
@@ -162,7 +159,7 @@ def problems_of(sweep: Sweep, *, surveyed: bool = False) -> tuple[ContactProblem
                 key = f"load.{scene.load.key}"
                 raise UsageError(f"{key}: lists several loads; move the list to [sweep], as sweep.{key}")
             check_scene(scene, problem)
-        except _UNFIT as error:
+        except (UsageError, fem_errors.InvalidInput, persson_errors.InvalidInput) as error:
             raise UsageError(f"{error} ([sweep] at {sweep.place(k)})") from None
         surfaces.setdefault(scene.surface, problem)
         made.append(problem)
@@ -233,7 +230,7 @@ def judgements(scene: Scene, problem: ContactProblem) -> tuple[tuple[Judgement, 
             costs = effect_costs()
             words = f"it costs {costs.factors[judgement.effect]:.2g} times the plain solve ({costs.source})"
             listed[k] = replace(judgement, verdict=f"{judgement.verdict}; {words}")
-    return tuple(listed), _left_out(scene, problem, rough)
+    return tuple(listed), tuple(_left_out(scene, problem, rough))
 
 
 def roughness_of(problem: ContactProblem) -> Roughness:
@@ -247,47 +244,48 @@ def roughness_of(problem: ContactProblem) -> Roughness:
     return Roughness(gradient=field.rms_gradient, curvature=curvature, full_energy=energy, **given)
 
 
-def _facts(scene: Scene, problem: ContactProblem) -> tuple[tuple[str, str], ...]:
+def _facts(scene: Scene, problem: ContactProblem) -> Iterator[tuple[str, str]]:
     from fem_contact.surface import Patch
 
     field: HeightField | Expected = problem.field
-    how = "by differences" if isinstance(field, Patch) else "spectral"
-    words = f"h_rms = {as_length(field.rms_height, 4)}, h'_rms = {field.rms_gradient:.4g} ({how})"
+    yield "E*", in_prefixed_unit(alike(problem.contact_modulus, scene.solid.young), "Pa")
     if isinstance(field, Expected):
         points = f"not made here, for it takes {field.shape[0]} x {field.shape[1]} points"
         why = points if scene.methods.solvers else "none is drawn, for no solver runs"
-        words = f"{why}; all that follows is that of C(q)"
-    modulus = alike(problem.contact_modulus, scene.solid.young)
-    facts = [("E*", in_prefixed_unit(modulus, "Pa")), ("realised surface", words)]
-    if problem.topography is not None:
-        facts += [("measured", words) for words in problem.topography.history]
+        yield "realised surface", f"{why}; all that follows is that of C(q)"
     else:
-        moments = problem.spectrum_shape.moments()
-        words = f"h_rms = {as_length(moments.rms_height, 4)}, h'_rms = {moments.rms_gradient:.4g}"
+        how = "by differences" if isinstance(field, Patch) else "spectral"
+        yield "realised surface", f"{_heights(field)} ({how})"
+    if problem.topography is not None:
+        yield from (("measured", words) for words in problem.topography.history)
+    else:
+        yield "integrals over C(q)", _heights(problem.spectrum_shape.moments())
         sizes = f"L/lambda_long = {min(problem.lengths) / problem.longest:.3g}, "
-        sizes += f"lambda_long/lambda_short = {problem.longest / problem.shortest:.3g}"
-        facts += [("integrals over C(q)", words), ("bandwidth", sizes)]
+        yield "bandwidth", sizes + f"lambda_long/lambda_short = {problem.longest / problem.shortest:.3g}"
     source = "of C(q)" if isinstance(field, Expected) else "realised"
-    facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} ({source})"))
+    yield "Nayak parameter", f"alpha = {field.nayak:.4g} ({source})"
     for key, v in problem.load.held.items():
         words = f"{key.replace('_', ' ')} = {as_length(v, 4)} is held; "
-        facts.append(("load", words + "the load that takes follows from the solve"))
+        yield "load", words + "the load that takes follows from the solve"
     if not problem.load.held:
         each = ", ".join(in_prefixed_unit(pressure, "Pa") for pressure in problem.pressures)
         reduced = ", ".join(f"{pressure / problem.pressure_scale:.4g}" for pressure in problem.pressures)
         force = problem.load.force
         first = "" if force is None else f"force = {in_prefixed_unit(force, 'N')}; "
-        facts.append(("load", f"{first}p0 = {each}; p* = {reduced}"))
-    facts += _usual_grids(scene, problem)
-    facts += oblong_grids(scene, problem)
+        yield "load", f"{first}p0 = {each}; p* = {reduced}"
+    yield from _usual_grids(scene, problem)
+    yield from oblong_grids(scene, problem)
     for name, method in scene.methods.chosen.items():
-        facts += method.facts(scene.methods.options(name), problem)
+        yield from method.facts(scene.methods.options(name), problem)
     if (theory := scene.methods.options("theory")) is not None:
         words = "Persson 2006, elastic, without adhesion: A/A0, P(sigma), kappa; milliseconds"
         if scene.effects:
             words = theory_words(TheoryInputs.by(problem.elastic, scene.effects), theory)
-        facts.append(("theory", words))
-    return tuple(facts)
+        yield "theory", words
+
+
+def _heights(of: HeightField | Moments) -> str:
+    return f"h_rms = {as_length(of.rms_height, 4)}, h'_rms = {of.rms_gradient:.4g}"
 
 
 def _usual_grids(scene: Scene, problem: ContactProblem) -> Iterator[tuple[str, str]]:
@@ -295,10 +293,10 @@ def _usual_grids(scene: Scene, problem: ContactProblem) -> Iterator[tuple[str, s
     usual = usual_grids(problem.lengths, problem.shortest)
     for name, solver in scene.methods.solvers.items():
         options = scene.methods.options(name)
-        left = usual[len(options.grids) :]
-        usually = bool(left) and options.grids == usual[: len(options.grids)]
-        if usually and not affordable(solver, left[0], lengths=problem.lengths, options=options):
-            words = "{} x {} would take more than 2 GiB or ten minutes".format(*left[0])
+        listed, left = usual[: len(options.grids)], usual[len(options.grids) :]
+        more = left and options.grids == listed
+        if more and not affordable(solver, left[0], lengths=problem.lengths, options=options):
+            words = f"{grid_name(left[0])} would take more than 2 GiB or ten minutes"
             yield f"grids of {name}", f"{words}; list it in methods.{name}.grids to have it all the same"
 
 
@@ -314,17 +312,16 @@ def oblong_grids(scene: Scene, problem: ContactProblem) -> Iterator[tuple[str, s
                 yield f"grids of {name}", words
 
 
-def _left_out(scene: Scene, problem: ContactProblem, rough: Roughness) -> tuple[Judgement, ...]:
+def _left_out(scene: Scene, problem: ContactProblem, rough: Roughness) -> Iterator[Judgement]:
     slots = {effect.slot for effect in scene.effects}
     # Where one effect fills a slot, its rivals are not missing.
     rivals = (kind for kind in effect_kinds().values() if kind.slot not in slots)
-    items = [judgement for kind in rivals if (judgement := kind.unlisted(rough)) is not None]
-    items.append(finite_slopes(rough, poisson=problem.elastic.poisson))
+    yield from filter(None, (kind.unlisted(rough) for kind in rivals))
+    yield finite_slopes(rough, poisson=problem.elastic.poisson)
     what, verdict = "an independent solver", "the contact algorithm is not cross-checked"
     able = [name for name, method in methods().items() if method.independent]
     if not scene.methods.solvers:
         what, able = "a solver", [name for name, method in methods().items() if isinstance(method, Solver)]
         verdict = "how far the theory is from the equations of elasticity is not measured"
     if not any(method.independent for method in scene.methods.solvers.values()):
-        items.append(Judgement(effect=what, number=f"no [methods.{able[0]}]", verdict=verdict))
-    return tuple(items)
+        yield Judgement(effect=what, number=f"no [methods.{able[0]}]", verdict=verdict)
