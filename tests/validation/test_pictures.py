@@ -2,7 +2,7 @@
 
 import pytest
 
-from validation.comparison import pages, pictures
+from validation.comparison import pages
 from validation.execution.results import read_results
 from validation.report.page import Picture
 from validation.sandbox import OutOfBounds
@@ -14,8 +14,8 @@ def test_a_renderer_that_dies_or_hangs_leaves_a_word_and_no_file(tmp_path, monke
         worker.stderr.write(b"libGL.so.1: cannot open shared object file\n")
         raise OutOfBounds(words)
 
-    monkeypatch.setattr(pictures.Worker, "call", ends)
-    picture, missing = pictures.render_stored(tmp_path / "solve.nc", label="BEM 8 x 8")
+    monkeypatch.setattr(pages.Worker, "call", ends)
+    picture, missing = pages.render_stored(tmp_path / "solve.nc", label="BEM 8 x 8")
     assert picture is None
     assert words in missing
     assert "libGL.so.1" in missing
@@ -28,7 +28,7 @@ def test_what_is_rendered_is_the_stored_contact(small_run, tmp_path, monkeypatch
         "fem_contact.export.render_surface", lambda path, solution: drawn.append((path, solution))
     )
     (stored,) = (small_run.folder / "solves").glob("fem-24x16-*.nc")
-    pictures._render(stored, tmp_path / "surface.png")
+    pages._render(stored, tmp_path / "surface.png")
     ((path, solution),) = drawn
     assert path == tmp_path / "surface.png"
     assert solution.pressure.shape == (24, 16)
@@ -47,7 +47,7 @@ def test_a_run_renders_what_was_asked_for_of_its_finest_finite_elements(small_ru
 
 def test_a_stored_solve_becomes_a_picture_wherever_a_renderer_lives(small_run):
     stored = next((small_run.folder / "solves").glob("bem-24x16-*.nc"))
-    picture, missing = pictures.render_stored(stored, label="BEM 24 x 16")
+    picture, missing = pages.render_stored(stored, label="BEM 24 x 16")
     # Without a graphics library the process dies; a mistake of ours has the name of an exception.
     assert "Error" not in missing
     assert "InvalidInput" not in missing

@@ -1,16 +1,19 @@
-"""The page of a run, a theory or a sweep: its views, and what a reader should know of the scene."""
+"""The page of a run, a theory or a sweep: its views, pictures, and what a reader should know of the scene."""
 
 from __future__ import annotations
+
+import tempfile
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from validation.comparison.explain import judgements
-from validation.comparison.pictures import render_stored
 from validation.comparison.run_views import run_views
 from validation.comparison.sweep_views import sweep_views
 from validation.comparison.theory_alone import theory_views
 from validation.errors import UsageError
+from validation.execution.pool import Worker
 from validation.execution.results import Result
 from validation.report.page import Page, Picture, page_of
 from validation.report.papers import CITED_FOR
@@ -19,6 +22,8 @@ from validation.scenes.problem import ContactProblem
 from validation.scenes.scene import Scene
 
 _VIEWS = {"run": run_views, "theory": theory_views, "sweep": sweep_views}
+#: Seconds that a picture may take.
+_PATIENCE = 120
 
 
 def effects_words(scene: Scene, problem: ContactProblem) -> str:
@@ -110,14 +115,37 @@ def _picture(result: Result) -> tuple[Picture | None, str]:
     """Render the finest finite-element solve, or the finest of all, of the surface as it stands."""
     keys = result.data.solve.isel(shift=0)
     groups = [
-        (
-            (result.store / f"{key}.vtu").exists(),
-            g,
-            str(key),
-            f"{keys.solver[m].item()} on {keys.grid[g].item()}",
-        )
+        ((result.store / f"{key}.vtu").exists(), g, str(key), str(keys.solver[m].item()))
         for (m, g), key in np.ndenumerate(keys.values)
         if key
     ]
-    *_, key, label = max(groups)
-    return render_stored(result.store / f"{key}.nc", label=label)
+    _, g, key, solver = max(groups)
+    return render_stored(result.store / f"{key}.nc", label=f"{solver} on {keys.grid[g].item()}")
+
+
+def render_stored(solve: Path, *, label: str) -> tuple[Picture | None, str]:
+    """Return a picture of the deformed surface of a stored solve, or None and the reason why there is none.
+
+    It is done in a process of its own: without a display or a graphics driver the renderer may not only fail
+    but take its process with it.
+    """
+    with tempfile.TemporaryDirectory() as folder, Worker() as worker:
+        image = Path(folder) / "surface-3d.png"
+        try:
+            worker.call(_render, solve, image, seconds=_PATIENCE)
+        except Exception as error:  # its own, or that of the process it takes with it
+            return None, f"off-screen rendering does not work here: {error}{worker.last_words()}"
+        png = image.read_bytes()
+    caption = (
+        f"The deformed surface of the elastic body ({label}), coloured by contact pressure: dark is high, "
+        "light is low. Displacements are magnified so that the deepest dent is a tenth of the period."
+    )
+    return Picture(name="surface-3d", png=png, caption=caption), ""
+
+
+def _render(solve: Path, image: Path) -> None:
+    from fem_contact.export import render_surface
+    from validation.execution.store import read_result
+
+    # The renderer chooses the format by the suffix.
+    render_surface(image, read_result(solve))
